@@ -1,8 +1,8 @@
 # The few things one wants without knowing the build. Everything below is CMake (CMakePresets.json).
-.PHONY: all demo test validate docs figures performance fuzz tsan format format-check clean
+.PHONY: all demo test validate docs figures performance fuzz tsan tidy format format-check clean
 .DEFAULT_GOAL := all
 
-sources = $(shell find include src tests examples -name '*.[ch]' -o -name '*.cpp')
+sources = $(shell find include src tools tests examples -name '*.[ch]' -o -name '*.cpp')
 
 all:
 	@scripts/setup.sh
@@ -27,11 +27,17 @@ validate:
 	@scripts/build.sh release
 	@ctest --test-dir build/release -C Validate -L validate --output-on-failure
 
-# The reference of the C API, build/docs/api/index.html, and docs/commands.md anew.
+# The reference of the C API, build/docs/api/index.html, and anew from the tables of options: docs/commands.md, the schema
+# of scene files, the options on the methods' pages.
 docs:
 	@scripts/setup.sh build docs
-	@scripts/build.sh release tyndall_cli
+	@scripts/build.sh release tyndall_cli tyndall_bench tyndall_figure
 	@build/release/bin/tyndall help --markdown > docs/commands.md
+	@build/release/bin/tyndall help --schema > docs/scene.schema.json
+	@mkdir -p out
+	@for page in $$(grep -l '^<!-- options of' docs/method/*.md); do method=$$(basename $$page .md) && \
+	  build/release/bin/tyndall help --options $$method > out/options.md && \
+	  scripts/insert_between_marks.sh $$page "options of $$method" out/options.md || exit 1; done
 	@scripts/docs.sh
 
 # All of the papers' figures into out/figures, and what they measured into docs/figures.md. Goes on where it was
@@ -39,7 +45,7 @@ docs:
 FIGURES =
 figures:
 	@scripts/setup.sh
-	@scripts/build.sh release tyndall_cli
+	@scripts/build.sh release tyndall_cli tyndall_figure
 	@mkdir -p out
 	@build/release/bin/tyndall figure all -o out/figures --keep $(FIGURES)
 	@scripts/insert_between_marks.sh docs/figures.md "measured figures" out/figures/summary.md
@@ -48,7 +54,7 @@ figures:
 PERFORMANCE = --rounds 3 --runs 1 --spp 16
 performance:
 	@scripts/setup.sh
-	@scripts/build.sh release tyndall_cli
+	@scripts/build.sh release tyndall_cli tyndall_bench
 	@mkdir -p out
 	@build/release/bin/tyndall bench all $(PERFORMANCE) $(if $(wildcard docs/performance.json),--baseline docs/performance.json) \
 	  -o out/performance.json --markdown out/performance.md
@@ -64,6 +70,11 @@ tsan:
 	@scripts/setup.sh
 	@scripts/build.sh tsan
 	@ctest --preset tsan
+
+# The checks of .clang-tidy on every file.
+tidy:
+	@scripts/setup.sh build tidy
+	@scripts/tidy.sh
 
 format:
 	@scripts/setup.sh format

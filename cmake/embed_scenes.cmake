@@ -1,4 +1,4 @@
-# cmake -DLIST=file -DOUTPUT=file.c -P embed_scenes.cmake: LIST holds one scene file a line.
+# cmake -DLIST=file -DOUTPUT=file.c -DNAME=array -P embed_scenes.cmake: LIST holds one scene file a line.
 include("${CMAKE_CURRENT_LIST_DIR}/embed_bytes.cmake")
 file(STRINGS "${LIST}" inputs)
 list(TRANSFORM inputs REPLACE "\\.json$" "")
@@ -12,12 +12,13 @@ foreach(input IN LISTS inputs)
   string(APPEND texts "static const char ${symbol}[] = {\n    ${bytes}};\n\n")
   string(APPEND rows "    {\"${name}\", ${symbol}, sizeof ${symbol} - 1},\n")
 endforeach()
-file(WRITE "${OUTPUT}" "/* Made from scenes/builtin. */
+file(WRITE "${OUTPUT}" "/* Made from scene files. */
 #include \"io/scenes/builtin.h\"
 
 #include <stddef.h>
 
-${texts}const ty_builtin_scene ty_builtin_scenes[] = {
+${texts}extern const ty_builtin_scene ${NAME}[];
+const ty_builtin_scene ${NAME}[] = {
 ${rows}    {NULL, NULL, 0},
 };
 ")

@@ -12,18 +12,19 @@ function(tyndall_embed_file target file name)
   target_sources(${target} PRIVATE "${output}")
 endfunction()
 
-# tyndall_embed_scenes(TARGET FOLDER): ty_builtin_scenes[] (src/io/scenes/builtin.h) from the folder's *.json.
-function(tyndall_embed_scenes target folder)
-  set(output "${CMAKE_CURRENT_BINARY_DIR}/embedded/ty_builtin_scenes.c")
+# tyndall_embed_scenes(TARGET FOLDER NAME): an array NAME[] of ty_builtin_scene (src/io/scenes/builtin.h) from the folder's
+# *.json.
+function(tyndall_embed_scenes target folder name)
+  set(output "${CMAKE_CURRENT_BINARY_DIR}/embedded/${name}.c")
   set(script "${PROJECT_SOURCE_DIR}/cmake/embed_scenes.cmake")
   get_filename_component(folder "${folder}" ABSOLUTE)
   file(GLOB files CONFIGURE_DEPENDS "${folder}/*.json")
   # The list of names is an input of its own: a removed file changes no other one.
-  set(list "${CMAKE_CURRENT_BINARY_DIR}/embedded/ty_builtin_scenes.txt")
+  set(list "${CMAKE_CURRENT_BINARY_DIR}/embedded/${name}.txt")
   list(JOIN files "\n" lines)
   file(CONFIGURE OUTPUT "${list}" CONTENT "${lines}\n" @ONLY)
   add_custom_command(OUTPUT "${output}"
-    COMMAND "${CMAKE_COMMAND}" "-DLIST=${list}" "-DOUTPUT=${output}" -P "${script}"
+    COMMAND "${CMAKE_COMMAND}" "-DLIST=${list}" "-DOUTPUT=${output}" "-DNAME=${name}" -P "${script}"
     DEPENDS ${files} "${list}" "${script}" "${PROJECT_SOURCE_DIR}/cmake/embed_bytes.cmake" VERBATIM)
   target_sources(${target} PRIVATE "${output}")
 endfunction()

@@ -1,7 +1,7 @@
 # tyndall_kernels(OBJECTS SOURCE): compiles a hot loop's file once per instruction set and appends the objects to the
 # list OBJECTS, for the target that uses them. The file sees TY_ISA (v1, v3 or v4: the x86-64 microarchitecture levels)
 # and exports its functions under names that end in it; every file sees TY_ISA_X86=1 where v3 and v4 exist, and the
-# caller chooses among them when the program runs.
+# caller chooses among them with base/dispatch.h when the program runs.
 include(CheckCSourceCompiles)
 check_c_source_compiles("
 #if !defined(__x86_64__)
@@ -34,7 +34,8 @@ function(tyndall_kernels objects source)
     set(name "${stem}_${isa}")
     add_library(${name} OBJECT ${source})
     target_link_libraries(${name} PRIVATE tyndall_options)
-    target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src")
+    target_include_directories(${name} PRIVATE
+      "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src" "${PROJECT_SOURCE_DIR}/tools")
     target_compile_definitions(${name} PRIVATE TY_ISA=${isa})
     if(NOT tyndall_sanitizers) # what those add, -O3 takes minutes to see through
       target_compile_options(${name} PRIVATE -O3)

@@ -32,7 +32,7 @@ int main(int count, char** arguments) {
     ty_context* context = NULL;
     if (ty_context_create(&def, &context) != TY_OK) return 1;
     const ty_result result = render(context, scene_path, image_path);
-    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_last_error(context));
+    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_take_error(context));
     ty_context_destroy(context);
     return result == TY_OK ? 0 : 1;
 }

@@ -22,12 +22,14 @@ static void draw(float* rgba, float* depth, int frame) {
 
 /* In place: the planes of color are those of out. */
 static ty_screen_image describe(float* rgba, const float* depth) {
-    ty_screen_image image = {.width = WIDTH, .height = HEIGHT, .distance = depth};
+    ty_screen_image image = ty_default_screen_image();
+    image.width = WIDTH;
+    image.height = HEIGHT;
+    image.distance = depth;
     for (int c = 0; c < 3; ++c) image.color.data[c] = rgba + c;
     image.color.step = 4;
     image.color.row = 4 * WIDTH;
     image.out = image.color;
-    image.distance_step = 1;
     image.distance_row = WIDTH;
     return image;
 }
@@ -43,7 +45,7 @@ static ty_result run(ty_context* context, float* rgba, float* depth) {
         def.g[c] = fog.g[c];
     }
     def.focal[0] = def.focal[1] = ty_screen_focal(HEIGHT, 50);
-    def.planar = true; /* a depth buffer, made linear */
+    def.distance_kind = TY_SCREEN_DISTANCE_AXIS; /* a depth buffer, made linear */
 
     const size_t size = ty_screen_workspace(context, &def, WIDTH, HEIGHT);
     void* workspace = aligned_alloc(64, (size + 63) / 64 * 64);
@@ -68,7 +70,7 @@ int main(void) {
     float* rgba = malloc(sizeof(float) * 4 * WIDTH * HEIGHT);
     float* depth = malloc(sizeof(float) * WIDTH * HEIGHT);
     const ty_result result = rgba == NULL || depth == NULL ? TY_ERROR_MEMORY : run(context, rgba, depth);
-    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_last_error(context));
+    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_take_error(context));
     free(depth);
     free(rgba);
     ty_context_destroy(context);

@@ -20,15 +20,15 @@ static ty_result make_scene(ty_context* context, ty_scene** out) {
     ty_light_def sun = ty_default_light_def();
     sun.direction[0] = -0.7;
     sun.direction[1] = -0.6;
-    ty_result result = ty_grid_noise(context, &noise, &cloud.density_grid);
+    ty_result result = ty_grid_create_noise(context, &noise, &cloud.density_grid);
     if (result == TY_OK) result = ty_scene_create(context, TY_AXIS_Y, out);
     if (result == TY_OK) result = ty_scene_add_medium(*out, &cloud);
     if (result == TY_OK) result = ty_scene_add_light(*out, &sun);
-    ty_grid_destroy(cloud.density_grid); /* the scene keeps its own hold on it */
+    ty_grid_release(cloud.density_grid); /* the scene has a reference of its own */
     return result == TY_OK ? ty_scene_commit(*out) : result;
 }
 
-static ty_result look(ty_scene* scene, const ty_fld* light, const ty_fld_def* def, double x, const char* path) {
+static ty_result render_view(ty_scene* scene, const ty_fld* light, const ty_fld_def* def, double x, const char* path) {
     ty_camera_def camera = ty_default_camera_def();
     camera.position[0] = x;
     camera.position[2] = 2;
@@ -36,9 +36,8 @@ static ty_result look(ty_scene* scene, const ty_fld* light, const ty_fld_def* de
     ty_image* image = NULL;
     ty_fld_stats stats = {0};
     ty_result result = ty_scene_set_camera(scene, &camera);
-    if (result == TY_OK) result = ty_scene_commit(scene);
     if (result == TY_OK) result = ty_fld_view(light, scene, def, &image, &stats);
-    if (result == TY_OK) result = ty_image_write_png(ty_scene_context(scene), image, 2, true, path);
+    if (result == TY_OK) result = ty_image_write_png(ty_scene_context(scene), image, 2, TY_TONE_FILMIC, path);
     if (result == TY_OK) printf("%s in %.2f s\n", path, stats.march_seconds);
     ty_image_destroy(image);
     return result;
@@ -68,9 +67,9 @@ int main(void) {
     if (result == TY_OK) result = ty_fld_fluence(light, middle, middle, one, fluence, NULL, NULL);
     if (result == TY_OK) printf("fluence in the middle: %.3f W m^-2\n", fluence[0]);
 
-    if (result == TY_OK) result = look(scene, light, &def, -1, "cloud_left.png");
-    if (result == TY_OK) result = look(scene, light, &def, 1, "cloud_right.png");
-    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_last_error(context));
+    if (result == TY_OK) result = render_view(scene, light, &def, -1, "cloud_left.png");
+    if (result == TY_OK) result = render_view(scene, light, &def, 1, "cloud_right.png");
+    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_take_error(context));
     ty_fld_destroy(light);
     ty_scene_destroy(scene);
     ty_context_destroy(context);

@@ -68,11 +68,11 @@ static void cast(vec origin, vec direction, const buffers* out, size_t i) {
 }
 
 /* A map of 16 m by 16 m for a sun that shines along forward. */
-static void draw_shadow_map(const vec forward, const buffers* b, ty_light_map* map) {
+static void draw_shadow_map(const vec forward, const buffers* b, ty_rsm* map) {
     const vec right = unit(cross(forward, (vec){0, 1, 0})), up = cross(right, forward);
     const vec origin = add_scaled((vec){0, 1, 0}, -30, forward);
     const double half = 8;
-    *map = (ty_light_map){.side = SIDE, .faces = 1, .depth = b->depth, .normal = b->normal, .albedo = b->albedo};
+    *map = (ty_rsm){.side = SIDE, .faces = 1, .depth = b->depth, .normal = b->normal, .albedo = b->albedo};
     const double vectors[4][3] = {{origin.x, origin.y, origin.z},
                                   {forward.x, forward.y, forward.z},
                                   {half * right.x, half * right.y, half * right.z},
@@ -129,9 +129,12 @@ static ty_result make_scene(ty_context* context, vec forward, ty_scene** out) {
 }
 
 /* One frame from elsewhere: the light stays as it is. */
-static ty_result look(ty_scene* scene, const ty_lpv* light, ty_lpv_def* def, const buffers* b, int frame) {
+static ty_result render_view(ty_scene* scene, const ty_lpv* light, ty_lpv_def* def, const buffers* b, int frame) {
     char path[32];
-    const ty_lpv_view_def view = {.distance = b->depth, .normal = b->normal, .albedo = b->albedo};
+    ty_lpv_view_def view = ty_default_lpv_view_def();
+    view.distance = b->depth;
+    view.normal = b->normal;
+    view.albedo = b->albedo;
     ty_camera_def camera = ty_default_camera_def();
     ty_image* image = NULL;
     ty_lpv_stats stats = {0};
@@ -146,9 +149,8 @@ static ty_result look(ty_scene* scene, const ty_lpv* light, ty_lpv_def* def, con
     draw_view(&camera, b);
     def->view = &view;
     ty_result result = ty_scene_set_camera(scene, &camera);
-    if (result == TY_OK) result = ty_scene_commit(scene);
     if (result == TY_OK) result = ty_lpv_view(light, scene, def, &image, &stats);
-    if (result == TY_OK) result = ty_image_write_png(ty_scene_context(scene), image, -1, true, path);
+    if (result == TY_OK) result = ty_image_write_png(ty_scene_context(scene), image, -1, TY_TONE_FILMIC, path);
     if (result == TY_OK)
         printf("%s: surfaces %.1f ms, lattice marched %.1f ms, single scattering %.1f ms\n", path,
                1e3 * stats.surface_seconds, 1e3 * stats.march_seconds, 1e3 * stats.single_seconds);
@@ -159,7 +161,7 @@ static ty_result look(ty_scene* scene, const ty_lpv* light, ty_lpv_def* def, con
 
 static ty_result run(ty_context* context, const buffers* shadow, const buffers* seen) {
     const vec forward = unit((vec){-0.6, -1, 0.35});
-    ty_light_map map;
+    ty_rsm map;
     ty_scene* scene = NULL;
     ty_lpv* light = NULL;
     ty_lpv_stats stats = {0};
@@ -182,7 +184,8 @@ static ty_result run(ty_context* context, const buffers* shadow, const buffers* 
         printf("irradiance by fog and surfaces: %.3f W m^-2 in the sun, %.3f in the shadow\n", (double)irradiance[0],
                (double)irradiance[3]);
 
-    for (int frame = 0; frame < VIEWS && result == TY_OK; ++frame) result = look(scene, light, &def, seen, frame);
+    for (int frame = 0; frame < VIEWS && result == TY_OK; ++frame)
+        result = render_view(scene, light, &def, seen, frame);
     ty_lpv_destroy(light);
     ty_scene_destroy(scene);
     return result;
@@ -196,7 +199,7 @@ int main(void) {
     ty_result result = TY_ERROR_MEMORY;
     if (make_buffers((size_t)SIDE * SIDE, &shadow) && make_buffers((size_t)WIDTH * HEIGHT, &seen))
         result = run(context, &shadow, &seen);
-    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_last_error(context));
+    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_take_error(context));
     free_buffers(&seen);
     free_buffers(&shadow);
     ty_context_destroy(context);

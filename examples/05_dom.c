@@ -24,16 +24,16 @@ static ty_result make_scene(ty_context* context, int frame, ty_scene** out) {
         cloud.g[a] = 0.6f;
         sky.color[a] = 0.04f + 0.03f * (float)a;
     }
-    ty_result result = ty_grid_noise(context, &noise, &cloud.density_grid);
+    ty_result result = ty_grid_create_noise(context, &noise, &cloud.density_grid);
     if (result == TY_OK) result = ty_scene_create(context, TY_AXIS_Y, out);
     if (result == TY_OK) result = ty_scene_add_medium(*out, &cloud);
     if (result == TY_OK) result = ty_scene_add_light(*out, &sun);
     if (result == TY_OK) result = ty_scene_add_light(*out, &sky);
-    ty_grid_destroy(cloud.density_grid); /* the scene keeps its own hold on it */
+    ty_grid_release(cloud.density_grid); /* the scene has a reference of its own */
     return result == TY_OK ? ty_scene_commit(*out) : result;
 }
 
-static ty_result look(ty_scene* scene, const ty_dom* light, const ty_dom_def* def, int frame, double x) {
+static ty_result render_view(ty_scene* scene, const ty_dom* light, const ty_dom_def* def, int frame, double x) {
     char path[64];
     ty_camera_def camera = ty_default_camera_def();
     camera.position[0] = x;
@@ -42,9 +42,8 @@ static ty_result look(ty_scene* scene, const ty_dom* light, const ty_dom_def* de
     ty_image* image = NULL;
     snprintf(path, sizeof path, "cloud_%d_%s.png", frame, x < 0 ? "left" : "right");
     ty_result result = ty_scene_set_camera(scene, &camera);
-    if (result == TY_OK) result = ty_scene_commit(scene);
     if (result == TY_OK) result = ty_dom_view(light, scene, def, &image, NULL);
-    if (result == TY_OK) result = ty_image_write_png(ty_scene_context(scene), image, 2, true, path);
+    if (result == TY_OK) result = ty_image_write_png(ty_scene_context(scene), image, 2, TY_TONE_FILMIC, path);
     ty_image_destroy(image);
     return result;
 }
@@ -64,8 +63,8 @@ static ty_result render_frame(ty_context* context, int frame, ty_dom** light) {
         printf("frame %d: %d sweeps of %d directions over %dx%dx%d cells, %.3f s; %.3f W scattered, %.3f W left\n",
                frame, stats.sweeps[0], stats.directions, stats.size[0], stats.size[1], stats.size[2], stats.seconds,
                stats.emitted[0], stats.leaving[0]);
-    if (result == TY_OK) result = look(scene, now, &def, frame, -1);
-    if (result == TY_OK) result = look(scene, now, &def, frame, 1);
+    if (result == TY_OK) result = render_view(scene, now, &def, frame, -1);
+    if (result == TY_OK) result = render_view(scene, now, &def, frame, 1);
 
     /* The light at a point, for a probe or a particle. */
     const double middle[3] = {0, 0, 0};
@@ -85,7 +84,7 @@ int main(void) {
     const ty_context_def context_def = ty_default_context_def();
     ty_result result = ty_context_create(&context_def, &context);
     for (int frame = 0; frame < FRAMES && result == TY_OK; ++frame) result = render_frame(context, frame, &light);
-    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_last_error(context));
+    if (result != TY_OK) fprintf(stderr, "%s: %s\n", ty_result_name(result), ty_take_error(context));
     ty_dom_destroy(light);
     ty_context_destroy(context);
     return result == TY_OK ? 0 : 1;

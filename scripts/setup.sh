@@ -9,6 +9,7 @@ build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopen
   libcairo2-dev fonts-dejavu-core libcmocka-dev)
 fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)
+tidy=(clang-tidy python3)
 docs=(doxygen)
 page=("chromium|chromium-browser|google-chrome-stable" python3) # tests of compare's report.html
 
@@ -18,9 +19,10 @@ for group in "${@:-build}"; do
     build) needed+=("${build[@]}") ;;
     fuzz) needed+=("${fuzz[@]}") ;;
     format) needed+=("${format[@]}") ;;
+    tidy) needed+=("${tidy[@]}") ;;
     docs) needed+=("${docs[@]}") ;;
     page) needed+=("${page[@]}") ;;
-    *) echo "setup: unknown group '$group'; known: build, fuzz, format, docs, page" >&2; exit 2 ;;
+    *) echo "setup: unknown group '$group'; known: build, fuzz, format, tidy, docs, page" >&2; exit 2 ;;
   esac
 done
 

@@ -84,7 +84,7 @@ static inline ty_atlas_def sized(int32_t side) {
 static inline ty_atlas* mapped_atlas(const ty_scene* scene, const ty_atlas_def* def) {
     ty_atlas* atlas = NULL;
     const ty_result result = ty_atlas_create(scene, 0, "wall", def, &atlas);
-    if (result != TY_OK) fail_msg("%s", ty_last_error(ty_scene_context(scene)));
+    if (result != TY_OK) fail_msg("%s", ty_take_error(ty_scene_context(scene)));
     return atlas;
 }
 
@@ -105,7 +105,7 @@ static inline ty_bake_light* made_up(const ty_atlas* atlas, light_fn light) {
 static inline ty_image* image_of(const ty_atlas* atlas, light_fn light) {
     ty_bake_light* lit = made_up(atlas, light);
     ty_image* image = NULL;
-    assert_int_equal(ty_atlas_image(atlas, lit, &image), TY_OK);
+    assert_int_equal(ty_atlas_create_image(atlas, lit, &image), TY_OK);
     free(lit);
     return image;
 }

@@ -2,7 +2,7 @@
 #ifndef TY_TESTS_DIFFUSION_MAKER_H
 #define TY_TESTS_DIFFUSION_MAKER_H
 
-#include "solve/diffusion.h"
+#include "solve/diffusion/diffusion.h"
 
 #include "checks.h"
 
@@ -68,7 +68,7 @@ static inline void fill_problem(problem* p, void (*fill)(problem* p, size_t i, c
 
 /* Solves, and asserts that it converged. */
 static inline void solve_problem(ty_context* context, problem* p) {
-    if (ty_diffusion_solve(context, &p->def, &p->out, &p->stats) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_diffusion_solve(context, &p->def, &p->out, &p->stats) != TY_OK) fail_msg("%s", ty_take_error(context));
     if (!p->stats.converged) fail_msg("residual %g after %d iterations", p->stats.residual, (int)p->stats.iterations);
 }
 

@@ -3,17 +3,17 @@
 #define TY_TESTS_DIRECT_MAKER_H
 
 #include "checks.h"
-#include "direct/uncollided.h"
+#include "direct/lights/discretize.h"
+#include "direct/uncollided/uncollided.h"
 
 typedef struct direct_case {
     ty_scene* scene;
     ty_grid_medium* medium;
-    ty_source* sources;
-    int32_t source_count;
+    ty_discrete_light_set sources;
 } direct_case;
 
 static inline void check_result(ty_context* context, ty_result result) {
-    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_last_error(context));
+    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_take_error(context));
 }
 
 /* Takes over a scene with everything in it: commits it, and cuts its media into cells, `longest` along the longest
@@ -22,18 +22,18 @@ static inline direct_case direct_begin(ty_scene* scene, int32_t longest, int32_t
     ty_context* context = ty_scene_context(scene);
     direct_case made = {.scene = scene};
     ty_grid_box box;
-    ty_source_def def = ty_default_source_def();
+    ty_discretize_def def = ty_default_discretize_def();
     def.environment = beams;
     def.surface = points;
     check_result(context, ty_scene_commit(scene));
     check_result(context, ty_grid_box_fit(scene, longest, &box));
     check_result(context, ty_grid_medium_create(scene, &box, &made.medium));
-    check_result(context, ty_sources_create(scene, &def, &made.sources, &made.source_count));
+    check_result(context, ty_discretize_lights(scene, &def, &made.sources));
     return made;
 }
 
 static inline void direct_end(direct_case* made) {
-    ty_sources_destroy(ty_scene_context(made->scene), made->sources, made->source_count);
+    ty_discrete_light_set_destroy(ty_scene_context(made->scene), &made->sources);
     ty_grid_medium_destroy(made->medium);
     ty_scene_destroy(made->scene);
 }
@@ -43,7 +43,8 @@ static inline ty_light_field* direct_light(const direct_case* made, bool with_fl
     ty_light_field* field = NULL;
     ty_context* context = ty_scene_context(made->scene);
     check_result(context, ty_light_field_create(made->medium, with_flux, &field));
-    check_result(context, ty_uncollided_add(made->scene, made->medium, NULL, made->sources, made->source_count, field));
+    check_result(context,
+                 ty_uncollided_add(made->scene, made->medium, NULL, made->sources.items, made->sources.count, field));
     return field;
 }
 

@@ -122,14 +122,14 @@ static inline const char* data_path(const char* name, char path[1024]) {
     return path;
 }
 
-/* The call failed with this result, and the message names the file and, if given, the matter. */
+/* The call failed with this result, and the message is one line that names the file and, if given, the matter. */
 static inline void assert_failed(ty_context* context, ty_result result, ty_result expected, const char* path,
                                  const char* matter) {
-    const char* message = ty_last_error(context);
-    if (result != expected || strstr(message, path) == NULL || (matter != NULL && strstr(message, matter) == NULL))
+    const char* message = ty_take_error(context);
+    if (result != expected || strchr(message, '\n') != NULL || strstr(message, path) == NULL ||
+        (matter != NULL && strstr(message, matter) == NULL))
         fail_msg("expected %s about %s (%s), got %s: \"%s\"", ty_result_name(expected), path,
                  matter == NULL ? "" : matter, ty_result_name(result), message);
-    ty_clear_error(context);
 }
 
 #endif

@@ -15,7 +15,7 @@ static inline ty_fld_def small_fld(void) {
 }
 
 static inline void check_result(ty_context* context, ty_result result) {
-    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_last_error(context));
+    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_take_error(context));
 }
 
 static inline void add_medium(ty_scene* scene, const ty_medium_def* def) {

@@ -12,20 +12,20 @@ typedef struct pop_case {
     ty_grid_medium* medium;
     ty_pop_def def;
     ty_pop_light light;
-    ty_pop_walk_stats walked;
+    ty_pop_propagation_stats walked;
     int32_t iterations;
     float* scratch;
     float eye[3];
 } pop_case;
 
-static inline ty_light_part parallel_light(double x, double y, double z) {
-    ty_light_part ordinate = {.kind = TY_LIGHT_PART_PARALLEL, .color = {1, 1, 1}, .cosine = 1};
+static inline ty_discrete_light parallel_light(double x, double y, double z) {
+    ty_discrete_light ordinate = {.kind = TY_DISCRETE_DIRECTIONAL, .color = {1, 1, 1}, .mean_cosine = 1};
     ordinate.direction = ty_normalize(ty_vec_make((float)x, (float)y, (float)z));
     return ordinate;
 }
 
-static inline ty_light_part point_light(double x, double y, double z) {
-    ty_light_part ordinate = {.kind = TY_LIGHT_PART_RADIAL, .color = {1, 1, 1}, .cosine = 1};
+static inline ty_discrete_light point_light(double x, double y, double z) {
+    ty_discrete_light ordinate = {.kind = TY_DISCRETE_POINT, .color = {1, 1, 1}, .mean_cosine = 1};
     ordinate.position = ty_vec_make((float)x, (float)y, (float)z);
     ordinate.direction = ty_vec_make(0, 0, 1);
     return ordinate;
@@ -40,8 +40,8 @@ static inline ty_medium_def pop_cube(double sigma_s, double sigma_a, double g) {
 }
 
 /* Takes over the scene, with all in it. */
-static inline pop_case pop_begin(ty_scene* scene, const ty_light_part* ordinate, ty_pop_mode mode, int32_t resolution,
-                                 int32_t iterations) {
+static inline pop_case pop_begin(ty_scene* scene, const ty_discrete_light* ordinate, ty_pop_mode mode,
+                                 int32_t resolution, int32_t iterations) {
     pop_case made = {.scene = scene, .iterations = iterations, .eye = {0.3f, 0.4f, 5}};
     ty_context* context = ty_scene_context(scene);
     ty_grid_box box;
@@ -51,14 +51,14 @@ static inline pop_case pop_begin(ty_scene* scene, const ty_light_part* ordinate,
     made.def = (ty_pop_def){.resolution = resolution, .residuum = 0.1};
     made.def.mode = mode;
     made.light.ordinate = *ordinate;
-    made.light.floats = mode == TY_POP_MODE_SPLIT ? TY_POP_SEEN : TY_POP_SEEN_LEFT;
-    ty_pop_frame_fit(&box, ordinate, resolution, &made.light.frame);
-    const ty_pop_frame* frame = &made.light.frame;
+    made.light.floats = mode == TY_POP_MODE_SPLIT ? TY_POP_CELL_FLOATS : TY_POP_CELL_FLOATS_PROPAGATED;
+    ty_pop_grid_fit(&box, ordinate, resolution, &made.light.grid);
+    const ty_pop_grid* frame = &made.light.grid;
     const int32_t planes = made.medium->planes;
-    made.light.seen = calloc(ty_pop_seen_floats(frame, made.light.floats), sizeof(float));
+    made.light.accumulated = calloc(ty_pop_accumulated_floats(frame, made.light.floats), sizeof(float));
     made.light.lobes = calloc(ty_pop_lobe_floats(frame, &made.def, planes, iterations), sizeof(float));
     made.scratch = calloc(ty_pop_scratch_floats(frame, &made.def, planes) + 1, sizeof(float));
-    assert_true(made.light.seen != NULL && made.light.lobes != NULL && made.scratch != NULL);
+    assert_true(made.light.accumulated != NULL && made.light.lobes != NULL && made.scratch != NULL);
     return made;
 }
 
@@ -66,34 +66,34 @@ static inline void pop_run(pop_case* made) {
     if (made->def.mode == TY_POP_MODE_SPLIT)
         ty_pop_sweep(made->scene, made->medium, made->eye, &made->light);
     else
-        ty_pop_walk(made->scene, &made->def, made->medium, made->eye, made->iterations, made->scratch, &made->light,
-                    &made->walked);
+        ty_pop_propagate(made->scene, &made->def, made->medium, made->eye, made->iterations, made->scratch,
+                         &made->light, &made->walked);
 }
 
 static inline void pop_end(pop_case* made) {
     ty_grid_medium_destroy(made->medium);
     ty_scene_destroy(made->scene);
-    free(made->light.seen);
+    free(made->light.accumulated);
     free(made->light.lobes);
     free(made->scratch);
 }
 
-static inline size_t pop_cells(const ty_pop_frame* frame) {
+static inline size_t pop_cells(const ty_pop_grid* frame) {
     return (size_t)frame->size[0] * (size_t)frame->size[1] * (size_t)frame->size[2];
 }
 
 /* The floats of a cell of `seen`. */
 static inline const float* pop_seen(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
-    const int32_t ring = ty_pop_ring(&light->frame), row = light->frame.size[0] + 2 * ring;
-    const int32_t rows = light->frame.size[1] + 2 * ring;
-    return light->seen +
+    const int32_t ring = ty_pop_ring(&light->grid), row = light->grid.size[0] + 2 * ring;
+    const int32_t rows = light->grid.size[1] + 2 * ring;
+    return light->accumulated +
            (size_t)light->floats * ((size_t)(i + ring) + (size_t)row * ((size_t)(j + ring) + (size_t)rows * (size_t)k));
 }
 
 /* One of its floats, in split mode without the weight that it is multiplied by. */
 static inline double pop_value(const ty_pop_light* light, int32_t i, int32_t j, int32_t k, int number) {
     const float* seen = pop_seen(light, i, j, k);
-    return (double)seen[number] / (light->mode == TY_POP_MODE_SPLIT ? (double)seen[TY_POP_WEIGHT] : 1);
+    return (double)seen[number] / (light->mode == TY_POP_MODE_SPLIT ? (double)seen[TY_POP_CELL_WEIGHT] : 1);
 }
 
 #endif

@@ -13,7 +13,7 @@ static inline ty_pop_def pop_def(int32_t ordinates) {
                         .surface_points = 16,
                         .vpls = 64,
                         .shadow_texels = 128,
-                        .clamp = 0.05};
+                        .vpl_min_distance = 0.05};
 }
 
 /* A cube of fog of edge 2 m about the origin. */

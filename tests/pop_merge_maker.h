@@ -26,11 +26,11 @@ static inline ty_vec box_middle(const ty_grid_box* box) {
 
 /* Spans a box; i, j, k of different sizes. */
 static inline ty_pop_light parallel_light(const ty_grid_box* box, ty_vec direction, int32_t floats) {
-    ty_pop_light light = {.ordinate = {.kind = TY_LIGHT_PART_PARALLEL, .direction = direction, .cosine = 1},
+    ty_pop_light light = {.ordinate = {.kind = TY_DISCRETE_DIRECTIONAL, .direction = direction, .mean_cosine = 1},
                           .floats = floats};
-    ty_pop_frame* frame = &light.frame;
-    *frame = (ty_pop_frame){.kind = TY_LIGHT_PART_PARALLEL, .size = {9, 10, 11}};
-    ty_frame(direction, &frame->axis[0], &frame->axis[1]);
+    ty_pop_grid* frame = &light.grid;
+    *frame = (ty_pop_grid){.kind = TY_DISCRETE_DIRECTIONAL, .size = {9, 10, 11}};
+    ty_onb(direction, &frame->axis[0], &frame->axis[1]);
     frame->axis[2] = direction;
     frame->origin = box_middle(box);
     float half[3];
@@ -39,45 +39,45 @@ static inline ty_pop_light parallel_light(const ty_grid_box* box, ty_vec directi
         frame->origin = ty_mad(frame->origin, frame->axis[a], -half[a]);
     }
     frame->step = ty_vec_make(2 * half[0] / 9, 2 * half[1] / 10, 2 * half[2] / 11);
-    light.seen = new_floats((size_t)floats * ty_pop_ringed_cells(frame));
+    light.accumulated = new_floats((size_t)floats * ty_pop_ringed_cells(frame));
     return light;
 }
 
 static inline ty_pop_light radial_light(ty_vec position, int32_t side, int32_t shells, float inner, float outer,
                                         int32_t floats) {
-    ty_pop_light light = {.ordinate = {.kind = TY_LIGHT_PART_RADIAL, .position = position}, .floats = floats};
-    light.frame = (ty_pop_frame){.kind = TY_LIGHT_PART_RADIAL,
-                                 .size = {side, side, shells},
-                                 .origin = position,
-                                 .inner = inner,
-                                 .growth = logf(outer / inner) / (float)shells};
-    light.seen = new_floats((size_t)floats * ty_pop_ringed_cells(&light.frame));
+    ty_pop_light light = {.ordinate = {.kind = TY_DISCRETE_POINT, .position = position}, .floats = floats};
+    light.grid = (ty_pop_grid){.kind = TY_DISCRETE_POINT,
+                               .size = {side, side, shells},
+                               .origin = position,
+                               .inner = inner,
+                               .growth = logf(outer / inner) / (float)shells};
+    light.accumulated = new_floats((size_t)floats * ty_pop_ringed_cells(&light.grid));
     return light;
 }
 
 static inline void free_light(ty_pop_light* light) {
-    free(light->seen);
+    free(light->accumulated);
 }
 
 /* What a light has in cell i, j, k, ring included (then i and j begin at -1). */
 static inline float* cell_of(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
-    const int32_t ring = ty_pop_ring(&light->frame), row = light->frame.size[0] + 2 * ring;
-    const int32_t rows = light->frame.size[1] + 2 * ring;
-    return light->seen + (size_t)light->floats * (size_t)((k * rows + j + ring) * row + i + ring);
+    const int32_t ring = ty_pop_ring(&light->grid), row = light->grid.size[0] + 2 * ring;
+    const int32_t rows = light->grid.size[1] + 2 * ring;
+    return light->accumulated + (size_t)light->floats * (size_t)((k * rows + j + ring) * row + i + ring);
 }
 
 /* Fills each cell, its ring as what it repeats. */
 static inline void fill_light(const ty_pop_light* light,
                               void (*fill)(const ty_pop_light*, ty_vec middle, float* cell)) {
-    const ty_pop_frame* frame = &light->frame;
+    const ty_pop_grid* frame = &light->grid;
     const int32_t ring = ty_pop_ring(frame);
     for (int32_t k = 0; k < frame->size[2]; ++k)
         for (int32_t j = -ring; j < frame->size[1] + ring; ++j)
             for (int32_t i = -ring; i < frame->size[0] + ring; ++i) {
                 int32_t from_i = i, from_j = j;
                 if (ring > 0) ty_octahedral_wrap(frame->size[0], &from_i, &from_j);
-                fill(light, ty_pop_middle(frame, from_i, from_j, k), cell_of(light, i, j, k));
-                if (light->floats == TY_POP_SEEN) cell_of(light, i, j, k)[TY_POP_WEIGHT] = 1;
+                fill(light, ty_pop_cell_center(frame, from_i, from_j, k), cell_of(light, i, j, k));
+                if (light->floats == TY_POP_CELL_FLOATS) cell_of(light, i, j, k)[TY_POP_CELL_WEIGHT] = 1;
             }
 }
 
@@ -89,18 +89,18 @@ static inline ty_pop_merged make_merged(const ty_grid_box* box, bool left) {
     ty_pop_merged merged = {.box = *box};
     const size_t cells = box_cells(box);
     for (int c = 0; c < 3; ++c) {
-        merged.seen[c] = new_floats(cells);
+        merged.accumulated_radiance[c] = new_floats(cells);
         merged.fluence[c] = new_floats(cells);
-        if (left) merged.left[c] = new_floats(cells);
+        if (left) merged.unpropagated[c] = new_floats(cells);
     }
     return merged;
 }
 
 static inline void free_merged(ty_pop_merged* merged) {
     for (int c = 0; c < 3; ++c) {
-        free(merged->seen[c]);
+        free(merged->accumulated_radiance[c]);
         free(merged->fluence[c]);
-        free(merged->left[c]);
+        free(merged->unpropagated[c]);
     }
 }
 

@@ -57,20 +57,21 @@ static inline ty_screen_planes planar(float* first, int32_t width, int32_t heigh
 }
 
 static inline ty_screen_image image_of(const picture* p) {
-    return (ty_screen_image){.width = p->width,
-                             .height = p->height,
-                             .color = planar(p->color, p->width, p->height),
-                             .distance = p->distance,
-                             .distance_step = 1,
-                             .distance_row = p->width,
-                             .out = planar(p->out, p->width, p->height)};
+    ty_screen_image image = ty_default_screen_image();
+    image.width = p->width;
+    image.height = p->height;
+    image.distance = p->distance;
+    image.distance_row = p->width;
+    image.color = planar(p->color, p->width, p->height);
+    image.out = planar(p->out, p->width, p->height);
+    return image;
 }
 
 static inline ty_screen_stats apply(ty_context* context, const ty_screen_def* def, const picture* p) {
     const ty_screen_image image = image_of(p);
     ty_screen_stats stats;
     const ty_result result = ty_screen_apply(context, def, &image, NULL, 0, &stats);
-    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_last_error(context));
+    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_take_error(context));
     return stats;
 }
 

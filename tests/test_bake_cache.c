@@ -138,7 +138,7 @@ static void surfaces_take_the_light_of_cells(void** state) {
             fail_msg("receiver %d: %g for %g", i, scattered_on(&is[i]), scattered_on(&should[i]));
         for (int layer = TY_BAKE_SINGLE; layer <= TY_BAKE_MULTIPLE; ++layer) {
             double along = 0; /* the vector irradiance along the normal is irradiance */
-            for (int a = 0; a < 3; ++a) along += (double)is[i].toward[layer][1][a] * (double)normals[i][a];
+            for (int a = 0; a < 3; ++a) along += (double)is[i].vector_irradiance[layer][1][a] * (double)normals[i][a];
             assert_true(fabs(along / (double)is[i].irradiance[layer][1] - 1) < 1e-4);
         }
         assert_true(is[i].variance[1] > 0);

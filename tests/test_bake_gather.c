@@ -79,8 +79,8 @@ static void white_sky_gives_pi(void** state) {
         bake(*state, scene, (ty_bake_method)method, 1024, light);
         for (int i = 0; i < COUNT; ++i) {
             assert_true(fabs((double)light[i].irradiance[TY_BAKE_DIRECT][1] - pi) < 0.02 * pi);
-            assert_true(fabs((double)light[i].toward[TY_BAKE_DIRECT][1][2] - pi) < 0.02 * pi);
-            aside += (double)light[i].toward[TY_BAKE_DIRECT][1][0] / COUNT;
+            assert_true(fabs((double)light[i].vector_irradiance[TY_BAKE_DIRECT][1][2] - pi) < 0.02 * pi);
+            aside += (double)light[i].vector_irradiance[TY_BAKE_DIRECT][1][0] / COUNT;
             assert_true(light[i].irradiance[TY_BAKE_INDIRECT][1] == 0 && light[i].samples == 1024);
         }
         assert_true(fabs(aside) < 0.15);

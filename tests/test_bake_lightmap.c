@@ -28,7 +28,7 @@ static void directed(const ty_bake_receiver* receiver, int64_t index, ty_bake_li
     for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer)
         for (int c = 0; c < 3; ++c) {
             out->irradiance[layer][c] = (float)(layer + 1) * (1 + receiver->position[0]);
-            out->toward[layer][c][c] = (float)(layer + 1) * (c == 2 ? -1.0f : 1.0f);
+            out->vector_irradiance[layer][c][c] = (float)(layer + 1) * (c == 2 ? -1.0f : 1.0f);
         }
     out->fluence[0] = 20;
     out->fluence[1] = 5; /* noise: less than the vector */
@@ -36,7 +36,7 @@ static void directed(const ty_bake_receiver* receiver, int64_t index, ty_bake_li
     out->samples = (int32_t)index + 1;
 }
 
-static void test_channels(void** state) {
+static void images_have_all_channels(void** state) {
     mapped_mesh mesh = mapped_nothing();
     mapped_quad(&mesh, all, all, 0, all, all);
     ty_scene* scene = mapped_scene(*state, &mesh, false, true);
@@ -72,7 +72,7 @@ static void test_channels(void** state) {
 }
 
 /* Every texel around charts has the light of the nearest that counts, as found by looking at all. */
-static void test_padding(void** state) {
+static void padding_surrounds_charts(void** state) {
     static const int32_t paddings[] = {0, 1, 4, 64};
     mapped_mesh mesh = four_charts();
     ty_scene* scene = mapped_scene(*state, &mesh, false, true);
@@ -83,7 +83,7 @@ static void test_padding(void** state) {
         ty_atlas* atlas = mapped_atlas(scene, &def);
         ty_bake_light* lit = made_up(atlas, by_chart);
         ty_image* image = NULL;
-        assert_int_equal(ty_atlas_image(atlas, lit, &image), TY_OK);
+        assert_int_equal(ty_atlas_create_image(atlas, lit, &image), TY_OK);
         const float* plane = plane_of(image, "R");
         for (int32_t y = 0; y < SIDE; ++y)
             for (int32_t x = 0; x < SIDE; ++x) {
@@ -131,7 +131,7 @@ static void walled(const ty_bake_receiver* receiver, int64_t index, ty_bake_ligh
     out->irradiance[0][0] = 1000;
 }
 
-static void test_texels_within_walls(void** state) {
+static void texels_within_walls_are_filled(void** state) {
     mapped_mesh mesh = four_charts();
     ty_scene* scene = mapped_scene(*state, &mesh, false, true);
     ty_atlas_def def = sized(64);
@@ -176,7 +176,7 @@ static void noisy(const ty_bake_receiver* receiver, int64_t index, ty_bake_light
         out->irradiance[c][c] = 2 + sinf(angle + (float)c) + cosf(3 * receiver->position[2]);
         out->irradiance[c][c] *= 0.8f + 0.4f * (float)noise_at(index);
         out->fluence[c] = 2 * out->irradiance[c][c];
-        for (int a = 0; a < 3; ++a) out->toward[c][c][a] = receiver->normal[a] * out->irradiance[c][c];
+        for (int a = 0; a < 3; ++a) out->vector_irradiance[c][c][a] = receiver->normal[a] * out->irradiance[c][c];
     }
 }
 
@@ -258,7 +258,7 @@ static double closed_by(ty_context* context, const mapped_mesh* mesh, const seam
     return before / after;
 }
 
-static void test_seam_of_cylinder(void** state) {
+static void the_seam_of_a_cylinder_is_closed(void** state) {
     const seam_ends seam = {{{0.1, 0.1}, {0.9, 0.1}}, {{0.1, 0.9}, {0.9, 0.9}}};
     mapped_mesh mesh = cylinder(0.9);
     assert_true(closed_by(*state, &mesh, &seam, noisy) > 10);
@@ -273,7 +273,7 @@ static void uneven(const ty_bake_receiver* receiver, int64_t index, ty_bake_ligh
 }
 
 /* Two charts that are turned against one another, of different scales. */
-static void test_seam_of_fold(void** state) {
+static void the_seam_of_a_fold_is_closed(void** state) {
     mapped_mesh mesh = mapped_nothing();
     const double x[2] = {0, 1}, u[2] = {0.05, 0.45}, v[2] = {0.1, 0.6};
     mapped_quad(&mesh, x, all, 0, u, v);
@@ -291,7 +291,7 @@ static void test_seam_of_fold(void** state) {
 }
 
 /* Edges with different normals on either side stay as they are. */
-static void test_hard_edges(void** state) {
+static void hard_edges_stay(void** state) {
     mapped_mesh mesh = mapped_nothing();
     const double u[2] = {0.05, 0.45}, v[2] = {0.1, 0.6};
     mapped_quad(&mesh, all, all, 0, u, v);
@@ -314,7 +314,7 @@ static void assert_same_images(const ty_image* a, const ty_image* b) {
         assert_memory_equal(ty_image_plane_const(a, i), ty_image_plane_const(b, i), size);
 }
 
-static void test_threads(void** state) {
+static void threads_do_not_change_bits(void** state) {
     mapped_mesh mesh = cylinder(0.87);
     ty_context* contexts[2] = {make_context(1), make_context(5)};
     ty_image* images[2];
@@ -354,7 +354,7 @@ static void scarce_free(void* user, void* pointer, size_t size) {
 }
 
 /* Every allocation may fail, and then nothing stays taken; and all together take about what was said before. */
-static void test_memory(void** state) {
+static void refused_memory_leaves_nothing(void** state) {
     (void)state;
     scarce from = {0};
     ty_context_def context_def = ty_default_context_def();
@@ -378,7 +378,7 @@ static void test_memory(void** state) {
         ty_image* image = NULL;
         result = ty_atlas_create(scene, 0, "tube", &def, &atlas);
         if (result == TY_OK && lit == NULL) lit = made_up(atlas, noisy);
-        if (result == TY_OK) result = ty_atlas_image(atlas, lit, &image);
+        if (result == TY_OK) result = ty_atlas_create_image(atlas, lit, &image);
         if (result == TY_OK) assert_true(fails_at > 20);
         if (result != TY_OK) assert_int_equal(result, TY_ERROR_MEMORY);
         ty_image_destroy(image);
@@ -386,7 +386,7 @@ static void test_memory(void** state) {
         if (result == TY_OK) ty_atlas_receivers(atlas, &count);
         ty_atlas_destroy(atlas);
         assert_int_equal(from.held, before);
-        ty_clear_error(context);
+        ty_take_error(context);
         if (result != TY_OK) continue;
         ty_atlas_size size;
         assert_int_equal(ty_atlas_estimate(scene, 0, "tube", &def, &size), TY_OK);
@@ -402,14 +402,10 @@ static void test_memory(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_channels),
-        cmocka_unit_test(test_padding),
-        cmocka_unit_test(test_texels_within_walls),
-        cmocka_unit_test(test_seam_of_cylinder),
-        cmocka_unit_test(test_seam_of_fold),
-        cmocka_unit_test(test_hard_edges),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(images_have_all_channels),       cmocka_unit_test(padding_surrounds_charts),
+        cmocka_unit_test(texels_within_walls_are_filled), cmocka_unit_test(the_seam_of_a_cylinder_is_closed),
+        cmocka_unit_test(the_seam_of_a_fold_is_closed),   cmocka_unit_test(hard_edges_stay),
+        cmocka_unit_test(threads_do_not_change_bits),     cmocka_unit_test(refused_memory_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -155,7 +155,7 @@ static void little_memory_is_told(void** state) {
         memory.until_refusal = -1;
         done = result == TY_OK;
         if (!done) assert_int_equal(result, TY_ERROR_MEMORY);
-        ty_clear_error(context);
+        ty_take_error(context);
     }
     ty_scene_destroy(scene);
 }
@@ -196,7 +196,7 @@ static void probes_become_images(void** state) {
                 for (int t = 0; t < TY_BAKE_SH_TERMS; ++t)
                     probes[i].sh[layer][c][t] = (float)(1000 * i + 100 * layer + 25 * c + t);
     ty_image* image = NULL;
-    assert_int_equal(ty_bake_probe_image(context, probes, size, 9, &image), TY_OK);
+    assert_int_equal(ty_bake_create_probe_image(context, probes, size, 9, &image), TY_OK);
     assert_int_equal(ty_image_width(image), 2);
     assert_int_equal(ty_image_height(image), 6);
     const int pixel = 1 + 2 * (2 + 3 * 1); /* (1, 2, 1) */
@@ -213,7 +213,8 @@ static void probes_become_images(void** state) {
     }
     assert_int_equal(ty_image_find_channel(image, "sh9.R"), -1);
     ty_image_destroy(image);
-    assert_failed(context, ty_bake_probe_image(context, probes, size, 10, &image), TY_ERROR_ARGUMENT, "terms", NULL);
+    assert_failed(context, ty_bake_create_probe_image(context, probes, size, 10, &image), TY_ERROR_ARGUMENT, "terms",
+                  NULL);
 }
 
 static void light_becomes_images(void** state) {
@@ -221,10 +222,10 @@ static void light_becomes_images(void** state) {
     ty_bake_light light[3] = {{.samples = 4}, {.samples = 5}, {.samples = 6}};
     for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer) light[2].irradiance[layer][1] = (float)(1 << layer);
     light[2].irradiance[0][0] = NAN;
-    light[2].toward[1][2][0] = 3;
+    light[2].vector_irradiance[1][2][0] = 3;
     light[2].fluence[2] = 6;
     ty_image* image = NULL;
-    assert_int_equal(ty_bake_light_image(context, light, 3, 2, &image), TY_OK);
+    assert_int_equal(ty_bake_create_light_image(context, light, 3, 2, &image), TY_OK);
     assert_int_equal(ty_image_height(image), 2);
     const struct {
         const char* name;
@@ -236,7 +237,7 @@ static void light_becomes_images(void** state) {
         assert_floats(&ty_image_plane_const(image, channel)[2], &channels[i].expected, 1);
     }
     ty_image_destroy(image);
-    assert_failed(context, ty_bake_light_image(context, light, 3, 0, &image), TY_ERROR_ARGUMENT, "sides", NULL);
+    assert_failed(context, ty_bake_create_light_image(context, light, 3, 0, &image), TY_ERROR_ARGUMENT, "sides", NULL);
 }
 
 int main(void) {

@@ -73,7 +73,7 @@ static ty_choice choose(const ty_scene* scene, uint32_t asks, uint32_t aovs) {
     return choice;
 }
 
-static void test_rules(void** state) {
+static void rules_choose_as_documented(void** state) {
     static const struct {
         setup with;
         const char *method, *words;
@@ -107,8 +107,8 @@ static void test_rules(void** state) {
     }
 }
 
-/* What path tracing alone does is asked of it. */
-static void test_asks(void** state) {
+/* Crops, bounds, resuming and some channels are for path tracing alone. */
+static void requests_for_path_tracing_choose_path(void** state) {
     const setup cloud = {4, 1, 0.5f, SUN, false, false};
     static const uint32_t asks[] = {TY_ASK_CROP, TY_ASK_TIME, TY_ASK_ERROR, TY_ASK_RESUME, TY_ASK_SAMPLES};
     static const uint32_t others[] = {TY_AOV_VARIANCE, TY_AOV_NORMAL, TY_AOV_ALBEDO | TY_AOV_DEPTH};
@@ -122,10 +122,10 @@ static void test_asks(void** state) {
 }
 
 /* Numbers that are known: the cube fills the middle of the frame. */
-static void test_look(void** state) {
+static void features_are_those_of_the_scene(void** state) {
     const setup cloud = {4, 0.75f, 0.5f, SUN | SKY, false, false}, with_floor = {4, 0.75f, 0.5f, LAMP, false, true};
     ty_scene* scene = set_up(*state, &cloud);
-    ty_look look = choose(scene, 0, 0).look;
+    ty_scene_features look = choose(scene, 0, 0).features;
     assert_close(look.thickness, 4.05, 0.1);
     assert_close(look.g, 0.5, 1e-5);
     assert_close(look.albedo, 0.75, 1e-5);
@@ -133,18 +133,18 @@ static void test_look(void** state) {
     assert_in_range((int)(100 * look.media), 40, 75);
     assert_close(look.opacity / look.media, 0.9, 0.08); /* 1 - exp(-4) but for edges */
     assert_true(look.surfaces == 0 && look.enclosed == 0);
-    assert_false(look.varies || look.glows || look.inside);
+    assert_false(look.heterogeneous || look.glows || look.inside);
     assert_int_equal(look.lights, 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_ENVIRONMENT);
     ty_scene_destroy(scene);
     scene = set_up(*state, &with_floor);
-    look = choose(scene, 0, 0).look;
+    look = choose(scene, 0, 0).features;
     assert_true(look.enclosed == 0); /* the floor is farther off than the cube is long */
     assert_true(look.surfaces > 0.05 && look.surfaces < 0.6);
     ty_scene_destroy(scene);
 }
 
 /* Of two media in one place both count; a camera within is noticed. */
-static void test_overlapping_media(void** state) {
+static void overlapping_media_add_up(void** state) {
     const double lower[3] = {-10, -10, -10}, upper[3] = {10, 10, 10};
     const setup cloud = {4, 1, 0, SUN, false, false};
     ty_medium_def haze = box_medium(lower, upper, 0, 0.01f);
@@ -153,28 +153,28 @@ static void test_overlapping_media(void** state) {
     add_medium(scene, &haze);
     commit(scene);
     const ty_choice choice = choose(scene, 0, 0);
-    assert_true(choice.look.inside && choice.look.glows);
-    assert_close(choice.look.thickness, 4.05 + 0.13, 0.1);
-    assert_close(choice.look.media, 1, 1e-6);
-    assert_close(choice.look.albedo, 1, 0.01);
+    assert_true(choice.features.inside && choice.features.glows);
+    assert_close(choice.features.thickness, 4.05 + 0.13, 0.1);
+    assert_close(choice.features.media, 1, 1e-6);
+    assert_close(choice.features.albedo, 1, 0.01);
     assert_non_null(strstr(choice.reason, "glow"));
     ty_scene_destroy(scene);
 }
 
 /* The same whatever the number of threads. */
-static void test_threads(void** state) {
+static void threads_do_not_change_the_choice(void** state) {
     const setup room = {1, 1, 0.3f, LAMP, true, true};
     ty_context* one = make_context(1);
     ty_scene *scene = set_up(*state, &room), *same = set_up(one, &room);
     const ty_choice a = choose(scene, 0, 0), b = choose(same, 0, 0);
     assert_string_equal(a.reason, b.reason);
-    assert_memory_equal(&a.look, &b.look, sizeof a.look);
+    assert_memory_equal(&a.features, &b.features, sizeof a.features);
     ty_scene_destroy(scene);
     ty_scene_destroy(same);
     ty_context_destroy(one);
 }
 
-static void test_errors(void** state) {
+static void errors_are_reported(void** state) {
     const setup cloud = {4, 1, 0, SUN, false, false};
     ty_scene* scene = set_up(*state, &cloud);
     ty_choose_def def = ty_default_choose_def();
@@ -192,12 +192,12 @@ static void test_errors(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_rules, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_asks, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_look, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_overlapping_media, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_threads, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_errors, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(rules_choose_as_documented, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(requests_for_path_tracing_choose_path, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(features_are_those_of_the_scene, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(overlapping_media_add_up, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(threads_do_not_change_the_choice, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(errors_are_reported, start_context, stop_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -73,7 +73,7 @@ test_usage() {
     usage_error 'locked' render builtin:cube_g0 -o locked/a.exr
   fi
   usage_error "did you mean 'path'" bench pat
-  usage_error 'machine, path, direct, rays, screen, fld, pop, lpv, dom, impulse, bake, load, all' bench everything
+  usage_error 'machine, path, direct, rays, screen, fld, pop, lpv, dom, octaves, impulse, bake, load, all' bench everything
   absent a.exr
 }
 
@@ -201,21 +201,24 @@ test_info() {
 
 test_bench() {
   expect 0 bench path --scenes cube_g0,cube_g0.7 --size 16x16 --spp 2 --runs 1
-  said out.txt '^cube_g0 +[0-9.e-]+ +[0-9.e-]+ +[0-9.e-]+ +[0-9.e-]+ +[0-9.e-]+$'
-  said out.txt '^cube_g0.7 '
+  said out.txt '^    cube_g0:$'
+  said out.txt '^      relative_rmse: [0-9.e-]+$'
+  said out.txt '^    cube_g0.7:$'
   cp one.exr cornell_fog.exr
   expect 0 bench path --scenes cornell_fog --size 32x24 --spp 4 --runs 3 --json -q --reference .
   valid_json out.txt
   printf '{"tyndall": 1, "lights": [{"type": "environment", "radiance": 1}]}' > white.json
   expect 0 bench path --scenes ./white.json,cube_g0 --size 8x8 --spp 2 --runs 1
-  said out.txt '^white '
-  said out.txt '^cube_g0 '
+  said out.txt '^    white:$'
+  said out.txt '^    cube_g0:$'
   expect 2 bench path --scenes nosuch.json --size 8x8 --spp 2
   expect 2 bench path --scenes nosuch --size 8x8 --spp 2
   expect 0 bench rays --size 17x9 --runs 1 --threads 2
-  said out.txt '260642 triangles, 17x9 pixels'
-  said out.txt '^camera, packets +2( +[0-9.]+){4}$'
-  said out.txt '^bounce, shuffled, single +1( +[0-9.]+){4}$'
+  said out.txt '^  triangles: 260642$'
+  said out.txt '^  size: \[17, 9\]$'
+  said out.txt '^    - rays: "camera_packets"$'
+  said out.txt '^    - rays: "bounce_single"$'
+  said out.txt '^      mrays_per_second: [0-9.]+$'
   printf 'v -1 0 -1\nv 1 0 -1\nv 1 1 1\nv -1 0 1\nf 1 2 3 4\n' > board.obj
   expect 0 bench rays --mesh board.obj --size 16x16 --runs 1 --threads 1 --json
   valid_json out.txt

@@ -79,7 +79,7 @@ test_refusal() {
 }
 
 test_words() {
-  usage_error 'unknown method .avto.; known: path, .*dom, auto' render fog.json -o out.exr --method avto
+  usage_error 'unknown method .avto.; known: path, .*dom, octaves, auto' render fog.json -o out.exr --method avto
   expect 0 render --help
   said out.txt 'auto, path, screen'
 }

@@ -73,7 +73,7 @@ test_refusals() {
   sed 's/"version": "[^"]*"/"version": "0.0.9"/' now.json > older.json
   usage_error 'missing.json' bench load --baseline missing.json --json
   usage_error 'cut.json:1: is not JSON' bench load --baseline cut.json --json
-  usage_error "other.json: is not what 'tyndall bench --json' writes" bench load --baseline other.json --json
+  usage_error "other.json: is no result file of 'tyndall bench --json'" bench load --baseline other.json --json
   usage_error 'newer.json: is of format version 7, and this program reads 1' bench load --baseline newer.json --json
   usage_error 'short.json: its benches are not' bench load --baseline short.json --json
   usage_error 'order.json: its benches are not' bench load --baseline order.json --json

@@ -181,13 +181,13 @@ test_reference() {
 test_left_out() {
   expect 0 compare builtin:cloud_sun -o out --size 12x8 --spp 1 --reference-spp 4 --progress none
   said err.txt '^tyndall: screen is left out: media\[0\] \(cloud\) is not homogeneous'
-  for name in path fld cda pop lpv dom; do present "out/$name.exr"; done
+  for name in path fld cda pop lpv dom octaves; do present "out/$name.exr"; done
   absent out/screen.exr
   said out/errors.json '"name": "screen",$'
   said out/errors.json '"reason": "media\[0\] \(cloud\) is not homogeneous'
   said out/table.md '^- screen: media\[0\] \(cloud\) is not homogeneous'
   for name in paths solve march; do said out/errors.json "\"name\": \"$name\"" ; done
-  page out/report.html 7
+  page out/report.html 8
   expect 0 compare builtin:cloud_sun --methods path,screen -o out --size 12x8 --spp 1 --reference-spp 4 -q
   [ ! -s err.txt ] || fail "said $(cat err.txt)"
 }

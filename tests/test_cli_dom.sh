@@ -18,7 +18,7 @@ test_scenes_name_the_method() {
 test_options() {
   changed_by dom fog.json resolution=12 direct=20 directions=48 bands=2 tolerance=0.3 iterations=1 environment_beams=7 \
     spp=4 step=0.3 acceleration=none last_directions=48
-  kept_by dom fog.json resolution=8 direct=16 directions=96 bands=0 tolerance=1e-3 iterations=0 iterations=100 \
+  kept_by dom fog.json resolution=8 direct=16 directions=96 bands=auto tolerance=1e-3 iterations=auto iterations=100 \
     environment_beams=64 surface_points=3 last_directions=0 spp=1 step=1 acceleration=diffusion
   dom fog.json seeded.exr --seed 3
   different plain.exr seeded.exr

@@ -29,11 +29,30 @@ figure_files() {
   said out.txt '^size +[0-9]+x[0-9]+$'
 }
 
+# near FIGURE QUANTITY VALUE [MARGIN]: what made/FIGURE.csv has of a quantity (item, name and unit, as there) is VALUE
+# within so much of it. These are values that were measured once: with one seed they are the same on every machine but
+# for what instruction sets round otherwise, which a path that turns elsewhere for it makes more of, so that 2 % is
+# the least that holds of pictures of few samples.
+near() {
+  what="$1.csv: $2 should be $3 within ${4:-0.02} of it"
+  checks=$((checks + 1))
+  verdict=$(LC_ALL=C awk -v key="$2," -v wanted="$3" -v margin="${4:-0.02}" 'index($0, key) == 1 {
+    split(substr($0, length(key) + 1), fields, ",")
+    off = fields[1] - wanted
+    if (off < 0) off = -off
+    print (fields[1] != "" && off <= margin * wanted) ? "near" : "it is " fields[1]
+    exit
+  }' "made/$1.csv")
+  [ "$verdict" = near ] || fail "${verdict:-there is none}"
+}
+
 test_one() {
   expect 0 figure screen-leaking -o made --quick --size 48x32 --stats stats.json
   said out.txt '^wrote made/screen-leaking.png, .csv and .json \([0-9.]+ s\)$'
   figure_files screen-leaking
   said made/screen-leaking.csv '^scatter,energy ratio,1,[01]\.[0-9]+,1,0\.01$'
+  near screen-leaking 'scatter,energy ratio,1' 1.00292 0.002
+  near screen-leaking 'published,energy ratio,1' 0.80512
   valid_json stats.json
   # Again over the files that are there, with nothing printed.
   expect 0 figure screen-leaking -o made --quick --size 30x20 -q
@@ -46,7 +65,11 @@ test_prefix() {
   said err.txt '^tyndall: screen-photo is skipped: nowhere/rgbd/'
   for name in leaking thickness truth table spread stages; do figure_files "screen-$name"; done
   said made/screen-spread.csv '^"reference, 10 m",standard deviation,m,1\.8[89][0-9]*,1\.8[89][0-9]*,0\.03'
-  said made/screen-stages.csv '^attenuated and scattered,over what is not absorbed,1,(0\.99|1)'
+  near screen-spread '"gather, 10 m","standard deviation, gathered",m' 1.85090 0.001
+  near screen-stages 'attenuated and scattered,over what is not absorbed,1' 1 1e-5
+  near screen-stages 'split,largest half-light radius,pixel' 3.85208 0.001
+  near screen-thickness '"gather, thickness 2",energy ratio,1' 0.94631
+  near screen-truth '"scatter, relief, thickness 2",energy ratio,1' 1.27253
   said made/screen-table.csv '^"1 Mpixel, gather 4x4",total,ms,[0-9.e-]+,2.6,$'
   absent made/screen-photo.png
 }
@@ -57,11 +80,14 @@ test_diffusion() {
   said err.txt '^tyndall: fld-ct is skipped: it needs volumes/headsq'
   said err.txt '^tyndall: fld-fire is skipped: it needs volumes/plume'
   for name in limiters point convergence nebulae resolution albedo; do figure_files "fld-$name"; done
-  said made/fld-limiters.csv '^Levermore-Pomraning,F\(0\),1,0\.33333[0-9]*,0\.33333'
+  near fld-limiters 'Levermore-Pomraning,F(0),1' 0.333333333 1e-6
+  near fld-limiters 'Levermore-Pomraning,F(10),1' 0.09 1e-6
   said made/fld-convergence.csv '^"multigrid, 15\^3 cells",converged,1,1,,$'
   said made/fld-point.csv '^"albedo 1, CDA, Eq. 27 on the faces","largest error to Eq. 27, from 4 cells on",1,0\.0'
+  near fld-point '"albedo 1, CDA, Eq. 27 on the faces","normalised fluence, tau 0.129",1' 25.1442 0.001
   said made/fld-nebulae.csv '^"nebulae, FLD",converged,1,1,1,0$'
-  said made/fld-albedo.csv '^"albedo 0.1, CDA",mean ratio,1,[01]\.'
+  near fld-albedo '"albedo 0.1, CDA",mean ratio,1' 0.87108
+  near fld-nebulae '"nebulae, FLD",mean ratio,1' 1.05667
 }
 
 # Ordinates: whatever needs no data is made without.
@@ -72,11 +98,14 @@ test_ordinates() {
     figure_files "pop-$name"
   done
   said made/pop-lobes.csv '^"g 0.7, split",mean ratio of fluence,1,[0-9.]+,1,0\.07$'
-  said made/pop-lobes.csv '^"g 0.96, published, 16 iterations",mean ratio of fluence,1,[0-9.]+,4\.2,$'
+  near pop-lobes '"g 0.7, split",mean ratio of fluence,1' 1.01227
+  near pop-lobes '"g 0.96, published, 16 iterations",mean ratio of fluence,1' 4.15865
   said made/pop-residuum.csv '^full propagation,iterations,1,1000,,$'
-  said made/pop-iterations.csv '^1024 iterations,light not yet propagated,1,[0-9.e-]+,,$'
-  said made/pop-ordinates.csv '^"216 ordinates, with importance",mean ratio,1,[0-9.]+,,$'
-  said made/pop-smoke.csv '^"smoke, classical, 5 bands, 20³",iterations,1,[0-9]+,,$'
+  near pop-iterations '16 iterations,light not yet propagated,1' 0.639553 0.001
+  near pop-iterations '256 iterations,light not yet propagated,1' 0.00671328 0.005
+  near pop-ordinates '"216 ordinates, with importance",mean ratio,1' 1.01117
+  near pop-smoke '"smoke, classical, 5 bands, 20³",mean ratio,1' 0.989498
+  said made/pop-smoke.csv '^"smoke, classical, 5 bands, 20³",iterations,1,8,,$'
 }
 
 # Light propagation volumes: without Sponza the atrium stands for it.
@@ -84,11 +113,14 @@ test_propagation() {
   expect 0 figure lpv -o made --quick --size 24x20 --spp 2
   for name in parts leaking truth shafts animation energy dense table; do figure_files "lpv-$name"; done
   said made/lpv-table.csv '^published 32×[0-9×]+,"propagate, 8 times",ms,[0-9.e-]+,1\.49,$'
-  said made/lpv-parts.csv '^"published, plain_march",mean,W m\^-2 sr\^-1,[0-9.e-]+,,$'
+  near lpv-parts '"published, plain_march",mean,W m^-2 sr^-1' 0.275646 0.005
+  near lpv-parts '"links, plain_march",mean,W m^-2 sr^-1' 0.428646 0.005
   said made/lpv-truth.csv '^atrium,mean ratio of full,1,[0-9.e-]+,1,0\.2$'
+  near lpv-truth 'atrium,mean ratio of full,1' 0.966674
   unsaid made/lpv-truth.csv Sponza
-  said made/lpv-energy.csv '^printed gamma,in-scattered over out-scattered,1,0\.69[0-9]*,0\.696,0\.005$'
-  said made/lpv-energy.csv '^"published, σt d = 10",energy accounted for after 8 iterations,1,(0\.9[789]|1\.0[0-2]|1,)'
+  near lpv-energy 'printed gamma,in-scattered over out-scattered,1' 0.698156 0.0005
+  near lpv-energy '"published, σt d = 10",energy accounted for after 8 iterations,1' 0.998623 0.0005
+  near lpv-energy '"links, σt d = 10",energy accounted for after 8 iterations,1' 1.000001 0.0005
 }
 
 # Discrete ordinates: whatever needs no data is made without.
@@ -97,10 +129,41 @@ test_discrete() {
   for name in cube convergence rays images; do figure_files "dom-$name"; done
   said made/dom-cube.csv '^"g 0.7, 96 directions, 32\^3",converged,1,1,1,0$'
   said made/dom-convergence.csv '^"cloud, thickness 10, diffusion",converged,1,1,1,0$'
-  said made/dom-convergence.csv '^"even, thickness 1, source iteration",sweeps,1,[0-9]+,,$'
-  said made/dom-rays.csv '^"narrow beam, slice, 96 directions",mean ratio,1,[0-9.]+,,$'
+  said made/dom-convergence.csv '^"even, thickness 1, source iteration",sweeps,1,7,,$'
+  said made/dom-convergence.csv '^"even, thickness 1, diffusion",sweeps,1,3,,$'
+  near dom-rays '"narrow beam, slice, 96 directions",mean ratio,1' 0.737549
+  near dom-cube '"g 0.7, 96 directions, 16^3",mean ratio,1' 1.01269
   said made/dom-images.csv '^nebulae,mean ratio of DOM,1,[0-9.]+,1,0\.03$'
+  near dom-images 'nebulae,mean ratio of DOM,1' 0.97175
   unsaid made/dom-images.csv Disney
+}
+
+# plant NAME OLD NEW: another text in what a figure left.
+plant() {
+  sed -i "0,/$2/s//$3/" "gate/$1.json"
+}
+
+# Numbers beyond their tolerance fail the call, unless they are known misses.
+test_gate() {
+  expect 0 figure fld-limiters -o gate
+  expect 0 figure fld-limiters -o gate --keep
+  plant fld-limiters '"measured": 0\.3333[0-9]*' '"measured": 0.34'
+  expect 1 figure fld-limiters -o gate --keep
+  said err.txt '^tyndall: fld-limiters: .*: F\(0\) is 0\.34, and should be 0\.3333 within 3\.333e-06$'
+  said err.txt '^tyndall: 1 number is beyond its tolerance, and no known miss$'
+  # Small pictures are not judged; what they left is taken for one of the figure's own size here.
+  expect 0 figure screen-leaking -o gate --quick --size 48x32
+  unsaid out.txt 'known miss'
+  plant screen-leaking '"quick": true' '"quick": false'
+  plant screen-leaking '"size": \[48, 32\]' '"size": [0, 0]'
+  expect 0 figure screen-leaking -o gate --keep
+  said out.txt '^known miss: screen-leaking: published: energy ratio is 0\.[0-9]*, and should be 1 within 0\.01\. Masks '
+  said err.txt '^tyndall: warning: screen-leaking: naive: energy ratio is listed as a known miss and is within its tolerance now$'
+  # A miss is known by its item, too.
+  sed -i 's/"item": "published"/"item": "printed"/' gate/screen-leaking.json
+  expect 1 figure screen-leaking -o gate --keep
+  said err.txt '^tyndall: screen-leaking: printed: energy ratio is 0\.[0-9]*, and should be 1 within 0\.01$'
+  said err.txt '^tyndall: warning: screen-leaking: published: energy ratio is listed as a known miss and is not there$'
 }
 
 test_refusals() {
@@ -173,8 +236,9 @@ test_diffusion
 test_ordinates
 test_propagation
 test_discrete
+test_gate
 test_refusals
 test_summary
 test_interrupt
 no_temporary_files
-finish 340
+finish 480

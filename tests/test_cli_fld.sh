@@ -27,10 +27,10 @@ test_classical_diffusion() {
 
 # Every key changes what it should, or nothing at all.
 test_options() {
-  changed_by fld fog.json limiter=sum limiter=max limiter=kershaw limiter=larsen streaming=1 boundary=dirichlet \
+  changed_by fld fog.json limiter=sum limiter=max limiter=kershaw limiter=larsen max_flux_fraction=1 boundary=dirichlet \
     beam=published resolution=12 ratio=1 environment_beams=7 spp=4 step=0.3 solver=sor iterations=1 sigma_eps=5
-  kept_by fld fog.json limiter=levermore_pomraning streaming=0 boundary=marshak solver=multigrid beam=reduced ratio=2 \
-    environment_beams=64 surface_points=16 spp=1 step=1 larsen_power=3 relaxation=1 iterations=0 sigma_eps=0
+  kept_by fld fog.json limiter=levermore_pomraning max_flux_fraction=auto boundary=marshak solver=multigrid beam=reduced ratio=2 \
+    environment_beams=64 surface_points=16 spp=1 step=1 larsen_power=3 relaxation=1 iterations=auto sigma_eps=auto
   fld fog.json power.exr -D render.fld.limiter=larsen -D render.fld.larsen_power=5
   fld fog.json other.exr -D render.fld.limiter=larsen
   different power.exr other.exr
@@ -45,10 +45,11 @@ limiter=kershow did you mean .*kershaw
 resolution=2000 render.fld.resolution
 resolution=3 fld.resolution: 3 is outside \[4, 1024\]
 resolution=-1 render.fld.resolution
+resolution=0 render.fld.resolution: 0 is outside .4, 1024.; write "auto" for the default choice
 ratio=0.5 fld.ratio: 0.5 is outside \[1, 64\]
 ratio=65 render.fld.ratio
-streaming=-1 render.fld.streaming
-streaming=2 render.fld.streaming
+max_flux_fraction=-1 render.fld.max_flux_fraction
+max_flux_fraction=2 render.fld.max_flux_fraction
 relaxation=2 render.fld.relaxation
 tolerance=1 render.fld.tolerance
 larsen_power=0 render.fld.larsen_power

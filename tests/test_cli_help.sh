@@ -69,6 +69,22 @@ test_markdown() {
   for command in $(commands); do said out.txt "^## tyndall $command\$"; done
 }
 
+test_schema_and_options() {
+  expect 0 help --schema
+  checks=$((checks + 1))
+  cmp out.txt "$docs/scene.schema.json" || fail "docs/scene.schema.json is not this: tyndall help --schema"
+  for method in path screen fld pop lpv dom; do
+    expect 0 help --options $method
+    said out.txt "^. key of .render.$method. . values . default . .$"
+  done
+  expect 0 help --options cda
+  said out.txt 'key of .render.fld.'
+  usage_error "unknown method 'fdl'" help --options fdl
+  usage_error 'has no options' help --options auto
+  expect 0 help --man pages
+  said pages/tyndall.1 '^.B render.dom.last_directions$'
+}
+
 # completed WORD...: what the shell makes of the last word of a command line, one a line, sorted.
 completed() {
   COMP_WORDS=(tyndall "$@")
@@ -109,6 +125,7 @@ test_completion() {
   completes 'a scene.json' render -o a
   completes '' render --spp ''
   completes 'path' bake --method p
+  completes 'render.dom.direct render.dom.directions' render -D render.dom.dir
   completes 'auto json none plain' render --progress ''
   completes 'auto json none plain' render --progress =
   completes 'dom-convergence dom-cube dom-images dom-rays' figure dom
@@ -122,5 +139,6 @@ test_completion() {
 test_text
 test_man
 test_markdown
+test_schema_and_options
 test_completion
-finish 140
+finish 155

@@ -18,7 +18,7 @@ test_scenes_name_the_method() {
 test_options() {
   changed_by lpv fog.json mode=published resolution=10 place=camera cascades=2 bands=3 window=0.5 iterations=2 \
     tolerance=0.3 map_side=32 samples=2 block_side=1 shadow_side=16 half=false step=0.3 spp=4
-  kept_by lpv fog.json mode=links parts=all place=scene extent=5 cascades=1 bands=2 window=-1 window=0 iterations=0 \
+  kept_by lpv fog.json mode=links parts=all place=scene extent=5 cascades=1 bands=2 window=auto window=0 iterations=auto \
     tolerance=0.01 map_side=256 samples=8 block_side=3 shadow_side=512 shadow_rays=true half=true step=1 spp=1
   lpv fog.json wide.exr -D render.lpv.place=camera
   lpv fog.json narrow.exr -D render.lpv.place=camera -D render.lpv.extent=6
@@ -63,7 +63,7 @@ cascades=7 render.lpv.cascades
 bands=1 render.lpv.bands
 bands=4 render.lpv.bands
 window=-2 render.lpv.window
-window=-0.5 lpv.window: -0.5 is outside \[0, 1\]
+window=-1 render.lpv.window: -1 is outside \[0, 1\]; write "auto"
 window=2 render.lpv.window
 iterations=-1 render.lpv.iterations
 iterations=4097 render.lpv.iterations
@@ -85,7 +85,7 @@ test_lights() {
     render builtin:cornell_fog -o no.exr --method lpv
   usage_error 'lpv: lights\[1\] is an environment; directional, spot and point lights are all' \
     render fog.json -o no.exr --method lpv -D 'lights[1]={"type": "environment", "radiance": 1}'
-  usage_error 'lpv: all light comes from surfaces that glow' render fog.json -o no.exr --method lpv -D 'lights=[]' \
+  usage_error 'lpv: all light comes from emissive surfaces' render fog.json -o no.exr --method lpv -D 'lights=[]' \
     -D 'geometry=[{"sphere": {"center": [0, 0, 0], "radius": 1}, "material": {"albedo": 0, "emission": 1}}]'
   absent no.exr
 }
@@ -121,7 +121,8 @@ test_builtin() {
 
 test_bench() {
   expect 0 bench lpv --size 32x18 --runs 1
-  for words in 'propagate, 8 times' 'GFLOP/s, of peak' 'Mrays/s' 'as the power [0-9.-]+ of cells' 'a frame of .*32x18'; do
+  for words in 'propagate, 8 times' 'propagate_gflops: [0-9.]+' 'fraction_of_peak: [0-9.]+' 'mrays: [0-9.]+' 'a frame of .*:' \
+    'resolution: \[32, 18\]'; do
     said out.txt "$words"
   done
   expect 0 bench lpv --size 32x18 --runs 1 --json --data nowhere

@@ -17,9 +17,9 @@ test_scenes_name_the_method() {
 # Every key changes what it should, or nothing at all.
 test_options() {
   changed_by pop fog.json mode=published mode=collided resolution=10 merged=8 sharp=false direct=8 ordinates=5 \
-    prefilter=0 importance=false streaming=1 spp=4 step=0.3
+    prefilter=0 importance=false max_flux_fraction=1 spp=4 step=0.3
   kept_by pop fog.json mode=split merged=12 tolerance=1e-2 sharp=true direct=64 prefilter=1 importance=true \
-    surface_points=9 vpls=9 clamp=0.2 shadow_texels=64 iterations=3 residuum=0.5 residuum_iterations=2 streaming=0 \
+    surface_points=9 vpls=9 vpl_min_distance=0.2 shadow_texels=64 iterations=3 residuum=0.5 residuum_iterations=2 max_flux_fraction=auto \
     spp=1 step=1
   pop fog.json seeded.exr --seed 3
   different plain.exr seeded.exr
@@ -33,7 +33,7 @@ test_modes() {
       pop fog.json other.exr -D render.pop.mode=$mode -D "render.pop.$option"
       different walked.exr other.exr
     done
-    for option in streaming=1 tolerance=1e-2 sharp=false direct=8; do
+    for option in max_flux_fraction=1 tolerance=1e-2 sharp=false direct=8; do
       pop fog.json other.exr -D render.pop.mode=$mode -D "render.pop.$option"
       same walked.exr other.exr
     done
@@ -46,7 +46,7 @@ test_modes() {
 # Surfaces come from paths, and light the medium.
 test_surfaces() {
   surfaces_by_paths pop
-  for option in vpls=0 vpls=9 shadow_texels=16 clamp=0.5 surface_points=2; do
+  for option in vpls=0 vpls=9 shadow_texels=16 vpl_min_distance=0.5 surface_points=2; do
     pop room.json other.exr --spp 1 -D "render.pop.$option"
     different few.exr other.exr
   done
@@ -71,11 +71,11 @@ importance=2 render.pop.importance
 surface_points=0 render.pop.surface_points
 vpls=4097 render.pop.vpls
 shadow_texels=8 render.pop.shadow_texels
-clamp=2 render.pop.clamp
+vpl_min_distance=2 render.pop.vpl_min_distance
 iterations=-1 render.pop.iterations
 residuum=2 render.pop.residuum
 residuum_iterations=10001 render.pop.residuum_iterations
-streaming=-1 render.pop.streaming
+max_flux_fraction=-1 render.pop.max_flux_fraction
 tolerance=1 render.pop.tolerance
 spp=65 render.pop.spp
 step=9 render.pop.step

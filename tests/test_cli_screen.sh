@@ -103,7 +103,7 @@ test_distances() {
   expect 0 screen box.exr -o radial.exr --medium "$absorber" --stats s.json
   said err.txt 'box.exr: [0-9]+ of 2867 pixels have no distance; they count as 1000000 m away'
   valid_json s.json
-  near "$(field unknown s.json)" "$(sed -n 's/.*: \([0-9]*\) of 2867.*/\1/p' err.txt)" 0
+  near "$(field missing_depth s.json)" "$(sed -n 's/.*: \([0-9]*\) of 2867.*/\1/p' err.txt)" 0
   # The same distances in millimetres, from a PNG.
   expect 0 screen box.exr depth.png -o whole.exr --medium "$absorber" --distance-scale 0.001
   expect 0 diff whole.exr radial.exr
@@ -179,7 +179,7 @@ test_values_are_mended() {
   made broken.exr 4 1 B=1,nan,inf,-1 G=1 R=1 Z=2
   expect 0 screen broken.exr -o out.exr --medium fog:10 --fov-y 40 --stats s.json
   said err.txt 'broken.exr: 3 pixels were negative or not finite'
-  near "$(field mended s.json)" 3 0
+  near "$(field nonfinite_fixed s.json)" 3 0
   expect 0 diff out.exr out.exr
   said out.txt '^values not finite: +0$'
 }

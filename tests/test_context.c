@@ -1,10 +1,15 @@
-/* Contexts: errors, logging, memory, parallel loops. */
+/* Contexts: errors, logging, memory, parallel loops; the choice of instruction sets; reports of progress. */
+#define _GNU_SOURCE /* pthread_barrier_t */
 #include "checks.h"
 
 #include "base/context.h"
+#include "base/dispatch.h"
+#include "base/progress.h"
 #include "ledger.h"
 
 #include <pthread.h>
+#include <stdio.h>
+#include <string.h>
 
 static void results_have_names(void** state) {
     (void)state;
@@ -36,7 +41,7 @@ static void wrong_defs_are_refused(void** state) {
     assert_int_equal(ty_context_create(NULL, &context), TY_ERROR_ARGUMENT);
     assert_int_equal(ty_context_create(&good, NULL), TY_ERROR_ARGUMENT);
     assert_int_equal(ty_context_create(&zero, &context), TY_ERROR_ARGUMENT);
-    static const int32_t wrong[] = {-1, 1025, INT32_MIN, INT32_MAX};
+    static const int32_t wrong[] = {0, 1025, INT32_MIN, INT32_MAX};
     for (int i = 0; i < 4; ++i) {
         ty_context_def def = good;
         def.threads = wrong[i];
@@ -51,6 +56,7 @@ static void wrong_defs_are_refused(void** state) {
     assert_int_equal(ty_context_create(&half, &context), TY_ERROR_ARGUMENT);
     assert_null(context);
     ty_context_destroy(NULL);
+    assert_string_equal(ty_take_error(NULL), "a def was not made by ty_default_context_def()");
 }
 
 static void threads_are_as_asked(void** state) {
@@ -61,25 +67,108 @@ static void threads_are_as_asked(void** state) {
         assert_int_equal(ty_context_threads(context), counts[i]);
         ty_context_destroy(context);
     }
-    ty_context* context = make_context(0);
+    ty_context* context = make_context(TY_AUTO);
     assert_true(ty_context_threads(context) >= 1);
     ty_context_destroy(context);
 }
 
-static void the_first_message_stays(void** state) {
+static void the_first_message_is_kept_until_it_is_read(void** state) {
     ty_context* context = *state;
-    assert_string_equal(ty_last_error(context), "");
+    assert_string_equal(ty_take_error(context), "");
     assert_int_equal(ty_fail(context, TY_ERROR_INPUT, "first %d", 1), TY_ERROR_INPUT);
     assert_int_equal(ty_fail(context, TY_ERROR_FILE, "second"), TY_ERROR_FILE);
-    assert_string_equal(ty_last_error(context), "first 1");
-    ty_clear_error(context);
-    assert_string_equal(ty_last_error(context), "");
+    assert_true(ty_has_error(context));
+    assert_string_equal(ty_take_error(context), "first 1");
+    assert_false(ty_has_error(context));
+    assert_string_equal(ty_take_error(context), "");
     ty_fail(context, TY_ERROR_FILE, "third");
-    assert_string_equal(ty_last_error(context), "third");
-    ty_clear_error(context);
-    assert_string_equal(ty_last_error(NULL), "");
-    ty_clear_error(NULL);
-    assert_int_equal(ty_fail(NULL, TY_ERROR_FILE, "nobody hears"), TY_ERROR_FILE);
+    assert_string_equal(ty_take_error(context), "third");
+}
+
+static void messages_of_failed_creations_are_kept_without_a_context(void** state) {
+    (void)state;
+    ty_context* context = NULL;
+    ty_context_def def = ty_default_context_def();
+    assert_string_equal(ty_take_error(NULL), "");
+    def.threads = 1025;
+    assert_int_equal(ty_context_create(&def, &context), TY_ERROR_ARGUMENT);
+    assert_string_equal(ty_take_error(NULL),
+                        "context: threads: 1025 is outside [1, 1024]; write TY_AUTO for one per processor");
+    assert_string_equal(ty_take_error(NULL), "");
+}
+
+/* One message of each of five contexts: a thread keeps those of the last four. */
+static void each_context_has_its_own_message(void** state) {
+    (void)state;
+    enum { COUNT = 5 };
+    ty_context* contexts[COUNT];
+    char expected[16];
+    for (int i = 0; i < COUNT; ++i) contexts[i] = make_context(1);
+    for (int i = 0; i < COUNT; ++i) ty_fail(contexts[i], TY_ERROR_INPUT, "of %d", i);
+    assert_string_equal(ty_take_error(contexts[0]), "");
+    for (int i = COUNT - 1; i > 0; --i) {
+        snprintf(expected, sizeof expected, "of %d", i);
+        assert_string_equal(ty_take_error(contexts[i]), expected);
+    }
+    ty_fail(contexts[1], TY_ERROR_INPUT, "unread");
+    ty_context_destroy(contexts[1]);
+    contexts[1] = make_context(1); /* perhaps at the same address: it has no message all the same */
+    assert_string_equal(ty_take_error(contexts[1]), "");
+    for (int i = 0; i < COUNT; ++i) ty_context_destroy(contexts[i]);
+}
+
+enum { FAILURES = 2000 };
+
+typedef struct failing_thread {
+    ty_context* context;
+    pthread_barrier_t* begin;
+    int number;
+    int wrong; /* messages that were not the thread's own first one */
+} failing_thread;
+
+static void* fail_again_and_again(void* user) {
+    failing_thread* thread = user;
+    char expected[48];
+    pthread_barrier_wait(thread->begin);
+    for (int i = 0; i < FAILURES; ++i) {
+        snprintf(expected, sizeof expected, "thread %d: medium %d", thread->number, i);
+        ty_fail(thread->context, TY_ERROR_INPUT, "%s", expected);
+        ty_fail(thread->context, TY_ERROR_INPUT, "thread %d: a consequence", thread->number);
+        thread->wrong += strcmp(ty_take_error(thread->context), expected) != 0;
+        thread->wrong += ty_take_error(thread->context)[0] != '\0';
+    }
+    return NULL;
+}
+
+static void threads_that_fail_at_once_read_their_own_messages(void** state) {
+    pthread_barrier_t begin;
+    assert_int_equal(pthread_barrier_init(&begin, NULL, 2), 0);
+    failing_thread threads[2] = {{*state, &begin, 0, 0}, {*state, &begin, 1, 0}};
+    pthread_t ids[2];
+    for (int i = 0; i < 2; ++i) assert_int_equal(pthread_create(&ids[i], NULL, fail_again_and_again, &threads[i]), 0);
+    for (int i = 0; i < 2; ++i) assert_int_equal(pthread_join(ids[i], NULL), 0);
+    assert_true(threads[0].wrong == 0 && threads[1].wrong == 0);
+    assert_string_equal(ty_take_error(*state), "");
+    pthread_barrier_destroy(&begin);
+}
+
+enum { BODIES = 64 };
+
+static void fail_in_a_body(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    ty_fail(user, TY_ERROR_INTERNAL, "body %d", (int)index);
+}
+
+/* A loop's bodies run in other threads, whose messages nobody could read there. */
+static void messages_of_loops_are_the_callers(void** state) {
+    (void)state;
+    ty_context* context = make_context(4);
+    for (int run = 0; run < 20; ++run) {
+        ty_parallel_for(context, BODIES, fail_in_a_body, context);
+        assert_memory_equal(ty_take_error(context), "body ", 5);
+        assert_string_equal(ty_take_error(context), "");
+    }
+    ty_context_destroy(context);
 }
 
 static void long_messages_are_cut(void** state) {
@@ -88,9 +177,8 @@ static void long_messages_are_cut(void** state) {
     memset(text, 'x', sizeof text - 1);
     text[sizeof text - 1] = '\0';
     ty_fail(context, TY_ERROR_INPUT, "%s", text);
-    const size_t length = strlen(ty_last_error(context));
+    const size_t length = strlen(ty_take_error(context));
     assert_true(length >= 500 && length < sizeof text);
-    ty_clear_error(context);
 }
 
 typedef struct log_record {
@@ -121,7 +209,7 @@ static void the_log_hears_every_line(void** state) {
     assert_int_equal(log.count[TY_LOG_INFO], 1);
     assert_int_equal(log.count[TY_LOG_WARNING], 1);
     assert_int_equal(log.count[TY_LOG_ERROR], 2);
-    assert_string_equal(ty_last_error(context), "broken");
+    assert_string_equal(ty_take_error(context), "broken");
     ty_context_destroy(context);
 }
 
@@ -198,7 +286,7 @@ static ty_result work(ty_context* context) {
     ty_image_destroy(image);
     ty_scene_destroy(scene);
     ty_image_destroy(sky);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     return result;
 }
 
@@ -207,7 +295,7 @@ static void all_memory_comes_from_the_allocator_and_returns(void** state) {
     ledger book = {.refused = -1};
     ty_context* context = ledger_context(&book);
     assert_int_equal(work(context), TY_OK);
-    assert_string_equal(ty_last_error(context), "");
+    assert_string_equal(ty_take_error(context), "");
     assert_true(atomic_load(&book.allocations) > 40);
     ty_context_destroy(context);
     assert_int_equal(atomic_load(&book.bytes), 0);
@@ -336,12 +424,79 @@ static void clocks_run_forward(void** state) {
     assert_true(ty_wall_seconds() > wall);
 }
 
+/* ---- instruction sets ---- */
+
+#define BUILD_OF_KERNEL(name) int name(void)
+BUILD_OF_KERNEL(build_v1);
+BUILD_OF_KERNEL(build_v3);
+BUILD_OF_KERNEL(build_v4);
+
+int build_v1(void) {
+    return TY_ISA_V1;
+}
+
+int build_v3(void) {
+    return TY_ISA_V3;
+}
+
+int build_v4(void) {
+    return TY_ISA_V4;
+}
+
+static void instruction_sets_can_be_forced(void** state) {
+    (void)state;
+    const ty_isa best = ty_best_isa();
+    for (int isa = 0; isa <= TY_ISA_COUNT; ++isa) {
+        const ty_isa expected = isa < (int)best ? (ty_isa)isa : best;
+        ty_force_isa((ty_isa)isa);
+        assert_int_equal(ty_best_isa(), expected);
+        assert_int_equal(TY_BEST_KERNELS(build)(), expected);
+        assert_true(strlen(ty_isa_name(ty_best_isa())) > 0);
+    }
+    assert_int_equal(ty_best_isa(), best);
+}
+
+/* ---- progress ---- */
+
+typedef struct reports {
+    int count, most; /* most: false is returned once count is this */
+    double fraction;
+} reports;
+
+static bool take_report(void* user, const ty_progress* progress) {
+    reports* r = user;
+    r->fraction = progress->fraction;
+    return ++r->count != r->most;
+}
+
+static void progress_is_of_the_whole_and_throttled(void** state) {
+    (void)state;
+    reports r = {0};
+    ty_part_progress progress = ty_part_begin(take_report, &r, 0.5, 0);
+    assert_int_equal(ty_part_next(&progress, "first", 0.75), TY_OK);
+    assert_true(r.count == 1 && r.fraction == 0.5);
+    for (int i = 0; i < 100; ++i) assert_int_equal(ty_part_show(&progress, "first", 0.5), TY_OK);
+    assert_true(r.count < 100); /* 100 calls take less than 10 s */
+    progress.reported -= 1;
+    assert_int_equal(ty_part_show(&progress, "first", 0.5), TY_OK);
+    assert_true(r.fraction == 0.625);
+    r.most = r.count + 1;
+    assert_int_equal(ty_part_next(&progress, "second", 1), TY_CANCELLED);
+    assert_true(r.fraction == 0.75);
+    const ty_progress early = ty_progress_at("a", 0.001, 1), half = ty_progress_at("a", 0.5, 3);
+    assert_true(early.remaining == -1 && half.remaining == 3);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(results_have_names),
         cmocka_unit_test(wrong_defs_are_refused),
         cmocka_unit_test(threads_are_as_asked),
-        cmocka_unit_test(the_first_message_stays),
+        cmocka_unit_test(the_first_message_is_kept_until_it_is_read),
+        cmocka_unit_test(messages_of_failed_creations_are_kept_without_a_context),
+        cmocka_unit_test(each_context_has_its_own_message),
+        cmocka_unit_test(threads_that_fail_at_once_read_their_own_messages),
+        cmocka_unit_test(messages_of_loops_are_the_callers),
         cmocka_unit_test(long_messages_are_cut),
         cmocka_unit_test(the_log_hears_every_line),
         cmocka_unit_test(all_memory_comes_from_the_allocator_and_returns),
@@ -352,6 +507,8 @@ int main(void) {
         cmocka_unit_test(loops_in_loops_run_alone),
         cmocka_unit_test(loops_of_several_threads_do_not_wait_for_each_other),
         cmocka_unit_test(clocks_run_forward),
+        cmocka_unit_test(instruction_sets_can_be_forced),
+        cmocka_unit_test(progress_is_of_the_whole_and_throttled),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -73,7 +73,7 @@ test_real_volumes() {
 
 test_bench() {
   expect 0 bench load --side 16 --runs 1
-  for name in 'vdb none float' 'vdb blosc half' 'nvdb zip' 'nrrd gzip'; do said out.txt "^$name "; done
+  for name in 'vdb none float' 'vdb blosc half' 'nvdb zip' 'nrrd gzip'; do said out.txt "^  $name.*:$"; done
   expect 0 bench load --side 16 --runs 1 --json
   said out.txt '"mvoxels_per_second"'
 }

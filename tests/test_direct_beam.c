@@ -22,7 +22,7 @@ static ty_scene* cloud_scene(ty_context* context, bool gray) {
     if (!gray) set3f(medium.sigma_s, 1, 2, 9);
     medium.density_grid = direct_noise(context, 8, 8, 12, 7);
     check_result(context, ty_scene_add_medium(scene, &medium));
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     return scene;
 }
 
@@ -79,9 +79,10 @@ static void no_light_is_lost(void** state) {
             direct_case made = direct_begin(scene, 17, 1, 1);
             float* planes[3];
             for (int c = 0; c < 3; ++c) planes[c] = calloc(made.medium->cells, sizeof(float));
-            ty_beam_power power;
+            ty_collimated_power power;
             assert_int_equal(made.medium->planes, gray ? 1 : 3);
-            check_result(*state, ty_uncollided_transmittance(scene, made.medium, NULL, made.sources, planes, &power));
+            check_result(*state,
+                         ty_uncollided_transmittance(scene, made.medium, NULL, made.sources.items, planes, &power));
             for (int c = 0; c < made.medium->planes; ++c) {
                 const double taken = absorbed(made.medium, planes[c], c);
                 assert_true(taken > 0.3 * power.entering[c] && power.leaving[c] > 1e-3 * power.entering[c]);

@@ -190,7 +190,7 @@ static void transmittance_has_no_distance_in_it(void** state) {
     direct_case made = direct_begin(scene, 16, 1, 1);
     ty_light_field* field = direct_light(&made, false);
     float* planes[3] = {calloc(made.medium->cells, sizeof(float)), NULL, NULL};
-    check_result(*state, ty_uncollided_transmittance(scene, made.medium, NULL, made.sources, planes, NULL));
+    check_result(*state, ty_uncollided_transmittance(scene, made.medium, NULL, made.sources.items, planes, NULL));
     for (size_t i = 0; i < made.medium->cells; ++i) {
         const double x = -1 + (i % 16 + 0.5) / 8.0, y = -1 + (i / 16 % 16 + 0.5) / 8.0, z = -1 + (i / 256 + 0.5) / 8.0;
         const double square = pow(x - lamps[3][0], 2) + pow(y - lamps[3][1], 2) + pow(z - lamps[3][2], 2);

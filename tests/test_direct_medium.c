@@ -55,7 +55,7 @@ static void voxels_are_met_exactly(void** state) {
             }
     ty_grid_medium_destroy(medium);
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* Coarser cells, of whatever size, hold as much matter. */
@@ -75,7 +75,7 @@ static void nothing_is_lost_in_other_cells(void** state) {
     }
     ty_grid_medium_destroy(medium);
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* A ball of fog, a thinner box around it, of other colour and g, which glows: volumes, g by scattering, emission. */
@@ -152,9 +152,9 @@ static void fields_are_sampled(void** state) {
     }
     ty_grid_medium_destroy(sampled);
     ty_scene_destroy(scene);
-    ty_grid_destroy(albedo);
-    ty_grid_destroy(g);
-    ty_grid_destroy(temperature);
+    ty_grid_release(albedo);
+    ty_grid_release(g);
+    ty_grid_release(temperature);
 }
 
 /* A box whose bounds hold all cells needs no coverage; what it holds is the same where they do not. */
@@ -181,7 +181,7 @@ static void bounds_cut_cells(void** state) {
         assert_close(media[1]->extinction[0][cell], expected, 2e-5);
     }
     for (int i = 0; i < 2; ++i) ty_grid_medium_destroy(media[i]);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* A grid turned over is sampled point by point, and its cells are those of the other, turned over. */
@@ -207,7 +207,7 @@ static void turned_grids_are_the_same(void** state) {
                 assert_close(media[0]->extinction[0][i + 4 * (j + 4 * k)],
                              media[1]->extinction[0][3 - j + 4 * (i + 4 * k)], 2e-4);
     for (int i = 0; i < 2; ++i) ty_grid_medium_destroy(media[i]);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void reduced_extinction(void** state) {
@@ -223,7 +223,7 @@ static void reduced_extinction(void** state) {
     free(planes[0]);
     ty_grid_medium_destroy(medium);
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* Beams of an environment carry 4 pi radiance, points of surfaces pi radiance area. */
@@ -244,21 +244,21 @@ static void sources_carry_all_the_light(void** state) {
     check_result(*state, ty_scene_add_light(scene, &area));
     check_result(*state, ty_scene_add_shape(scene, &ball));
     check_result(*state, ty_scene_commit(scene));
-    ty_source_def def = ty_default_source_def();
-    ty_source* sources = NULL;
-    int32_t count = 0, kinds[2] = {0, 0};
-    check_result(*state, ty_sources_create(scene, &def, &sources, &count));
+    ty_discretize_def def = ty_default_discretize_def();
+    ty_discrete_light_set sources;
+    int32_t kinds[2] = {0, 0};
+    check_result(*state, ty_discretize_lights(scene, &def, &sources));
     double sums[2] = {0, 0};
-    for (int32_t i = 0; i < count; ++i) {
-        sums[sources[i].kind] += (double)sources[i].color[2];
-        ++kinds[sources[i].kind];
-        assert_close(ty_dot(sources[i].direction, sources[i].direction), 1, 1e-5);
+    for (int32_t i = 0; i < sources.count; ++i) {
+        sums[sources.items[i].kind] += (double)sources.items[i].color[2];
+        ++kinds[sources.items[i].kind];
+        assert_close(ty_dot(sources.items[i].direction, sources.items[i].direction), 1, 1e-5);
     }
-    assert_int_equal(kinds[TY_SOURCE_BEAM], def.environment);
-    assert_int_equal(kinds[TY_SOURCE_LAMP], 2 * def.surface);
-    assert_close(sums[TY_SOURCE_BEAM], 2 * 12.566370614359172, 1e-3);
-    assert_close(sums[TY_SOURCE_LAMP], 6 + 3.14159265358979, 1e-3);
-    ty_sources_destroy(*state, sources, count);
+    assert_int_equal(kinds[TY_DISCRETE_DIRECTIONAL], def.environment);
+    assert_int_equal(kinds[TY_DISCRETE_POINT], 2 * def.surface);
+    assert_close(sums[TY_DISCRETE_DIRECTIONAL], 2 * 12.566370614359172, 1e-3);
+    assert_close(sums[TY_DISCRETE_POINT], 6 + 3.14159265358979, 1e-3);
+    ty_discrete_light_set_destroy(*state, &sources);
     ty_scene_destroy(scene);
 }
 
@@ -266,9 +266,8 @@ static void wrong_arguments_are_refused(void** state) {
     const double lower[3] = {0, 0, 0}, upper[3] = {1, 1, 1};
     ty_grid_box box = {.upper = {1, 1, 1}, .size = {4, 4, 4}};
     ty_grid_medium* medium = NULL;
-    ty_source_def def = ty_default_source_def();
-    ty_source* sources = NULL;
-    int32_t count;
+    ty_discretize_def def = ty_default_discretize_def();
+    ty_discrete_light_set sources;
     ty_scene* scene = make_scene(*state);
     assert_int_equal(ty_grid_box_fit(scene, 8, &box), TY_ERROR_ARGUMENT);
     assert_error(*state, "not committed");
@@ -288,7 +287,7 @@ static void wrong_arguments_are_refused(void** state) {
     assert_int_equal(ty_grid_medium_create(scene, &box, &medium), TY_ERROR_ARGUMENT);
     assert_error(*state, "cells: upper[2]");
     def.environment = 0;
-    assert_int_equal(ty_sources_create(scene, &def, &sources, &count), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_discretize_lights(scene, &def, &sources), TY_ERROR_ARGUMENT);
     assert_error(*state, "sources: environment");
     ty_scene_destroy(scene);
 }

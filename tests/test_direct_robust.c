@@ -35,30 +35,29 @@ static ty_scene* busy_scene(ty_context* context, bool gray, int32_t voxels) {
     ty_scene* scene = make_scene(context);
     ty_grid* grid = direct_noise(context, voxels, voxels, voxels * 3 / 2, 7);
     check_result(context, fill_scene(scene, grid, gray));
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     return scene;
 }
 
 /* ---- memory ---- */
 
 static ty_result light_medium(const ty_scene* scene, const ty_grid_medium* medium) {
-    const ty_source_def def = {.environment = 4, .surface = 2};
-    ty_source* sources = NULL;
+    const ty_discretize_def def = {.environment = 4, .surface = 2};
+    ty_discrete_light_set sources = {.items = NULL};
     ty_light_field* field = NULL;
     ty_grid_medium* coarse = NULL;
     float* planes[3] = {NULL, NULL, NULL};
-    ty_beam_power power;
-    int32_t count = 0;
+    ty_collimated_power power;
     for (int c = 0; c < 3; ++c) planes[c] = calloc(medium->cells, sizeof(float));
-    ty_result result = ty_sources_create(scene, &def, &sources, &count);
+    ty_result result = ty_discretize_lights(scene, &def, &sources);
     if (result == TY_OK) result = ty_light_field_create(medium, true, &field);
-    if (result == TY_OK) result = ty_uncollided_add(scene, medium, NULL, sources, count, field);
-    if (result == TY_OK) result = ty_uncollided_transmittance(scene, medium, NULL, sources, planes, &power);
+    if (result == TY_OK) result = ty_uncollided_add(scene, medium, NULL, sources.items, sources.count, field);
+    if (result == TY_OK) result = ty_uncollided_transmittance(scene, medium, NULL, sources.items, planes, &power);
     if (result == TY_OK) result = ty_grid_medium_resize(medium, (const int32_t[3]){3, 4, 5}, &coarse);
     for (int c = 0; c < 3; ++c) free(planes[c]);
     ty_grid_medium_destroy(coarse);
     ty_light_field_destroy(field);
-    ty_sources_destroy(ty_scene_context(scene), sources, count);
+    ty_discrete_light_set_destroy(ty_scene_context(scene), &sources);
     return result;
 }
 
@@ -79,7 +78,7 @@ static ty_result all_of_it(ty_context* context) {
     if (result == TY_OK) result = ty_grid_medium_create(scene, &box, &medium);
     if (result == TY_OK) result = light_medium(scene, medium);
     ty_grid_medium_destroy(medium);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     ty_scene_destroy(scene);
     return result;
 }
@@ -109,11 +108,11 @@ static void progress_is_told_and_can_cancel(void** state) {
     ty_light_field* field = NULL;
     check_result(*state, ty_light_field_create(made.medium, true, &field));
     listener listening = {.cancel_at = -1}, cancelling = {.cancel_at = 1};
-    check_result(*state, ty_uncollided_add_watched(made.scene, made.medium, NULL, made.sources, made.source_count,
-                                                   field, listen, &listening));
+    check_result(*state, ty_uncollided_add_with_progress(made.scene, made.medium, NULL, made.sources.items,
+                                                         made.sources.count, field, listen, &listening));
     assert_true(listening.calls > 1 && listening.last > 0.3);
-    assert_int_equal(ty_uncollided_add_watched(made.scene, made.medium, NULL, made.sources, made.source_count, field,
-                                               listen, &cancelling),
+    assert_int_equal(ty_uncollided_add_with_progress(made.scene, made.medium, NULL, made.sources.items,
+                                                     made.sources.count, field, listen, &cancelling),
                      TY_CANCELLED);
     assert_int_equal(cancelling.calls, 1);
     ty_light_field_destroy(field);
@@ -126,12 +125,12 @@ static void colors_share_a_plane(void** state) {
     static const float color[3] = {3, 2, 1};
     ty_light_field *fields[2] = {NULL, NULL}, *refused = NULL;
     direct_case made = direct_begin(busy_scene(*state, true, 10), 15, 1, 1);
-    assert_int_equal(made.sources[0].kind, TY_SOURCE_BEAM);
+    assert_int_equal(made.sources.items[0].kind, TY_DISCRETE_DIRECTIONAL);
     check_result(*state, ty_light_field_create(made.medium, true, &fields[0]));
     check_result(*state, ty_light_field_create_shared(made.medium, true, color, &fields[1]));
     assert_null(fields[1]->fluence[1]);
     for (int i = 0; i < 2; ++i)
-        check_result(*state, ty_uncollided_add(made.scene, made.medium, NULL, made.sources, 1, fields[i]));
+        check_result(*state, ty_uncollided_add(made.scene, made.medium, NULL, made.sources.items, 1, fields[i]));
     for (size_t i = 0; i < made.medium->cells; ++i)
         for (int c = 0; c < 3; ++c) {
             const float expected = fields[0]->fluence[c][i];
@@ -152,8 +151,8 @@ static void beams_that_pass_together_are_apart(void** state) {
     direct_case made = direct_begin(busy_scene(*state, false, 14), 21, 150, 3);
     ty_light_field *together = direct_light(&made, true), *apart = NULL;
     check_result(*state, ty_light_field_create(made.medium, true, &apart));
-    for (int32_t i = 0; i < made.source_count; ++i)
-        check_result(*state, ty_uncollided_add(made.scene, made.medium, NULL, &made.sources[i], 1, apart));
+    for (int32_t i = 0; i < made.sources.count; ++i)
+        check_result(*state, ty_uncollided_add(made.scene, made.medium, NULL, &made.sources.items[i], 1, apart));
     for (size_t i = 0; i < made.medium->cells; ++i)
         for (int c = 0; c < 3; ++c) {
             const double expected = (double)apart->fluence[c][i];
@@ -172,11 +171,10 @@ static void beams_that_pass_together_are_apart(void** state) {
 static void boxes_of_few_cells_are_met(void** state) {
     static const int32_t sizes[][3] = {{1, 1, 1}, {1, 7, 3}, {33, 1, 2}, {2, 3, 1}, {1, 1, 40}, {5, 9, 4}};
     ty_scene* scene = busy_scene(*state, false, 8);
-    const ty_source_def def = {.environment = 20, .surface = 3};
-    ty_source* sources = NULL;
-    int32_t count = 0;
+    const ty_discretize_def def = {.environment = 20, .surface = 3};
+    ty_discrete_light_set sources;
     check_result(*state, ty_scene_commit(scene));
-    check_result(*state, ty_sources_create(scene, &def, &sources, &count));
+    check_result(*state, ty_discretize_lights(scene, &def, &sources));
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
         ty_grid_box box;
         ty_grid_medium* medium = NULL;
@@ -187,9 +185,9 @@ static void boxes_of_few_cells_are_met(void** state) {
         check_result(*state, ty_grid_medium_create(scene, &box, &medium));
         check_result(*state, ty_light_field_create(medium, true, &field));
         check_result(*state, ty_light_field_create(medium, false, &clear));
-        check_result(*state, ty_uncollided_add(scene, medium, NULL, sources, count, field));
+        check_result(*state, ty_uncollided_add(scene, medium, NULL, sources.items, sources.count, field));
         for (int c = 0; c < 3; ++c) memset(medium->extinction[c], 0, medium->cells * sizeof(float));
-        check_result(*state, ty_uncollided_add(scene, medium, NULL, sources, count, clear));
+        check_result(*state, ty_uncollided_add(scene, medium, NULL, sources.items, sources.count, clear));
         for (size_t cell = 0; cell < medium->cells; ++cell)
             for (int c = 0; c < 3; ++c)
                 assert_true(field->fluence[c][cell] > 0 && field->fluence[c][cell] < clear->fluence[c][cell]);
@@ -197,7 +195,7 @@ static void boxes_of_few_cells_are_met(void** state) {
         ty_light_field_destroy(clear);
         ty_grid_medium_destroy(medium);
     }
-    ty_sources_destroy(*state, sources, count);
+    ty_discrete_light_set_destroy(*state, &sources);
     ty_scene_destroy(scene);
 }
 

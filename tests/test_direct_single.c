@@ -1,11 +1,11 @@
 /* Light on cells that scatters once. */
-#include "direct/single.k.h"
+#include "direct/single/single.k.h"
 #include "direct_maker.h"
 
 enum { CELLS = 16 };
 
-static ty_single_light light_of_field(const ty_light_field* field, int32_t kind, ty_vec toward) {
-    ty_single_light light = {.kind = kind, .toward = toward};
+static ty_light_fluence light_of_field(const ty_light_field* field, int32_t kind, ty_vec toward) {
+    ty_light_fluence light = {.kind = kind, .anchor = toward};
     for (int c = 0; c < 3; ++c) {
         light.fluence[c] = field->fluence[c];
         for (int a = 0; a < 3; ++a) light.flux[c][a] = field->flux[c][a];
@@ -34,14 +34,14 @@ static direct_case fog(ty_context* context, ty_light_kind kind) {
 }
 
 /* What point scatters along way. */
-static float scattered(const ty_single_light* light, ty_vec point, ty_vec way, float g) {
+static float scattered(const ty_light_fluence* light, ty_vec point, ty_vec way, float g) {
     static const int32_t size[3] = {CELLS, CELLS, CELLS};
     const float per_cell = CELLS / 2.0f, gs[3] = {g, g, g};
     const ty_vec cells = ty_scale(ty_add(point, ty_vec_make(1, 1, 1)), per_cell);
     const ty_cell_point at = ty_cell_locate(size, cells);
-    static const float whole[TY_SINGLE_FLUENCES][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
+    static const float whole[TY_FLUENCE_COUNT][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
     static const ty_forward_fit none = {.bands = 0};
-    ty_single_sent sent = {{0}, {0}, {0}};
+    ty_single_radiance sent = {{0}, {0}, {0}};
     ty_single_scattered(light, point, &at, way, whole, gs, &none, &sent);
     assert_true(sent.again[1] == 0 && sent.aside[1] == 0);
     return sent.first[1];
@@ -50,7 +50,7 @@ static float scattered(const ty_single_light* light, ty_vec point, ty_vec way, f
 static void beams_keep_their_phase_function(void** state) {
     direct_case made = fog(*state, TY_LIGHT_DIRECTIONAL);
     ty_light_field* field = direct_light(&made, true);
-    const ty_single_light sun = light_of_field(field, TY_SINGLE_BEAM, ty_vec_make(0, -1, 0));
+    const ty_light_fluence sun = light_of_field(field, TY_FLUENCE_DIRECTIONAL, ty_vec_make(0, -1, 0));
     for (int i = 0; i < 5; ++i) {
         const float y = -0.8f + 0.4f * (float)i, g = -0.8f + 0.4f * (float)i;
         const double fluence = 2 * exp(-0.1 * (1 - (double)y));
@@ -66,8 +66,8 @@ static void beams_keep_their_phase_function(void** state) {
 static void many_lights_together(void** state) {
     direct_case made = fog(*state, TY_LIGHT_DIRECTIONAL);
     ty_light_field* field = direct_light(&made, true);
-    const ty_single_light sun = light_of_field(field, TY_SINGLE_BEAM, ty_vec_make(0, -1, 0));
-    const ty_single_light many = light_of_field(field, TY_SINGLE_MANY, ty_vec_make(0, 0, 0));
+    const ty_light_fluence sun = light_of_field(field, TY_FLUENCE_DIRECTIONAL, ty_vec_make(0, -1, 0));
+    const ty_light_fluence many = light_of_field(field, TY_FLUENCE_P1, ty_vec_make(0, 0, 0));
     const ty_vec point = ty_vec_make(0.2f, 0.3f, 0.4f), way = ty_vec_make(-0.8f, 0.6f, 0);
     assert_close((double)(scattered(&many, point, way, 0) / scattered(&sun, point, way, 0)), 1, 1e-5);
     assert_close((double)(scattered(&many, point, way, 0.05f) / scattered(&sun, point, way, 0.05f)), 1, 0.01);
@@ -80,7 +80,7 @@ static void many_lights_together(void** state) {
 static void lamps_scatter_from_where_they_are(void** state) {
     direct_case made = fog(*state, TY_LIGHT_POINT);
     ty_light_field* field = direct_light(&made, true);
-    const ty_single_light lamp = light_of_field(field, TY_SINGLE_LAMP, ty_vec_make(0, 2, 0));
+    const ty_light_fluence lamp = light_of_field(field, TY_FLUENCE_POINT, ty_vec_make(0, 2, 0));
     const double x = 0.4, y = -0.3, z = 0.2, square = x * x + (2 - y) * (2 - y) + z * z, length = sqrt(square);
     const double inside = length * (1 - y) / (2 - y), fluence = exp(-0.1 * inside) / square;
     const float found = scattered(&lamp, ty_vec_make((float)x, (float)y, (float)z), ty_vec_make(1, 0, 0), 0.7f);
@@ -106,12 +106,12 @@ static void lobes_keep_moments(void** state) {
         for (int s = 0; s < steps; ++s) {
             const double mu = -1 + (s + 0.5) * 2 / steps, legendre[3] = {1, mu, 1.5 * mu * mu - 0.5};
             const float sum =
-                ty_forward_straight(light, (float)mu, (float)g) + ty_forward_scattered(light, (float)mu, (float)g);
+                ty_forward_unscattered(light, (float)mu, (float)g) + ty_forward_scattered(light, (float)mu, (float)g);
             for (int l = 0; l < 3; ++l) moment[l] += (double)sum * legendre[l] * 12.566370614359172 / steps;
         }
-        assert_close(moment[0], (double)light.kept, 2e-3 * (double)light.kept);
-        assert_close(moment[1], g * (double)light.kept, 2e-3 * (double)light.kept);
-        assert_close(moment[2], g * g * (double)light.bent, 2e-3 * (double)light.kept);
+        assert_close(moment[0], (double)light.phi_order_l, 2e-3 * (double)light.phi_order_l);
+        assert_close(moment[1], g * (double)light.phi_order_l, 2e-3 * (double)light.phi_order_l);
+        assert_close(moment[2], g * g * (double)light.phi_next_order, 2e-3 * (double)light.phi_order_l);
     }
 }
 

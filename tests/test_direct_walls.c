@@ -1,6 +1,6 @@
 /* Surfaces as walls between cells: which faces they close, what they are made of, and the light on them. */
 #include "direct_maker.h"
-#include "direct/walls.h"
+#include "direct/surfaces/boundary_faces.h"
 
 #include <string.h>
 
@@ -29,14 +29,14 @@ static void add_quad(ty_scene* scene, const double origin[3], const double u[3],
     check_result(ty_scene_context(scene), ty_scene_add_shape(scene, &quad));
 }
 
-static ty_walls* find(const direct_case* made) {
-    ty_walls* walls = NULL;
-    check_result(ty_scene_context(made->scene), ty_walls_find(made->scene, made->medium, &walls));
+static ty_boundary_faces* find(const direct_case* made) {
+    ty_boundary_faces* walls = NULL;
+    check_result(ty_scene_context(made->scene), ty_boundary_faces_find(made->scene, made->medium, &walls));
     return walls;
 }
 
 /* Which cells open faces lead to from the first one. */
-static void flood(const ty_walls* walls, uint8_t* reached) {
+static void flood(const ty_boundary_faces* walls, uint8_t* reached) {
     const int32_t* size = walls->size;
     const int32_t steps[3] = {1, size[0], size[0] * size[1]};
     bool more = true;
@@ -72,7 +72,7 @@ static void walls_have_no_holes(void** state) {
         add_quad(scene, (const double[3]){-2, -2, c - 2 * a - 2 * b}, (const double[3]){4, 0, 4 * a},
                  (const double[3]){0, 4, 4 * b}, 0.5f);
         direct_case made = direct_begin(scene, 11, 1, 1);
-        ty_walls* walls = find(&made);
+        ty_boundary_faces* walls = find(&made);
         uint8_t reached[11 * 11 * 11] = {0};
         flood(walls, reached);
         for (int32_t i = 0; i < 11 * 11 * 11; ++i) {
@@ -81,7 +81,7 @@ static void walls_have_no_holes(void** state) {
             const bool above = z > c + a * x + b * y;
             if (above != (first > c + a * first + b * first)) assert_int_equal(reached[i], 0);
         }
-        ty_walls_destroy(walls);
+        ty_boundary_faces_destroy(walls);
         direct_end(&made);
     }
 }
@@ -90,20 +90,20 @@ static void sides_are_of_their_surfaces(void** state) {
     ty_scene* scene = fog_cube(*state, 0);
     add_quad(scene, (const double[3]){-2, -2, 0.1}, (const double[3]){4, 0, 0}, (const double[3]){0, 4, 0}, 0.25f);
     direct_case made = direct_begin(scene, 5, 1, 1);
-    ty_walls* walls = find(&made);
+    ty_boundary_faces* walls = find(&made);
     assert_int_equal(walls->count, 50);
     assert_int_equal(walls->first[25], 50);
     for (int32_t i = 0; i < walls->count; ++i) {
-        const ty_wall* side = &walls->sides[i];
+        const ty_boundary_side* side = &walls->sides[i];
         const bool upper = walls->face[i] == 5; /* of the cells below, whose middles are at z = 0 */
         assert_true(upper || walls->face[i] == 4);
         assert_close((double)side->normal.z, upper ? -1 : 1, 1e-6);
         assert_close((double)side->position.z, 0.1, 1e-4);
         assert_close((double)side->depth, upper ? 0.25 : 0.75, 2e-3);
         assert_close((double)side->albedo[1], 0.25, 1e-6);
-        assert_close((double)side->stairs, 1, 1e-6);
+        assert_close((double)side->staircase_factor, 1, 1e-6);
     }
-    ty_walls_destroy(walls);
+    ty_boundary_faces_destroy(walls);
     direct_end(&made);
 }
 
@@ -112,9 +112,9 @@ static void stairs_look_like_their_surface(void** state) {
     (void)state;
     for (float stairs = 1; stairs < 1.8f; stairs += 0.1f)
         for (float albedo = 0; albedo <= 1; albedo += 0.25f) {
-            const ty_wall wall = {.stairs = stairs};
+            const ty_boundary_side wall = {.staircase_factor = stairs};
             float of_stairs, share;
-            ty_wall_of_stairs(&wall, albedo, &of_stairs, &share);
+            ty_staircase_albedo(&wall, albedo, &of_stairs, &share);
             const float met = 1 - 1 / stairs;
             /* In light 1 the surface sends its albedo; stairs get 1 or what others send. */
             assert_close((double)(of_stairs * (1 - met + met * albedo)), (double)albedo, 1e-5);
@@ -141,7 +141,7 @@ static void light_on_walls(void** state) {
     check_result(*state, ty_scene_add_light(scene, &sun));
     check_result(*state, ty_scene_add_light(scene, &lamp));
     direct_case made = direct_begin(scene, 8, 1, 1);
-    ty_walls* walls = find(&made);
+    ty_boundary_faces* walls = find(&made);
     float* sums = calloc((size_t)walls->count * 6, sizeof *sums);
     float *irradiance[3], *forward[3], *half[3];
     for (int c = 0; c < 3; ++c) {
@@ -150,10 +150,11 @@ static void light_on_walls(void** state) {
         half[c] = malloc(made.medium->cells * sizeof(float));
         for (size_t i = 0; i < made.medium->cells; ++i) half[c][i] = 0.5f * made.medium->extinction[c][i];
     }
-    ty_walls_light(scene, walls, made.medium, half, made.sources, made.source_count, irradiance, forward);
+    ty_boundary_irradiance_add(scene, walls, made.medium, half, made.sources.items, made.sources.count, irradiance,
+                               forward);
     int seen = 0;
     for (int32_t i = 0; i < walls->count; ++i) {
-        const ty_wall* side = &walls->sides[i];
+        const ty_boundary_side* side = &walls->sides[i];
         if (!((double)side->position.z < -0.9 && side->normal.z > 0)) continue;
         const double x = (double)side->position.x, y = (double)side->position.y, square = x * x + y * y + 1.44;
         const double into = y - 1.5 < -1 ? (y + 1) / 0.6 : 2 / 0.8;
@@ -173,7 +174,7 @@ static void light_on_walls(void** state) {
     assert_int_equal(seen, 64);
     for (int c = 0; c < 3; ++c) free(half[c]);
     free(sums);
-    ty_walls_destroy(walls);
+    ty_boundary_faces_destroy(walls);
     direct_end(&made);
 }
 
@@ -193,16 +194,17 @@ static void solids_are_dark(void** state) {
         lamp.kind = TY_LIGHT_POINT;
         check_result(*state, ty_scene_add_light(scene, &lamp));
         direct_case made = direct_begin(scene, 9, 1, 1);
-        ty_walls* walls = find(&made);
+        ty_boundary_faces* walls = find(&made);
         uint8_t dark[9 * 9 * 9];
-        check_result(*state, ty_walls_find_dark(scene, walls, made.medium, made.sources, made.source_count, dark));
+        check_result(*state,
+                     ty_unlit_cells_find(scene, walls, made.medium, made.sources.items, made.sources.count, dark));
         for (int32_t i = 0; i < 9 * 9 * 9; ++i) {
             const int32_t at[3] = {i % 9, i / 9 % 9, i / 81};
             bool inside = true; /* cells whose middles are */
             for (int a = 0; a < 3; ++a) inside = inside && at[a] >= 2 && at[a] <= 6;
             assert_int_equal(dark[i], inside && lit == 0);
         }
-        ty_walls_destroy(walls);
+        ty_boundary_faces_destroy(walls);
         direct_end(&made);
     }
 }

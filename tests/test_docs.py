@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
 """The documentation against what it speaks of: methods' pages have one shape and all keys of the scene file with their
-defaults, what they call by the names of the code is there, and links lead somewhere. usage: test_docs.py SOURCE_FOLDER"""
+defaults, what they call by the names of the code is there, and links lead somewhere. usage: test_docs.py SOURCE_FOLDER [TYNDALL]"""
 import json
 import pathlib
 import re
+import subprocess
 import sys
 
 source = pathlib.Path(sys.argv[1])
+program = sys.argv[2] if len(sys.argv) > 2 else None
 failures = []
 SHAPE = ["When to use it", "When not to", "Options", "What it computes", "From equations to code", "Departures",
          "How well it holds", "How fast it is", "Limits"]
-PAGES = ["path", "screen", "fld", "pop", "lpv", "dom", "impulse"]
 
 
 def read(name):
@@ -44,9 +45,7 @@ def same_default(schema, words):
 
 def check_options(method, keys):
     text = read(f"docs/method/{method}.md")
-    if method == "path":
-        failures.extend(f"docs/method/path.md lacks render.path.{key}" for key in keys if f"render.path.{key}" not in text)
-        return
+    check_generated(method, text)
     table = re.search(rf"^\| key of `render\.{method}` .*?(?=^$)", text, flags=re.M | re.S)
     rows = {} if table is None else dict(re.findall(r"^\| `(\w+)` \|(.*)$", table.group(), flags=re.M))
     if set(rows) != set(keys):
@@ -58,6 +57,17 @@ def check_options(method, keys):
         for word in keys[key].get("enum", []):
             if isinstance(word, str) and f'"{word}"' not in values:
                 failures.append(f"docs/method/{method}.md: {key} may be {word}, too")
+
+
+def check_generated(method, text):
+    """The table between the marks is what the program prints of its own tables (make docs)."""
+    block = re.search(rf"^<!-- options of {method} -->\n\n(.*?)\n\n<!-- end of options of {method} -->$", text, flags=re.M | re.S)
+    if block is None:
+        failures.append(f"docs/method/{method}.md lacks the marks of 'options of {method}'")
+    elif program is not None:
+        printed = subprocess.run([program, "help", "--options", method], capture_output=True, text=True, check=True).stdout
+        if block.group(1).strip() != printed.strip():
+            failures.append(f"docs/method/{method}.md: its options are not those of the program: make docs")
 
 
 def check_code(page, words, files):
@@ -88,13 +98,13 @@ def check_links(page):
             failures.append(f"{page.relative_to(source)}: {target} has no such section")
 
 
-render = json.loads(read("src/io/scenes/scene.schema.json"))["$defs"]["render"]["properties"]
-for name in PAGES:
+render = json.loads(read("docs/scene.schema.json"))["$defs"]["render"]["properties"]
+for name in [*(name for name, entry in render.items() if "properties" in entry), "impulse"]:
     check_shape(name)
 for name, entry in render.items():
     if "properties" in entry:
         check_options(name, entry["properties"])
-code = [file for folder in ("include", "src", "examples", "cmake", "scripts", "tests") for file in sorted((source / folder).rglob("*"))
+code = [file for folder in ("include", "src", "tools", "examples", "cmake", "scripts", "tests") for file in sorted((source / folder).rglob("*"))
         if file.is_file()]
 words = {word for file in code if file.suffix in (".h", ".c", ".cpp")
          for word in re.findall(r"\b(?:ty|TY)_\w+\b", file.read_text(encoding="utf-8", errors="replace"))}

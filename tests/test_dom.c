@@ -66,19 +66,7 @@ static void look_up_all(const void* light, double numbers[VOLUME_NUMBERS]) {
     memcpy(numbers, &all, sizeof all);
 }
 
-static const volume_calls calls = {.name = "dom",
-                                   .maker = "ty_default_dom_def",
-                                   .variants = 1,
-                                   .told = 0.4,
-                                   .make_def = make_def,
-                                   .watch = watch_def,
-                                   .make_scene = plain_scene,
-                                   .solve = call_solve,
-                                   .view = call_view,
-                                   .render = call_render,
-                                   .fluence = call_fluence,
-                                   .look_up = look_up_all,
-                                   .destroy = call_destroy};
+static const volume_calls calls = {VOLUME_CALLS_OF(dom), .variants = 1, .told = 0.4, .make_scene = plain_scene};
 
 /* ---- arguments ---- */
 
@@ -87,72 +75,31 @@ static const volume_calls calls = {.name = "dom",
 
 static const bad_field bad_fields[] = {
     DOM(cookie, FIELD_INT, 0, "ty_default_dom_def"),
-    DOM(resolution, FIELD_INT, 3, "dom.resolution: 3 is outside [4, 512]"),
-    DOM(resolution, FIELD_INT, 513, "dom.resolution"),
-    DOM(resolution, FIELD_INT, -1, "dom.resolution"),
-    DOM(direct, FIELD_INT, 3, "dom.direct: 3 is outside [4, 1024]"),
-    DOM(direct, FIELD_INT, 1025, "dom.direct"),
-    DOM(directions, FIELD_INT, 7, "dom.directions: 7 is outside [8, 1024]"),
-    DOM(directions, FIELD_INT, 1025, "dom.directions"),
-    DOM(last_directions, FIELD_INT, 7, "dom.last_directions: 7 is outside [8, 1024]"),
-    DOM(last_directions, FIELD_INT, 1025, "dom.last_directions"),
-    DOM(bands, FIELD_INT, -1, "dom.bands: -1 is outside [1, 12]"),
-    DOM(bands, FIELD_INT, 13, "dom.bands"),
-    DOM(acceleration, FIELD_INT, 2, "dom.acceleration"),
-    DOM(tolerance, FIELD_DOUBLE, 0, "dom.tolerance: 0 is outside (0, 1)"),
-    DOM(tolerance, FIELD_DOUBLE, 1, "dom.tolerance"),
-    DOM(tolerance, FIELD_DOUBLE, NAN, "dom.tolerance"),
-    DOM(iterations, FIELD_INT, -1, "dom.iterations: -1"),
-    DOM(environment_beams, FIELD_INT, 0, "dom.environment_beams: 0 is outside [1, 65536]"),
-    DOM(environment_beams, FIELD_INT, 65537, "dom.environment_beams"),
-    DOM(surface_points, FIELD_INT, 0, "dom.surface_points: 0 is outside [1, 65536]"),
-    DOM(surface_points, FIELD_INT, 65537, "dom.surface_points"),
     DOM(width, FIELD_INT, 0, "dom: 0 x 11"),
     DOM(height, FIELD_INT, 65537, "dom: 19 x 65537"),
-    DOM(spp, FIELD_INT, 0, "dom.spp: 0 is outside [1, 64]"),
-    DOM(spp, FIELD_INT, 65, "dom.spp"),
-    DOM(step, FIELD_DOUBLE, 0.01, "dom.step: 0.01 is outside [0.05, 8]"),
-    DOM(step, FIELD_DOUBLE, 9, "dom.step"),
     DOM(aovs, FIELD_INT, TY_AOV_NORMAL, "dom.aovs: "),
 };
 
-static void wrong_defs_are_refused(void** state) {
-    check_wrong_defs(&calls, *state, bad_fields, sizeof bad_fields / sizeof *bad_fields);
-}
-
-static void scenes_need_media(void** state) {
-    check_scenes_without_media(&calls, *state);
-}
-
-static void cuts_of_boxes_are_checked(void** state) {
-    check_cuts_of_boxes(&calls, *state);
-}
+static const volume_suite suite = {&calls, bad_fields, sizeof bad_fields / sizeof *bad_fields};
 
 static void points_are_checked(void** state) {
-    static const double odd[3] = {0, NAN, 0};
-    const float way[3] = {0, 0, 1};
+    static const double rays[3][6] = {{0, NAN, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0}, {9, 9, 9, 0, 0, 2}};
     ty_scene* scene = foggy_scene(*state);
     const ty_dom_def def = small_dom();
     ty_dom* light = solve_dom(scene, &def, NULL);
-    float radiance[3];
-    assert_int_equal(ty_dom_radiance(light, odd, way, 1, radiance), TY_ERROR_ARGUMENT);
-    assert_error(*state, "dom: point");
+    double radiance[3] = {-1, -1, -1};
+    assert_int_equal(ty_dom_radiance(light, rays[0], 1, radiance), TY_ERROR_ARGUMENT);
+    assert_error(*state, "rays: point");
+    assert_int_equal(ty_dom_radiance(light, rays[1], 1, radiance), TY_ERROR_ARGUMENT);
+    assert_error(*state, "rays: direction");
+    assert_int_equal(ty_dom_radiance(light, rays[2], 0, radiance), TY_ERROR_ARGUMENT);
+    assert_error(*state, "a count of 0 rays");
+    assert_int_equal(ty_dom_radiance(light, rays[2], 1, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "rays or radiance is NULL");
+    assert_int_equal(ty_dom_radiance(light, rays[2], 1, radiance), TY_OK);
+    for (int c = 0; c < 3; ++c) assert_true(radiance[c] == 0); /* outside of the box */
     ty_dom_destroy(light);
     ty_scene_destroy(scene);
-}
-
-static void defaults_are_as_documented(void** state) {
-    (void)state;
-    const ty_dom_def def = ty_default_dom_def();
-    assert_int_equal(def.resolution | def.direct | def.last_directions | def.bands | def.iterations, 0);
-    assert_int_equal(def.directions, 96);
-    assert_int_equal(def.acceleration, TY_DOM_ACCELERATION_DIFFUSION);
-    assert_true(def.tolerance == 1e-3 && def.step == 1 && def.start == NULL);
-    assert_int_equal(def.environment_beams, 64);
-    assert_int_equal(def.surface_points, 16);
-    assert_int_equal(def.spp, 1);
-    assert_int_equal(def.width | def.height | (int32_t)def.aovs, 0);
-    assert_true(def.seed == 0 && def.unscattered == NULL && def.progress == NULL);
 }
 
 /* ---- what is told ---- */
@@ -184,20 +131,6 @@ static void statistics_tell_what_was_done(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void progress_runs_to_the_end(void** state) {
-    check_progress(&calls, *state);
-}
-
-static void callers_can_cancel_at_any_time(void** state) {
-    (void)state;
-    check_cancelling(&calls, 0);
-}
-
-static void refused_memory_leaves_nothing(void** state) {
-    (void)state;
-    check_refused_memory(&calls);
-}
-
 /* ---- results ---- */
 
 static double mean_of(const double* values) {
@@ -213,8 +146,8 @@ static void threads_do_not_change_bits(void** state) {
     check_threads(&calls, &def);
 }
 
-static void cameras_move_without_solving_again(void** state) {
-    check_cameras(&calls, *state);
+static void light_outlives_its_scene(void** state) {
+    check_lifetimes(&calls, *state);
 }
 
 /* All directions' radiance together is the fluence of what has scattered. */
@@ -222,20 +155,21 @@ static void radiance_adds_up_to_fluence(void** state) {
     enum { WAYS = 2000 };
     static const double point[3] = {0.375, 0.625, -0.625}; /* the middle of a cell */
     static const int32_t one[3] = {1, 1, 1};
-    static float ways[3 * WAYS], radiance[3 * WAYS];
+    static double rays[6 * WAYS], radiance[3 * WAYS];
     ty_scene* scene = foggy_scene(*state);
     const ty_dom_def def = small_dom();
     ty_dom* light = solve_dom(scene, &def, NULL);
     double fluence[3], uncollided[3];
     for (int i = 0; i < WAYS; ++i) {
         const double z = 1 - (2 * i + 1.0) / WAYS, angle = 2.399963229728653 * i, radius = sqrt(1 - z * z);
-        set3f(ways + 3 * i, (float)(radius * cos(angle)), (float)(radius * sin(angle)), (float)z);
+        memcpy(rays + 6 * i, point, sizeof point);
+        set3(rays + 6 * i + 3, radius * cos(angle), radius * sin(angle), z);
     }
-    check_result(*state, ty_dom_radiance(light, point, ways, WAYS, radiance));
+    check_result(*state, ty_dom_radiance(light, rays, WAYS, radiance));
     check_result(*state, ty_dom_fluence(light, point, point, one, fluence, uncollided));
     for (int c = 0; c < 3; ++c) {
         double sum = 0;
-        for (int i = 0; i < WAYS; ++i) sum += (double)radiance[3 * i + c] * 4 * 3.141592653589793 / WAYS;
+        for (int i = 0; i < WAYS; ++i) sum += radiance[3 * i + c] * 4 * 3.141592653589793 / WAYS;
         assert_close(sum / (fluence[c] - uncollided[c]), 1, 0.01);
     }
     ty_dom_destroy(light);
@@ -356,17 +290,12 @@ static void nothing_comes_from_nothing(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_defs_are_refused),
-        cmocka_unit_test(scenes_need_media),
-        cmocka_unit_test(cuts_of_boxes_are_checked),
-        cmocka_unit_test(points_are_checked),
-        cmocka_unit_test(defaults_are_as_documented),
-        cmocka_unit_test(statistics_tell_what_was_done),
-        cmocka_unit_test(progress_runs_to_the_end),
-        cmocka_unit_test(callers_can_cancel_at_any_time),
-        cmocka_unit_test(refused_memory_leaves_nothing),
-        cmocka_unit_test(threads_do_not_change_bits),
+        VOLUME_TESTS,
         cmocka_unit_test(cameras_move_without_solving_again),
+        cmocka_unit_test(points_are_checked),
+        cmocka_unit_test(statistics_tell_what_was_done),
+        cmocka_unit_test(threads_do_not_change_bits),
+        cmocka_unit_test(light_outlives_its_scene),
         cmocka_unit_test(radiance_adds_up_to_fluence),
         cmocka_unit_test(starts_save_sweeps),
         cmocka_unit_test(gray_scenes_are_solved_once),

@@ -79,12 +79,12 @@ static void angles_are_close_to_libm(void** state) {
     for (int i = 0; i < 200000; ++i) {
         const double angle = uniform_in(&random, -pi, pi), r = exp(uniform_in(&random, -20, 20));
         const float y = (float)(r * sin(angle)), x = (float)(r * cos(angle));
-        worst = fmax(worst, fabs((double)ty_atan2_turns(y, x) - atan2((double)y, (double)x) / (2 * pi)));
+        worst = fmax(worst, fabs((double)ty_atan2_over_2pi(y, x) - atan2((double)y, (double)x) / (2 * pi)));
     }
     if (worst > 2e-6) fail_msg("error %g turns", worst);
-    assert_true(ty_atan2_turns(0, 0) == 0);
-    assert_close(ty_atan2_turns(0, -1), 0.5, 0);
-    assert_close(ty_atan2_turns(-1, 0), -0.25, 1e-7);
+    assert_true(ty_atan2_over_2pi(0, 0) == 0);
+    assert_close(ty_atan2_over_2pi(0, -1), 0.5, 0);
+    assert_close(ty_atan2_over_2pi(-1, 0), -0.25, 1e-7);
 }
 
 static void texels_lie_where_the_design_says(void** state) {
@@ -391,7 +391,7 @@ static void cells_hold_all_light(void** state) {
         assert_true(s.view.cells_width <= 256 && s.view.cells_height <= 128);
         for (int32_t i = 0; i < s.view.cells_width * s.view.cells_height; ++i) {
             for (int c = 0; c < 3; ++c) color[c] += (double)s.view.cells[i].color[c];
-            for (int a = 0; a < 3; ++a) flow[a] += (double)s.view.cells[i].flow[a];
+            for (int a = 0; a < 3; ++a) flow[a] += (double)s.view.cells[i].vector_luminance[a];
             solid_angle += (double)s.view.cells[i].solid_angle;
         }
         assert_close(solid_angle, 4 * pi, 1e-4);

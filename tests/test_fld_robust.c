@@ -1,5 +1,5 @@
-/* Flux-limited diffusion of odd scenes: whatever they are, images are finite, at least 0, and about as bright as they
- * should be. */
+/* Flux-limited diffusion of odd scenes: images are finite, at least 0, and as bright as they should be. Where no closed
+ * form says how bright that is, the bound is the value measured, with a margin of 5 %. */
 #include "fld_maker.h"
 
 enum { PIXELS_SIDE = 12 };
@@ -51,6 +51,12 @@ static brightness look_at(ty_context* context, const ty_medium_def* media, int m
     return out;
 }
 
+static const double margin = 0.05; /* relative, about values measured */
+
+static void assert_measured(const char* scene, double value, double measured) {
+    if (!(fabs(value - measured) <= margin * measured)) fail_msg("%s: %.5g, measured %.5g", scene, value, measured);
+}
+
 static ty_fld_def odd_def(void) {
     ty_fld_def def = ty_default_fld_def();
     def.width = def.height = PIXELS_SIDE;
@@ -60,9 +66,12 @@ static ty_fld_def odd_def(void) {
     return def;
 }
 
-/* A white cube in sunlight of 1 W m^-2 is no brighter than a white sheet, 1 / pi, however thick its cells. */
+/* A white cube in sunlight of 1 W m^-2 is no brighter than a white sheet, 1 / pi = 0.318, however thick its cells. The
+ * cells of a ball are stairs, whose corners are lit on three sides: 0.345 to 0.473 were measured, and 0.276 to 0.307
+ * for cubes. */
 static void thick_media_are_as_bright_as_paper(void** state) {
     static const float thick[] = {30, 200, 1e4f, 1e9f};
+    static const double bounds[3][2] = {{0.265, 0.318}, {0.335, 0.485}, {0.275, 0.3}};
     const ty_light_def sun = sun_light(1, 1, 1);
     const ty_fld_def def = odd_def();
     for (int i = 0; i < 4; ++i)
@@ -71,21 +80,23 @@ static void thick_media_are_as_bright_as_paper(void** state) {
             if (form == 1) medium.bounds = TY_BOUNDS_SPHERE;
             if (form == 1) medium.sphere_radius = 1;
             const brightness b = look_at(*state, &medium, 1, &sun, 5, &def);
-            if (!(b.most > 0.1 && b.most < 0.5)) fail_msg("%g/m, form %d: %g", (double)thick[i], form, b.most);
+            if (!(b.most > bounds[form][0] && b.most < bounds[form][1]))
+                fail_msg("%g/m, form %d: %g", (double)thick[i], form, b.most);
         }
 }
 
-/* White media under an even sky cannot be told from it; nearly, where cells are thick. */
+/* White media under an even sky cannot be told from it. Measured deviations: 0.001, 0.011, 0.093 and 0.049 of the mean
+ * with g = 0, and 0.0002, 0.011, 0.141 and 0.127 with g = 0.5, where cells of many mean free paths are too bright. */
 static void furnaces_are_even(void** state) {
     static const float sigma_s[] = {0.1f, 3, 30, 1000}, g[] = {0, 0.5f};
+    static const double off[4][2] = {{0.003, 0.003}, {0.013, 0.013}, {0.1, 0.15}, {0.06, 0.14}};
     const ty_light_def sky = sky_light();
     const ty_fld_def def = odd_def();
     for (int i = 0; i < 4; ++i)
         for (int k = 0; k < 2; ++k) {
             const ty_medium_def medium = cube(1, sigma_s[i], 0, g[k]);
             const brightness b = look_at(*state, &medium, 1, &sky, 5, &def);
-            if (!(fabs(b.mean - 1) < (sigma_s[i] >= 30 ? 0.15 : 0.07)))
-                fail_msg("%g/m, g %g: %g", (double)sigma_s[i], (double)g[k], b.mean);
+            if (!(fabs(b.mean - 1) < off[i][k])) fail_msg("%g/m, g %g: %g", (double)sigma_s[i], (double)g[k], b.mean);
         }
 }
 
@@ -124,20 +135,27 @@ static void nothing_scatters(void** state) {
     assert_true(b.most > 1e-11 && b.most < 1e-9);
 }
 
+/* Towards g = 1 the light that turns aside is proportional to 1 - g. */
 static void scattering_is_one_sided(void** state) {
     static const float g[] = {-0.99f, -0.9f, 0.9f, 0.99f, 0.9999f};
+    static const double measured[] = {0.118, 0.1291, 0.03336, 0.004305, 4.468e-5};
+    double most[5];
     const ty_light_def sun = sun_light(1, 1, 1);
     const ty_fld_def def = odd_def();
     for (int i = 0; i < 5; ++i) {
         const ty_medium_def medium = cube(1, 4, 0.1f, g[i]);
-        assert_true(look_at(*state, &medium, 1, &sun, 5, &def).most < 0.5);
+        most[i] = look_at(*state, &medium, 1, &sun, 5, &def).most;
+        assert_measured("one-sided scattering", most[i], measured[i]);
     }
+    assert_close(most[4] / most[3], 0.01, 0.0005);
 }
 
 /* Slabs, needles and grids of single voxels. */
 static void few_cells(void** state) {
     static const double halves[][3] = {{1, 1e-3, 1}, {1, 0.01, 0.01}, {1e-3, 1, 1}, {1, 1, 1e-5}};
     static const int32_t voxels[][3] = {{1, 1, 1}, {2, 1, 1}, {1, 64, 1}};
+    static const double slabs[] = {0.0234, 0, 0.02632, 9.697e-5}; /* no pixel's ray meets the needle */
+    static const double grids[] = {0.05963, 0.06163, 0.1071};
     const ty_light_def sun = sun_light(1, 1, 1);
     const ty_fld_def def = odd_def();
     for (int i = 0; i < 4; ++i) {
@@ -146,7 +164,7 @@ static void few_cells(void** state) {
             medium.box_min[a] = -halves[i][a];
             medium.box_max[a] = halves[i][a];
         }
-        assert_true(look_at(*state, &medium, 1, &sun, 5, &def).most < 1);
+        assert_measured("a slab", look_at(*state, &medium, 1, &sun, 5, &def).most, slabs[i]);
     }
     for (int i = 0; i < 3; ++i) {
         ty_medium_def medium = cube(1, 5, 0.1f, 0);
@@ -157,13 +175,16 @@ static void few_cells(void** state) {
         grid.values = values;
         check_result(*state, ty_grid_create(*state, &grid, &medium.density_grid));
         const brightness b = look_at(*state, &medium, 1, &sun, 5, &def);
-        assert_true(b.mean > 0.01 && b.most < 0.5);
-        ty_grid_destroy(medium.density_grid);
+        assert_measured("a grid of few voxels", b.mean, grids[i]);
+        ty_grid_release(medium.density_grid);
     }
 }
 
-/* A small dense cloud in thin fog, and four media on top of one another. */
+/* A small dense cloud in thin fog, and four media on top of one another. Under a sky of radiance 1 nothing is brighter
+ * than the sky. */
 static void media_of_different_sizes(void** state) {
+    static const double measured[3][3] = {
+        {0.01477, 0.04953, 0.008338}, {0.9446, 0.8214, 0.9795}, {0.01183, 0.04293, 3.914e-7}};
     const ty_light_def lights[3] = {sun_light(1, 1, 1), sky_light(), point_light(0, 1.01, 0, 1, 1, 1)};
     const ty_fld_def def = odd_def();
     for (int k = 0; k < 3; ++k) {
@@ -171,10 +192,12 @@ static void media_of_different_sizes(void** state) {
                                   cube(3, 0.1f, 0.01f, -0.3f)};
         const brightness two = look_at(*state, media, 2, &lights[k], 5, &def);
         const brightness four = look_at(*state, media, 4, &lights[k], 5, &def);
-        assert_true(two.mean > 1e-3 && two.most < 2);
-        assert_true(four.mean > 1e-3 && four.most < 2);
         media[0] = cube(1000, 2e-4f, 1e-5f, 0.5f);
-        assert_true(look_at(*state, media, 2, &lights[k], 5, &def).most < 2);
+        const brightness far = look_at(*state, media, 2, &lights[k], 5, &def);
+        assert_measured("two media", two.mean, measured[k][0]);
+        assert_measured("four media", four.mean, measured[k][1]);
+        assert_measured("a small medium in a large one", far.mean, measured[k][2]);
+        if (k == 1) assert_true(two.most <= 1 && four.most <= 1 && far.most <= 1);
     }
 }
 
@@ -194,8 +217,11 @@ static void lamps_and_cameras_inside(void** state) {
             }
 }
 
-/* The fewest cells, beams, points, pixels, and the longest and shortest steps. */
+/* The fewest cells, beams, points, pixels, and the longest and shortest steps: of brightness none takes away more than
+ * the coarsest did when it was measured, nor adds more (0.0208 to 0.0854, 0.942 to 1.144, 0.0147 to 0.1875). The form
+ * of a single pixel sees the middle of the cube. */
 static void options_at_their_ends(void** state) {
+    static const double least[3] = {0.0198, 0.92, 0.014}, most[3] = {0.09, 1.2, 0.197};
     const ty_medium_def medium = cube(1, 2, 0.1f, 0.5f);
     ty_light_def lights[3] = {sun_light(1, 1, 1), sky_light(), ty_default_light_def()};
     lights[2].kind = TY_LIGHT_AREA;
@@ -211,7 +237,8 @@ static void options_at_their_ends(void** state) {
             def.environment_beams = def.surface_points = form == 5 ? 1 : 8;
             if (form == 5) def.width = def.height = 1;
             const brightness b = look_at(*state, &medium, 1, &lights[k], 5, &def);
-            assert_true(b.mean > 1e-3 && b.most < 2);
+            if (!(b.mean > least[k] && b.most < most[k]))
+                fail_msg("light %d, form %d: %g to %g", k, form, b.mean, b.most);
         }
 }
 

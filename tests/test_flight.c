@@ -1,18 +1,18 @@
 /* Free flights through homogeneous media: what is stopped, and where, in thin media and in thick. */
 #include "checks.h"
 
-#include "method/path/flight.k.h"
+#include "method/path/collision.k.h"
 
 static void stopping_is_precise(void** state) {
     (void)state;
     for (double depth = 1e-30; depth < 80; depth *= 1.07) {
         const double expected = -expm1(-(double)(float)depth);
-        assert_close((double)ty_stopped((float)depth) / expected, 1, 3e-6);
+        assert_close((double)ty_collision_probability((float)depth) / expected, 1, 3e-6);
     }
-    assert_close(ty_stopped(0), 0, 0);
+    assert_close(ty_collision_probability(0), 0, 0);
     for (double fraction = 1e-30; fraction < 0.99; fraction *= 1.07) {
         const double expected = -log1p(-(double)(float)fraction);
-        assert_close((double)ty_stopping_depth((float)fraction) / expected, 1, 5e-6);
+        assert_close((double)ty_sample_collision_depth((float)fraction) / expected, 1, 5e-6);
     }
 }
 
@@ -41,14 +41,16 @@ static void flights_follow_the_density(void** state) {
             place += weight * t;
         }
         const double all = sigma[0] + 1.5 * sigma[1];
-        const float stopped[3] = {ty_stopped((float)all), ty_stopped((float)all), ty_stopped((float)all)};
+        const float stopped[3] = {ty_collision_probability((float)all), ty_collision_probability((float)all),
+                                  ty_collision_probability((float)all)};
         double sum = 0, mean = 0;
         enum { SAMPLES = 40000 };
-        ty_random random = {0};
+        ty_sampler random = {0};
         for (int s = 0; s < SAMPLES; ++s) {
             float beta[3] = {1, 1, 1};
             ty_collision collision;
-            if (!ty_flight_homogeneous(media, &spans, stopped, (float)((s + 0.5) / SAMPLES), &random, beta, &collision))
+            if (!ty_sample_homogeneous_collision(media, &spans, stopped, (float)((s + 0.5) / SAMPLES), &random, beta,
+                                                 &collision))
                 continue;
             assert_true(collision.t >= 1 && collision.t <= 3);
             sum += (double)beta[0] / SAMPLES;

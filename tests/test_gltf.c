@@ -31,7 +31,7 @@ static ty_result read_text(const char* text, ty_model* model) {
 
 static void read_well(const char* text, ty_model* model) {
     book = (log_book){0};
-    if (read_text(text, model) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (read_text(text, model) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_true(model_is_whole(model));
 }
 
@@ -40,7 +40,7 @@ static void read_data(const char* text, const void* data, size_t size, ty_model*
     uint8_t* glb = make_glb(text, data, size, &glb_size);
     book = (log_book){0};
     if (ty_read_gltf(context, "made.glb", NULL, glb, glb_size, TY_MODEL_ALL, model) != TY_OK)
-        fail_msg("%s", ty_last_error(context));
+        fail_msg("%s", ty_take_error(context));
     free(glb);
     assert_true(model_is_whole(model));
 }
@@ -267,7 +267,7 @@ static void textures_are_read(void** state) {
     free(glb);
     ty_model model;
     book = (log_book){0};
-    if (ty_read_model(context, "textured.glb", TY_MODEL_ALL, &model) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_read_model(context, "textured.glb", TY_MODEL_ALL, &model) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_true(model_is_whole(&model));
     assert_int_equal(book.warnings, 1);
     assert_non_null(strstr(book.text, "\"KHR_materials_sheen\", \"X_y\""));
@@ -309,7 +309,7 @@ static void buffers_may_be_files(void** state) {
     sprintf(whole, "%s./some%%20data.bin'}]}", text);
     put_text("beside.gltf", quoted(whole));
     ty_model model;
-    if (ty_read_model(context, "beside.gltf", TY_MODEL_ALL, &model) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_read_model(context, "beside.gltf", TY_MODEL_ALL, &model) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_floats(model.meshes[0].positions, triangle_positions, 9);
     ty_model_free(&model);
     static const char* const refused[] = {"../secret.bin", "a/../../secret.bin", "/etc/passwd",  "http://x/y.bin",
@@ -473,8 +473,7 @@ static void torn_files_do_no_harm(void** state) {
         bytes[i / 8] ^= (uint8_t)(1 << i % 8);
         ty_model model;
         const ty_result result = ty_read_gltf(context, "torn.gltf", NULL, bytes, size, TY_MODEL_ALL, &model);
-        assert_true(result == TY_OK ? model_is_whole(&model) : ty_last_error(context)[0] != '\0');
-        ty_clear_error(context);
+        assert_true(result == TY_OK ? model_is_whole(&model) : ty_take_error(context)[0] != '\0');
         ty_model_free(&model);
         bytes[i / 8] ^= (uint8_t)(1 << i % 8);
     }
@@ -496,7 +495,7 @@ static void short_memory_is_survived(void** state) {
         memory.until_refusal = -1;
         ty_model_free(&model);
         assert_int_equal(memory.used, before);
-        ty_clear_error(strict);
+        ty_take_error(strict);
     }
     assert_int_equal(result, TY_OK);
     ty_context_destroy(strict);
@@ -525,11 +524,11 @@ static void real_files_are_read(void** state) {
         struct timespec begin;
         clock_gettime(CLOCK_MONOTONIC, &begin);
         if (ty_read_model(context, path, TY_MODEL_MESHES | TY_MODEL_SHADING, &model) != TY_OK)
-            fail_msg("%s", ty_last_error(context));
+            fail_msg("%s", ty_take_error(context));
         const double shapes = seconds_since(&begin);
         ty_model_free(&model);
         clock_gettime(CLOCK_MONOTONIC, &begin);
-        if (ty_read_model(context, path, TY_MODEL_ALL, &model) != TY_OK) fail_msg("%s", ty_last_error(context));
+        if (ty_read_model(context, path, TY_MODEL_ALL, &model) != TY_OK) fail_msg("%s", ty_take_error(context));
         printf("%s: %zu meshes, %zu materials, %zu images, %zu lights, %zu cameras; %.3f s, with textures %.3f s\n",
                files[i].name, model.mesh_count, model.material_count, model.image_count, model.light_count,
                model.camera_count, shapes, seconds_since(&begin));

@@ -121,7 +121,7 @@ static void values_are_copied_and_described(void** state) {
         for (int32_t j = 0; j < 3; ++j)
             for (int32_t i = 0; i < 2; ++i)
                 assert_true(ty_grid_voxel(grid, i, j, k) == (float)(i + 2 * (j + 3 * k) - 5));
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void no_values_are_zeros(void** state) {
@@ -129,7 +129,7 @@ static void no_values_are_zeros(void** state) {
     ty_grid* grid = make_grid(*state, &def);
     const ty_grid_info info = ty_grid_get_info(grid);
     assert_true(info.min == 0 && info.max == 0 && info.mean == 0);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static int warnings;
@@ -158,8 +158,8 @@ static void values_that_are_not_finite_count_as_zero(void** state) {
         assert_true(ty_grid_voxel(grid, 1, 0, 0) == 0 && ty_grid_voxel(grid, 1, 1, 0) == 0);
         assert_true(ty_grid_voxel(grid, 0, 0, 1) == 0 && ty_grid_voxel(grid, 1, 0, 1) == 3);
         assert_close(ty_grid_get_info(grid).mean, 1, 1e-12);
-        assert_string_equal(ty_last_error(context), "");
-        ty_grid_destroy(grid);
+        assert_string_equal(ty_take_error(context), "");
+        ty_grid_release(grid);
     }
     ty_context_destroy(context);
 }
@@ -211,7 +211,7 @@ static void samples_are_trilinear(void** state) {
         for (int kind = 0; kind < 4; ++kind) {
             ty_grid* grid = random_grid(*state, sizes[s], (kind & 1) != 0 ? TY_GRID_F16 : TY_GRID_F32, kind >= 2);
             check_samples(grid);
-            ty_grid_destroy(grid);
+            ty_grid_release(grid);
         }
 }
 
@@ -224,8 +224,8 @@ static void far_outside_is_background_or_edge(void** state) {
     assert_true(ty_grid_sample(filling, far[0]) == ty_grid_voxel(filling, 3, 1, 1));
     assert_true(ty_grid_sample(filling, far[1]) == ty_grid_voxel(filling, 0, 2, 2));
     assert_true(ty_grid_sample(filling, far[4]) == ty_grid_voxel(filling, 1, 0, 5));
-    ty_grid_destroy(placed);
-    ty_grid_destroy(filling);
+    ty_grid_release(placed);
+    ty_grid_release(filling);
 }
 
 /* The extremes of the brick that holds a point of [-1, size]^3. */
@@ -252,7 +252,7 @@ static void bricks_bound_the_samples(void** state) {
             if (value < bounds[0] - 1e-6f || value > bounds[1] + 1e-6f)
                 fail_msg("%g is outside %g..%g", (double)value, (double)bounds[0], (double)bounds[1]);
         }
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
@@ -270,7 +270,7 @@ static void bricks_are_tight(void** state) {
         bright += view.extremes[2 * i + 1] == 5;
     }
     assert_int_equal(bright, 1);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     free(values);
 }
 
@@ -283,7 +283,7 @@ static void memory_stays_near_the_voxels(void** state) {
             const size_t raw = voxels * (type == TY_GRID_F16 ? 2 : 4), bytes = ty_grid_get_info(grid).bytes;
             assert_true(bytes > raw);
             if ((double)bytes > 1.25 * (double)raw) fail_msg("%zu bytes for %zu", bytes, raw);
-            ty_grid_destroy(grid);
+            ty_grid_release(grid);
         }
 }
 
@@ -292,12 +292,12 @@ static void owners_share_a_grid(void** state) {
     ty_grid* grid = random_grid(*state, size, TY_GRID_F32, false);
     assert_ptr_equal(ty_grid_retain(grid), grid);
     ty_grid_retain(grid);
-    ty_grid_destroy(grid);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
+    ty_grid_release(grid);
     assert_true(ty_grid_voxel(grid, 1, 1, 1) > 0);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     assert_null(ty_grid_retain(NULL));
-    ty_grid_destroy(NULL);
+    ty_grid_release(NULL);
 }
 
 static void jittered_lookups_average_to_the_trilinear_value(void** state) {
@@ -309,7 +309,7 @@ static void jittered_lookups_average_to_the_trilinear_value(void** state) {
     for (int kind = 0; kind < 4; ++kind) {
         ty_grid* grid = random_grid(*state, size, (kind & 1) != 0 ? TY_GRID_F16 : TY_GRID_F32, kind >= 2);
         const ty_grid_view view = ty_grid_get_view(grid);
-        ty_random random = ty_random_begin(&sobol, 1, (uint64_t)kind, 0);
+        ty_sampler random = ty_sampler_begin(&sobol, 1, (uint64_t)kind, 0);
         for (int p = 0; p < 20; ++p) {
             double index[3], sum = 0, square = 0;
             for (int a = 0; a < 3; ++a) index[a] = uniform_in(&place, -1, size[a]);
@@ -322,7 +322,7 @@ static void jittered_lookups_average_to_the_trilinear_value(void** state) {
             const double mean = sum / count, variance = fmax(square / count - mean * mean, 0) / count;
             assert_close(mean, ty_grid_sample(grid, index), 4.5 * sqrt(variance) + 1e-5);
         }
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 

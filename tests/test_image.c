@@ -265,7 +265,7 @@ static void frames_are_kept_and_checked(void** state) {
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         assert_int_equal(ty_image_set_frame(image, wrong[i][0], wrong[i][1], wrong[i][2], wrong[i][3]),
                          TY_ERROR_ARGUMENT);
-        ty_clear_error(context);
+        ty_take_error(context);
     }
     ty_image_get_frame(image, frame);
     assert_true(frame[0] == 0 && frame[1] == 0 && frame[2] == 5 && frame[3] == 3);
@@ -283,7 +283,7 @@ static void filling_a_frame_cuts_and_pads(void** state) {
         const int32_t* w = windows[i];
         ty_image *image = make_marked(w[0], w[1], w[2], w[3]), *filled = NULL;
         assert_int_equal(ty_image_set_number(image, "spp", 7), TY_OK);
-        assert_int_equal(ty_image_fill_frame(context, image, &filled), TY_OK);
+        assert_int_equal(ty_image_create_full_frame(context, image, &filled), TY_OK);
         assert_int_equal(ty_image_width(filled), 20);
         assert_int_equal(ty_image_height(filled), 10);
         assert_string_equal(ty_image_get_metadata(filled, "spp"), "7");
@@ -319,14 +319,12 @@ static void comparison_is_over_the_common_part(void** state) {
     assert_int_equal(ty_image_compare(context, a, b, 3, &d), TY_OK);
     assert_close(d.rmse[1], 0, 0); /* blocks begin at (4, 2), so that one of 3 x 3 ends at x 6 */
     assert_int_equal(ty_image_compare(context, a, b, 4, &d), TY_ERROR_ARGUMENT);
-    ty_clear_error(context);
+    ty_take_error(context);
     assert_int_equal(ty_image_compare(context, a, c, 1, &d), TY_ERROR_ARGUMENT);
-    assert_non_null(strstr(ty_last_error(context), "no pixel in common"));
-    ty_clear_error(context);
+    assert_non_null(strstr(ty_take_error(context), "no pixel in common"));
     assert_int_equal(ty_image_set_frame(b, 4, -1, 21, 10), TY_OK);
     assert_int_equal(ty_image_compare(context, a, b, 1, &d), TY_ERROR_ARGUMENT);
-    assert_non_null(strstr(ty_last_error(context), "20 x 10 and 21 x 10"));
-    ty_clear_error(context);
+    assert_non_null(strstr(ty_take_error(context), "20 x 10 and 21 x 10"));
     ty_image_destroy(a);
     ty_image_destroy(b);
     ty_image_destroy(c);
@@ -363,7 +361,7 @@ static void layers_are_taken_by_name(void** state) {
                  {"left.light1", 1, "R", 7},
                  {"depth", 1, "Z", 8}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        assert_int_equal(ty_image_layer(context, image, cases[i].layer, &layer), TY_OK);
+        assert_int_equal(ty_image_create_layer(context, image, cases[i].layer, &layer), TY_OK);
         assert_int_equal(ty_image_channel_count(layer), cases[i].count);
         const int32_t channel = ty_image_find_channel(layer, cases[i].name);
         assert_true(channel >= 0 && ty_image_plane_const(layer, channel)[5] == cases[i].value);
@@ -373,10 +371,9 @@ static void layers_are_taken_by_name(void** state) {
         assert_true(frame[0] == 1 && frame[1] == -1 && frame[2] == 9 && frame[3] == 8);
         ty_image_destroy(layer);
     }
-    assert_int_equal(ty_image_layer(context, image, "lef", &layer), TY_ERROR_ARGUMENT);
-    assert_string_equal(ty_last_error(context), "the image has no layer \"lef\"; it has \"\", \"left\", "
+    assert_int_equal(ty_image_create_layer(context, image, "lef", &layer), TY_ERROR_ARGUMENT);
+    assert_string_equal(ty_take_error(context), "the image has no layer \"lef\"; it has \"\", \"left\", "
                                                 "\"left.light1\", \"depth\", \"lefty\"");
-    ty_clear_error(context);
     ty_image_destroy(image);
 }
 
@@ -392,16 +389,15 @@ static void many_layers_are_listed_as_far_as_they_fit(void** state) {
     }
     ty_image *image = NULL, *layer = NULL;
     assert_int_equal(ty_image_create(context, 1, 1, COUNT, names, &image), TY_OK);
-    assert_int_equal(ty_image_layer(context, image, "x", &layer), TY_ERROR_ARGUMENT);
-    const char* message = ty_last_error(context);
+    assert_int_equal(ty_image_create_layer(context, image, "x", &layer), TY_ERROR_ARGUMENT);
+    const char* message = ty_take_error(context);
     assert_non_null(strstr(message, "\"a layer of number 3\""));
     assert_string_equal(message + strlen(message) - 5, ", ...");
-    ty_clear_error(context);
     ty_image_destroy(image);
 }
 
 /* One row of values through the display transform, as bytes. */
-static void show(const float* values, int count, double exposure, bool curve, uint8_t* bytes) {
+static void show(const float* values, int count, double exposure, ty_tone_curve curve, uint8_t* bytes) {
     ty_image* image = make_rgb(count, 1);
     uint8_t* rgb8 = malloc((size_t)count * 3);
     assert_non_null(rgb8);
@@ -420,10 +416,10 @@ static void srgb_values_are_those_of_the_standard(void** state) {
     static const float values[] = {0, -1, NAN, 0.001f, 0.0031308f, 0.18f, 0.21586f, 0.5f, 1, 2, INFINITY};
     static const uint8_t expected[] = {0, 0, 0, 3, 10, 118, 128, 188, 255, 255, 255};
     uint8_t bytes[11];
-    show(values, 11, 0, false, bytes);
+    show(values, 11, 0, TY_TONE_CLIP, bytes);
     assert_memory_equal(bytes, expected, sizeof expected);
     static const float quarter[] = {0.125f};
-    show(quarter, 1, 2, false, bytes);
+    show(quarter, 1, 2, TY_TONE_CLIP, bytes);
     assert_int_equal(bytes[0], 188);
 }
 
@@ -433,8 +429,8 @@ static void filmic_curve_is_monotone_and_bounded(void** state) {
     static float values[COUNT];
     static uint8_t curved[COUNT], clipped[COUNT];
     for (int i = 0; i < COUNT; ++i) values[i] = (float)exp(-8 + 0.006 * i);
-    show(values, COUNT, 0, true, curved);
-    show(values, COUNT, 0, false, clipped);
+    show(values, COUNT, 0, TY_TONE_FILMIC, curved);
+    show(values, COUNT, 0, TY_TONE_CLIP, clipped);
     for (int i = 1; i < COUNT; ++i) assert_true(curved[i] >= curved[i - 1]);
     for (int i = 0; i < COUNT; ++i) {
         if (values[i] <= 0.5f) assert_int_equal(curved[i], clipped[i]);
@@ -443,11 +439,11 @@ static void filmic_curve_is_monotone_and_bounded(void** state) {
     /* Highlights stay apart where clipping would merge them, and infinity is white. */
     static const float bright[] = {1, 2, 8, INFINITY};
     uint8_t bytes[4];
-    show(bright, 4, 0, true, bytes);
+    show(bright, 4, 0, TY_TONE_FILMIC, bytes);
     assert_true(bytes[0] < bytes[1] && bytes[1] < bytes[2] && bytes[2] < bytes[3]);
     assert_int_equal(bytes[3], 255);
     ty_image* image = make_rgb(1, 1);
-    assert_int_equal(ty_image_tonemap(context, image, NAN, true, bytes), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_image_tonemap(context, image, NAN, TY_TONE_FILMIC, bytes), TY_ERROR_ARGUMENT);
     ty_image_destroy(image);
 }
 

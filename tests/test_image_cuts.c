@@ -33,14 +33,14 @@ static void add_quad(ty_scene* scene, const double origin[3], const double u[3],
 
 typedef struct cut_case {
     direct_case made;
-    ty_walls* walls;
+    ty_boundary_faces* walls;
     ty_cuts* cuts;
 } cut_case;
 
 static cut_case begin(ty_scene* scene) {
     cut_case c = {.made = direct_begin(scene, SIDE, 1, 1)};
     ty_context* context = ty_scene_context(scene);
-    check_result(context, ty_walls_find(scene, c.made.medium, &c.walls));
+    check_result(context, ty_boundary_faces_find(scene, c.made.medium, &c.walls));
     assert_non_null(c.walls);
     check_result(context, ty_cuts_find(context, c.walls, &c.made.medium->box, &c.cuts));
     return c;
@@ -48,7 +48,7 @@ static cut_case begin(ty_scene* scene) {
 
 static void end(cut_case* c) {
     ty_cuts_destroy(c->cuts);
-    ty_walls_destroy(c->walls);
+    ty_boundary_faces_destroy(c->walls);
     direct_end(&c->made);
 }
 

@@ -130,7 +130,7 @@ static void check_foreign(const foreign* f) {
     assert_int_equal(frame[3], f->display.max.y - f->display.min.y + 1);
     assert_int_equal(ty_image_width(image), f->data.max.x - f->data.min.x + 1);
     assert_int_equal(ty_image_height(image), f->data.max.y - f->data.min.y + 1);
-    assert_int_equal(ty_image_fill_frame(context, image, &filled), TY_OK);
+    assert_int_equal(ty_image_create_full_frame(context, image, &filled), TY_OK);
     assert_int_equal(ty_image_width(filled), frame[2]);
     assert_int_equal(ty_image_height(filled), frame[3]);
     for (int c = 0; c < FOREIGN_CHANNELS; ++c) {
@@ -185,7 +185,7 @@ static void exr_parts_lie_side_by_side(void** state) {
         snprintf(name, sizeof name, "part2.%s", foreign_names[c]);
         check_foreign_channel(image, name, c, &parts[2]);
     }
-    assert_int_equal(ty_image_layer(context, image, "part1", &layer), TY_OK);
+    assert_int_equal(ty_image_create_layer(context, image, "part1", &layer), TY_OK);
     assert_int_equal(ty_image_channel_count(layer), FOREIGN_CHANNELS);
     check_foreign_channel(layer, "C", 2, &parts[1]);
     ty_image_destroy(layer);
@@ -291,8 +291,8 @@ static ty_result read_bytes(const char* path, const uint8_t* bytes, size_t size)
         ty_image_destroy(image);
     } else {
         assert_ptr_equal(image, untouched);
-        if (result != TY_ERROR_MEMORY) assert_non_null(strstr(ty_last_error(context), path));
-        ty_clear_error(context);
+        const char* message = ty_take_error(context);
+        if (result != TY_ERROR_MEMORY) assert_non_null(strstr(message, path));
     }
     return result;
 }
@@ -408,9 +408,8 @@ static void failed_writes_leave_the_old_file(void** state) {
     little_space(2000);
     const ty_result exr = ty_image_write_exr(context, image, "old.exr");
     char exr_message[256];
-    snprintf(exr_message, sizeof exr_message, "%s", ty_last_error(context));
-    ty_clear_error(context);
-    const ty_result png = ty_image_write_png(context, image, 0, true, "old.png");
+    snprintf(exr_message, sizeof exr_message, "%s", ty_take_error(context));
+    const ty_result png = ty_image_write_png(context, image, 0, TY_TONE_FILMIC, "old.png");
     all_space();
     assert_failed(context, png, TY_ERROR_FILE, "old.png", NULL);
     assert_int_equal(exr, TY_ERROR_FILE);
@@ -421,7 +420,7 @@ static void failed_writes_leave_the_old_file(void** state) {
     assert_failed(context, ty_image_write_exr(context, image, "no/such/folder.exr"), TY_ERROR_FILE,
                   "no/such/folder.exr", "No such file");
     assert_failed(context, ty_image_write_exr(context, image, "/dev/null"), TY_ERROR_FILE, "/dev/null", "regular");
-    assert_failed(context, ty_image_write_png(context, image, 0, true, "."), TY_ERROR_FILE, ".", "regular");
+    assert_failed(context, ty_image_write_png(context, image, 0, TY_TONE_FILMIC, "."), TY_ERROR_FILE, ".", "regular");
     assert_int_equal(ty_image_write_exr(context, image, "old.exr"), TY_OK);
     ty_image* back = NULL;
     assert_int_equal(ty_image_read(context, "old.exr", &back), TY_OK);
@@ -439,18 +438,18 @@ static void bytes_are_written_and_read_whole(void** state) {
     assert_int_equal(ty_bytes_read(context, "some.bin", sizeof content, &bytes, &size), TY_OK);
     assert_int_equal(size, sizeof content);
     assert_memory_equal(bytes, content, sizeof content);
-    ty_bytes_free(context, bytes, size);
+    ty_bytes_destroy(context, bytes, size);
     assert_int_equal(ty_bytes_write(context, "some.bin", NULL, 0), TY_OK);
     assert_int_equal(ty_bytes_read(context, "some.bin", 0, &bytes, &size), TY_OK);
     assert_int_equal(size, 0);
-    ty_bytes_free(context, bytes, size);
-    ty_bytes_free(context, NULL, 0);
+    ty_bytes_destroy(context, bytes, size);
+    ty_bytes_destroy(context, NULL, 0);
     assert_int_equal(ty_bytes_write(context, "some.bin", content, sizeof content), TY_OK);
     assert_failed(context, ty_bytes_read(context, "some.bin", sizeof content - 1, &bytes, &size), TY_ERROR_INPUT,
                   "some.bin", "limit of 4");
     assert_failed(context, ty_bytes_read(context, "absent.bin", 9, &bytes, &size), TY_ERROR_FILE, "absent.bin", NULL);
     assert_int_equal(ty_bytes_write(context, "some.bin", NULL, 1), TY_ERROR_ARGUMENT);
-    ty_clear_error(context);
+    ty_take_error(context);
     assert_failed(context, ty_bytes_write(context, "no/some.bin", content, 1), TY_ERROR_FILE, "no/some.bin", NULL);
     assert_file_holds("some.bin", content, sizeof content);
     assert_int_equal(remove_temporary_files(), 0);
@@ -461,8 +460,8 @@ static void png_holds_the_tone_mapped_bytes(void** state) {
     static const char* const names[] = {"R", "G", "B"};
     ty_image* image = make_image(31, 7, 3, names);
     uint8_t expected[31 * 7 * 3], found[31 * 7 * 3];
-    assert_int_equal(ty_image_tonemap(context, image, -1, true, expected), TY_OK);
-    assert_int_equal(ty_image_write_png(context, image, -1, true, "out.png"), TY_OK);
+    assert_int_equal(ty_image_tonemap(context, image, -1, TY_TONE_FILMIC, expected), TY_OK);
+    assert_int_equal(ty_image_write_png(context, image, -1, TY_TONE_FILMIC, "out.png"), TY_OK);
     ty_image_destroy(image);
     png_image png = {.version = PNG_IMAGE_VERSION};
     assert_int_equal(png_image_begin_read_from_file(&png, "out.png"), 1);
@@ -477,8 +476,8 @@ static void png_holds_the_tone_mapped_bytes(void** state) {
     free(bytes);
     static const char* const other[] = {"X", "Z"};
     image = make_image(2, 2, 2, other);
-    assert_int_equal(ty_image_write_png(context, image, 0, true, "none.png"), TY_ERROR_ARGUMENT);
-    ty_clear_error(context);
+    assert_int_equal(ty_image_write_png(context, image, 0, TY_TONE_FILMIC, "none.png"), TY_ERROR_ARGUMENT);
+    ty_take_error(context);
     ty_image_destroy(image);
 }
 
@@ -502,8 +501,7 @@ static void short_memory_is_survived(void** state) {
             memory.until_refusal = -1;
             if (result == TY_OK) ty_image_destroy(back);
             assert_int_equal(memory.used, before);
-            assert_int_equal(result == TY_OK, ty_last_error(context)[0] == '\0');
-            ty_clear_error(context);
+            assert_int_equal(result == TY_OK, ty_take_error(context)[0] == '\0');
         }
         assert_int_equal(result, TY_OK);
     }
@@ -511,13 +509,13 @@ static void short_memory_is_survived(void** state) {
         memory.until_refusal = n;
         const ty_result exr = ty_image_write_exr(context, image, "memory.exr");
         memory.until_refusal = n;
-        const ty_result png = ty_image_write_png(context, image, 0, true, "memory.png");
+        const ty_result png = ty_image_write_png(context, image, 0, TY_TONE_FILMIC, "memory.png");
         memory.until_refusal = -1;
         assert_true(exr == (n < 2 ? TY_ERROR_MEMORY : TY_OK));
         assert_true(png == (n < 3 ? TY_ERROR_MEMORY : TY_OK));
     }
     assert_int_equal(remove_temporary_files(), 0);
-    ty_clear_error(context);
+    ty_take_error(context);
     ty_image_destroy(image);
 }
 

@@ -26,7 +26,7 @@ static ty_impulse_def least_def(const char* folder) {
 
 static ty_impulse* make(ty_context* context, const ty_impulse_def* def, ty_impulse_stats* stats) {
     ty_impulse* tables = NULL;
-    if (ty_impulse_create(context, def, &tables, stats) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_impulse_create(context, def, &tables, stats) != TY_OK) fail_msg("%s", ty_take_error(context));
     return tables;
 }
 
@@ -234,7 +234,7 @@ static void tables_are_kept_and_found(void** state) {
     ty_impulse_destroy(make(*state, &def, &stats));
     assert_true(stats.built);
     assert_file_holds(stats.path, bytes, size);
-    assert_string_equal(ty_last_error(*state), "");
+    assert_string_equal(ty_take_error(*state), "");
     free(bytes);
 }
 
@@ -246,7 +246,7 @@ static void folders_that_cannot_be_written_are_a_warning(void** state) {
     ty_impulse_destroy(make(*state, &def, &stats));
     assert_true(stats.built);
     assert_string_equal(stats.path, "");
-    assert_string_equal(ty_last_error(*state), "");
+    assert_string_equal(ty_take_error(*state), "");
 }
 
 static void files_hold_numbers_of_the_same_tables(void** state) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs to a scratch prefix, moves it, and builds the first example against it through pkg-config and through CMake.
+# Installs to a scratch prefix, moves it, and builds examples against it through pkg-config and through CMake.
 # usage: test_install.sh CMAKE BUILD_FOLDER SOURCE_FOLDER CC (works in the current folder, which it empties)
 set -euo pipefail
 cmake=$1
@@ -31,6 +31,21 @@ for command in $("$prefix/bin/tyndall" help | sed -n '/^commands:/,/^$/s/^  \([a
 done
 grep -q '^\.BR tyndall' "$pages/tyndall.1" || { echo "no manual page of tyndall"; exit 1; }
 
+# Tools are not beside the command that runs them, and are not missed until they are asked for.
+"$prefix/bin/tyndall" bench load --side 8 --runs 1 | grep -q '^  nrrd raw:' || { echo "tyndall bench does not run"; exit 1; }
+"$prefix/bin/tyndall" figure list | grep -q '^screen-truth ' || { echo "tyndall figure does not run"; exit 1; }
+mv "$prefix/libexec" elsewhere
+for tool in bench figure; do
+  status=0
+  "$prefix/bin/tyndall" "$tool" --help > missing.out 2> missing.err || status=$?
+  [ $status = 2 ] || { echo "tyndall $tool without its program: status $status"; exit 1; }
+  grep -q "^tyndall: tyndall-$tool is not installed, which 'tyndall $tool' runs$" missing.err || { cat missing.err; exit 1; }
+done
+"$prefix/bin/tyndall" help --man pages_without_tools
+[ -s pages_without_tools/tyndall-render.1 ] || { echo "no manual pages without tools"; exit 1; }
+[ ! -e pages_without_tools/tyndall-bench.1 ] || { echo "a manual page of what is not installed"; exit 1; }
+mv elsewhere "$prefix/libexec"
+
 completion=$prefix/share/bash-completion/completions/tyndall
 grep -q '^complete .* tyndall$' "$completion" || { echo "no completion"; exit 1; }
 
@@ -44,7 +59,18 @@ check() {
 "$cc" -std=c17 "$source/examples/01_render.c" $(pkg-config --cflags --libs tyndall) -o by_pkg_config
 check ./by_pkg_config by_pkg_config.exr
 
+# consume SOURCE_FOLDER: configures and builds a project against the installed package, in consumer/build.
+consume() {
+  rm -rf consumer/build
+  "$cmake" -S "$1" -B consumer/build "-DCMAKE_PREFIX_PATH=$prefix" "-DCMAKE_C_COMPILER=$cc" > consumer.log 2>&1 ||
+    { cat consumer.log; return 1; }
+  "$cmake" --build consumer/build
+}
+
 mkdir consumer
+consume "$source/examples/find_package"
+[ "$(consumer/build/fog)" = 'transmittance 0.549' ] || { echo "the example project prints $(consumer/build/fog)"; exit 1; }
+
 cat > consumer/CMakeLists.txt << END
 cmake_minimum_required(VERSION 3.20)
 project(consumer LANGUAGES C)
@@ -52,20 +78,16 @@ find_package(tyndall 99 QUIET)
 if(tyndall_FOUND)
   message(FATAL_ERROR "version 99 was found")
 endif()
-find_package(tyndall ${version#tyndall } REQUIRED)
-add_executable(by_cmake "$source/examples/01_render.c")
-target_link_libraries(by_cmake PRIVATE tyndall::tyndall)
+find_package(tyndall ${version#tyndall } EXACT REQUIRED)
 END
-"$cmake" -S consumer -B consumer/build "-DCMAKE_PREFIX_PATH=$prefix" "-DCMAKE_C_COMPILER=$cc" > consumer.log 2>&1 ||
+"$cmake" -S consumer -B consumer/build_versions "-DCMAKE_PREFIX_PATH=$prefix" "-DCMAKE_C_COMPILER=$cc" > consumer.log 2>&1 ||
   { cat consumer.log; exit 1; }
-"$cmake" --build consumer/build
-check consumer/build/by_cmake by_cmake.exr
 
 # The C++ half of the public headers.
-printf '#include <tyndall/tyndall.h>\nint main() { return ty_version()[0] == 0; }\n' > header.cpp
 if command -v c++ > /dev/null; then
   # shellcheck disable=SC2046
-  c++ -std=c++17 -Wall -Wextra -Werror header.cpp $(pkg-config --cflags --libs tyndall) -o header_cpp
-  ./header_cpp
+  c++ -std=c++17 -Wall -Wextra -Werror "$source/examples/06_cpp.cpp" $(pkg-config --cflags --libs tyndall) -o by_cpp
+  ./by_cpp
+  "$prefix/bin/tyndall" info 06_cpp.exr | grep -q '^size  *64x48$' || { echo "06_cpp.exr is not right"; exit 1; }
 fi
 echo "installed, moved, found twice"

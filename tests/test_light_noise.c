@@ -23,7 +23,7 @@ static noise measure_noise(const ty_light_tree* tree, int32_t count, double half
             found += p;
             if (!light_sent(&views[i], from, 1.0f / 3, 1.0f / 3, &sample)) continue;
             double light = (double)sample.radiance[0];
-            if (surfaces) light *= fmax(0, (double)ty_dot(sample.look, normal));
+            if (surfaces) light *= fmax(0, (double)ty_dot(sample.wi, normal));
             if (!(light > 0)) continue;
             sum += light;
             by_tree += light * light / p;

@@ -36,7 +36,7 @@ static void bounds_are_the_light_s(void** state) {
     assert_vec_close(b.lower, view.position, 0);
     assert_vec_close(b.upper, view.position, 0);
     assert_close(b.power, 4, 1e-6);
-    assert_true(b.cos_o == -1 && b.lamp == 1);
+    assert_true(b.cos_o == -1 && b.is_local == 1);
     view.kind = TY_KIND_SPOT;
     view.direction = ty_vec_make(0, 1, 0);
     view.cos_inner = (float)cos(0.3);
@@ -49,7 +49,7 @@ static void bounds_are_the_light_s(void** state) {
     assert_true(ty_light_get_bounds(&view, &b));
     assert_vec_close(b.upper, ty_vec_make(1.5f, 2.5f, 3.5f), 1e-6);
     assert_close(b.power, 4 * 3.14159265 * 0.25, 1e-5);
-    assert_int_equal(b.lamp, 0);
+    assert_int_equal(b.is_local, 0);
     view.kind = TY_KIND_TRIANGLE;
     view.u = ty_vec_make(0, 0, 2);
     view.v = ty_vec_make(2, 0, 0);
@@ -57,7 +57,7 @@ static void bounds_are_the_light_s(void** state) {
     assert_true(ty_light_get_bounds(&view, &b));
     assert_vec_close(b.upper, ty_vec_make(3, 2, 5), 0);
     assert_close(b.power, 8, 1e-5);
-    assert_true(b.cos_o == 1 && b.cos_e == 0 && b.lamp == 1);
+    assert_true(b.cos_o == 1 && b.cos_e == 0 && b.is_local == 1);
     view.two_sided = 1;
     assert_true(ty_light_get_bounds(&view, &b) && b.cos_o == -1);
     view.kind = TY_KIND_DIRECTIONAL;
@@ -164,7 +164,7 @@ static bool contributes(const ty_light_view* light, ty_vec from, ty_vec normal, 
         ty_light_sample sample;
         const float u = (float)uniform(random) * 0.999f, v = (float)uniform(random) * 0.999f;
         if (!light_sent(light, from, u, v, &sample)) continue;
-        if (ty_dot(normal, normal) > 0 && ty_dot(normal, sample.look) <= 0) continue;
+        if (ty_dot(normal, normal) > 0 && ty_dot(normal, sample.wi) <= 0) continue;
         return true;
     }
     return false;

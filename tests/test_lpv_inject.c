@@ -2,8 +2,10 @@
 #include "base/context.h"
 #include "direct_maker.h"
 #include "files.h"
-#include "method/lpv/inject.h"
-#include "method/lpv/pixels.h"
+#include "method/lpv/inject/inject.h"
+#include "method/lpv/lattice/irradiance.h"
+#include "method/lpv/propagate/propagate.h"
+#include "method/lpv/propagate/transfer.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -61,7 +63,7 @@ static const double origin[3] = {0, 0, 0}, down[3] = {0.1, -1, 0.2};
 /* Power that flows in a lattice. */
 static double flowing(const ty_lattice* lattice, int c) {
     double sum = 0;
-    for (size_t i = 0; i < lattice->cells; ++i) sum += (double)lattice->flow[c][0][i];
+    for (size_t i = 0; i < lattice->cells; ++i) sum += (double)lattice->propagated_sh[c][0][i];
     return sum * sqrt(4 * pi);
 }
 
@@ -111,7 +113,7 @@ static ty_lattice* blocked_by(ty_scene* scene, const ty_grid_box* box, ty_lpv_mo
     size_t count = 0, capacity = 0;
     check_result(context, ty_scene_commit(scene));
     check_result(context, ty_surfels_trace(scene, box, side, &surfels, &count, &capacity, NULL));
-    check_result(context, ty_lattice_block(lattice, mode, surfels, count));
+    check_result(context, ty_lattice_find_blockers(lattice, mode, surfels, count));
     ty_free_array(context, surfels, capacity, sizeof *surfels);
     return lattice;
 }
@@ -129,13 +131,13 @@ static void corners_are_lit(void** state) {
             lattice->light[c][0][i] = i % 16 * 0.25 - 1.875 > wall && i / 16 % 16 * 0.25 - 1.875 > floor_height;
     const ty_lpv_light_view view = {&lattice, 1};
     const ty_vec right = ty_vec_make(1, 0, 0);
-    float open[3];
-    ty_lpv_irradiance_at(&view, ty_vec_make((float)wall, 1.5f, 0.1f), right, open);
-    assert_true(open[0] > 0);
+    float transmission[3];
+    ty_lpv_irradiance_at(&view, ty_vec_make((float)wall, 1.5f, 0.1f), right, transmission);
+    assert_true(transmission[0] > 0);
     for (float height = -0.15f; height < 0.6f; height += 0.02f) {
         float here[3];
         ty_lpv_irradiance_at(&view, ty_vec_make((float)wall, (float)floor_height + height, 0.1f), right, here);
-        if (fabsf(height) > 0.01f) assert_close(here[0], height > 0 ? open[0] : 0, 1e-4);
+        if (fabsf(height) > 0.01f) assert_close(here[0], height > 0 ? transmission[0] : 0, 1e-4);
     }
     ty_lattice_destroy(lattice);
     ty_scene_destroy(scene);
@@ -164,7 +166,7 @@ static void walls_close_links(void** state) {
                     const int32_t place[3] = {(int32_t)(cell % 16), (int32_t)(cell / 16 % 16), (int32_t)(cell / 256)};
                     const int32_t step = transfer.step[link][axis];
                     const bool closed = (step > 0 && place[axis] == after) || (step < 0 && place[axis] == after - 1);
-                    assert_int_equal(lattice->open[link][cell], closed ? 0 : 255);
+                    assert_int_equal(lattice->transmission[link][cell], closed ? 0 : 255);
                 }
             const size_t beside = (size_t)(axis == 0 ? after : 5) + 16 * (size_t)(axis == 1 ? after : 5) +
                                   256 * (size_t)(axis == 2 ? after : 5);
@@ -191,9 +193,9 @@ static void links_are_alike_both_ways(void** state) {
                     const int32_t* step = transfer.step[link];
                     const int32_t to[3] = {x + step[0], y + step[1], z + step[2]};
                     if (to[0] < 0 || to[1] < 0 || to[2] < 0 || to[0] > 7 || to[1] > 7 || to[2] > 7) continue;
-                    const uint8_t open = lattice->open[link][to[0] + 8 * (to[1] + 8 * to[2])];
-                    assert_int_equal(open, lattice->open[link + 13][x + 8 * (y + 8 * z)]);
-                    partly += open > 0 && open < 255;
+                    const uint8_t transmission = lattice->transmission[link][to[0] + 8 * (to[1] + 8 * to[2])];
+                    assert_int_equal(transmission, lattice->transmission[link + 13][x + 8 * (y + 8 * z)]);
+                    partly += transmission > 0 && transmission < 255;
                 }
     assert_true(partly > 100);
     ty_lattice_destroy(lattice);
@@ -211,10 +213,10 @@ static void fuzzy_blockers(void** state) {
     for (int32_t link = 0; link < TY_LPV_LINKS; ++link) {
         const int32_t* step = transfer.step[link];
         const int32_t from = step[1] < 0 ? 7 : 8; /* the plane is between cells 7 and 8 */
-        const uint8_t open = lattice->open[link][5 + 16 * from + 256 * 5];
-        if (step[1] < 0 && step[0] == 0 && step[2] == 0) assert_close((double)open / 255, 0.25, 0.06);
-        if (step[1] > 0 && step[0] == 0 && step[2] == 0) assert_int_equal(open, 255);
-        assert_int_equal(lattice->open[link][5 + 16 * 2 + 256 * 5], 255);
+        const uint8_t transmission = lattice->transmission[link][5 + 16 * from + 256 * 5];
+        if (step[1] < 0 && step[0] == 0 && step[2] == 0) assert_close((double)transmission / 255, 0.25, 0.06);
+        if (step[1] > 0 && step[0] == 0 && step[2] == 0) assert_int_equal(transmission, 255);
+        assert_int_equal(lattice->transmission[link][5 + 16 * 2 + 256 * 5], 255);
     }
     ty_lattice_destroy(lattice);
     ty_scene_destroy(scene);
@@ -258,10 +260,10 @@ static void sealed_rooms_stay_dark(void** state) {
         ty_lattice_power power = {.iterations = 0};
         double inside = 0, outside = 0;
         ty_ray_counter rays = {.rays = 0};
-        check_result(*state, ty_lattice_cross(lattice, scene, &rays));
+        check_result(*state, ty_lattice_find_crossings(lattice, scene, &rays));
         assert_true(rays.rays > 1000);
         for (size_t cell = 0; cell < lattice->cells; ++cell)
-            for (int c = 0; c < 3; ++c) lattice->flow[c][0][cell] = cells_out(cell) > 9 ? 1 : 0;
+            for (int c = 0; c < 3; ++c) lattice->propagated_sh[c][0][cell] = cells_out(cell) > 9 ? 1 : 0;
         check_result(*state, ty_lattice_propagate(lattice, &def, NULL, NULL, NULL, NULL, &power));
         for (size_t cell = 0; cell < lattice->cells; ++cell) {
             const double light = (double)lattice->light[1][0][cell];
@@ -281,8 +283,8 @@ typedef struct lit_case {
     ty_scene* scene;
     ty_lattice* lattice;
     ty_grid_medium* medium;
-    ty_light_map* map;
-    ty_lpv_lamp lamp;
+    ty_rsm* map;
+    ty_lpv_light lamp;
     ty_lpv_def def;
 } lit_case;
 
@@ -290,8 +292,8 @@ typedef struct lit_case {
 static lit_case lit(ty_scene* scene, const ty_grid_box* box, int32_t bands, int32_t side) {
     ty_context* context = ty_scene_context(scene);
     lit_case made = {.scene = scene,
-                     .def = {.parts = TY_LPV_ALL, .bands = bands, .window = -1, .samples = 8, .map_side = side}};
-    const ty_light_map_def def = {.side = side, .reflective = true, .lower = box->lower, .upper = box->upper};
+                     .def = {.parts = TY_LPV_ALL, .bands = bands, .window = TY_AUTO, .samples = 8, .map_side = side}};
+    const ty_rsm_def def = {.side = side, .reflective = true, .lower = box->lower, .upper = box->upper};
     check_result(context, ty_scene_commit(scene));
     made.lattice = lattice_of(context, box, bands);
     if (ty_scene_get_view(scene)->medium_count > 0) {
@@ -300,13 +302,13 @@ static lit_case lit(ty_scene* scene, const ty_grid_box* box, int32_t bands, int3
         check_result(context, ty_grid_medium_create(scene, &fit, &made.medium));
         check_result(context, ty_grid_medium_create(scene, box, &made.lattice->medium));
     }
-    check_result(context, ty_light_map_trace(scene, &def, 0, &made.map, NULL));
-    made.lamp = (ty_lpv_lamp){.light = &ty_scene_get_view(scene)->lights.lights[0], .map = made.map};
+    check_result(context, ty_rsm_trace(scene, &def, 0, &made.map, NULL));
+    made.lamp = (ty_lpv_light){.light = &ty_scene_get_view(scene)->lights.lights[0], .rsm = made.map};
     return made;
 }
 
 static void forget(lit_case* made) {
-    ty_light_map_destroy(ty_scene_context(made->scene), made->map);
+    ty_rsm_destroy(ty_scene_context(made->scene), made->map);
     ty_lattice_destroy(made->lattice);
     ty_grid_medium_destroy(made->medium);
     ty_scene_destroy(made->scene);
@@ -328,8 +330,8 @@ static void floors_reflect(void** state) {
         assert_close(flowing(made.lattice, 0) / (power[0] - 1), 1, 1e-4);
         /* All of it in the first layer above the floor: cell 4 is from -1 to -0.75. */
         for (size_t i = 0; i < made.lattice->cells; ++i) {
-            if (i / 16 % 16 != 4) assert_close((double)made.lattice->flow[1][0][i], 0, 0);
-            moment += (double)made.lattice->flow[1][1][i];
+            if (i / 16 % 16 != 4) assert_close((double)made.lattice->propagated_sh[1][0][i], 0, 0);
+            moment += (double)made.lattice->propagated_sh[1][1][i];
         }
         /* The mean cosine about the normal is 2/3. */
         const double factor = (double)ty_lpv_window(&made.def, 1) * 2 / 3;
@@ -388,10 +390,10 @@ static void fog_scatters(void** state) {
             for (int32_t face = 0; face < made.map->faces; ++face)
                 for (int32_t t = 0; t < 64 * 64; ++t) {
                     ty_vec from, way;
-                    ty_light_map_ray(made.map, made.lamp.light, face, (float)(t % 64) + 0.5f, (float)(t / 64) + 0.5f,
-                                     &from, &way);
+                    ty_rsm_ray(made.map, made.lamp.light, face, (float)(t % 64) + 0.5f, (float)(t / 64) + 0.5f, &from,
+                               &way);
                     way = ty_normalize(way);
-                    double profile = (double)ty_light_map_share(made.map, made.lamp.light, face, t % 64, t / 64);
+                    double profile = (double)ty_rsm_texel_measure(made.map, made.lamp.light, face, t % 64, t / 64);
                     if (kind == 1)
                         profile *= (double)ty_spot_falloff(made.lamp.light, ty_dot(way, made.lamp.light->direction));
                     const double o[3] = {(double)from.x, (double)from.y, (double)from.z};
@@ -426,8 +428,8 @@ static void fog_scatters_forward(void** state) {
         double layer = 0, moment = 0;
         for (int32_t i = 0; i < 64; ++i) {
             const size_t cell = (size_t)(i % 8 + 8 * (y + 8 * (i / 8)));
-            layer += sqrt(4 * pi) * (double)made.lattice->flow[0][0][cell];
-            moment += sqrt(4 * pi / 3) * (double)made.lattice->flow[0][1][cell];
+            layer += sqrt(4 * pi) * (double)made.lattice->propagated_sh[0][0][cell];
+            moment += sqrt(4 * pi / 3) * (double)made.lattice->propagated_sh[0][1][cell];
         }
         assert_close(layer / (16 * exp(-0.5 * (3.5 - 0.5 * y)) * (1 - exp(-0.25))), 1, 0.02);
         assert_close(moment / layer, -0.6, 1e-3);
@@ -444,7 +446,7 @@ static void smoke_scatters(void** state) {
     double power[3] = {0, 0, 0}, expected = 0;
     smoke.density_grid = grid;
     check_result(*state, ty_scene_add_medium(scene, &smoke));
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     direct_add_sun(scene, 0, -1, 0, 1);
     lit_case made = lit(scene, &box, 2, 64);
     const ty_grid_medium* m = made.medium;
@@ -472,7 +474,7 @@ static void samples_stay_on_the_lit_side(void** state) {
     lit_case made = lit(scene, &box, 2, 64);
     check_result(*state, ty_lattice_inject_scattered(made.lattice, &made.def, &made.lamp, made.medium, power));
     for (size_t i = 0; i < made.lattice->cells; ++i)
-        if (i / 8 % 8 < 4) assert_close((double)made.lattice->flow[0][0][i], 0, 0);
+        if (i / 8 % 8 < 4) assert_close((double)made.lattice->propagated_sh[0][0][i], 0, 0);
     forget(&made);
 }
 
@@ -496,8 +498,9 @@ static void small_steps(void** state) {
         forget(&made);
     }
     for (size_t i = 0; i < lattices[0]->cells; ++i) {
-        change += fabs((double)(lattices[1]->flow[0][0][i] - lattices[0]->flow[0][0][i]));
-        largest = fmax(largest, fabs((double)(lattices[1]->flow[0][0][i] - lattices[0]->flow[0][0][i])));
+        change += fabs((double)(lattices[1]->propagated_sh[0][0][i] - lattices[0]->propagated_sh[0][0][i]));
+        largest =
+            fmax(largest, fabs((double)(lattices[1]->propagated_sh[0][0][i] - lattices[0]->propagated_sh[0][0][i])));
     }
     /* The lamp moved by 1/125 of a cell. */
     assert_true(change * sqrt(4 * pi) < 0.05 * flowing(lattices[0], 0));
@@ -522,16 +525,18 @@ static void threads_do_not_matter(void** state) {
         check_result(contexts[i], ty_lattice_inject_reflected(made.lattice, &made.def, &made.lamp, made.medium, power));
         check_result(contexts[i], ty_lattice_inject_scattered(made.lattice, &made.def, &made.lamp, made.medium, power));
         ty_lattice* blocked = blocked_by(scene, &box, TY_LPV_MODE_LINKS, 3);
-        for (int k = 0; k < TY_LPV_LINKS; ++k) memcpy(made.lattice->open[k], blocked->open[k], blocked->cells);
+        for (int k = 0; k < TY_LPV_LINKS; ++k)
+            memcpy(made.lattice->transmission[k], blocked->transmission[k], blocked->cells);
         ty_lattice_destroy(blocked);
         lattices[i] = made.lattice;
         made.lattice = NULL;
         forget(&made);
     }
     for (int t = 0; t < 9; ++t)
-        assert_memory_equal(lattices[0]->flow[1][t], lattices[1]->flow[1][t], lattices[0]->cells * sizeof(float));
+        assert_memory_equal(lattices[0]->propagated_sh[1][t], lattices[1]->propagated_sh[1][t],
+                            lattices[0]->cells * sizeof(float));
     for (int k = 0; k < TY_LPV_LINKS; ++k)
-        assert_memory_equal(lattices[0]->open[k], lattices[1]->open[k], lattices[0]->cells);
+        assert_memory_equal(lattices[0]->transmission[k], lattices[1]->transmission[k], lattices[0]->cells);
     for (int i = 0; i < 2; ++i) {
         ty_lattice_destroy(lattices[i]);
         ty_context_destroy(contexts[i]);
@@ -550,11 +555,12 @@ static void no_memory(void** state) {
     add_solid(scene, TY_SHAPE_SPHERE, 1.3);
     add_light(scene, TY_LIGHT_SPOT, (const double[3]){0, 1.8, 0}, down);
     lit_case made = lit(scene, &box, 2, 32);
-    const size_t fronts = made.lattice->fronts != NULL ? made.lattice->cells * sizeof(int32_t) : 0;
-    const size_t front = made.lattice->front_count * sizeof *made.lattice->front;
+    const size_t surface_depth_index =
+        made.lattice->surface_depth_index != NULL ? made.lattice->cells * sizeof(int32_t) : 0;
+    const size_t surface_depths = made.lattice->surface_depth_count * sizeof *made.lattice->surface_depths;
     size_t before = memory.used;
     for (int call = 0; call < 5; ++call) {
-        if (call == 1) before -= fronts + front; /* what another call found */
+        if (call == 1) before -= surface_depth_index + surface_depths; /* what another call found */
         ty_result result = TY_ERROR_MEMORY;
         for (int64_t n = 0; result != TY_OK; ++n) {
             ty_surfel* surfels = NULL;
@@ -564,8 +570,8 @@ static void no_memory(void** state) {
             assert_true(n < 100);
             memory.until_refusal = n;
             if (call == 0) result = ty_surfels_trace(scene, &box, 3, &surfels, &count, &capacity, NULL);
-            if (call == 1) result = ty_lattice_block(made.lattice, TY_LPV_MODE_LINKS, &surfel, 1);
-            if (call == 2) result = ty_lattice_cross(made.lattice, scene, NULL);
+            if (call == 1) result = ty_lattice_find_blockers(made.lattice, TY_LPV_MODE_LINKS, &surfel, 1);
+            if (call == 2) result = ty_lattice_find_crossings(made.lattice, scene, NULL);
             if (call == 3)
                 result = ty_lattice_inject_reflected(made.lattice, &made.def, &made.lamp, made.medium, power);
             if (call == 4)
@@ -575,7 +581,7 @@ static void no_memory(void** state) {
             if (n == 0) assert_int_equal(result, TY_ERROR_MEMORY);
             ty_free_array(context, surfels, capacity, sizeof *surfels);
             assert_int_equal(memory.used, before);
-            ty_clear_error(context);
+            ty_take_error(context);
         }
     }
     forget(&made);

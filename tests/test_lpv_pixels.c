@@ -2,8 +2,8 @@
 #include "checks.h"
 
 #include "base/sh.k.h"
-#include "method/lpv/look.h"
-#include "method/lpv/pixels.h"
+#include "method/lpv/lattice/packed_lattice.h"
+#include "method/lpv/image/image.h"
 #include "scene/camera.h"
 
 #include <stdio.h>
@@ -17,14 +17,14 @@ typedef struct view_case {
     ty_lpv_def def;
     ty_lattice* lattice;
     ty_grid_medium* medium;
-    ty_light_map* map;
-    ty_lit_map* lit;
+    ty_rsm* map;
+    ty_shadow_hierarchy* lit;
     ty_airlight* airlight;
     ty_lpv_image_job job;
 } view_case;
 
 static void check(const ty_scene* scene, ty_result result) {
-    if (result != TY_OK) fail_msg("%s", ty_last_error(ty_scene_context(scene)));
+    if (result != TY_OK) fail_msg("%s", ty_take_error(ty_scene_context(scene)));
 }
 
 static ty_lpv_def small_def(void) {
@@ -101,27 +101,27 @@ static void begin_case(view_case* at, ty_scene* scene, const double lower[3], do
     check(scene, ty_lattice_create(context, &box, bands, &at->lattice));
     if (view->medium_count > 0) check(scene, ty_grid_medium_create(scene, &box, &at->medium));
     if (view->lights.count > 0) {
-        const ty_light_map_def map = {.side = 256, .lower = lower, .upper = upper};
-        check(scene, ty_light_map_trace(scene, &map, 0, &at->map, NULL));
-        check(scene, ty_lit_map_create(context, &view->lights.lights[0], at->map, &at->lit));
+        const ty_rsm_def map = {.side = 256, .lower = lower, .upper = upper};
+        check(scene, ty_rsm_trace(scene, &map, 0, &at->map, NULL));
+        check(scene, ty_shadow_hierarchy_create(context, &view->lights.lights[0], at->map, &at->lit));
     }
     const ty_airlight_def air = {
-        .medium = at->medium, .maps = (const ty_lit_map* const*)&at->lit, .count = at->lit != NULL ? 1 : 0};
+        .medium = at->medium, .maps = (const ty_shadow_hierarchy* const*)&at->lit, .count = at->lit != NULL ? 1 : 0};
     if (at->medium != NULL) check(scene, ty_airlight_create(scene, &air, &at->airlight));
     at->job = (ty_lpv_image_job){.scene = scene,
                                  .def = &at->def,
                                  .light = {&at->lattice, 1},
                                  .medium = at->medium,
                                  .airlight = at->airlight,
-                                 .maps = (const ty_lit_map* const*)&at->lit,
-                                 .map_count = at->lit != NULL ? 1 : 0};
+                                 .shadow_maps = (const ty_shadow_hierarchy* const*)&at->lit,
+                                 .shadow_map_count = at->lit != NULL ? 1 : 0};
 }
 
 static void end_case(view_case* at) {
     ty_context* context = ty_scene_context(at->scene);
     ty_airlight_destroy(at->airlight);
-    ty_lit_map_destroy(at->lit);
-    ty_light_map_destroy(context, at->map);
+    ty_shadow_hierarchy_destroy(at->lit);
+    ty_rsm_destroy(context, at->map);
     ty_grid_medium_destroy(at->medium);
     ty_lattice_destroy(at->lattice);
     ty_scene_destroy(at->scene);
@@ -255,7 +255,7 @@ static void even_light_in_voxels(void** state) {
     check(scene, ty_scene_add_medium(scene, &fog));
     view_case at;
     begin_case(&at, scene, low, 4, 8, 2);
-    assert_true(ty_scene_get_view(scene)->media[0].varies);
+    assert_true(ty_scene_get_view(scene)->media[0].heterogeneous);
     const float terms[TY_SH_TERMS] = {2, 0.3f, 0.7f, 0.2f};
     fill(at.lattice, terms);
     ty_image* image = image_of(&at, NULL);
@@ -264,7 +264,7 @@ static void even_light_in_voxels(void** state) {
     assert_close(plane_of(image, "transmittance.G")[7], exp(-1.6), 1e-5);
     ty_image_destroy(image);
     end_case(&at);
-    ty_grid_destroy(fog.density_grid);
+    ty_grid_release(fog.density_grid);
 }
 
 /* ---- surfaces in fog ---- */
@@ -332,14 +332,18 @@ static void views_of_callers(void** state) {
     begin_still(&at, *state);
     ty_image* traced = image_of(&at, NULL);
     static float distance[WIDE * HIGH], normal[3 * WIDE * HIGH], albedo[3 * WIDE * HIGH], emission[3 * WIDE * HIGH];
-    const ty_lpv_view_def view = {distance, normal, albedo, emission};
+    ty_lpv_view_def view = ty_default_lpv_view_def();
+    view.distance = distance;
+    view.normal = normal;
+    view.albedo = albedo;
+    view.emission = emission;
     const ty_camera_def camera = ty_scene_camera(at.scene);
     const ty_camera_view rays = ty_camera_get_view(&camera, WIDE, HIGH);
     for (int i = 0; i < WIDE * HIGH; ++i) {
         const ty_vec d = ty_camera_direction(&rays, (float)(i % WIDE) + 0.5f, (float)(i / WIDE) + 0.5f);
         const ty_ray ray = {{rays.origin.x, rays.origin.y, rays.origin.z}, {d.x, d.y, d.z}, INFINITY};
         ty_ray_hit hit;
-        check(at.scene, ty_scene_trace(at.scene, &ray, 1, false, &hit));
+        check(at.scene, ty_scene_trace(at.scene, &ray, 1, TY_RAYS_INCOHERENT, &hit));
         distance[i] = hit.surface >= 0 ? hit.distance : INFINITY;
         for (int c = 0; c < 3; ++c) {
             albedo[3 * i + c] = hit.surface == 0 ? 0.6f : 0.5f;
@@ -372,6 +376,47 @@ static void views_of_callers(void** state) {
     end_case(&at);
 }
 
+static ty_scene* lit_fog(ty_context* context) {
+    ty_scene* scene = make_scene(context);
+    const ty_medium_def fog = box_medium((double[3]){-2, 0, -2}, (double[3]){2, 2, 2}, 0.3f, 0);
+    check(scene, ty_scene_add_medium(scene, &fog));
+    add_floor(scene, 2, 0.5f);
+    add_box(scene, -0.5, 0, -0.5, 1, 0.6f);
+    add_sun(scene, 0.3, -1, 0.2);
+    look_from(scene, 0, 1, 6, 0, 1, 0, 40);
+    check(scene, ty_scene_commit(scene));
+    return scene;
+}
+
+/* Light does not refer to the scene that it was solved for: lookups work without it, and views of a scene like it. */
+static void light_outlives_its_scene(void** state) {
+    static const double lower[3] = {-2, 0, -2}, upper[3] = {2, 2, 2};
+    static const int32_t size[3] = {3, 2, 3};
+    double fluence[2][3 * 18];
+    ty_image* images[2] = {NULL};
+    ty_lpv* light = NULL;
+    ty_lpv_def def = ty_default_lpv_def();
+    def.resolution = 8;
+    def.map_side = 64;
+    def.shadow_side = 64;
+    ty_scene* scene = lit_fog(*state);
+    check(scene, ty_lpv_solve(scene, &def, &light, NULL));
+    check(scene, ty_lpv_fluence(light, lower, upper, size, fluence[0]));
+    check(scene, ty_lpv_view(light, scene, &def, &images[0], NULL));
+    ty_scene_destroy(scene);
+    scene = lit_fog(*state);
+    check(scene, ty_lpv_fluence(light, lower, upper, size, fluence[1]));
+    check(scene, ty_lpv_view(light, scene, &def, &images[1], NULL));
+    assert_memory_equal(fluence[0], fluence[1], sizeof fluence[0]);
+    assert_true(fluence[0][0] > 0);
+    const size_t bytes = sizeof(float) * WIDE * HIGH;
+    for (int32_t c = 0; c < 3; ++c)
+        assert_memory_equal(ty_image_plane_const(images[0], c), ty_image_plane_const(images[1], c), bytes);
+    for (int i = 0; i < 2; ++i) ty_image_destroy(images[i]);
+    ty_lpv_destroy(light);
+    ty_scene_destroy(scene);
+}
+
 /* ---- shadows ---- */
 
 static void shadows(void** state) {
@@ -392,12 +437,12 @@ static void shadows(void** state) {
         for (int i = 0; i < WIDE * HIGH; ++i) {
             const ty_vec d = ty_camera_direction(&rays, (float)(i % WIDE) + 0.5f, (float)(i / WIDE) + 0.5f);
             ty_hit hit;
-            if (!ty_mesh_intersect(view->mesh, rays.origin, d, TY_FLOAT_MAX, &hit)) continue;
+            if (!ty_accel_intersect(view->mesh, rays.origin, d, TY_FLOAT_MAX, &hit)) continue;
             ty_surface_point point;
             ty_surface_evaluate(&view->surfaces[hit.surface], &hit, d, &point);
             const ty_vec look = ty_scale(view->lights.lights[0].direction, -1);
-            const double facing = fmax(0, (double)ty_dot(point.normal, look));
-            const bool lit = !ty_mesh_occluded(view->mesh, ty_hit_leave(&hit, point.facing), look, TY_FLOAT_MAX);
+            const double facing = fmax(0, (double)ty_dot(point.ns, look));
+            const bool lit = !ty_accel_occluded(view->mesh, ty_hit_leave(&hit, point.ng), look, TY_FLOAT_MAX);
             const double expected = lit ? 3 * (double)point.albedo[0] * facing / 3.14159265358979 : 0;
             wrong += fabs((double)r[i] - expected) > 1e-4;
             off += fabs((double)r[i] - expected);
@@ -435,25 +480,25 @@ static void lookups_agree(void** state) {
                 for (int a = 0; a < 3; ++a) inside = inside && at[a] + step[a] >= 0 && at[a] + step[a] < 8;
                 if (!inside || uniform(&seed) < 0.8) continue;
                 const size_t other = cell + (size_t)(step[0] + 8 * step[1] + 64 * step[2]);
-                const uint8_t open = (uint8_t)(200 * uniform(&seed));
-                lattices[i]->open[ty_lpv_link(step[0], step[1], step[2])][other] = open;
-                lattices[i]->open[ty_lpv_link(-step[0], -step[1], -step[2])][cell] = open;
+                const uint8_t transmission = (uint8_t)(200 * uniform(&seed));
+                lattices[i]->transmission[ty_lpv_link(step[0], step[1], step[2])][other] = transmission;
+                lattices[i]->transmission[ty_lpv_link(-step[0], -step[1], -step[2])][cell] = transmission;
             }
         }
     }
-    ty_lattice_look look;
-    assert_int_equal(ty_look_begin(*state, lattices, 2, &look), TY_OK);
+    ty_packed_lattices look;
+    assert_int_equal(ty_packed_lattices_create(*state, lattices, 2, &look), TY_OK);
     const ty_lpv_light_view view = {lattices, 2};
     for (int i = 0; i < 20000; ++i) {
         const ty_vec point = ty_vec_make((float)uniform_in(&seed, -9.5, 9.5), (float)uniform_in(&seed, -9.5, 9.5),
                                          (float)uniform_in(&seed, -9.5, 9.5));
         const ty_vec normal = random_unit(&seed);
         float fast[3], slow[3];
-        ty_look_at_surface(&look, point, normal, fast);
+        ty_packed_irradiance(&look, point, normal, fast);
         ty_lpv_irradiance_at(&view, point, normal, slow);
         for (int c = 0; c < 3; ++c) assert_close(fast[c], slow[c], 2e-4);
     }
-    ty_look_end(*state, &look);
+    ty_packed_lattices_destroy(*state, &look);
     ty_lattice_destroy(lattices[0]);
     ty_lattice_destroy(lattices[1]);
 }
@@ -472,7 +517,8 @@ static void closed_links(void** state) {
             at.lattice->light[0][0][i] = i % 8 >= 4 ? 1 : 0;
             if (closed == 0 || (i % 8 != 3 && i % 8 != 4)) continue;
             for (int32_t y = -1; y <= 1; ++y)
-                for (int32_t z = -1; z <= 1; ++z) at.lattice->open[ty_lpv_link(i % 8 == 3 ? -1 : 1, y, z)][i] = 0;
+                for (int32_t z = -1; z <= 1; ++z)
+                    at.lattice->transmission[ty_lpv_link(i % 8 == 3 ? -1 : 1, y, z)][i] = 0;
         }
         at.lattice->blocked = closed != 0;
         ty_image* image = image_of(&at, NULL);
@@ -566,6 +612,7 @@ int main(void) {
         cmocka_unit_test(even_light_in_voxels),
         cmocka_unit_test(half_resolution),
         cmocka_unit_test(views_of_callers),
+        cmocka_unit_test(light_outlives_its_scene),
         cmocka_unit_test(shadows),
         cmocka_unit_test(lookups_agree),
         cmocka_unit_test(closed_links),

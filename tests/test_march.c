@@ -176,7 +176,7 @@ static void check_depths(ty_context* context, bool transfer, double tolerance) {
         assert_close(march_once(scene, &def, "transmittance.G"), exp(-depth), tolerance);
         ty_scene_destroy(scene);
     }
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void depths_are_exact(void** state) {
@@ -213,7 +213,7 @@ static double lit_noise(ty_context* context, double step, uint64_t seed) {
     def.step = step;
     def.seed = seed;
     const double value = march_once(scene, &def, "R");
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     ty_scene_destroy(scene);
     return value;
 }
@@ -242,7 +242,7 @@ static void beams_scatter_once(void** state) {
     add_medium(scene, &medium);
     commit(scene);
     ty_march_def def = march_def(1, 1);
-    ty_single_light light = {.kind = TY_SINGLE_BEAM, .toward = ty_vec_make(0, 0.6f, -0.8f)};
+    ty_light_fluence light = {.kind = TY_FLUENCE_DIRECTIONAL, .anchor = ty_vec_make(0, 0.6f, -0.8f)};
     for (int z = 0; z < CELLS; ++z) fluence[z] = (float)(5 * exp(-1.5 * (2.0 - (z + 0.5) * 2 / CELLS)));
     for (int c = 0; c < 3; ++c) {
         light.fluence[c] = fluence;
@@ -341,9 +341,9 @@ static void guides_choose_cells(void** state) {
     even.field.guide = guide;
     ty_march_def def = march_def(1, 1);
     def.field = &even.field;
-    def.guided = 0;
+    def.bilateral_sigma = 0;
     assert_close(march_once(scene, &def, "R"), 3 * -expm1(-1), 1e-4);
-    def.guided = 0.25;
+    def.bilateral_sigma = 0.25;
     assert_close(march_once(scene, &def, "R"), 1 * -expm1(-1), 0.05);
     guide[1] = 0.5f;
     assert_close(march_once(scene, &def, "R"), 3 * -expm1(-1), 1e-4);

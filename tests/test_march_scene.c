@@ -147,11 +147,11 @@ static void images_of_walls_take_fog_light(void** state) {
 static void shells_bound(void** state) {
     static const float corners[] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1};
     static const uint32_t faces[] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
-    ty_shell* shell = NULL;
+    ty_closed_mesh* shell = NULL;
     lit_fog fog;
     begin_fog(*state, &fog);
     march_look(fog.scene, 0.25, 0.125, 50, 0.25, 0.125, 0);
-    check_result(*state, ty_shell_create(*state, corners, 6, faces, 8, &shell));
+    check_result(*state, ty_closed_mesh_create(*state, corners, 6, faces, 8, &shell));
     fog.medium.bounds = TY_BOUNDS_SHELL;
     fog.medium.shell = shell;
     ty_image* image = finish(&fog);
@@ -159,7 +159,7 @@ static void shells_bound(void** state) {
     assert_close(march_value(image, "transmittance.R", 0), exp(-0.5 * length), 1e-5);
     assert_close(march_value(image, "R", 0), 0.8 * 3 * -expm1(-0.5 * length), 1e-5);
     ty_image_destroy(image);
-    ty_shell_destroy(shell);
+    ty_closed_mesh_release(shell);
     ty_scene_destroy(fog.scene);
 }
 
@@ -232,7 +232,7 @@ static void refusals(void** state) {
         {offsetof(ty_march_def, spp), FIELD_INT, 65, "spp"},
         {offsetof(ty_march_def, step), FIELD_DOUBLE, 0.01, "step"},
         {offsetof(ty_march_def, step), FIELD_DOUBLE, 9, "step"},
-        {offsetof(ty_march_def, guided), FIELD_DOUBLE, -1, "guided"},
+        {offsetof(ty_march_def, bilateral_sigma), FIELD_DOUBLE, -1, "bilateral_sigma"},
         {offsetof(ty_march_def, aovs), FIELD_INT, TY_AOV_VARIANCE, "aovs"},
         {offsetof(ty_march_def, light_count), FIELD_INT, 1, "light_box"},
     };
@@ -265,7 +265,7 @@ static void refusals(void** state) {
     scene = make_scene(*state);
     def = march_def(4, 4);
     assert_int_equal(ty_march(scene, &def, &image, NULL), TY_ERROR_ARGUMENT);
-    ty_clear_error(*state);
+    ty_take_error(*state);
     ty_scene_destroy(scene);
 }
 

@@ -33,7 +33,7 @@ static ty_grid* random_grid(ty_context* context, int32_t size, double low, doubl
 
 static ty_scene* medium_scene(ty_context* context, const ty_medium_def* def) {
     ty_scene* scene = make_scene(context);
-    if (ty_scene_add_medium(scene, def) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_scene_add_medium(scene, def) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_int_equal(ty_scene_commit(scene), TY_OK);
     return scene;
 }
@@ -105,7 +105,7 @@ static void wrong_points_are_refused(void** state) {
         def.transfer = points;
         refuse(*state, &def, bad[i].words);
     }
-    ty_grid_destroy(def.density_grid);
+    ty_grid_release(def.density_grid);
 }
 
 static void wrong_fields_are_refused(void** state) {
@@ -136,9 +136,9 @@ static void wrong_fields_are_refused(void** state) {
     def.density_grid = grid;
     assert_int_equal(made_shell(*state, &mesh, &def.shell), TY_OK);
     refuse(*state, &def, "medium.bounds: a grid without a transform fills a box, not a closed mesh");
-    ty_shell_destroy(def.shell);
+    ty_closed_mesh_release(def.shell);
     made_free(&mesh);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* What a scene holds stays when the caller lets go. */
@@ -156,9 +156,9 @@ static void media_keep_what_they_use(void** state) {
     const size_t bytes = ty_grid_get_info(def.density_grid).bytes + ty_grid_get_info(def.g_grid).bytes +
                          ty_grid_get_info(def.temperature_grid).bytes;
     assert_true(ty_scene_get_info(scene).bytes >= before + bytes);
-    ty_grid_destroy(def.density_grid);
-    ty_grid_destroy(def.g_grid);
-    ty_grid_destroy(def.temperature_grid);
+    ty_grid_release(def.density_grid);
+    ty_grid_release(def.g_grid);
+    ty_grid_release(def.temperature_grid);
     points[1].density = -7;
     ty_medium_def kept;
     assert_int_equal(ty_scene_get_medium(scene, 0, &kept), TY_OK);
@@ -217,16 +217,16 @@ static void bricks_bound_the_transferred_density(void** state) {
         ty_scene* scene = medium_scene(*state, &def);
         const ty_medium_view* medium = view_of(scene);
         uint64_t number = 41;
-        ty_random random = {0};
+        ty_sampler random = {0};
         for (int ray = 0; ray < 60; ++ray) {
             const ty_vec origin = ty_scale(random_unit(&number), 2.5f);
             const ty_vec way = ty_normalize(ty_sub(ty_scale(random_unit(&number), 0.7f), origin));
             float enter = 0, leave = 100;
             if (!ty_medium_interval(medium, origin, way, &enter, &leave)) continue;
-            ty_bricks bricks;
+            ty_majorant_dda bricks;
             float reached = enter;
-            ty_bricks_begin(&bricks, medium, origin, way, enter, leave);
-            while (ty_bricks_next(&bricks)) {
+            ty_majorant_dda_begin(&bricks, medium, origin, way, enter, leave);
+            while (ty_majorant_dda_next(&bricks)) {
                 for (int pass = 0; pass < 2; ++pass) { /* skipped bricks are empty */
                     const float from = pass == 0 ? reached : bricks.enter, to = pass == 0 ? bricks.enter : bricks.leave;
                     for (int i = 0; i < 40; ++i) {
@@ -240,7 +240,8 @@ static void bricks_bound_the_transferred_density(void** state) {
                         if (fabs(value - 0.305) > 0.006) assert_close(found, density, 2e-3);
                         if (pass == 0) assert_true(found < 1e-2 || to - from < 1e-4f);
                         if (pass == 1)
-                            assert_true(found >= (double)bricks.low - 1e-2 && found <= (double)bricks.high + 1e-2);
+                            assert_true(found >= (double)bricks.minorant - 1e-2 &&
+                                        found <= (double)bricks.majorant + 1e-2);
                     }
                 }
                 reached = bricks.leave;
@@ -252,7 +253,7 @@ static void bricks_bound_the_transferred_density(void** state) {
         const double value = (double)ty_grid_sample(def.density_grid, middle);
         for (int c = 0; c < 3; ++c) assert_close(albedo[c], curve_at(value, 1 + c), 2e-3);
         ty_scene_destroy(scene);
-        ty_grid_destroy(def.density_grid);
+        ty_grid_release(def.density_grid);
     }
 }
 
@@ -278,7 +279,7 @@ static void extremes_are_exact(void** state) {
         assert_true((double)medium->extremes[2 * i + 1] >= most - 1e-5);
     }
     ty_scene_destroy(scene);
-    ty_grid_destroy(def.density_grid);
+    ty_grid_release(def.density_grid);
 }
 
 /* ---- fields ---- */
@@ -309,7 +310,7 @@ static void fields_are_looked_up(void** state) {
         def.emission_scale = 0.5f;
         ty_scene* scene = medium_scene(*state, &def);
         const ty_medium_view* medium = view_of(scene);
-        assert_true(medium->varies && medium->emits && !medium->has_grid);
+        assert_true(medium->heterogeneous && medium->emits && !medium->has_grid);
         uint64_t number = 51;
         for (int i = 0; i < 3000; ++i) {
             const double reach = i % 3 == 0 ? 1 : i % 3 == 1 ? 2.5 : 1e12;
@@ -319,7 +320,7 @@ static void fields_are_looked_up(void** state) {
             ty_medium_sigma_s(medium, at, sigma_s);
             ty_medium_g(medium, at, g);
             ty_medium_emission(medium, at, emission);
-            ty_medium_glow(medium, at, glow);
+            ty_medium_emission_coefficient(medium, at, glow);
             ty_blackbody(1500 + 2000 * field_at(def.temperature_grid, at), black);
             for (int c = 0; c < 3; ++c) {
                 assert_close(albedo[c], clamped(field_at(def.albedo_grid[c], at), 0, 1), 1e-4);
@@ -331,9 +332,9 @@ static void fields_are_looked_up(void** state) {
             }
         }
         ty_scene_destroy(scene);
-        for (int c = 0; c < 3; ++c) ty_grid_destroy(def.albedo_grid[c]);
-        ty_grid_destroy(def.g_grid);
-        ty_grid_destroy(def.temperature_grid);
+        for (int c = 0; c < 3; ++c) ty_grid_release(def.albedo_grid[c]);
+        ty_grid_release(def.g_grid);
+        ty_grid_release(def.temperature_grid);
     }
 }
 
@@ -349,20 +350,20 @@ static void fields_may_be_one_grid_or_none(void** state) {
     const ty_vec middle = ty_vec_make(0.1f, 0.2f, 0.3f);
     ty_medium_albedo(view_of(scene), middle, albedo);
     ty_medium_g(view_of(scene), middle, g);
-    ty_medium_glow(view_of(scene), middle, glow);
+    ty_medium_emission_coefficient(view_of(scene), middle, glow);
     assert_close(albedo[0], 0.75, 1e-6);
     assert_close(albedo[1], 0, 0);
     assert_close(albedo[2], 1, 0);
     assert_close(g[0], 0.7, 1e-6);
     assert_close(glow[0], 0, 0);
-    assert_false(view_of(scene)->varies);
+    assert_false(view_of(scene)->heterogeneous);
     ty_scene_destroy(scene);
     def.albedo_grid[0] = def.albedo_grid[1] = def.albedo_grid[2] = random_grid(*state, 4, 0, 1, true);
     scene = medium_scene(*state, &def);
     ty_medium_albedo(view_of(scene), middle, albedo);
     for (int c = 0; c < 3; ++c) assert_close(albedo[c], field_at(def.albedo_grid[0], middle), 1e-4);
     ty_scene_destroy(scene);
-    ty_grid_destroy(def.albedo_grid[0]);
+    ty_grid_release(def.albedo_grid[0]);
 }
 
 int main(void) {

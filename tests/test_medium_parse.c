@@ -39,12 +39,12 @@ static void expect_rgb(const char* text, const char* field, const float value[3]
             fail_msg("%s: %s[%d] is %.9g, not %.9g", text, field, c, (double)value[c], expected[c]);
 }
 
-static void test_words_come_to_coefficients(void** state) {
+static void words_come_to_coefficients(void** state) {
     for (size_t i = 0; i < COUNT(word_cases); ++i) {
         const word_case* word = &word_cases[i];
         ty_medium_def def;
         memset(&def, 0xff, sizeof def);
-        if (ty_medium_parse(*state, word->text, &def) != TY_OK) fail_msg("%s: %s", word->text, ty_last_error(*state));
+        if (ty_medium_parse(*state, word->text, &def) != TY_OK) fail_msg("%s: %s", word->text, ty_take_error(*state));
         expect_rgb(word->text, "sigma_s", def.sigma_s, word->sigma_s);
         expect_rgb(word->text, "sigma_a", def.sigma_a, word->sigma_a);
         expect_rgb(word->text, "g", def.g, word->g);
@@ -58,7 +58,7 @@ static void test_words_come_to_coefficients(void** state) {
 }
 
 /* A name and an object say the same, bit for bit, in words and in a scene. */
-static void test_every_preset_is_the_same_in_words_and_in_a_scene(void** state) {
+static void every_preset_is_the_same_in_words_and_in_a_scene(void** state) {
     for (int32_t i = 0; i < ty_medium_preset_count(); ++i) {
         const char* name = ty_medium_preset_name(i);
         const bool visibility = ty_medium_preset_kind(i) == TY_PRESET_VISIBILITY;
@@ -125,18 +125,17 @@ static const char* const wrong[][2] = {
      "medium:1: albedo: a volume has no place here, where a medium is the same everywhere"},
 };
 
-static void test_wrong_words_are_refused(void** state) {
+static void wrong_words_are_refused(void** state) {
     for (size_t i = 0; i < COUNT(wrong); ++i) {
         ty_medium_def def = ty_default_medium_def();
         def.sigma_s[0] = 7;
         assert_int_equal(ty_medium_parse(*state, wrong[i][0], &def), TY_ERROR_INPUT);
-        assert_string_equal(ty_last_error(*state), wrong[i][1]);
+        assert_string_equal(ty_take_error(*state), wrong[i][1]);
         assert_float_equal(def.sigma_s[0], 7, 0);
-        ty_clear_error(*state);
     }
 }
 
-static void test_missing_arguments_are_refused(void** state) {
+static void missing_arguments_are_refused(void** state) {
     ty_medium_def def = ty_default_medium_def();
     assert_int_equal(ty_medium_parse(NULL, "coke", &def), TY_ERROR_ARGUMENT);
     assert_int_equal(ty_medium_parse(*state, NULL, &def), TY_ERROR_ARGUMENT);
@@ -146,10 +145,10 @@ static void test_missing_arguments_are_refused(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_words_come_to_coefficients),
-        cmocka_unit_test(test_every_preset_is_the_same_in_words_and_in_a_scene),
-        cmocka_unit_test(test_wrong_words_are_refused),
-        cmocka_unit_test(test_missing_arguments_are_refused),
+        cmocka_unit_test(words_come_to_coefficients),
+        cmocka_unit_test(every_preset_is_the_same_in_words_and_in_a_scene),
+        cmocka_unit_test(wrong_words_are_refused),
+        cmocka_unit_test(missing_arguments_are_refused),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -1,13 +1,13 @@
 /* Surfaces: hits against closed forms, sides, and rays that leave a surface. */
 #include "checks.h"
 
-#include "scene/mesh.h"
+#include "scene/accel.h"
 #include "scene/shape.h"
 
-static ty_mesh* make_mesh(ty_context* context, const ty_shape_def* shapes, size_t count) {
-    ty_mesh* mesh = NULL;
-    const ty_mesh_parts parts = {.shapes = shapes, .shape_count = count};
-    assert_int_equal(ty_mesh_create(context, &parts, &mesh), TY_OK);
+static ty_accel* make_mesh(ty_context* context, const ty_shape_def* shapes, size_t count) {
+    ty_accel* mesh = NULL;
+    const ty_accel_input parts = {.shapes = shapes, .shape_count = count};
+    assert_int_equal(ty_accel_create(context, &parts, &mesh), TY_OK);
     assert_non_null(mesh);
     return mesh;
 }
@@ -125,13 +125,13 @@ static expected_hit meet(const ty_shape_def* shape, ty_vec origin, ty_vec direct
     return hit;
 }
 
-static void check_ray(const ty_mesh* mesh, const ty_shape_def* shape, ty_vec origin, ty_vec direction) {
+static void check_ray(const ty_accel* mesh, const ty_shape_def* shape, ty_vec origin, ty_vec direction) {
     const expected_hit expected = meet(shape, origin, direction);
     ty_hit hit;
     if (!expected.sure) return;
-    const bool met = ty_mesh_intersect(mesh, origin, direction, TY_FLOAT_MAX, &hit);
+    const bool met = ty_accel_intersect(mesh, origin, direction, TY_FLOAT_MAX, &hit);
     assert_int_equal(met, expected.distance > 0);
-    assert_int_equal(ty_mesh_occluded(mesh, origin, direction, TY_FLOAT_MAX), met);
+    assert_int_equal(ty_accel_occluded(mesh, origin, direction, TY_FLOAT_MAX), met);
     if (!met) return;
     assert_close(hit.distance, expected.distance, 1e-4);
     assert_vec_close(hit.position, ty_mad(origin, direction, hit.distance), 1e-5);
@@ -141,21 +141,21 @@ static void check_ray(const ty_mesh* mesh, const ty_shape_def* shape, ty_vec ori
                                  (float)(expected.normal[2] / length)),
                      2e-4);
     assert_int_equal(hit.surface, 0);
-    assert_int_equal(ty_mesh_intersect(mesh, origin, direction, hit.distance * 1.001f, &hit), 1);
-    assert_int_equal(ty_mesh_intersect(mesh, origin, direction, hit.distance * 0.999f, &hit), 0);
-    assert_int_equal(ty_mesh_occluded(mesh, origin, direction, hit.distance * 1.001f), 1);
-    assert_int_equal(ty_mesh_occluded(mesh, origin, direction, hit.distance * 0.999f), 0);
+    assert_int_equal(ty_accel_intersect(mesh, origin, direction, hit.distance * 1.001f, &hit), 1);
+    assert_int_equal(ty_accel_intersect(mesh, origin, direction, hit.distance * 0.999f, &hit), 0);
+    assert_int_equal(ty_accel_occluded(mesh, origin, direction, hit.distance * 1.001f), 1);
+    assert_int_equal(ty_accel_occluded(mesh, origin, direction, hit.distance * 0.999f), 0);
 }
 
 static void check_shape(ty_context* context, const ty_shape_def* shape) {
-    ty_mesh* mesh = make_mesh(context, shape, 1);
+    ty_accel* mesh = make_mesh(context, shape, 1);
     uint64_t random = 21;
     for (int i = 0; i < 3000; ++i) {
         const ty_vec origin = ty_scale(random_unit(&random), (float)uniform_in(&random, 0, 6));
         const ty_vec target = ty_scale(random_unit(&random), (float)uniform_in(&random, 0, 1.5));
         check_ray(mesh, shape, origin, ty_normalize(ty_sub(target, origin)));
     }
-    ty_mesh_destroy(mesh);
+    ty_accel_destroy(mesh);
 }
 
 /* Identity, a rotation with uneven scale, and its mirror image; even scale for spheres. */
@@ -187,14 +187,14 @@ static void rays_meet_spheres(void** state) {
 static void quads_face_the_u_cross_v_side(void** state) {
     const double origin[3] = {0, 0, 0}, u[3] = {0, 0, 2}, v[3] = {3, 0, 0};
     const ty_shape_def up = quad(origin, u, v);
-    ty_mesh* mesh = make_mesh(*state, &up, 1);
+    ty_accel* mesh = make_mesh(*state, &up, 1);
     ty_hit hit;
-    assert_true(ty_mesh_intersect(mesh, ty_vec_make(1, 4, 1), ty_vec_make(0, -1, 0), TY_FLOAT_MAX, &hit));
+    assert_true(ty_accel_intersect(mesh, ty_vec_make(1, 4, 1), ty_vec_make(0, -1, 0), TY_FLOAT_MAX, &hit));
     assert_vec_close(hit.normal, ty_vec_make(0, 1, 0), 0);
     assert_close(hit.distance, 4, 1e-6);
-    assert_true(ty_mesh_intersect(mesh, ty_vec_make(1, -4, 1), ty_vec_make(0, 1, 0), TY_FLOAT_MAX, &hit));
+    assert_true(ty_accel_intersect(mesh, ty_vec_make(1, -4, 1), ty_vec_make(0, 1, 0), TY_FLOAT_MAX, &hit));
     assert_vec_close(hit.normal, ty_vec_make(0, 1, 0), 0);
-    ty_mesh_destroy(mesh);
+    ty_accel_destroy(mesh);
 }
 
 /* Shapes of all kinds in one mesh: hits name the shape as added, and the quad of a box. */
@@ -202,51 +202,51 @@ static void hits_name_shape_and_part(void** state) {
     const double origin[3] = {-1, 5, -1}, u[3] = {0, 0, 2}, v[3] = {2, 0, 0};
     const ty_shape_def shapes[] = {sphere(-5, 0, 0, 1), box(4, -1, -1, 6, 1, 1), quad(origin, u, v),
                                    sphere(0, -5, 0, 2)};
-    ty_mesh* mesh = make_mesh(*state, shapes, 4);
+    ty_accel* mesh = make_mesh(*state, shapes, 4);
     static const float ways[][3] = {{-1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
     static const double distances[] = {4, 4, 5, 3};
     const ty_vec zero = ty_vec_make(0, 0, 0);
     ty_hit hit;
     for (int i = 0; i < 4; ++i) {
-        assert_true(ty_mesh_intersect(mesh, zero, ty_vec_load(ways[i]), TY_FLOAT_MAX, &hit));
+        assert_true(ty_accel_intersect(mesh, zero, ty_vec_load(ways[i]), TY_FLOAT_MAX, &hit));
         assert_int_equal(hit.surface, i);
-        assert_int_equal(hit.part, 0);
+        assert_int_equal(hit.primitive_id, 0);
         assert_close(hit.distance, distances[i], 1e-5);
     }
-    assert_false(ty_mesh_intersect(mesh, zero, ty_vec_make(0, 0, 1), TY_FLOAT_MAX, &hit));
+    assert_false(ty_accel_intersect(mesh, zero, ty_vec_make(0, 0, 1), TY_FLOAT_MAX, &hit));
     for (int part = 0; part < 6; ++part) {
         ty_vec way = ty_vec_make(part / 2 == 0, part / 2 == 1, part / 2 == 2);
         if (part % 2 == 0) way = ty_scale(way, -1);
-        assert_true(ty_mesh_intersect(mesh, ty_vec_make(5, 0.25f, 0.25f), way, TY_FLOAT_MAX, &hit));
+        assert_true(ty_accel_intersect(mesh, ty_vec_make(5, 0.25f, 0.25f), way, TY_FLOAT_MAX, &hit));
         assert_int_equal(hit.surface, 1);
-        assert_int_equal(hit.part, part);
+        assert_int_equal(hit.primitive_id, part);
         assert_vec_close(hit.normal, way, 0);
     }
-    assert_true(ty_mesh_bytes(mesh) > 4 * sizeof(ty_vec));
-    ty_mesh_destroy(mesh);
-    assert_int_equal(ty_mesh_bytes(NULL), 0);
+    assert_true(ty_accel_bytes(mesh) > 4 * sizeof(ty_vec));
+    ty_accel_destroy(mesh);
+    assert_int_equal(ty_accel_bytes(NULL), 0);
 }
 
 static void no_shapes_are_no_mesh(void** state) {
-    ty_mesh* mesh = NULL;
-    const ty_mesh_parts parts = {.shapes = NULL};
-    assert_int_equal(ty_mesh_create(*state, &parts, &mesh), TY_OK);
+    ty_accel* mesh = NULL;
+    const ty_accel_input parts = {.shapes = NULL};
+    assert_int_equal(ty_accel_create(*state, &parts, &mesh), TY_OK);
     assert_null(mesh);
-    ty_mesh_destroy(mesh);
+    ty_accel_destroy(mesh);
 }
 
 /* ---- leaving surfaces ---- */
 
 /* Sends rays on from a hit to both sides: the surface that was hit must not be hit again (a sphere from within: not
  * before the ray has crossed it). */
-static void check_leaving(const ty_mesh* mesh, const ty_hit* hit, double radius, uint64_t* random) {
+static void check_leaving(const ty_accel* mesh, const ty_hit* hit, double radius, uint64_t* random) {
     for (int i = 0; i < 16; ++i) {
         const ty_vec way = random_unit(random);
         const float facing = ty_dot(way, hit->normal);
         if (fabsf(facing) < 0.01f) continue;
         ty_hit again;
-        if (!ty_mesh_intersect(mesh, ty_hit_leave(hit, way), way, TY_FLOAT_MAX, &again)) continue;
-        if (again.surface != hit->surface || again.part != hit->part) continue;
+        if (!ty_accel_intersect(mesh, ty_hit_leave(hit, way), way, TY_FLOAT_MAX, &again)) continue;
+        if (again.surface != hit->surface || again.primitive_id != hit->primitive_id) continue;
         const double chord = radius > 0 && facing < 0 ? -2 * radius * (double)facing : 0;
         if (chord == 0 || again.distance < 0.5 * chord)
             fail_msg("from (%g, %g, %g): hit again after %g", (double)hit->position.x, (double)hit->position.y,
@@ -256,7 +256,7 @@ static void check_leaving(const ty_mesh* mesh, const ty_hit* hit, double radius,
 
 /* Rays from `away` towards points within `spread` of center. */
 static void check_leaving_shape(ty_context* context, ty_shape_def shape, ty_vec center, double spread, double away) {
-    ty_mesh* mesh = make_mesh(context, &shape, 1);
+    ty_accel* mesh = make_mesh(context, &shape, 1);
     uint64_t random = 31;
     int hits = 0;
     double middle[3];
@@ -265,12 +265,12 @@ static void check_leaving_shape(ty_context* context, ty_shape_def shape, ty_vec 
         const ty_vec target = ty_mad(center, random_unit(&random), (float)(spread * uniform(&random)));
         const ty_vec origin = ty_mad(center, random_unit(&random), (float)away);
         ty_hit hit;
-        if (!ty_mesh_intersect(mesh, origin, ty_normalize(ty_sub(target, origin)), TY_FLOAT_MAX, &hit)) continue;
+        if (!ty_accel_intersect(mesh, origin, ty_normalize(ty_sub(target, origin)), TY_FLOAT_MAX, &hit)) continue;
         ++hits;
         check_leaving(mesh, &hit, radius, &random);
     }
     assert_true(hits > 100);
-    ty_mesh_destroy(mesh);
+    ty_accel_destroy(mesh);
 }
 
 static ty_shape_def turned_quad(double x, double y, double z, double size) {
@@ -322,12 +322,12 @@ static void leaving_level_ground_stays_close(void** state) {
     const double origin[3] = {-1e4, 0, -1e4}, u[3] = {0, 0, 2e4}, v[3] = {2e4, 0, 0};
     const ty_shape_def ground = quad(origin, u, v);
     check_leaving_shape(*state, ground, ty_vec_make(0, 0, 0), 1, 5);
-    ty_mesh* mesh = make_mesh(*state, &ground, 1);
+    ty_accel* mesh = make_mesh(*state, &ground, 1);
     ty_hit hit;
-    assert_true(ty_mesh_intersect(mesh, ty_vec_make(1, 2, 3), ty_vec_make(0.6f, -0.8f, 0), TY_FLOAT_MAX, &hit));
+    assert_true(ty_accel_intersect(mesh, ty_vec_make(1, 2, 3), ty_vec_make(0.6f, -0.8f, 0), TY_FLOAT_MAX, &hit));
     const ty_vec start = ty_hit_leave(&hit, ty_vec_make(0, 1, 0));
     assert_true(start.y > 0 && start.y < 1e-4f);
-    ty_mesh_destroy(mesh);
+    ty_accel_destroy(mesh);
 }
 
 int main(void) {

@@ -38,8 +38,8 @@ static void put_tetrahedra(const char* path, const char* text) {
 static ty_scene* make_scene(const char* path, const ty_mesh_file_def* def) {
     ty_scene* scene = NULL;
     assert_int_equal(ty_scene_create(context, TY_AXIS_Y, &scene), TY_OK);
-    if (ty_scene_add_mesh_file(scene, path, def) != TY_OK) fail_msg("%s", ty_last_error(context));
-    if (ty_scene_commit(scene) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_scene_add_mesh_file(scene, path, def) != TY_OK) fail_msg("%s", ty_take_error(context));
+    if (ty_scene_commit(scene) != TY_OK) fail_msg("%s", ty_take_error(context));
     return scene;
 }
 
@@ -118,8 +118,9 @@ static void shells_are_closed(void** state) {
     book = (log_book){0};
     put_tetrahedra("shell.glb", tetrahedra);
     ty_mesh_file_def def = ty_default_mesh_file_def();
-    ty_shell* shell = NULL;
-    if (ty_mesh_file_shell(context, "shell.glb", &def, &shell) != TY_OK) fail_msg("%s", ty_last_error(context));
+    ty_closed_mesh* shell = NULL;
+    if (ty_mesh_file_create_closed_mesh(context, "shell.glb", &def, &shell) != TY_OK)
+        fail_msg("%s", ty_take_error(context));
     ty_medium_def medium = ty_default_medium_def();
     medium.bounds = TY_BOUNDS_SHELL;
     medium.shell = shell;
@@ -131,13 +132,13 @@ static void shells_are_closed(void** state) {
     static const int32_t size[3] = {8, 8, 8};
     for (int i = 0; i < 2; ++i) {
         ty_grid* grid = NULL;
-        assert_int_equal(ty_medium_coverage(scene, 0, boxes[i][0], boxes[i][1], size, 8, &grid), TY_OK);
+        assert_int_equal(ty_medium_create_coverage(scene, 0, boxes[i][0], boxes[i][1], size, 8, &grid), TY_OK);
         const double mean = ty_grid_get_info(grid).mean;
         if (!(fabs(mean - 1.0 / 6) < 0.003)) fail_msg("box %d: %g is filled, not a sixth", i, mean);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
     ty_scene_destroy(scene);
-    ty_shell_destroy(shell);
+    ty_closed_mesh_release(shell);
 }
 
 static void cameras_are_found_by_name(void** state) {
@@ -201,7 +202,7 @@ static void what_a_file_holds_is_listed(void** state) {
     assert_int_equal(count, 2);
     assert_int_equal(ty_mesh_file_list(context, "list.glb", &info, NULL, 1, &count), TY_ERROR_ARGUMENT);
     assert_int_equal(ty_mesh_file_list(context, "missing.glb", &info, entries, 1, &count), TY_ERROR_FILE);
-    ty_clear_error(context);
+    ty_take_error(context);
 }
 
 static void wrong_calls_are_refused(void** state) {
@@ -228,12 +229,13 @@ static void wrong_calls_are_refused(void** state) {
     def = ty_default_mesh_file_def();
     def.transform.m[3] = 1e30; /* what the scene itself refuses names the file */
     assert_failed(context, ty_scene_add_mesh_file(scene, "call.glb", &def), TY_ERROR_INPUT, "call.glb: ", NULL);
-    ty_shell* shell = NULL;
-    assert_failed(context, ty_mesh_file_shell(context, "call.glb", &def, NULL), TY_ERROR_ARGUMENT, "out is NULL", NULL);
+    ty_closed_mesh* shell = NULL;
+    assert_failed(context, ty_mesh_file_create_closed_mesh(context, "call.glb", &def, NULL), TY_ERROR_ARGUMENT,
+                  "out is NULL", NULL);
     char* empty = with_part(tetrahedra, "[{'nodes':[0,1,2]}]", "[{'nodes':[3]}]");
     put_tetrahedra("empty.glb", empty);
     def = ty_default_mesh_file_def();
-    assert_failed(context, ty_mesh_file_shell(context, "empty.glb", &def, &shell), TY_ERROR_INPUT,
+    assert_failed(context, ty_mesh_file_create_closed_mesh(context, "empty.glb", &def, &shell), TY_ERROR_INPUT,
                   "empty.glb: there are no triangles", NULL);
     free(empty);
     ty_scene_destroy(scene);

@@ -10,7 +10,7 @@ static ty_grid* read_grid(const char* path, const char* name, int32_t component)
     def.grid = name;
     def.component = component;
     ty_grid* grid = NULL;
-    if (ty_volume_read(context, path, &def, &grid) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_volume_read(context, path, &def, &grid) != TY_OK) fail_msg("%s", ty_take_error(context));
     return grid;
 }
 
@@ -45,7 +45,7 @@ static void round_trips_are_exact(void** state) {
     for (int codec = 0; codec < 2; ++codec) {
         ty_grid* grid = make_small(TY_GRID_F32);
         assert_int_equal(ty_nanovdb_write(context, grid, "smoke", codecs[codec], "trip.nvdb"), TY_OK);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
         grid = read_grid("trip.nvdb", "smoke", 0);
         const ty_grid_info info = ty_grid_get_info(grid);
         assert_true(info.size[0] == 29 && info.size[1] == 11 && info.size[2] == 12);
@@ -53,7 +53,7 @@ static void round_trips_are_exact(void** state) {
         assert_true(info.background == 0.25f);
         assert_small_values(grid, 1, 0);
         assert_small_place(grid);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
     assert_int_equal(remove_temporary_files(), 0);
 }
@@ -62,18 +62,18 @@ static void half_and_empty_grids_are_written_as_float(void** state) {
     (void)state;
     ty_grid* grid = make_small(TY_GRID_F16);
     assert_int_equal(ty_nanovdb_write(context, grid, "ones", "none", "ones.nvdb"), TY_OK);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     grid = read_grid("ones.nvdb", "ones", 0);
     assert_true(ty_grid_get_info(grid).min == 1 && ty_grid_get_info(grid).max == 1);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     ty_grid_def def = ty_default_grid_def();
     for (int a = 0; a < 3; ++a) def.size[a] = 3;
     assert_int_equal(ty_grid_create(context, &def, &grid), TY_OK);
     assert_int_equal(ty_nanovdb_write(context, grid, "empty", "zip", "empty.nvdb"), TY_OK);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     grid = read_grid("empty.nvdb", "empty", 0);
     assert_true(ty_grid_get_info(grid).size[0] == 1 && ty_grid_voxel(grid, 0, 0, 0) == 0);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void every_type_is_read(void** state) {
@@ -97,7 +97,7 @@ static void every_type_is_read(void** state) {
         assert_true(info.background == cases[i].background);
         assert_small_values(grid, cases[i].scale, cases[i].tolerance);
         assert_small_place(grid);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
@@ -143,7 +143,7 @@ static void broken_files_are_refused(void** state) {
     assert_refused("text.nvdb", "smoke", 0, "not a NanoVDB file");
     ty_grid* grid = make_small(TY_GRID_F32);
     assert_int_equal(ty_nanovdb_write(context, grid, "smoke", "none", "trip.nvdb"), TY_OK);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     const uint32_t version = 31u << 21, odd_type = 19, many = 0x7fffffff;
     const uint16_t blosc = 2, codec = 9;
     const uint64_t huge = (uint64_t)1 << 60;
@@ -175,7 +175,7 @@ static void cut_files_are_refused(void** state) {
         }
         free(bytes);
     }
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void wrong_writes_are_refused(void** state) {
@@ -185,14 +185,14 @@ static void wrong_writes_are_refused(void** state) {
     put_file("old.nvdb", old, sizeof old);
     assert_int_equal(ty_nanovdb_write(context, grid, "smoke", "blosc", "old.nvdb"), TY_ERROR_ARGUMENT);
     assert_int_equal(ty_nanovdb_write(context, grid, "", "zip", "old.nvdb"), TY_ERROR_ARGUMENT);
-    ty_clear_error(context);
+    ty_take_error(context);
     little_space(2000);
     const ty_result result = ty_nanovdb_write(context, grid, "smoke", "none", "old.nvdb");
     all_space();
     assert_failed(context, result, TY_ERROR_FILE, "old.nvdb", NULL);
     assert_file_holds("old.nvdb", old, sizeof old);
     assert_int_equal(remove_temporary_files(), 0);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void short_memory_is_survived(void** state) {
@@ -205,9 +205,9 @@ static void short_memory_is_survived(void** state) {
         memory.until_refusal = n;
         result = ty_volume_read(context, CORPUS "all.nvdb", &def, &grid);
         memory.until_refusal = -1;
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
         assert_int_equal(memory.used, before);
-        ty_clear_error(context);
+        ty_take_error(context);
     }
     assert_int_equal(result, TY_OK);
 }

@@ -6,7 +6,7 @@
 
 static ty_grid* make_noise(ty_context* context, const ty_noise_def* def) {
     ty_grid* grid = NULL;
-    assert_int_equal(ty_grid_noise(context, def, &grid), TY_OK);
+    assert_int_equal(ty_grid_create_noise(context, def, &grid), TY_OK);
     const ty_grid_info info = ty_grid_get_info(grid);
     assert_memory_equal(info.size, def->size, sizeof info.size);
     assert_int_equal(info.type, TY_GRID_F16);
@@ -40,7 +40,7 @@ static double share_above(const ty_grid* grid, const int32_t size[3], float boun
     return (double)above / ((double)size[0] * size[1] * size[2]);
 }
 
-static void test_threads_do_not_matter(void** state) {
+static void threads_do_not_matter(void** state) {
     (void)state;
     ty_context* one = make_context(1);
     ty_context* three = make_context(3);
@@ -49,23 +49,23 @@ static void test_threads_do_not_matter(void** state) {
         ty_grid* a = make_noise(one, &def);
         ty_grid* b = make_noise(three, &def);
         assert_int_equal(count_differing(a, b, def.size), 0);
-        ty_grid_destroy(a);
-        ty_grid_destroy(b);
+        ty_grid_release(a);
+        ty_grid_release(b);
     }
     ty_context_destroy(one);
     ty_context_destroy(three);
 }
 
-static void test_constant_is_one(void** state) {
+static void constant_is_one(void** state) {
     ty_context* context = *state;
     const ty_noise_def def = sized(TY_NOISE_CONSTANT, 5, 4, 3);
     ty_grid* grid = make_noise(context, &def);
     const ty_grid_info info = ty_grid_get_info(grid);
     assert_true(info.min == 1 && info.max == 1 && info.mean == 1);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
-static void test_cloud_vanishes_at_the_faces(void** state) {
+static void cloud_vanishes_at_the_faces(void** state) {
     ty_context* context = *state;
     for (int full = 0; full < 2; ++full) {
         ty_noise_def def = sized(TY_NOISE_CLOUD, 48, 40, 44);
@@ -79,12 +79,12 @@ static void test_cloud_vanishes_at_the_faces(void** state) {
                         on_faces += ty_grid_voxel(grid, i, j, k) != 0;
         assert_int_equal(on_faces, 0);
         assert_true(ty_grid_get_info(grid).mean > (full != 0 ? 0.5 : 0.1));
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
 /* Solid inside, thin edge, flat base, wide foot, narrow top: for any seed. */
-static void test_cloud_is_a_cumulus(void** state) {
+static void cloud_is_a_cumulus(void** state) {
     ty_context* context = *state;
     for (uint32_t seed = 1; seed <= 6; ++seed) {
         ty_noise_def def = sized(TY_NOISE_CLOUD, 64, 64, 64);
@@ -101,12 +101,12 @@ static void test_cloud_is_a_cumulus(void** state) {
         assert_true(level[14] > 0.25);
         assert_true(level[14] > 4 * level[7]);
         assert_true(level[48] > 0 && level[48] < 0.5 * level[14]);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
 /* Dense in the arch and in the ball, thin about both, nothing under the arch beside the ball and on the faces. */
-static void test_nebula_has_an_arch_and_a_ball(void** state) {
+static void nebula_has_an_arch_and_a_ball(void** state) {
     ty_context* context = *state;
     for (uint32_t seed = 1; seed <= 6; ++seed) {
         ty_noise_def def = sized(TY_NOISE_NEBULA, 64, 64, 64);
@@ -125,12 +125,12 @@ static void test_nebula_has_an_arch_and_a_ball(void** state) {
                 assert_true(j > 0 || value == 0);
             }
         assert_true(top > 0.3 && ball > 0.3 && middle < 0.3);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
 /* A cloud that rises along z is the same one turned: (x, y, z) -> (x, -z, y). */
-static void test_up_axis_turns_the_cloud(void** state) {
+static void up_axis_turns_the_cloud(void** state) {
     ty_context* context = *state;
     ty_noise_def def = sized(TY_NOISE_CLOUD, 40, 36, 32);
     ty_grid* y_up = make_noise(context, &def);
@@ -144,11 +144,11 @@ static void test_up_axis_turns_the_cloud(void** state) {
             for (int32_t i = 0; i < 40; ++i)
                 differing += ty_grid_voxel(y_up, i, j, k) != ty_grid_voxel(z_up, i, 31 - k, j);
     assert_int_equal(differing, 0);
-    ty_grid_destroy(y_up);
-    ty_grid_destroy(z_up);
+    ty_grid_release(y_up);
+    ty_grid_release(z_up);
 }
 
-static void test_seeds_differ(void** state) {
+static void seeds_differ(void** state) {
     ty_context* context = *state;
     ty_noise_def def = sized(TY_NOISE_FBM, 48, 48, 48);
     def.sharpness = 1;
@@ -172,17 +172,17 @@ static void test_seeds_differ(void** state) {
             }
     assert_true(variance[0] > 0 && variance[1] > 0);
     assert_true(fabs(covariance) < 0.12 * sqrt(variance[0] * variance[1]));
-    for (int s = 0; s < 3; ++s) ty_grid_destroy(grids[s]);
+    for (int s = 0; s < 3; ++s) ty_grid_release(grids[s]);
     ty_noise_def cloud = sized(TY_NOISE_CLOUD, 32, 32, 32);
     ty_grid* a = make_noise(context, &cloud);
     cloud.seed = 2;
     ty_grid* b = make_noise(context, &cloud);
     assert_true(count_differing(a, b, cloud.size) > 32 * 32 * 32 / 20);
-    ty_grid_destroy(a);
-    ty_grid_destroy(b);
+    ty_grid_release(a);
+    ty_grid_release(b);
 }
 
-static void test_coverage_is_a_share(void** state) {
+static void coverage_is_a_share(void** state) {
     ty_context* context = *state;
     const float coverages[] = {0, 0.1f, 0.3f, 0.5f, 0.7f, 0.9f, 1};
     for (int octaves = 1; octaves <= 4; octaves += 3)
@@ -197,7 +197,7 @@ static void test_coverage_is_a_share(void** state) {
             assert_true(fabs(share - (double)coverages[c]) < 0.04);
             if (c == 0) assert_true(ty_grid_get_info(grid).max == 0);
             if (coverages[c] == 1) assert_true(ty_grid_get_info(grid).min == 1);
-            ty_grid_destroy(grid);
+            ty_grid_release(grid);
         }
     double before = -1;
     for (size_t c = 0; c < sizeof coverages / sizeof *coverages; ++c) {
@@ -208,13 +208,13 @@ static void test_coverage_is_a_share(void** state) {
         assert_true(c == 0 ? mean == 0 : mean >= before);
         if (coverages[c] == 0.5f) assert_true(mean > before);
         before = mean;
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
     assert_true(before > 0.6);
 }
 
 /* Neighbours are close to one another, across lattice cells too. */
-static void test_noise_is_continuous(void** state) {
+static void noise_is_continuous(void** state) {
     ty_context* context = *state;
     for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_NEBULA; ++kind) {
         ty_noise_def def = sized((ty_noise_kind)kind, 96, 96, 96);
@@ -232,12 +232,12 @@ static void test_noise_is_continuous(void** state) {
                     step[2] = fmaxf(step[2], fabsf(here - ty_grid_voxel(grid, i, j, k - 1)));
                 }
         for (int a = 0; a < 3; ++a) assert_true(step[a] > 0.02f && step[a] < 0.2f);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
 /* Twice the voxels show the same field. */
-static void test_resolution_keeps_the_field(void** state) {
+static void resolution_keeps_the_field(void** state) {
     ty_context* context = *state;
     for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_NEBULA; ++kind) {
         ty_noise_def def = sized((ty_noise_kind)kind, 40, 24, 32);
@@ -259,37 +259,37 @@ static void test_resolution_keeps_the_field(void** state) {
                     spread += (value - mean) * (value - mean);
                 }
         assert_true(spread > 0 && difference < 0.01 * spread);
-        ty_grid_destroy(coarse);
-        ty_grid_destroy(fine);
+        ty_grid_release(coarse);
+        ty_grid_release(fine);
     }
 }
 
-static void test_thin_grids(void** state) {
+static void thin_grids_are_filled(void** state) {
     ty_context* context = *state;
     const ty_noise_def line = sized(TY_NOISE_FBM, 1, 1, 50), cloud = sized(TY_NOISE_CLOUD, 50, 1, 1);
     ty_grid* grid = make_noise(context, &line);
     assert_true(ty_grid_get_info(grid).max > ty_grid_get_info(grid).min);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     grid = make_noise(context, &cloud);
     assert_true(ty_grid_get_info(grid).max == 0);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void refuse(ty_context* context, const ty_noise_def* def, const char* word) {
     ty_grid* grid = NULL;
-    ty_clear_error(context);
-    assert_int_equal(ty_grid_noise(context, def, &grid), TY_ERROR_ARGUMENT);
+    ty_take_error(context);
+    assert_int_equal(ty_grid_create_noise(context, def, &grid), TY_ERROR_ARGUMENT);
     assert_null(grid);
-    assert_non_null(strstr(ty_last_error(context), word));
+    assert_non_null(strstr(ty_take_error(context), word));
 }
 
-static void test_arguments_are_checked(void** state) {
+static void arguments_are_checked(void** state) {
     ty_context* context = *state;
     const ty_noise_def good = ty_default_noise_def();
     ty_noise_def def;
     ty_grid* grid = NULL;
-    assert_int_equal(ty_grid_noise(context, &good, NULL), TY_ERROR_ARGUMENT);
-    assert_int_equal(ty_grid_noise(NULL, &good, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_grid_create_noise(context, &good, NULL), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_grid_create_noise(NULL, &good, &grid), TY_ERROR_ARGUMENT);
     refuse(context, NULL, "ty_default_noise_def");
     memset(&def, 0, sizeof def);
     refuse(context, &def, "ty_default_noise_def");
@@ -311,18 +311,18 @@ static void test_arguments_are_checked(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_threads_do_not_matter),
-        cmocka_unit_test(test_constant_is_one),
-        cmocka_unit_test(test_cloud_vanishes_at_the_faces),
-        cmocka_unit_test(test_cloud_is_a_cumulus),
-        cmocka_unit_test(test_nebula_has_an_arch_and_a_ball),
-        cmocka_unit_test(test_up_axis_turns_the_cloud),
-        cmocka_unit_test(test_seeds_differ),
-        cmocka_unit_test(test_coverage_is_a_share),
-        cmocka_unit_test(test_noise_is_continuous),
-        cmocka_unit_test(test_resolution_keeps_the_field),
-        cmocka_unit_test(test_thin_grids),
-        cmocka_unit_test(test_arguments_are_checked),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(constant_is_one),
+        cmocka_unit_test(cloud_vanishes_at_the_faces),
+        cmocka_unit_test(cloud_is_a_cumulus),
+        cmocka_unit_test(nebula_has_an_arch_and_a_ball),
+        cmocka_unit_test(up_axis_turns_the_cloud),
+        cmocka_unit_test(seeds_differ),
+        cmocka_unit_test(coverage_is_a_share),
+        cmocka_unit_test(noise_is_continuous),
+        cmocka_unit_test(resolution_keeps_the_field),
+        cmocka_unit_test(thin_grids_are_filled),
+        cmocka_unit_test(arguments_are_checked),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

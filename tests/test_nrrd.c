@@ -29,7 +29,7 @@ static ty_grid* read_component(const char* path, int32_t component) {
     ty_volume_def def = ty_default_volume_def();
     def.component = component;
     ty_grid* grid = NULL;
-    if (ty_volume_read(context, path, &def, &grid) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_volume_read(context, path, &def, &grid) != TY_OK) fail_msg("%s", ty_take_error(context));
     return grid;
 }
 
@@ -39,7 +39,6 @@ static void assert_refused(const char* path, const char* matter) {
     const ty_result result = ty_volume_read(context, path, &def, &grid);
     assert_null(grid);
     if (result != TY_ERROR_FILE && result != TY_ERROR_INPUT) fail_msg("%s: %s", path, ty_result_name(result));
-    assert_null(strchr(ty_last_error(context), '\n'));
     assert_failed(context, result, result, path, matter);
 }
 
@@ -74,14 +73,14 @@ static void round_trips_are_exact_in_every_locale(void** state) {
     ty_grid* grid = make_grid(&map);
     setlocale(LC_ALL, "de_DE.UTF-8"); /* where it is installed */
     for (int gzip = 0; gzip < 2; ++gzip) {
-        assert_int_equal(ty_nrrd_write(context, grid, gzip != 0, "trip.nrrd"), TY_OK);
+        assert_int_equal(ty_nrrd_write(context, grid, (ty_nrrd_codec)gzip, "trip.nrrd"), TY_OK);
         ty_grid* back = read_component("trip.nrrd", 0);
         assert_same(back, grid);
         assert_true(ty_grid_get_info(back).placed);
-        ty_grid_destroy(back);
+        ty_grid_release(back);
     }
     setlocale(LC_ALL, "C");
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* VDB to NRRD and back: nothing changes but that surrounding background is cut off. */
@@ -92,16 +91,16 @@ static void the_way_through_vdb_is_exact(void** state) {
     ty_grid *grid = make_grid(&map), *vdb = NULL, *back = NULL;
     assert_int_equal(ty_vdb_write(context, grid, "density", "zip", "way.vdb"), TY_OK);
     assert_int_equal(ty_vdb_read(context, "way.vdb", "density", &vdb), TY_OK);
-    assert_int_equal(ty_nrrd_write(context, vdb, true, "way.nrrd"), TY_OK);
+    assert_int_equal(ty_nrrd_write(context, vdb, TY_NRRD_CODEC_GZIP, "way.nrrd"), TY_OK);
     ty_grid* nrrd = read_component("way.nrrd", 0);
     assert_same(nrrd, grid);
     assert_int_equal(ty_vdb_write(context, nrrd, "density", "none", "back.vdb"), TY_OK);
     assert_int_equal(ty_vdb_read(context, "back.vdb", "density", &back), TY_OK);
     assert_same(back, grid);
-    ty_grid_destroy(grid);
-    ty_grid_destroy(vdb);
-    ty_grid_destroy(nrrd);
-    ty_grid_destroy(back);
+    ty_grid_release(grid);
+    ty_grid_release(vdb);
+    ty_grid_release(nrrd);
+    ty_grid_release(back);
 }
 
 static void every_type_and_byte_order_is_read(void** state) {
@@ -144,7 +143,7 @@ static void every_type_and_byte_order_is_read(void** state) {
                 if (ty_grid_voxel(grid, v, 0, 0) != cases[i].values[v])
                     fail_msg("%s: %g, not %g", cases[i].name, (double)ty_grid_voxel(grid, v, 0, 0),
                              (double)cases[i].values[v]);
-            ty_grid_destroy(grid);
+            ty_grid_release(grid);
         }
 }
 
@@ -177,7 +176,7 @@ static void every_encoding_is_read(void** state) {
         if (cases[i].kind == 2) put_nrrd("encoding.nrrd", header, text, sizeof text - 1);
         ty_grid* grid = read_component("encoding.nrrd", 0);
         for (int v = 0; v < 6; ++v) assert_true(ty_grid_voxel(grid, v % 3, v / 3, 0) == (float)(v + 1));
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
@@ -216,7 +215,7 @@ static void components_come_first_or_last(void** state) {
             const int second = cases[i].last ? voxels * c + 1 : components + c;
             assert_true(ty_grid_voxel(grid, 1, 0, 0) == (float)(second % 256));
             if (i >= 5) assert_true(info.index_to_local.m[5] == 3 && info.index_to_local.m[10] == 4);
-            ty_grid_destroy(grid);
+            ty_grid_release(grid);
         }
     }
     ty_volume_def def = ty_default_volume_def();
@@ -248,7 +247,7 @@ static void placement_is_the_files(void** state) {
         const ty_grid_info info = ty_grid_get_info(grid);
         for (int m = 0; m < 12; ++m) assert_true(info.index_to_local.m[m] == cases[i].map[m]);
         assert_true(info.placed);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
@@ -265,13 +264,13 @@ static void data_lies_beside_or_below_the_header(void** state) {
         put_nrrd("detached.nhdr", header, NULL, 0);
         ty_grid* grid = read_component("detached.nhdr", 0);
         assert_true(ty_grid_voxel(grid, 1, 0, 0) == (float)(i < 2 ? 'B' : 'D'));
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
     snprintf(header, sizeof header, "%sdeep..raw", head); /* without an end of line */
     put_nrrd("below/inside.nhdr", header, NULL, 0);
     ty_grid* grid = read_component("below/inside.nhdr", 0);
     assert_true(ty_grid_voxel(grid, 0, 0, 0) == 'C');
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     static const char* const outside[] = {"../beside.raw", "below/../../x.raw", "/etc/hostname", "..", ""};
     for (int i = 0; i < 5; ++i) {
         snprintf(header, sizeof header, "%s%s\n", head, outside[i]);
@@ -347,8 +346,8 @@ static void cut_gzip_is_refused(void** state) {
     (void)state;
     const ty_affine map = ty_affine_identity();
     ty_grid* grid = make_grid(&map);
-    assert_int_equal(ty_nrrd_write(context, grid, true, "whole.nrrd"), TY_OK);
-    ty_grid_destroy(grid);
+    assert_int_equal(ty_nrrd_write(context, grid, TY_NRRD_CODEC_GZIP, "whole.nrrd"), TY_OK);
+    ty_grid_release(grid);
     size_t size;
     uint8_t* bytes = get_file("whole.nrrd", &size);
     for (size_t length = 0; length < size; ++length) {
@@ -365,12 +364,12 @@ static void failed_writes_leave_the_old_file(void** state) {
     ty_grid* grid = make_grid(&map);
     put_file("old.nrrd", old, sizeof old);
     little_space(100);
-    const ty_result result = ty_nrrd_write(context, grid, false, "old.nrrd");
+    const ty_result result = ty_nrrd_write(context, grid, TY_NRRD_CODEC_RAW, "old.nrrd");
     all_space();
     assert_failed(context, result, TY_ERROR_FILE, "old.nrrd", NULL);
     assert_file_holds("old.nrrd", old, sizeof old);
     assert_int_equal(remove_temporary_files(), 0);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void real_copies_of_a_cloud_agree(void** state) {
@@ -388,8 +387,8 @@ static void real_copies_of_a_cloud_agree(void** state) {
             for (int x = 0; x < nrrd.size[0]; ++x)
                 wrong += ty_grid_voxel(grids[0], x, y, z) != ty_grid_voxel(grids[1], x, y, z);
     assert_int_equal(wrong, 0);
-    ty_grid_destroy(grids[0]);
-    ty_grid_destroy(grids[1]);
+    ty_grid_release(grids[0]);
+    ty_grid_release(grids[1]);
 }
 
 static void real_head_keeps_its_spacing(void** state) {
@@ -401,7 +400,7 @@ static void real_head_keeps_its_spacing(void** state) {
     static const double expected[12] = {3.2, 0, 0, 0, 0, 3.2, 0, 0, 0, 0, 1.5, 0};
     assert_memory_equal(info.index_to_local.m, expected, sizeof expected);
     assert_true(info.min == 0 && info.max == 3926);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 int main(void) {

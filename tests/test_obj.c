@@ -13,7 +13,7 @@ static ty_result read_text(const char* text, const char* folder, ty_model* model
 }
 
 static void read_well(const char* text, const char* folder, ty_model* model) {
-    if (read_text(text, folder, model) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (read_text(text, folder, model) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_true(model_is_whole(model));
 }
 
@@ -238,7 +238,7 @@ static void short_memory_is_survived(void** state) {
         memory.until_refusal = -1;
         ty_model_free(&model);
         assert_int_equal(memory.used, before);
-        ty_clear_error(strict);
+        ty_take_error(strict);
     }
     assert_int_equal(result, TY_OK);
     ty_context_destroy(strict);

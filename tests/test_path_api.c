@@ -19,17 +19,8 @@ static void assert_valid(const ty_image* image) {
 static void wrong_defs_are_refused(void** state) {
     static const bad_field bad[] = {
         PATH(cookie, FIELD_INT, 0, "ty_default_path_def"),
-        PATH(spp, FIELD_INT, 0, "path.spp: 0 is outside [1,"),
-        PATH(spp, FIELD_INT, (1 << 24) + 1, "path.spp"),
-        PATH(max_depth, FIELD_INT, -1, "path.max_depth: -1"),
-        PATH(seconds, FIELD_DOUBLE, -1, "path.seconds: -1"),
-        PATH(seconds, FIELD_DOUBLE, NAN, "path.seconds"),
-        PATH(error, FIELD_DOUBLE, -0.1, "path.error: -0.1"),
-        PATH(error, FIELD_DOUBLE, INFINITY, "path.error"),
         PATH(width, FIELD_INT, 0, "path: 0 x 11"),
         PATH(height, FIELD_INT, 0, "path: 19 x 0"),
-        PATH(aovs, FIELD_INT, 256, "path.aovs: 256"),
-        PATH(state_seconds, FIELD_DOUBLE, -1, "path.state_seconds"),
         PATH(crop[2], FIELD_INT, 5, "path.crop: 5 x 0 pixels"),
         PATH(resume_size, FIELD_INT, 8, "path.resume is NULL"),
         PATH(width, FIELD_INT, -5, "path: -5 x 11"),
@@ -287,14 +278,14 @@ static void callers_can_cancel(void** state) {
     assert_non_null(image);
     assert_valid(image);
     assert_true(total(image, 1) > 0 && stats.spp > 0 && stats.spp < 1 << 24);
-    assert_string_equal(ty_last_error(*state), "");
+    assert_string_equal(ty_take_error(*state), "");
     ty_image_destroy(image);
 
-    const double rays[6] = {0, 0, 5, 0, 0, -1}, corner[3] = {0, 0, 0};
+    const double rays[6] = {0, 0, 5, 0, 0, 1}, corner[3] = {0, 0, 0};
     const int32_t size[3] = {1, 1, 1};
     double out[3];
     w = (watch){.stage = "radiance", .stop_at = 1};
-    assert_int_equal(ty_path_radiance(scene, &def, 1, rays, out, NULL), TY_CANCELLED);
+    assert_int_equal(ty_path_radiance(scene, &def, rays, 1, out, NULL), TY_CANCELLED);
     w = (watch){.stage = "fluence", .stop_at = 1};
     assert_int_equal(ty_path_fluence(scene, &def, corner, corner, size, out, NULL, NULL), TY_CANCELLED);
     assert_false(w.strange);
@@ -350,7 +341,7 @@ static void error_bounds_the_work(void** state) {
 static void threads_do_not_change_bits(void** state) {
     (void)state;
     static const int32_t threads[] = {1, 2, 5};
-    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1}, rays[12] = {0, 0, 5, 0, 0, -1, 0, 2, 5, 0, -0.3, -1};
+    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1}, rays[12] = {0, 0, 5, 0, 0, 1, 0, 2, 5, 0, 0.3, 1};
     const int32_t size[3] = {5, 6, 7};
     enum { CELLS = 5 * 6 * 7 };
     ty_image* first = NULL;
@@ -362,7 +353,7 @@ static void threads_do_not_change_bits(void** state) {
         ty_path_def def = small_def(20);
         const int to = i > 0;
         ty_image* image = render(scene, &def, NULL);
-        assert_int_equal(ty_path_radiance(scene, &def, 2, rays, radiance[to], NULL), TY_OK);
+        assert_int_equal(ty_path_radiance(scene, &def, rays, 2, radiance[to], NULL), TY_OK);
         assert_int_equal(ty_path_fluence(scene, &def, lower, upper, size, fluence[to], uncollided[to], NULL), TY_OK);
         if (to) {
             assert_true(same_images(image, first));
@@ -442,11 +433,11 @@ static void deeper_paths_bring_more_light(void** state) {
 
 static void absorbed_rays_are_exact(void** state) {
     ty_scene* scene = dark_scene(*state);
-    const double rays[4][6] = {{0, 0, 5, 0, 0, -3}, {0, 0, 0, 0, 2, 0}, {0, 5, 0, 0, 1, 0}, {-5, 0.5, 0.5, 1, 0, 0}};
+    const double rays[4][6] = {{0, 0, 5, 0, 0, 3}, {0, 0, 0, 0, -2, 0}, {0, 5, 0, 0, -1, 0}, {-5, 0.5, 0.5, -1, 0, 0}};
     const double lengths[4] = {2, 1, 0, 2};
     const ty_path_def def = small_def(4);
     double radiance[12], variance[12];
-    assert_int_equal(ty_path_radiance(scene, &def, 4, rays[0], radiance, variance), TY_OK);
+    assert_int_equal(ty_path_radiance(scene, &def, rays[0], 4, radiance, variance), TY_OK);
     for (int i = 0; i < 12; ++i) {
         assert_close(radiance[i], exp(-0.5 * lengths[i / 3]), 1e-6);
         assert_close(variance[i], 0, 1e-12);
@@ -457,19 +448,19 @@ static void absorbed_rays_are_exact(void** state) {
 static void wrong_rays_are_refused(void** state) {
     ty_scene* scene = dark_scene(*state);
     const ty_path_def def = small_def(1);
-    double rays[12] = {0, 0, 5, 0, 0, -1, 0, 0, 5, 0, 0, 0}, radiance[6];
-    assert_int_equal(ty_path_radiance(scene, &def, 0, rays, radiance, NULL), TY_ERROR_ARGUMENT);
+    double rays[12] = {0, 0, 5, 0, 0, 1, 0, 0, 5, 0, 0, 0}, radiance[6];
+    assert_int_equal(ty_path_radiance(scene, &def, rays, 0, radiance, NULL), TY_ERROR_ARGUMENT);
     assert_error(*state, "a count of 0 rays");
-    assert_int_equal(ty_path_radiance(scene, &def, -1, rays, radiance, NULL), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_path_radiance(scene, &def, rays, -1, radiance, NULL), TY_ERROR_ARGUMENT);
     assert_error(*state, "a count of -1 rays");
-    assert_int_equal(ty_path_radiance(scene, &def, 2, rays, radiance, NULL), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_path_radiance(scene, &def, rays, 2, radiance, NULL), TY_ERROR_ARGUMENT);
     assert_error(*state, "rays: direction");
-    rays[11] = 1;
+    rays[11] = -1;
     rays[7] = NAN;
-    assert_int_equal(ty_path_radiance(scene, &def, 2, rays, radiance, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "rays: origin");
+    assert_int_equal(ty_path_radiance(scene, &def, rays, 2, radiance, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "rays: point");
     rays[7] = 0;
-    assert_int_equal(ty_path_radiance(scene, &def, 2, rays, radiance, NULL), TY_OK);
+    assert_int_equal(ty_path_radiance(scene, &def, rays, 2, radiance, NULL), TY_OK);
     ty_scene_destroy(scene);
 }
 
@@ -545,13 +536,13 @@ static void media_can_be_ignored(void** state) {
     ty_image* const images[] = {fog, without, expected, nothing};
     for (int i = 0; i < 4; ++i) ty_image_destroy(images[i]);
 
-    const double from[3] = {0, 0, 5}, to[3] = {0, 3, 0}, ray[6] = {0, 0, 5, 0, 0.03, -1};
+    const double from[3] = {0, 0, 5}, to[3] = {0, 3, 0}, ray[6] = {0, 0, 5, 0, -0.03, 1};
     double transmittance[3], a[3], b[3];
     const int32_t size[3] = {1, 1, 1};
     assert_int_equal(ty_path_transmittance(foggy, &ignoring, from, to, transmittance), TY_OK);
     for (int c = 0; c < 3; ++c) assert_true(transmittance[c] == 1);
-    assert_int_equal(ty_path_radiance(foggy, &ignoring, 1, ray, a, NULL), TY_OK);
-    assert_int_equal(ty_path_radiance(clear, &def, 1, ray, b, NULL), TY_OK);
+    assert_int_equal(ty_path_radiance(foggy, &ignoring, ray, 1, a, NULL), TY_OK);
+    assert_int_equal(ty_path_radiance(clear, &def, ray, 1, b, NULL), TY_OK);
     assert_memory_equal(a, b, sizeof a);
     assert_int_equal(ty_path_fluence(foggy, &ignoring, to, to, size, a, NULL, NULL), TY_OK);
     assert_int_equal(ty_path_fluence(clear, &def, to, to, size, b, NULL, NULL), TY_OK);

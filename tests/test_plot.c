@@ -24,8 +24,8 @@ static void linear_axes_end_at_round_numbers(void** state) {
     assert_ticks(&far, 6, (const double[]){100, 102, 104, 106, 108}, 5);
     const plot_axis signs = {-50, 50, false};
     assert_ticks(&signs, 5, (const double[]){-50, 0, 50}, 3);
-    assert_close(plot_axis_place(&signs, -50), 0, 0);
-    assert_close(plot_axis_place(&signs, 25), 0.75, 1e-12);
+    assert_close(plot_axis_position(&signs, -50), 0, 0);
+    assert_close(plot_axis_position(&signs, 25), 0.75, 1e-12);
 }
 
 static void logarithmic_axes_have_powers_of_ten(void** state) {
@@ -36,7 +36,7 @@ static void logarithmic_axes_have_powers_of_ten(void** state) {
     assert_ticks(&wide, 4, (const double[]){1e-3, 1}, 2);
     const plot_axis narrow = plot_log_axis(2.3, 18);
     assert_ticks(&narrow, 6, (const double[]){2, 5, 10, 20}, 4);
-    assert_close(plot_axis_place(&narrow, sqrt(2 * 20)), 0.5, 1e-12);
+    assert_close(plot_axis_position(&narrow, sqrt(2 * 20)), 0.5, 1e-12);
 }
 
 static void axes_of_one_value_have_room(void** state) {
@@ -61,11 +61,11 @@ static void ticks_stay_within_axis_and_array(void** state) {
         const int count = plot_axis_ticks(&axis, 6, ticks);
         assert_in_range(count, logarithmic ? 1 : 2, PLOT_TICKS_MAX);
         for (int i = 0; i < count; ++i) {
-            const double place = plot_axis_place(&axis, ticks[i]);
+            const double place = plot_axis_position(&axis, ticks[i]);
             assert_true(place > -1e-6 && place < 1 + 1e-6);
             assert_true(i == 0 || ticks[i] > ticks[i - 1]);
         }
-        assert_true(plot_axis_place(&axis, least) > -1e-6 && plot_axis_place(&axis, most) < 1 + 1e-6);
+        assert_true(plot_axis_position(&axis, least) > -1e-6 && plot_axis_position(&axis, most) < 1 + 1e-6);
     }
 }
 
@@ -124,7 +124,7 @@ static plot_picture make_red(int32_t width, int32_t height) {
 static void parts_of_pictures_are_cut_where_asked(void** state) {
     (void)state;
     plot_picture picture = make_red(7, 5), part = {0};
-    assert_int_equal(plot_picture_part(&picture, (const int32_t[]){1, 1, 3, 4}, &part), TY_OK);
+    assert_int_equal(plot_picture_crop(&picture, (const int32_t[]){1, 1, 3, 4}, &part), TY_OK);
     assert_int_equal(part.width, 3);
     assert_int_equal(part.height, 4);
     for (int i = 0; i < 12; ++i) assert_int_equal(part.rgb8[3 * i], i == 3 ? 0 : 255);

@@ -7,7 +7,7 @@ static ty_result read_bytes(const void* bytes, size_t size, ty_model* model) {
 }
 
 static void read_well(const void* bytes, size_t size, ty_model* model) {
-    if (read_bytes(bytes, size, model) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (read_bytes(bytes, size, model) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_true(model_is_whole(model));
     assert_int_equal(model->mesh_count, 1);
     assert_int_equal(model->instance_count, 1);
@@ -143,8 +143,7 @@ static void torn_files_do_no_harm(void** state) {
         m.bytes[i / 8] ^= (uint8_t)(1 << i % 8);
         ty_model model;
         const ty_result result = read_bytes(m.bytes, m.size, &model);
-        assert_true(result == TY_OK ? model_is_whole(&model) : ty_last_error(context)[0] != '\0');
-        ty_clear_error(context);
+        assert_true(result == TY_OK ? model_is_whole(&model) : ty_take_error(context)[0] != '\0');
         ty_model_free(&model);
         m.bytes[i / 8] ^= (uint8_t)(1 << i % 8);
     }
@@ -204,7 +203,7 @@ static void short_memory_is_survived(void** state) {
         memory.until_refusal = -1;
         ty_model_free(&model);
         assert_int_equal(memory.used, before);
-        ty_clear_error(strict);
+        ty_take_error(strict);
     }
     assert_int_equal(result, TY_OK);
     ty_context_destroy(strict);

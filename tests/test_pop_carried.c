@@ -11,8 +11,8 @@ enum { FINE = 24 * 12 * 18, MERGED = 8 * 6 * 6 };
 /* A medium and a beam through it, one plane for all channels, and what it comes to. */
 typedef struct beam {
     ty_grid_medium fine, merged;
-    ty_single_light light;
-    ty_pop_carried carried;
+    ty_light_fluence light;
+    ty_pop_delta_source carried;
     float extinction[FINE], scattering[FINE], g[FINE], kept[FINE], straight[FINE], bent[FINE];
 } beam;
 
@@ -30,19 +30,19 @@ static beam* new_beam(ty_context* context, ty_vec direction, float g) {
     b->fine.extinction[0] = b->extinction;
     b->fine.scattering[0] = b->scattering;
     b->fine.g[0] = b->g;
-    b->light.kind = TY_SINGLE_BEAM;
-    b->light.toward = direction;
-    b->light.lobes = b->light.shared = 1;
+    b->light.kind = TY_FLUENCE_DIRECTIONAL;
+    b->light.anchor = direction;
+    b->light.lobe_order = b->light.shared = 1;
     b->light.fluence[0] = b->kept;
-    b->light.straight[0] = b->straight;
-    b->light.bent[0] = b->bent;
+    b->light.unscattered[0] = b->straight;
+    b->light.next_order[0] = b->bent;
     for (int i = 0; i < FINE; ++i) b->g[i] = g;
-    assert_true(TY_OK == ty_pop_carried_create(context, MERGED, &b->carried));
+    assert_true(TY_OK == ty_pop_delta_source_create(context, MERGED, &b->carried));
     return b;
 }
 
 static void free_beam(ty_context* context, beam* b) {
-    ty_pop_carried_destroy(context, &b->carried);
+    ty_pop_delta_source_destroy(context, &b->carried);
     free(b);
 }
 
@@ -91,10 +91,10 @@ static void all_is_emitted(void** state) {
     for (int d = 0; d < 12; ++d) {
         beam* b = new_beam(*state, direction_of(d), 0.7f);
         fill_any(b, (uint64_t)d + 1);
-        assert_true(TY_OK == ty_pop_carry(&b->fine, &b->light, &b->merged, &b->carried));
+        assert_true(TY_OK == ty_pop_delta_source_add_light(&b->fine, &b->light, &b->merged, &b->carried));
         for (int c = 0; c < 3; ++c) {
-            for (int i = 0; i < MERGED; ++i) assert_true(b->carried.of[c][0][i] >= 0);
-            assert_close(mean_of(b->carried.of[c][0], MERGED), (double)b->light.color[c] * mean_turned(b), 1e-4);
+            for (int i = 0; i < MERGED; ++i) assert_true(b->carried.arrays[c][0][i] >= 0);
+            assert_close(mean_of(b->carried.arrays[c][0], MERGED), (double)b->light.color[c] * mean_turned(b), 1e-4);
         }
         free_beam(*state, b);
     }
@@ -105,10 +105,10 @@ static void even_scattering_stays(void** state) {
     beam* b = new_beam(*state, direction_of(7), 0);
     fill_even(b, 3, 2);
     for (int i = 0; i < FINE; ++i) b->kept[i] = b->bent[i];
-    assert_true(TY_OK == ty_pop_carry(&b->fine, &b->light, &b->merged, &b->carried));
+    assert_true(TY_OK == ty_pop_delta_source_add_light(&b->fine, &b->light, &b->merged, &b->carried));
     for (int i = 0; i < MERGED; ++i) {
-        assert_close(b->carried.of[0][0][i], 1, 1e-5);
-        for (int n = 1; n < TY_POP_CARRIED; ++n) assert_true(b->carried.of[0][n][i] == 0);
+        assert_close(b->carried.arrays[0][0][i], 1, 1e-5);
+        for (int n = 1; n < TY_POP_DELTA_SOURCE_ARRAYS; ++n) assert_true(b->carried.arrays[0][n][i] == 0);
     }
     free_beam(*state, b);
 }
@@ -123,12 +123,12 @@ static void flux_comes_and_stays(void** state) {
         const int first = along[a] > 0 ? 0 : count - 1, last = count - 1 - first, middle = count / 2;
         beam* b = new_beam(*state, way, 0.5f);
         fill_even(b, 50, 40);
-        assert_true(TY_OK == ty_pop_carry(&b->fine, &b->light, &b->merged, &b->carried));
+        assert_true(TY_OK == ty_pop_delta_source_add_light(&b->fine, &b->light, &b->merged, &b->carried));
         const double flux = 0.62 * 0.5 * 0.5 * 40 * 0.5 / (50 - 0.5 * 40), emitted = 0.75 * 40 * 0.5;
-        const float *source = b->carried.of[0][0], *flowing = b->carried.of[0][2 + a];
+        const float *source = b->carried.arrays[0][0], *flowing = b->carried.arrays[0][2 + a];
         assert_close(source[step * middle], emitted, 1e-4);
         assert_close((double)flowing[step * middle], (flux - 0.25) * (double)along[a], 1e-4);
-        assert_close(b->carried.of[0][1][step * middle], -0.25, 1e-5);
+        assert_close(b->carried.arrays[0][1][step * middle], -0.25, 1e-5);
         assert_close((double)source[step * first], emitted - flux / b->merged.cell[a], 1e-4);
         assert_close((double)source[step * last], emitted + flux / b->merged.cell[a], 1e-4);
         free_beam(*state, b);

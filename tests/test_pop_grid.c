@@ -7,16 +7,16 @@ static const double anisotropies[] = {0, 0.5, 0.9, -0.5};
 
 /* ---- frames ---- */
 
-static void test_axis_frame(void** state) {
+static void frames_follow_an_axis(void** state) {
     (void)state;
     const ty_grid_box box = {{0, 0, 0}, {1, 1, 1}, {16, 16, 16}};
     for (int a = 0; a < 6; ++a) {
         const double way[3] = {a / 2 == 0, a / 2 == 1, a / 2 == 2}, sign = a % 2 ? -1 : 1;
-        const ty_light_part light = parallel_light(sign * way[0], sign * way[1], sign * way[2]);
-        ty_pop_frame frame;
-        ty_pop_frame_fit(&box, &light, 16, &frame);
+        const ty_discrete_light light = parallel_light(sign * way[0], sign * way[1], sign * way[2]);
+        ty_pop_grid frame;
+        ty_pop_grid_fit(&box, &light, 16, &frame);
         assert_vec_close(frame.step, ty_vec_make(0.0625f, 0.0625f, 0.0625f), 1e-8);
-        const ty_vec middle = ty_pop_middle(&frame, 3, 5, 0);
+        const ty_vec middle = ty_pop_cell_center(&frame, 3, 5, 0);
         const double place[3] = {(double)middle.x * 16, (double)middle.y * 16, (double)middle.z * 16};
         for (int b = 0; b < 3; ++b) assert_close(place[b] - floor(place[b]), 0.5, 1e-5);
         assert_close(place[a / 2], sign > 0 ? 0.5 : 15.5, 1e-5);
@@ -24,15 +24,15 @@ static void test_axis_frame(void** state) {
 }
 
 /* Every corner of the box is in the grid, and every side of the grid meets one. */
-static void test_slanted_frame(void** state) {
+static void frames_follow_a_slanted_direction(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, 2, 0}, {1.5, 3, 4}, {16, 16, 16}};
     uint64_t random = 1;
     for (int n = 0; n < 20; ++n) {
         const ty_vec way = random_unit(&random);
-        const ty_light_part light = parallel_light((double)way.x, (double)way.y, (double)way.z);
-        ty_pop_frame frame;
-        ty_pop_frame_fit(&box, &light, 10, &frame);
+        const ty_discrete_light light = parallel_light((double)way.x, (double)way.y, (double)way.z);
+        ty_pop_grid frame;
+        ty_pop_grid_fit(&box, &light, 10, &frame);
         assert_vec_close(frame.axis[2], way, 1e-6);
         const float step[3] = {frame.step.x, frame.step.y, frame.step.z};
         for (int a = 0; a < 3; ++a) {
@@ -50,23 +50,23 @@ static void test_slanted_frame(void** state) {
     }
 }
 
-static void test_radial_frame(void** state) {
+static void frames_surround_a_point(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, -1, -1}, {1, 1, 1}, {16, 16, 16}};
-    ty_pop_frame frame;
-    ty_light_part light = point_light(0, 0, 0);
-    ty_pop_frame_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_LIGHT_PART_RADIAL);
+    ty_pop_grid frame;
+    ty_discrete_light light = point_light(0, 0, 0);
+    ty_pop_grid_fit(&box, &light, 20, &frame);
+    assert_int_equal(frame.kind, TY_DISCRETE_POINT);
     assert_close((double)ty_pop_radius(&frame, 20), sqrt(3), 1e-4);
     assert_true((double)frame.inner <= 0.0501);
     assert_close((double)frame.growth, sqrt(4 * 3.14159265) / 20, 2e-3);
     light = point_light(1.5, 0, 0);
-    ty_pop_frame_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_LIGHT_PART_RADIAL);
+    ty_pop_grid_fit(&box, &light, 20, &frame);
+    assert_int_equal(frame.kind, TY_DISCRETE_POINT);
     assert_close((double)frame.inner, 0.5, 1e-6);
     light = point_light(60, 0, 0);
-    ty_pop_frame_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_LIGHT_PART_PARALLEL);
+    ty_pop_grid_fit(&box, &light, 20, &frame);
+    assert_int_equal(frame.kind, TY_DISCRETE_DIRECTIONAL);
     assert_vec_close(frame.axis[2], ty_vec_make(-1, 0, 0), 1e-6);
 }
 
@@ -92,15 +92,15 @@ static double mean_decay(double sigma, double from, double to) {
 }
 
 static void check_cell(const pop_case* c, const double sigma[3], int32_t i, int32_t j, int32_t k, size_t plane) {
-    const ty_pop_frame* frame = &c->light.frame;
-    const ty_vec middle = ty_pop_middle(frame, i, j, k), way = ty_pop_way(frame, i, j);
-    const double length = (double)ty_pop_length(frame, k);
-    const double below = frame->kind == TY_LIGHT_PART_RADIAL
+    const ty_pop_grid* frame = &c->light.grid;
+    const ty_vec middle = ty_pop_cell_center(frame, i, j, k), way = ty_pop_direction(frame, i, j);
+    const double length = (double)ty_pop_cell_length(frame, k);
+    const double below = frame->kind == TY_DISCRETE_POINT
                              ? (double)ty_pop_radius(frame, (float)k + 0.5f) - (double)ty_pop_radius(frame, (float)k)
                              : 0.5 * length;
     double range[2];
     cube_range(middle, way, range);
-    const double start = frame->kind == TY_LIGHT_PART_RADIAL ? -(double)ty_pop_radius(frame, (float)k + 0.5f) : -1e9;
+    const double start = frame->kind == TY_DISCRETE_POINT ? -(double)ty_pop_radius(frame, (float)k + 0.5f) : -1e9;
     const double enter = fmax(range[0], start), from = fmax(enter, -below), to = fmin(range[1], length - below);
     if (!(to > from)) return;
     const size_t cells = pop_cells(frame);
@@ -110,7 +110,7 @@ static void check_cell(const pop_case* c, const double sigma[3], int32_t i, int3
                      mean_decay(sigma[order], from - enter, to - enter), 2e-5);
 }
 
-static void check_homogeneous(ty_context* context, const ty_light_part* ordinate, double g, bool colored) {
+static void check_homogeneous(ty_context* context, const ty_discrete_light* ordinate, double g, bool colored) {
     static const float sigma_s[3] = {4, 2, 1}, sigma_a[3] = {0.5f, 0, 3};
     ty_scene* scene = make_scene(context);
     ty_medium_def medium = pop_cube(4, 0.5, g);
@@ -122,7 +122,7 @@ static void check_homogeneous(ty_context* context, const ty_light_part* ordinate
     pop_case made = pop_begin(scene, ordinate, TY_POP_MODE_SPLIT, 16, 1);
     pop_run(&made);
     assert_int_equal(made.light.planes, colored ? 3 : 1);
-    const ty_pop_frame* frame = &made.light.frame;
+    const ty_pop_grid* frame = &made.light.grid;
     for (int p = 0; p < made.light.planes; ++p) {
         const double kept = fmax(0, g), s = (double)sigma_s[p], t = s + (double)sigma_a[p];
         const double sigma[3] = {t, t - kept * s, t - kept * kept * s};
@@ -133,9 +133,9 @@ static void check_homogeneous(ty_context* context, const ty_light_part* ordinate
     pop_end(&made);
 }
 
-static void test_homogeneous(void** state) {
-    const ty_light_part lights[] = {parallel_light(0, -1, 0), parallel_light(0.4, -1, 0.3), point_light(0.5, 0.5, 0.5),
-                                    point_light(0.4, 1.6, 0.3)};
+static void homogeneous_media_fade_light_exactly(void** state) {
+    const ty_discrete_light lights[] = {parallel_light(0, -1, 0), parallel_light(0.4, -1, 0.3),
+                                        point_light(0.5, 0.5, 0.5), point_light(0.4, 1.6, 0.3)};
     for (int l = 0; l < 4; ++l)
         for (int g = 0; g < 4; ++g)
             for (int colored = 0; colored < 2; ++colored)
@@ -166,7 +166,7 @@ static double scattered_lobe(double mu, const double* p) {
 }
 
 /* Scattering sends on g^n of light's l-th moments after n times; what comes in has a_n. */
-static void test_moments(void** state) {
+static void moments_are_those_of_the_lobes(void** state) {
     (void)state;
     static const double gs[] = {0, 1e-4, 0.3, 0.5, 0.9}, depths[] = {0, 1e-6, 0.01, 1, 8};
     for (int i = 0; i < 5; ++i)
@@ -193,13 +193,13 @@ static double between_cosines(double a, double low, double high) {
 static double disc_lobe(double mu, const double* p) {
     const float m = (float)mu, g = (float)p[3], disc = (float)p[4], width = ty_pop_disc_width(disc);
     const float lobe = ty_pop_disc_lobe(fabsf(g), disc, width);
-    const float once = ty_pop_disc_once(m, g, width, lobe, ty_pop_disc_mean(lobe, width));
+    const float once = ty_pop_disc_single(m, g, width, lobe, ty_pop_disc_mean(lobe, width));
     const float u = (float)p[0], r = (float)p[1], s = (float)p[2];
     return (double)(u * once + ty_pop_disc_forward(m, u, r, s, g, disc, width, lobe));
 }
 
 /* Discs take nothing away, and their share of the mean cosine. */
-static void test_discs(void** state) {
+static void discs_scatter_as_they_should(void** state) {
     (void)state;
     static const double gs[] = {-0.8, 0, 1e-4, 0.3, 0.7, 0.9}, depths[] = {0, 1e-6, 0.01, 1, 8},
                         discs[] = {1, 0.999, 0.9, 0.5};
@@ -216,7 +216,7 @@ static void test_discs(void** state) {
 }
 
 /* What lines become is no brighter than light from a disc, and has no edge. */
-static void test_disc_of_a_line(void** state) {
+static void a_line_of_light_becomes_a_disc(void** state) {
     (void)state;
     for (int n = 2; n < 100; n *= 2) {
         const double disc = 1 - 1.0 / n, p[5] = {1, 1, 1, 0.9999, disc};
@@ -230,13 +230,13 @@ static void test_disc_of_a_line(void** state) {
     }
 }
 
-static void test_patches(void** state) {
+static void patches_partition_the_sphere(void** state) {
     (void)state;
     const double c = sqrt(0.5);
     for (int i = -999; i <= 999; ++i) {
         const double a = i / 1000.0;
         float front, side, back;
-        ty_pop_patches((float)a, &front, &side, &back);
+        ty_pop_patch_fractions((float)a, &front, &side, &back);
         assert_close((double)(front + 4 * side + back), 1, 1e-6);
         assert_close((double)front, between_cosines(a, c, 1), 2e-5);
         assert_close((double)side, 0.25 * between_cosines(a, -c, c), 2e-5);
@@ -251,12 +251,12 @@ static ty_scene* scene_of(ty_context* context, const ty_medium_def* medium) {
 }
 
 /* Single scattering of a thin medium towards the eye, and from kept lobes towards another one. */
-static void test_see(void** state) {
+static void views_add_up_lobes(void** state) {
     const ty_medium_def medium = pop_cube(2, 0.3, 0.7);
-    const ty_light_part lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
+    const ty_discrete_light lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
     for (int l = 0; l < 2; ++l) {
-        ty_light_part light = lights[l];
-        light.cosine = 0.9f;
+        ty_discrete_light light = lights[l];
+        light.mean_cosine = 0.9f;
         light.color[1] = 2;
         pop_case first = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 9, 1);
         pop_case second = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 9, 1);
@@ -265,31 +265,31 @@ static void test_see(void** state) {
         pop_run(&second);
         const float* seen = pop_seen(&first.light, 4, 5, 6);
         assert_close((double)seen[1], 2 * (double)seen[0], 1e-6);
-        ty_pop_see(first.medium, second.eye, &first.light);
-        const size_t floats = ty_pop_seen_floats(&first.light.frame, first.light.floats);
+        ty_pop_evaluate_lobes(first.medium, second.eye, &first.light);
+        const size_t floats = ty_pop_accumulated_floats(&first.light.grid, first.light.floats);
         for (size_t i = 0; i < floats; ++i)
-            assert_close((double)first.light.seen[i], (double)second.light.seen[i], 1e-6);
+            assert_close((double)first.light.accumulated[i], (double)second.light.accumulated[i], 1e-6);
         pop_end(&first);
         pop_end(&second);
     }
 }
 
 /* Against the formula of what a slab of light scatters towards the eye. */
-static void test_seen_value(void** state) {
+static void views_have_the_value_of_the_lobe(void** state) {
     const double g = 0.6, sigma_s = 3, sigma_a = 1;
     const ty_medium_def medium = pop_cube(sigma_s, sigma_a, g);
-    ty_light_part light = parallel_light(1, 0, 0);
-    light.cosine = 0.8f;
+    ty_discrete_light light = parallel_light(1, 0, 0);
+    light.mean_cosine = 0.8f;
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 32, 1);
     pop_run(&made);
     for (int32_t k = 0; k < 32; k += 5) {
-        const ty_vec at = ty_pop_middle(&made.light.frame, 7, 20, k);
+        const ty_vec at = ty_pop_cell_center(&made.light.grid, 7, 20, k);
         const ty_vec to = ty_normalize(ty_sub(ty_vec_load(made.eye), at));
         const double depth = (double)at.x, t = sigma_s + sigma_a, mu = (double)to.x;
         const double u = exp(-t * depth), r = exp(-(t - g * sigma_s) * depth), s = exp(-(t - g * g * sigma_s) * depth);
         const double p[5] = {u, r, s, g, 0.8}, expected = disc_lobe(mu, p);
         const float* seen = pop_seen(&made.light, 7, 20, k);
-        const double weight = (double)seen[TY_POP_WEIGHT];
+        const double weight = (double)seen[TY_POP_CELL_WEIGHT];
         assert_true(weight > 0);
         assert_close((double)seen[0], weight * expected, 1e-3 * weight * expected);
         assert_close((double)seen[3], weight * r, 1e-3 * weight * r);
@@ -298,12 +298,12 @@ static void test_seen_value(void** state) {
 }
 
 /* Directions all around: a point's radiance adds up to what has scattered and keeps its direction. */
-static void test_radiance(void** state) {
+static void radiance_is_that_of_the_lobes(void** state) {
     const ty_medium_def medium = pop_cube(2, 0.3, 0.5);
-    ty_light_part lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
+    ty_discrete_light lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
     const ty_vec point = ty_vec_make(0.7f, 0.31f, 0.4f);
     for (int l = 0; l < 2; ++l) {
-        lights[l].cosine = 0.9f;
+        lights[l].mean_cosine = 0.9f;
         pop_case made = pop_begin(scene_of(*state, &medium), &lights[l], TY_POP_MODE_SPLIT, 24, 1);
         pop_run(&made);
         ty_vec way = lights[l].direction;
@@ -346,22 +346,23 @@ static void add_wall(ty_scene* scene, double x0, double y, double x1) {
 }
 
 /* A wall above half the cube, and one within: light gets up to a surface, unless its shadows are not asked for. */
-static void test_shadows(void** state) {
+static void surfaces_cast_shadows(void** state) {
     const ty_medium_def medium = pop_cube(2, 0, 0);
     for (int kind = 0; kind < 3; ++kind) {
         const double heights[2] = {1.2, 0.5};
         for (int inside = 0; inside < 2; ++inside) {
             ty_scene* scene = scene_of(*state, &medium);
             add_wall(scene, -9, heights[inside], 0.5);
-            ty_light_part light = kind == 0 ? parallel_light(0, -1, 0) : point_light(0.5, kind == 1 ? 1.4 : 40, 0.5);
+            ty_discrete_light light =
+                kind == 0 ? parallel_light(0, -1, 0) : point_light(0.5, kind == 1 ? 1.4 : 40, 0.5);
             light.shadowed = 1;
             pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 16, 1);
             pop_run(&made);
-            const ty_pop_frame* frame = &made.light.frame;
+            const ty_pop_grid* frame = &made.light.grid;
             for (int32_t k = 0; k < 16; ++k)
                 for (int32_t j = 0; j < 16; ++j)
                     for (int32_t i = 0; i < 16; ++i) {
-                        const ty_vec at = ty_pop_middle(frame, i, j, k);
+                        const ty_vec at = ty_pop_cell_center(frame, i, j, k);
                         const bool beyond = (double)at.y<heights[inside] - 0.2, beside = fabsf(at.x - 0.5f)> 0.4f;
                         if (!beside || fabsf(at.y - 0.5f) > 0.5f || fabsf(at.x - 0.5f) > 0.5f) continue;
                         const float fluence = pop_seen(&made.light, i, j, k)[3];
@@ -379,7 +380,7 @@ static void test_shadows(void** state) {
 }
 
 /* A point of a floor far away lights the medium above the floor: its own surface does not shade it. */
-static void test_floor(void** state) {
+static void a_far_floor_does_not_shade_itself(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     for (int distance = 2; distance <= 20; distance += 6) {
         ty_scene* scene = scene_of(*state, &medium);
@@ -388,22 +389,22 @@ static void test_floor(void** state) {
         set3(floor.u, 0, 0, 100);
         set3(floor.v, 100, 0, 0);
         check_result(*state, ty_scene_add_shape(scene, &floor));
-        ty_light_part light = point_light(distance, -0.5, 0.3);
+        ty_discrete_light light = point_light(distance, -0.5, 0.3);
         light.direction = ty_vec_make(0, 1, 0);
-        light.profile = TY_LIGHT_PART_COSINE;
+        light.profile = TY_PROFILE_COSINE;
         light.shadowed = 1;
         pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 12, 1);
         pop_run(&made);
         for (int32_t k = 0; k < 12; ++k)
             for (int32_t i = 0; i < 144; ++i) {
-                const ty_vec at = ty_pop_middle(&made.light.frame, i % 12, i / 12, k);
+                const ty_vec at = ty_pop_cell_center(&made.light.grid, i % 12, i / 12, k);
                 if (at.y > 0 && at.y < 1) assert_true(pop_seen(&made.light, i % 12, i / 12, k)[3] > 0);
             }
         pop_end(&made);
     }
 }
 
-static void test_profiles(void** state) {
+static void profiles_follow_the_density(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     ty_scene* scene = scene_of(*state, &medium);
     ty_light_def spot = ty_default_light_def();
@@ -412,34 +413,34 @@ static void test_profiles(void** state) {
     set3(spot.direction, 0, -1, 0);
     spot.cone = 60;
     check_result(*state, ty_scene_add_light(scene, &spot));
-    ty_light_part light = point_light(0.5, 0.5, 0.5);
+    ty_discrete_light light = point_light(0.5, 0.5, 0.5);
     light.direction = ty_vec_make(0, -1, 0);
     pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 16, 1);
-    for (int profile = TY_LIGHT_PART_EVEN; profile <= TY_LIGHT_PART_COSINE; ++profile) {
+    for (int profile = TY_PROFILE_ISOTROPIC; profile <= TY_PROFILE_COSINE; ++profile) {
         made.light.ordinate.profile = profile;
         pop_run(&made);
         for (int32_t j = 0; j < 16; ++j)
             for (int32_t i = 0; i < 16; ++i) {
-                const double mu = -(double)ty_pop_way(&made.light.frame, i, j).y,
+                const double mu = -(double)ty_pop_direction(&made.light.grid, i, j).y,
                              value = pop_value(&made.light, i, j, 0, 3);
-                if (profile == TY_LIGHT_PART_EVEN) assert_close(value, 1, 0.1);
-                if (profile == TY_LIGHT_PART_COSINE) assert_close(value, fmax(0, mu), 0.1 * fmax(0, mu));
-                if (profile == TY_LIGHT_PART_SPOT && mu > cos(0.43)) assert_close(value, 1, 0.1);
-                if (profile == TY_LIGHT_PART_SPOT && mu < cos(0.53)) assert_close(value, 0, 0);
+                if (profile == TY_PROFILE_ISOTROPIC) assert_close(value, 1, 0.1);
+                if (profile == TY_PROFILE_COSINE) assert_close(value, fmax(0, mu), 0.1 * fmax(0, mu));
+                if (profile == TY_PROFILE_SPOT && mu > cos(0.43)) assert_close(value, 1, 0.1);
+                if (profile == TY_PROFILE_SPOT && mu < cos(0.53)) assert_close(value, 0, 0);
             }
     }
     pop_end(&made);
 }
 
 /* In a parallel grid the light of a lamp still falls with distance, and with the medium passed. */
-static void test_afar(void** state) {
+static void parallel_grids_keep_the_fall_with_distance(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
-    const ty_light_part light = point_light(0.5, 0.5, -5);
+    const ty_discrete_light light = point_light(0.5, 0.5, -5);
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 16, 1);
-    assert_int_equal(made.light.frame.kind, TY_LIGHT_PART_PARALLEL);
+    assert_int_equal(made.light.grid.kind, TY_DISCRETE_DIRECTIONAL);
     pop_run(&made);
     for (int32_t k = 0; k < 16; ++k) {
-        const ty_vec at = ty_pop_middle(&made.light.frame, 3, 12, k);
+        const ty_vec at = ty_pop_cell_center(&made.light.grid, 3, 12, k);
         const ty_vec off = ty_sub(at, light.position);
         const double square = (double)ty_dot(off, off);
         assert_close(pop_value(&made.light, 3, 12, k, 3) * square, exp(-(double)at.z), 1e-3);
@@ -450,12 +451,12 @@ static void test_afar(void** state) {
 /* ---- uneven media ---- */
 
 static void check_finite(const pop_case* made) {
-    const size_t floats = ty_pop_seen_floats(&made->light.frame, made->light.floats);
-    for (size_t i = 0; i < floats; ++i) assert_true(fabsf(made->light.seen[i]) < 1e9f);
+    const size_t floats = ty_pop_accumulated_floats(&made->light.grid, made->light.floats);
+    for (size_t i = 0; i < floats; ++i) assert_true(fabsf(made->light.accumulated[i]) < 1e9f);
 }
 
 /* Emptiness, thick cells, an eye in the middle of a cell, all g: numbers stay numbers. */
-static void test_extremes(void** state) {
+static void extreme_media_are_finite(void** state) {
     static const double densities[] = {0, 1e-12, 1, 1e4}, gs[] = {-0.999, -0.5, 0, 1e-7, 0.5, 0.999};
     for (int mode = 0; mode < 3; ++mode)
         for (int d = 0; d < 4; ++d)
@@ -464,63 +465,63 @@ static void test_extremes(void** state) {
                     ty_medium_def medium = pop_cube(densities[d], 0, gs[g]);
                     medium.sigma_a[1] = (float)densities[d];
                     medium.density_grid = direct_noise(*state, 8, 8, 8, 3);
-                    ty_light_part light = radial ? point_light(0.5, 0.5, 0.5) : parallel_light(0, 0, 1);
+                    ty_discrete_light light = radial ? point_light(0.5, 0.5, 0.5) : parallel_light(0, 0, 1);
                     light.color[2] = 0;
                     pop_case made = pop_begin(scene_of(*state, &medium), &light, (ty_pop_mode)mode, 8, 5);
-                    const ty_vec middle = ty_pop_middle(&made.light.frame, 3, 3, 3);
+                    const ty_vec middle = ty_pop_cell_center(&made.light.grid, 3, 3, 3);
                     memcpy(made.eye, &middle, sizeof made.eye);
                     pop_run(&made);
                     check_finite(&made);
-                    ty_pop_see(made.medium, made.eye, &made.light);
+                    ty_pop_evaluate_lobes(made.medium, made.eye, &made.light);
                     check_finite(&made);
                     float radiance[3] = {0, 0, 0}, uncollided[3] = {0, 0, 0};
-                    ty_pop_light_radiance(made.medium, &made.light, middle, ty_pop_way(&made.light.frame, 3, 3),
+                    ty_pop_light_radiance(made.medium, &made.light, middle, ty_pop_direction(&made.light.grid, 3, 3),
                                           radiance, uncollided);
                     for (int c = 0; c < 3; ++c) assert_true(fabsf(radiance[c]) < 1e11f && uncollided[c] < 1e9f);
                     pop_end(&made);
-                    ty_grid_destroy(medium.density_grid);
+                    ty_grid_release(medium.density_grid);
                 }
 }
 
 /* One density or several, the same coefficients: the same light. */
-static void test_one_density(void** state) {
+static void one_density_serves_all_channels(void** state) {
     ty_medium_def medium = pop_cube(4, 1, 0.5);
     medium.sigma_s[1] = 2;
     medium.density_grid = direct_noise(*state, 8, 8, 8, 5);
-    const ty_light_part light = parallel_light(0.3, -1, 0.1);
+    const ty_discrete_light light = parallel_light(0.3, -1, 0.1);
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 8, 1);
     pop_run(&made);
-    const size_t floats = ty_pop_seen_floats(&made.light.frame, made.light.floats);
+    const size_t floats = ty_pop_accumulated_floats(&made.light.grid, made.light.floats);
     float* one = malloc(floats * sizeof *one);
     assert_non_null(one);
-    memcpy(one, made.light.seen, floats * sizeof *one);
+    memcpy(one, made.light.accumulated, floats * sizeof *one);
     made.medium->g[2][77] += 1e-4f; /* no longer even */
     pop_run(&made);
-    for (size_t i = 0; i < floats; ++i) assert_close((double)made.light.seen[i], (double)one[i], 2e-4);
+    for (size_t i = 0; i < floats; ++i) assert_close((double)made.light.accumulated[i], (double)one[i], 2e-4);
     free(one);
     pop_end(&made);
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_axis_frame),
-        cmocka_unit_test(test_slanted_frame),
-        cmocka_unit_test(test_radial_frame),
-        cmocka_unit_test(test_homogeneous),
-        cmocka_unit_test(test_moments),
-        cmocka_unit_test(test_discs),
-        cmocka_unit_test(test_disc_of_a_line),
-        cmocka_unit_test(test_patches),
-        cmocka_unit_test(test_see),
-        cmocka_unit_test(test_seen_value),
-        cmocka_unit_test(test_radiance),
-        cmocka_unit_test(test_shadows),
-        cmocka_unit_test(test_floor),
-        cmocka_unit_test(test_profiles),
-        cmocka_unit_test(test_afar),
-        cmocka_unit_test(test_extremes),
-        cmocka_unit_test(test_one_density),
+        cmocka_unit_test(frames_follow_an_axis),
+        cmocka_unit_test(frames_follow_a_slanted_direction),
+        cmocka_unit_test(frames_surround_a_point),
+        cmocka_unit_test(homogeneous_media_fade_light_exactly),
+        cmocka_unit_test(moments_are_those_of_the_lobes),
+        cmocka_unit_test(discs_scatter_as_they_should),
+        cmocka_unit_test(a_line_of_light_becomes_a_disc),
+        cmocka_unit_test(patches_partition_the_sphere),
+        cmocka_unit_test(views_add_up_lobes),
+        cmocka_unit_test(views_have_the_value_of_the_lobe),
+        cmocka_unit_test(radiance_is_that_of_the_lobes),
+        cmocka_unit_test(surfaces_cast_shadows),
+        cmocka_unit_test(a_far_floor_does_not_shade_itself),
+        cmocka_unit_test(profiles_follow_the_density),
+        cmocka_unit_test(parallel_grids_keep_the_fall_with_distance),
+        cmocka_unit_test(extreme_media_are_finite),
+        cmocka_unit_test(one_density_serves_all_channels),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -14,7 +14,7 @@ static ty_vec direction_of(int n) {
 }
 
 /* Whether a point is between middles of cells, where nothing is held to the grid's edge. */
-static bool is_inside(const ty_pop_frame* frame, ty_vec point) {
+static bool is_inside(const ty_pop_grid* frame, ty_vec point) {
     const float step[3] = {frame->step.x, frame->step.y, frame->step.z};
     for (int a = 0; a < 3; ++a) {
         const float at = ty_dot(ty_sub(point, frame->origin), frame->axis[a]) / step[a];
@@ -37,13 +37,13 @@ static void fill_constant(const ty_pop_light* light, ty_vec middle, float* cell)
 /* Whatever the direction, everywhere in the box. */
 static void constants_stay(void** state) {
     for (int d = 0; d < DIRECTIONS; ++d) {
-        ty_pop_light light = parallel_light(&slab, direction_of(d), TY_POP_SEEN_LEFT);
+        ty_pop_light light = parallel_light(&slab, direction_of(d), TY_POP_CELL_FLOATS_PROPAGATED);
         ty_pop_merged merged = make_merged(&slab, false);
         fill_light(&light, fill_constant);
         merge(*state, &light, &merged);
         for (size_t i = 0; i < box_cells(&slab); ++i)
             for (int c = 0; c < 3; ++c) {
-                assert_close(merged.seen[c][i], c + 1, 1e-5);
+                assert_close(merged.accumulated_radiance[c][i], c + 1, 1e-5);
                 assert_close(merged.fluence[c][i], c + 4, 1e-5);
             }
         free_merged(&merged);
@@ -61,7 +61,7 @@ static void fill_slopes(const ty_pop_light* light, ty_vec middle, float* cell) {
 
 static void slopes_stay_between_middles(void** state) {
     for (int d = 0; d < DIRECTIONS; ++d)
-        for (int32_t floats = TY_POP_SEEN; floats <= TY_POP_SEEN_LEFT; floats += 4) {
+        for (int32_t floats = TY_POP_CELL_FLOATS; floats <= TY_POP_CELL_FLOATS_PROPAGATED; floats += 4) {
             ty_pop_light light = parallel_light(&slab, direction_of(d), floats);
             ty_pop_merged merged = make_merged(&slab, false);
             int looked_at = 0;
@@ -69,10 +69,10 @@ static void slopes_stay_between_middles(void** state) {
             merge(*state, &light, &merged);
             for (size_t i = 0; i < box_cells(&slab); ++i) {
                 const ty_vec middle = merged_middle(&slab, i);
-                if (!is_inside(&light.frame, middle)) continue;
+                if (!is_inside(&light.grid, middle)) continue;
                 ++looked_at;
                 for (int c = 0; c < 3; ++c) {
-                    assert_close(merged.seen[c][i], slope(c, middle), 3e-5);
+                    assert_close(merged.accumulated_radiance[c][i], slope(c, middle), 3e-5);
                     assert_close(merged.fluence[c][i], slope(3 + c, middle), 3e-5);
                 }
             }
@@ -87,17 +87,17 @@ static void fill_noise(const ty_pop_light* light, ty_vec middle, float* cell) {
     for (int n = 0; n < light->floats; ++n) cell[n] = (float)uniform(&state);
 }
 
-static float blend(const ty_pop_light* light, const ty_pop_place* place, int n) {
+static float blend(const ty_pop_light* light, const ty_pop_cell_position* place, int n) {
     float sum = 0;
     for (int corner = 0; corner < 8; ++corner) {
         size_t cell = place->base;
-        float weight = place->spread;
+        float weight = place->inverse_square;
         for (int a = 0; a < 3; ++a) {
             const bool upper = (corner >> a & 1) != 0;
             cell += upper ? place->step[a] : 0;
-            weight *= upper ? place->share[a] : 1 - place->share[a];
+            weight *= upper ? place->fraction[a] : 1 - place->fraction[a];
         }
-        sum += weight * light->seen[(size_t)light->floats * cell + (size_t)n];
+        sum += weight * light->accumulated[(size_t)light->floats * cell + (size_t)n];
     }
     return sum;
 }
@@ -107,10 +107,11 @@ static void check_places(ty_context* context, const ty_pop_light* light) {
     fill_light(light, fill_noise);
     merge(context, light, &merged);
     for (size_t i = 0; i < box_cells(&slab); ++i) {
-        const ty_pop_place place = ty_pop_locate(&light->frame, light->ordinate.least, merged_middle(&slab, i));
-        const double tolerance = 1e-4 * (double)ty_maxf(1, place.spread);
+        const ty_pop_cell_position place =
+            ty_pop_locate(&light->grid, light->ordinate.min_distance, merged_middle(&slab, i));
+        const double tolerance = 1e-4 * (double)ty_maxf(1, place.inverse_square);
         for (int c = 0; c < 3; ++c) {
-            assert_close(merged.seen[c][i], blend(light, &place, c), tolerance);
+            assert_close(merged.accumulated_radiance[c][i], blend(light, &place, c), tolerance);
             assert_close(merged.fluence[c][i], blend(light, &place, 3 + c), tolerance);
         }
     }
@@ -120,15 +121,17 @@ static void check_places(ty_context* context, const ty_pop_light* light) {
 /* Cells, edges and rings included, are those that looking up a single point finds. */
 static void cells_lie_where_points_are(void** state) {
     for (int d = 0; d < DIRECTIONS; ++d) {
-        ty_pop_light light = parallel_light(&slab, direction_of(d), d % 2 == 0 ? TY_POP_SEEN : TY_POP_SEEN_LEFT);
+        ty_pop_light light =
+            parallel_light(&slab, direction_of(d), d % 2 == 0 ? TY_POP_CELL_FLOATS : TY_POP_CELL_FLOATS_PROPAGATED);
         check_places(*state, &light);
         free_light(&light);
     }
     static const ty_vec positions[] = {{0, 1, 2.5f}, {-3, 4, 1}, {0.9f, 0.7f, 8}};
     for (int n = 0; n < 6; ++n) {
         const bool single = n == 5;
-        ty_pop_light light = radial_light(positions[n % 3], 8, single ? 1 : 10, 0.05f, 5, n < 3 ? TY_POP_SEEN : 12);
-        light.ordinate.least = 0.5f;
+        ty_pop_light light =
+            radial_light(positions[n % 3], 8, single ? 1 : 10, 0.05f, 5, n < 3 ? TY_POP_CELL_FLOATS : 12);
+        light.ordinate.min_distance = 0.5f;
         check_places(*state, &light);
         free_light(&light);
     }
@@ -138,8 +141,8 @@ static void cells_lie_where_points_are(void** state) {
 static void points_outside_do_no_harm(void** state) {
     static const ty_grid_box far = {{1e6, -1e9, 4}, {2e6, 1e9, 5e7}, {5, 6, 7}};
     for (int d = 0; d < DIRECTIONS; ++d) {
-        ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_SEEN),
-                                  radial_light(box_middle(&slab), 6, 6, 0.1f, 2, TY_POP_SEEN)};
+        ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_CELL_FLOATS),
+                                  radial_light(box_middle(&slab), 6, 6, 0.1f, 2, TY_POP_CELL_FLOATS)};
         ty_pop_merged merged = make_merged(&far, false);
         for (int l = 0; l < 2; ++l) fill_light(&lights[l], fill_constant);
         ty_pop_merge(*state, lights, 2, &merged);
@@ -156,17 +159,17 @@ static void fill_weighted(const ty_pop_light* light, ty_vec middle, float* cell)
     const bool dense = middle.x > 0;
     const float weight = dense ? 1 : 1e-4f;
     for (int n = 0; n < light->floats; ++n) cell[n] = weight * (dense ? 1.0f : 9.0f);
-    cell[TY_POP_WEIGHT] = weight;
+    cell[TY_POP_CELL_WEIGHT] = weight;
 }
 
 static void weights_decide(void** state) {
-    ty_pop_light light = parallel_light(&cube, direction_of(0), TY_POP_SEEN);
+    ty_pop_light light = parallel_light(&cube, direction_of(0), TY_POP_CELL_FLOATS);
     ty_pop_merged merged = make_merged(&cube, false);
-    const ty_pop_frame* frame = &light.frame;
+    const ty_pop_grid* frame = &light.grid;
     for (int32_t k = 0; k < frame->size[2]; ++k)
         for (int32_t j = 0; j < frame->size[1]; ++j)
             for (int32_t i = 0; i < frame->size[0]; ++i)
-                fill_weighted(&light, ty_pop_middle(frame, i, j, k), cell_of(&light, i, j, k));
+                fill_weighted(&light, ty_pop_cell_center(frame, i, j, k), cell_of(&light, i, j, k));
     merge(*state, &light, &merged);
     int dense = 0, empty = 0;
     for (size_t i = 0; i < box_cells(&cube); ++i) {
@@ -190,9 +193,9 @@ static void fill_intensity(const ty_pop_light* light, ty_vec middle, float* cell
 /* 1 / r^2, held near the lamp, and away from it. */
 static void lamps_spread(void** state) {
     static const ty_vec lamp = {0.3f, -0.2f, 0.1f};
-    ty_pop_light light = radial_light(lamp, 8, 12, 0.05f, 3, TY_POP_SEEN);
+    ty_pop_light light = radial_light(lamp, 8, 12, 0.05f, 3, TY_POP_CELL_FLOATS);
     ty_pop_merged merged = make_merged(&cube, false);
-    light.ordinate.least = 0.25f;
+    light.ordinate.min_distance = 0.25f;
     fill_light(&light, fill_intensity);
     merge(*state, &light, &merged);
     for (size_t i = 0; i < box_cells(&cube); ++i) {
@@ -211,8 +214,8 @@ enum { LIGHTS = 5 };
 
 static void make_lights(ty_pop_light lights[LIGHTS]) {
     for (int l = 0; l < LIGHTS; ++l) {
-        lights[l] = l % 2 == 0 ? parallel_light(&slab, direction_of(6 + l), TY_POP_SEEN)
-                               : radial_light(direction_of(6 + l), 6, 7, 0.1f, 5, TY_POP_SEEN);
+        lights[l] = l % 2 == 0 ? parallel_light(&slab, direction_of(6 + l), TY_POP_CELL_FLOATS)
+                               : radial_light(direction_of(6 + l), 6, 7, 0.1f, 5, TY_POP_CELL_FLOATS);
         fill_light(&lights[l], fill_noise);
     }
 }
@@ -225,7 +228,8 @@ static void lights_add_up(void** state) {
     ty_pop_merge(*state, lights, LIGHTS, &all);
     for (int l = 0; l < LIGHTS; ++l) merge(*state, &lights[l], &one_by_one);
     for (int c = 0; c < 3; ++c) {
-        assert_memory_equal(all.seen[c], one_by_one.seen[c], box_cells(&slab) * sizeof(float));
+        assert_memory_equal(all.accumulated_radiance[c], one_by_one.accumulated_radiance[c],
+                            box_cells(&slab) * sizeof(float));
         assert_memory_equal(all.fluence[c], one_by_one.fluence[c], box_cells(&slab) * sizeof(float));
     }
     free_merged(&all);
@@ -244,7 +248,8 @@ static void threads_make_no_difference(void** state) {
         ty_context_destroy(context);
     }
     for (int c = 0; c < 3; ++c) {
-        assert_memory_equal(merged[0].seen[c], merged[1].seen[c], box_cells(&slab) * sizeof(float));
+        assert_memory_equal(merged[0].accumulated_radiance[c], merged[1].accumulated_radiance[c],
+                            box_cells(&slab) * sizeof(float));
         assert_memory_equal(merged[0].fluence[c], merged[1].fluence[c], box_cells(&slab) * sizeof(float));
     }
     for (int t = 0; t < 2; ++t) free_merged(&merged[t]);
@@ -272,7 +277,7 @@ static glow make_glow(const float absorption[3]) {
             g.medium.scattering[c][i] = 5;
             g.medium.extinction[c][i] = 5 + absorption[c];
         }
-        g.merged.left[c][lit] = (float)(c + 1);
+        g.merged.unpropagated[c][lit] = (float)(c + 1);
     }
     return g;
 }
@@ -302,9 +307,9 @@ static void residuum_is_absorbed_alone(void** state) {
         double through = 0;
         for (int n = 1; n <= 7; ++n) through += (c + 1) * pow(pass, n);
         expected_left += (c + 1) * pow(pass, 7);
-        assert_close(sum_of(g.merged.left[c]), (c + 1) * pow(pass, 7), 1e-5);
+        assert_close(sum_of(g.merged.unpropagated[c]), (c + 1) * pow(pass, 7), 1e-5);
         assert_close(sum_of(g.merged.fluence[c]), through, 1e-4);
-        assert_close(sum_of(g.merged.seen[c]), through / (4 * 3.14159265358979), 1e-5);
+        assert_close(sum_of(g.merged.accumulated_radiance[c]), through / (4 * 3.14159265358979), 1e-5);
     }
     assert_close(left, expected_left / 6, 1e-6);
     free_glow(&g);
@@ -320,10 +325,10 @@ static void residuum_leaves_through_faces(void** state) {
         for (int i = 0; i < 15 * 15 * 15; ++i) {
             const int at[3] = {i % 15, i / 15 % 15, i / 225};
             for (int a = 0; a < 3; ++a)
-                if (at[a] == 0 || at[a] == 14) leaving += (double)g.merged.left[2][i] / 6;
+                if (at[a] == 0 || at[a] == 14) leaving += (double)g.merged.unpropagated[2][i] / 6;
         }
         assert_int_equal(ty_pop_residuum(*state, &g.medium, 0, 1, &g.merged, &left), 1);
-        assert_close(sum_of(g.merged.left[2]), sum - leaving, 1e-5);
+        assert_close(sum_of(g.merged.unpropagated[2]), sum - leaving, 1e-5);
         sum -= leaving;
     }
     assert_true(sum < 2.9);
@@ -353,10 +358,10 @@ static void residuum_ends(void** state) {
     const int32_t most = ty_pop_residuum(*state, &g.medium, 1e-3, 10000, &g.merged, &left);
     assert_true(most > 20 && most < 2000);
     assert_true(left > 0 && left <= 1e-3);
-    for (int c = 0; c < 3; ++c) assert_true(sum_of(g.merged.left[c]) <= 1e-3 * (c + 1));
+    for (int c = 0; c < 3; ++c) assert_true(sum_of(g.merged.unpropagated[c]) <= 1e-3 * (c + 1));
     free_glow(&g);
     g = make_glow(absorption);
-    for (int c = 0; c < 3; ++c) g.merged.left[c][lit] = 0;
+    for (int c = 0; c < 3; ++c) g.merged.unpropagated[c][lit] = 0;
     assert_int_equal(ty_pop_residuum(*state, &g.medium, 1e-3, 10, &g.merged, &left), 0);
     assert_true(left == 0 && sum_of(g.merged.fluence[0]) == 0);
     free_glow(&g);
@@ -366,18 +371,18 @@ static void residuum_ends(void** state) {
 static void residuum_has_the_lights_cells(void** state) {
     (void)state;
     for (int d = 0; d < DIRECTIONS; ++d) {
-        ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_SEEN_LEFT),
-                                  parallel_light(&slab, direction_of(d), TY_POP_SEEN_LEFT)};
-        const ty_pop_frame* frame = &lights[0].frame;
+        ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_CELL_FLOATS_PROPAGATED),
+                                  parallel_light(&slab, direction_of(d), TY_POP_CELL_FLOATS_PROPAGATED)};
+        const ty_pop_grid* grid = &lights[0].grid;
         const ty_grid_box box = ty_pop_residuum_box(&slab, lights, 2);
         double squares = 0;
         for (int a = 0; a < 3; ++a) {
             squares += pow((box.upper[a] - box.lower[a]) / box.size[a], 2);
-            assert_true(box.size[a] >= frame->size[2]);
+            assert_true(box.size[a] >= grid->size[2]);
             assert_true(box.lower[a] <= slab.lower[a] + 1e-3 && box.upper[a] >= slab.upper[a] - 1e-3);
             assert_close(box.lower[a] + box.upper[a], slab.lower[a] + slab.upper[a], 1e-6);
         }
-        assert_close(squares, (double)ty_dot(frame->step, frame->step), 1e-5 * squares);
+        assert_close(squares, (double)ty_dot(grid->step, grid->step), 1e-5 * squares);
         for (int l = 0; l < 2; ++l) free_light(&lights[l]);
     }
 }
@@ -385,9 +390,9 @@ static void residuum_has_the_lights_cells(void** state) {
 /* Nothing is lost, wherever grids reach and lamps are. */
 static void residuum_takes_all(void** state) {
     for (int d = 0; d < DIRECTIONS; ++d) {
-        ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_SEEN_LEFT),
-                                  radial_light(box_middle(&slab), 6, 7, 0.1f, 3, TY_POP_SEEN_LEFT)};
-        const ty_vec step = lights[0].frame.step;
+        ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_CELL_FLOATS_PROPAGATED),
+                                  radial_light(box_middle(&slab), 6, 7, 0.1f, 3, TY_POP_CELL_FLOATS_PROPAGATED)};
+        const ty_vec step = lights[0].grid.step;
         const double outer = 3,
                      volumes[2] = {990 * (double)(step.x * step.y * step.z), 4 * 3.14159265358979 * (outer - 0.1)};
         const ty_grid_box box = ty_pop_residuum_box(&slab, lights, 1);
@@ -395,10 +400,10 @@ static void residuum_takes_all(void** state) {
                             (box.upper[2] - box.lower[2]) / (double)box_cells(&box);
         ty_pop_merged merged = make_merged(&box, true);
         for (int l = 0; l < 2; ++l) fill_light(&lights[l], fill_constant);
-        ty_pop_residuum_take(*state, lights, 2, &merged);
+        ty_pop_residuum_deposit(*state, lights, 2, &merged);
         for (int c = 0; c < 3; ++c) {
             double sum = 0;
-            for (size_t i = 0; i < box_cells(&box); ++i) sum += cell * (double)merged.left[c][i];
+            for (size_t i = 0; i < box_cells(&box); ++i) sum += cell * (double)merged.unpropagated[c][i];
             assert_close(sum, (c + 9) * (volumes[0] + volumes[1]), 1e-4 * sum);
         }
         free_merged(&merged);
@@ -412,7 +417,7 @@ static void residuum_is_brought_to_other_cells(void** state) {
     ty_pop_merged from = make_merged(&large, false), to = make_merged(&slab, false);
     for (size_t i = 0; i < box_cells(&large); ++i)
         for (int c = 0; c < 3; ++c) {
-            from.seen[c][i] = slope(c, merged_middle(&large, i));
+            from.accumulated_radiance[c][i] = slope(c, merged_middle(&large, i));
             from.fluence[c][i] = slope(3 + c, merged_middle(&large, i));
         }
     for (size_t i = 0; i < box_cells(&slab); ++i) to.fluence[1][i] = 1;
@@ -420,7 +425,7 @@ static void residuum_is_brought_to_other_cells(void** state) {
     for (size_t i = 0; i < box_cells(&slab); ++i)
         for (int c = 0; c < 3; ++c) {
             const ty_vec middle = merged_middle(&slab, i);
-            assert_close(to.seen[c][i], slope(c, middle), 3e-5);
+            assert_close(to.accumulated_radiance[c][i], slope(c, middle), 3e-5);
             assert_close(to.fluence[c][i], slope(3 + c, middle) + (c == 1 ? 1 : 0), 3e-5);
         }
     free_merged(&from);

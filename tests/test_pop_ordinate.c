@@ -12,8 +12,7 @@ enum { DIRECTIONS = TY_POP_IMPORTANCE_WIDTH * TY_POP_IMPORTANCE_HEIGHT };
 
 typedef struct found {
     ty_context* context;
-    ty_light_part* items;
-    int32_t count;
+    ty_discrete_light_set set;
 } found;
 
 static found find(ty_scene* scene, const ty_pop_def* def, const float* importance) {
@@ -21,19 +20,19 @@ static found find(ty_scene* scene, const ty_pop_def* def, const float* importanc
     ty_grid_box box;
     check_result(out.context, ty_scene_commit(scene));
     check_result(out.context, ty_grid_box_fit(scene, 16, &box));
-    check_result(out.context, ty_pop_ordinates_create(scene, def, &box, importance, &out.items, &out.count));
+    check_result(out.context, ty_pop_ordinates_create(scene, def, &box, importance, &out.set));
     return out;
 }
 
 static void forget(found* f, ty_scene* scene) {
-    ty_light_parts_destroy(f->context, f->items, f->count);
+    ty_discrete_light_set_destroy(f->context, &f->set);
     ty_scene_destroy(scene);
 }
 
 static void sum_colors(const found* f, double sum[3]) {
     for (int c = 0; c < 3; ++c) sum[c] = 0;
-    for (int32_t i = 0; i < f->count; ++i)
-        for (int c = 0; c < 3; ++c) sum[c] += (double)f->items[i].color[c];
+    for (int32_t i = 0; i < f->set.count; ++i)
+        for (int c = 0; c < 3; ++c) sum[c] += (double)f->set.items[i].color[c];
 }
 
 static void add_light(ty_scene* scene, ty_light_kind kind, double x, double y, double z) {
@@ -56,24 +55,24 @@ static void lights_by_kind(void** state) {
     add_light(scene, TY_LIGHT_SPOT, 0, 0, 4);
     add_light(scene, TY_LIGHT_AREA, 0, -3, 0);
     found f = find(scene, &def, NULL);
-    assert_int_equal(f.count, 3 + 16);
-    assert_int_equal(f.items[0].kind, TY_LIGHT_PART_PARALLEL);
-    assert_vec_close(f.items[0].direction, ty_vec_make(0, -1, 0), 1e-6);
-    assert_close((double)f.items[0].color[1], 3, 1e-6);
-    assert_close((double)f.items[0].cosine, 1, 0);
-    assert_int_equal(f.items[0].shadowed, 1); /* by the area light */
-    assert_int_equal(f.items[1].profile, TY_LIGHT_PART_EVEN);
-    assert_int_equal(f.items[2].profile, TY_LIGHT_PART_SPOT);
-    assert_int_equal(f.items[2].light, 2);
-    assert_true(f.items[1].least > 0 && f.items[1].least < 0.01f);
+    assert_int_equal(f.set.count, 3 + 16);
+    assert_int_equal(f.set.items[0].kind, TY_DISCRETE_DIRECTIONAL);
+    assert_vec_close(f.set.items[0].direction, ty_vec_make(0, -1, 0), 1e-6);
+    assert_close((double)f.set.items[0].color[1], 3, 1e-6);
+    assert_close((double)f.set.items[0].mean_cosine, 1, 0);
+    assert_int_equal(f.set.items[0].shadowed, 1); /* by the area light */
+    assert_int_equal(f.set.items[1].profile, TY_PROFILE_ISOTROPIC);
+    assert_int_equal(f.set.items[2].profile, TY_PROFILE_SPOT);
+    assert_int_equal(f.set.items[2].light, 2);
+    assert_true(f.set.items[1].min_distance > 0 && f.set.items[1].min_distance < 0.01f);
     double sum = 0;
-    for (int i = 3; i < f.count; ++i) {
-        assert_int_equal(f.items[i].profile, TY_LIGHT_PART_COSINE);
-        assert_vec_close(f.items[i].direction, ty_vec_make(0, 1, 0), 1e-6);
-        assert_close((double)f.items[i].least, sqrt(0.5 / 16 / pi), 1e-6);
-        assert_true(f.items[i].position.y > -3 && f.items[i].position.y < -2.99f);
-        assert_true(f.items[i].cosine > 0.99f && f.items[i].cosine < 1);
-        sum += (double)f.items[i].color[0];
+    for (int i = 3; i < f.set.count; ++i) {
+        assert_int_equal(f.set.items[i].profile, TY_PROFILE_COSINE);
+        assert_vec_close(f.set.items[i].direction, ty_vec_make(0, 1, 0), 1e-6);
+        assert_close((double)f.set.items[i].min_distance, sqrt(0.5 / 16 / pi), 1e-6);
+        assert_true(f.set.items[i].position.y > -3 && f.set.items[i].position.y < -2.99f);
+        assert_true(f.set.items[i].mean_cosine > 0.99f && f.set.items[i].mean_cosine < 1);
+        sum += (double)f.set.items[i].color[0];
     }
     assert_close(sum, 0.5, 1e-6);
     forget(&f, scene);
@@ -87,11 +86,11 @@ static void sharp_lights_are_left_out(void** state) {
         add_light(scene, i % 2 == 0 ? TY_LIGHT_POINT : TY_LIGHT_DIRECTIONAL, i, 4, 0);
     }
     found f = find(scene, &def, NULL);
-    assert_int_equal(f.count, 16 + 2); /* the ninth and tenth are not sharp */
-    for (int i = 0; i < 8; ++i) assert_true(ty_pop_is_sharp(scene, &def, i));
-    for (int i = 8; i < 11; ++i) assert_false(ty_pop_is_sharp(scene, &def, i));
+    assert_int_equal(f.set.count, 16 + 2); /* the ninth and tenth are not sharp */
+    for (int i = 0; i < 8; ++i) assert_true(ty_pop_uses_fine_grid(scene, &def, i));
+    for (int i = 8; i < 11; ++i) assert_false(ty_pop_uses_fine_grid(scene, &def, i));
     def.mode = TY_POP_MODE_COLLIDED;
-    assert_false(ty_pop_is_sharp(scene, &def, 0));
+    assert_false(ty_pop_uses_fine_grid(scene, &def, 0));
     forget(&f, scene);
 }
 
@@ -112,12 +111,12 @@ static void two_sides_and_none(void** state) {
     ty_pop_def def = pop_def(8);
     def.sharp = false;
     found f = find(scene, &def, NULL);
-    assert_int_equal(f.count, 2 * 4 * 16);
+    assert_int_equal(f.set.count, 2 * 4 * 16);
     double up = 0, down = 0;
-    for (int i = 0; i < f.count; ++i) {
-        const double color = (double)f.items[i].color[1];
-        up += f.items[i].direction.y > 0 ? color : 0;
-        down += f.items[i].direction.y < 0 ? color : 0;
+    for (int i = 0; i < f.set.count; ++i) {
+        const double color = (double)f.set.items[i].color[1];
+        up += f.set.items[i].direction.y > 0 ? color : 0;
+        down += f.set.items[i].direction.y < 0 ? color : 0;
     }
     assert_close(up, 0.5, 1e-5);
     assert_close(down, 0.5, 1e-5);
@@ -134,19 +133,19 @@ static void even_environments(void** state) {
         double sum[3], away[3] = {0, 0, 0}, cosine = 0;
         pop_add_environment(scene, 0, 0, NULL, 0);
         found f = find(scene, &def, NULL);
-        assert_int_equal(f.count, counts[n]);
+        assert_int_equal(f.set.count, counts[n]);
         sum_colors(&f, sum);
         for (int c = 0; c < 3; ++c) assert_close(sum[c], 4 * pi * (c + 1), 1e-4 * (c + 1));
-        for (int32_t i = 0; i < f.count; ++i) {
-            const double share = (double)f.items[i].color[0] / (4 * pi);
-            const ty_vec direction = f.items[i].direction;
+        for (int32_t i = 0; i < f.set.count; ++i) {
+            const double share = (double)f.set.items[i].color[0] / (4 * pi);
+            const ty_vec direction = f.set.items[i].direction;
             assert_close((double)ty_dot(direction, direction), 1, 1e-5);
-            away[0] += share * (double)(direction.x * f.items[i].cosine);
-            away[1] += share * (double)(direction.y * f.items[i].cosine);
-            away[2] += share * (double)(direction.z * f.items[i].cosine);
-            cosine += share * (double)f.items[i].cosine;
+            away[0] += share * (double)(direction.x * f.set.items[i].mean_cosine);
+            away[1] += share * (double)(direction.y * f.set.items[i].mean_cosine);
+            away[2] += share * (double)(direction.z * f.set.items[i].mean_cosine);
+            cosine += share * (double)f.set.items[i].mean_cosine;
             /* A cone of the same solid angle has the largest mean cosine there can be. */
-            assert_true((double)f.items[i].cosine <= 1 - share + 1e-3);
+            assert_true((double)f.set.items[i].mean_cosine <= 1 - share + 1e-3);
         }
         assert_true(fabs(away[0]) + fabs(away[1]) + fabs(away[2]) < 1e-3); /* no net flux */
         assert_true(cosine > 1 - 1.7 / counts[n] - 1e-3 || counts[n] == 1);
@@ -166,7 +165,7 @@ static void one_bright_texel(void** state) {
     double sum[3];
     pop_add_environment(scene, WIDTH, HEIGHT, pixels, 0);
     found f = find(scene, &def, NULL);
-    assert_true(f.count <= 64 && f.count > 32);
+    assert_true(f.set.count <= 64 && f.set.count > 32);
     sum_colors(&f, sum);
     const double texel = 2 * pi / WIDTH * (cos(pi * row / HEIGHT) - cos(pi * (row + 1) / HEIGHT));
     const double total = 0.01 * (4 * pi - texel) + 5000 * texel;
@@ -174,8 +173,8 @@ static void one_bright_texel(void** state) {
     const double angle = 2 * pi * ((column + 0.5) / WIDTH - 0.5), down = pi * (row + 0.5) / HEIGHT;
     const ty_vec look = ty_vec_make((float)(sin(down) * cos(angle)), (float)cos(down), (float)(sin(down) * sin(angle)));
     double there = 0;
-    for (int32_t i = 0; i < f.count; ++i)
-        if (-ty_dot(look, f.items[i].direction) > 0.99f) there += (double)f.items[i].color[1];
+    for (int32_t i = 0; i < f.set.count; ++i)
+        if (-ty_dot(look, f.set.items[i].direction) > 0.99f) there += (double)f.set.items[i].color[1];
     assert_close(there / total, 1, 0.01);
     forget(&f, scene);
 }
@@ -190,10 +189,10 @@ static void a_sun_alone(void** state) {
     const ty_pop_def def = pop_def(64);
     pop_add_environment(scene, WIDTH, HEIGHT, pixels, 30);
     found f = find(scene, &def, NULL);
-    assert_int_equal(f.count, 1);
-    assert_true(f.items[0].cosine > 0.99999f);
+    assert_int_equal(f.set.count, 1);
+    assert_true(f.set.items[0].mean_cosine > 0.99999f);
     const double texel = 2 * pi / WIDTH * (cos(pi * 100 / HEIGHT) - cos(pi * 101 / HEIGHT));
-    assert_close((double)f.items[0].color[2] / (1000 * texel), 1, 1e-4);
+    assert_close((double)f.set.items[0].color[2] / (1000 * texel), 1, 1e-4);
     free(pixels);
     forget(&f, scene);
 }
@@ -204,7 +203,7 @@ static void black_environments(void** state) {
     const ty_pop_def def = pop_def(64);
     pop_add_environment(scene, 2, 1, pixels, 0);
     found f = find(scene, &def, NULL);
-    assert_int_equal(f.count, 0);
+    assert_int_equal(f.set.count, 0);
     forget(&f, scene);
 }
 
@@ -229,8 +228,9 @@ static void hdr_maps(void** state) {
         sum_colors(&f, sum);
         ty_scene_environment(scene, mean);
         for (int c = 0; c < 3; ++c) assert_close(sum[c] / (4 * pi * (double)mean[c]), 1, 1e-4);
-        assert_int_equal(f.count, 64);
-        for (int32_t i = 0; i < f.count; ++i) lost += (double)(f.items[i].color[1] * (1 - f.items[i].cosine)) / sum[1];
+        assert_int_equal(f.set.count, 64);
+        for (int32_t i = 0; i < f.set.count; ++i)
+            lost += (double)(f.set.items[i].color[1] * (1 - f.set.items[i].mean_cosine)) / sum[1];
         assert_true(lost < 1.7 / 64); /* less than an even sky's */
         ty_image_destroy(image);
         forget(&f, scene);
@@ -249,10 +249,10 @@ static void rotation_and_up_turn_ordinates(void** state) {
     pop_add_environment(straight, WIDTH, HEIGHT, pixels, 0);
     pop_add_environment(turned, WIDTH, HEIGHT, pixels, 90);
     found a = find(straight, &def, NULL), b = find(turned, &def, NULL);
-    assert_int_equal(a.count, b.count);
-    for (int32_t i = 0; i < a.count; ++i) {
-        const ty_vec d = a.items[i].direction; /* counter-clockwise from above: x goes to -z */
-        assert_vec_close(b.items[i].direction, ty_vec_make(d.z, d.y, -d.x), 1e-4);
+    assert_int_equal(a.set.count, b.set.count);
+    for (int32_t i = 0; i < a.set.count; ++i) {
+        const ty_vec d = a.set.items[i].direction; /* counter-clockwise from above: x goes to -z */
+        assert_vec_close(b.set.items[i].direction, ty_vec_make(d.z, d.y, -d.x), 1e-4);
     }
     free(pixels);
     forget(&a, straight);
@@ -273,7 +273,7 @@ static void importance_draws_ordinates(void** state) {
     int32_t important = 0;
     double sum[3];
     /* u < 1/2: behind -z, where one looks along -z. */
-    for (int32_t i = 0; i < f.count; ++i) important += f.items[i].direction.z > 0;
+    for (int32_t i = 0; i < f.set.count; ++i) important += f.set.items[i].direction.z > 0;
     assert_true(important >= 42 && important <= 60);
     sum_colors(&f, sum);
     assert_close(sum[2], 4 * pi * 3, 1e-3);
@@ -319,9 +319,9 @@ static double scattered_by_sky(const float* pixels, ty_vec way, float g) {
 
 static double scattered_by(const found* f, ty_vec way, float g) {
     double sum = 0;
-    for (int32_t i = 0; i < f->count; ++i) {
-        const ty_light_part* o = &f->items[i];
-        sum += (double)(o->color[1] * ty_hg(-ty_dot(o->direction, way), o->cosine * g));
+    for (int32_t i = 0; i < f->set.count; ++i) {
+        const ty_discrete_light* o = &f->set.items[i];
+        sum += (double)(o->color[1] * ty_hg(-ty_dot(o->direction, way), o->mean_cosine * g));
     }
     return sum;
 }
@@ -349,7 +349,7 @@ static double error_of(ty_context* context, const float* pixels, int32_t ordinat
         found f = find(scene, &def, important ? importance : NULL);
         const double error = scattered_by(&f, way, g) / scattered_by_sky(pixels, way, g) - 1;
         square += error * error / WAYS;
-        ty_light_parts_destroy(context, f.items, f.count);
+        ty_discrete_light_set_destroy(context, &f.set);
     }
     ty_scene_destroy(scene);
     return sqrt(square);
@@ -387,9 +387,9 @@ static void seeds_and_threads(void** state) {
         def.seed = i == 2;
         f[i] = find(scenes[i], &def, NULL);
     }
-    assert_int_equal(f[0].count, f[1].count);
-    assert_memory_equal(f[0].items, f[1].items, (size_t)f[0].count * sizeof *f[0].items);
-    assert_true(memcmp(f[0].items, f[2].items, (size_t)f[0].count * sizeof *f[0].items) != 0);
+    assert_int_equal(f[0].set.count, f[1].set.count);
+    assert_memory_equal(f[0].set.items, f[1].set.items, (size_t)f[0].set.count * sizeof *f[0].set.items);
+    assert_true(memcmp(f[0].set.items, f[2].set.items, (size_t)f[0].set.count * sizeof *f[0].set.items) != 0);
     for (int i = 0; i < 3; ++i) {
         forget(&f[i], scenes[i]);
         ty_context_destroy(contexts[i]);
@@ -404,15 +404,14 @@ static void no_memory(void** state) {
         ty_scene* scene = pop_fog(context, 1, 0);
         const ty_pop_def def = pop_def(8);
         ty_grid_box box;
-        ty_light_part* items = NULL;
-        int32_t count = 0;
+        ty_discrete_light_set set;
         pop_add_environment(scene, 0, 0, NULL, 0);
         check_result(context, ty_scene_commit(scene));
         check_result(context, ty_grid_box_fit(scene, 16, &box));
         const size_t before = memory.used;
         memory.until_refusal = at;
-        const ty_result result = ty_pop_ordinates_create(scene, &def, &box, NULL, &items, &count);
-        if (result == TY_OK) ty_light_parts_destroy(context, items, count);
+        const ty_result result = ty_pop_ordinates_create(scene, &def, &box, NULL, &set);
+        ty_discrete_light_set_destroy(context, &set);
         assert_int_equal(memory.used, before);
         ty_scene_destroy(scene);
         ty_context_destroy(context);

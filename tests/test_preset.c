@@ -10,7 +10,7 @@
 
 #include <tyndall/scene.h>
 
-static void test_every_row_matches_the_measurements(void** state) {
+static void every_row_matches_the_measurements(void** state) {
     (void)state;
     const char* folder = getenv("TYNDALL_DATA");
     char path[512], line[512];
@@ -71,7 +71,7 @@ static void expect_columns(const float rgb[3], const double columns[4]) {
     assert_true(near((double)rgb[2], columns[3], 1e-6));
 }
 
-static void test_waters_match_the_tables(void** state) {
+static void waters_match_the_tables(void** state) {
     (void)state;
     static const double wavelength[3] = {620, 550, 450};
     ty_medium_def pure = ty_default_medium_def();
@@ -93,7 +93,7 @@ static void test_waters_match_the_tables(void** state) {
     }
 }
 
-static void test_a_twentieth_of_the_contrast_is_left_at_the_visibility(void** state) {
+static void a_twentieth_of_the_contrast_is_left_at_the_visibility(void** state) {
     (void)state;
     static const char* const names[] = {"fog", "Haze"};
     static const double visibilities[] = {TY_VISIBILITY_MIN, 50, 1234.5, TY_VISIBILITY_MAX};
@@ -119,7 +119,7 @@ static void test_a_twentieth_of_the_contrast_is_left_at_the_visibility(void** st
     }
 }
 
-static void test_dilution_goes_from_the_medium_to_water(void** state) {
+static void dilution_goes_from_the_medium_to_water(void** state) {
     (void)state;
     ty_medium_def water = ty_default_medium_def(), milk = water, mixed = water;
     assert_true(ty_medium_preset("pure water", &water));
@@ -139,7 +139,7 @@ static void test_dilution_goes_from_the_medium_to_water(void** state) {
     }
 }
 
-static void test_wrong_numbers_leave_the_def_alone(void** state) {
+static void wrong_numbers_leave_the_def_alone(void** state) {
     (void)state;
     static const struct {
         const char* name;
@@ -155,7 +155,7 @@ static void test_wrong_numbers_leave_the_def_alone(void** state) {
     assert_false(ty_medium_preset_with("fog", 1, NULL));
 }
 
-static void test_names_match_by_letters_and_digits(void** state) {
+static void names_match_by_letters_and_digits(void** state) {
     (void)state;
     static const char* const same[] = {"Head & Shoulders Shampoo", "headshouldersshampoo", "HEAD-SHOULDERS_shampoo",
                                        " head shoulders shampoo! "};
@@ -172,7 +172,7 @@ static void test_names_match_by_letters_and_digits(void** state) {
     assert_float_equal(skin.sigma_s[0], 1090, 1e-3f);
 }
 
-static void test_unknown_names_leave_the_def_alone(void** state) {
+static void unknown_names_leave_the_def_alone(void** state) {
     (void)state;
     static const char* const unknown[] = {"",  "milk", "skin",   "skin22",  "apple juices",
                                           "&", "fog",  "jerlov", "jerlov 1"};
@@ -189,7 +189,7 @@ static void test_unknown_names_leave_the_def_alone(void** state) {
     assert_null(ty_medium_preset_name(ty_medium_preset_count()));
 }
 
-static void test_names_are_distinct(void** state) {
+static void names_are_distinct(void** state) {
     (void)state;
     for (int32_t i = 0; i < ty_medium_preset_count(); ++i)
         assert_int_equal(ty_medium_preset_find(ty_medium_preset_name(i)), i);
@@ -199,14 +199,14 @@ static void test_names_are_distinct(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_row_matches_the_measurements),
-        cmocka_unit_test(test_waters_match_the_tables),
-        cmocka_unit_test(test_a_twentieth_of_the_contrast_is_left_at_the_visibility),
-        cmocka_unit_test(test_dilution_goes_from_the_medium_to_water),
-        cmocka_unit_test(test_wrong_numbers_leave_the_def_alone),
-        cmocka_unit_test(test_names_match_by_letters_and_digits),
-        cmocka_unit_test(test_unknown_names_leave_the_def_alone),
-        cmocka_unit_test(test_names_are_distinct),
+        cmocka_unit_test(every_row_matches_the_measurements),
+        cmocka_unit_test(waters_match_the_tables),
+        cmocka_unit_test(a_twentieth_of_the_contrast_is_left_at_the_visibility),
+        cmocka_unit_test(dilution_goes_from_the_medium_to_water),
+        cmocka_unit_test(wrong_numbers_leave_the_def_alone),
+        cmocka_unit_test(names_match_by_letters_and_digits),
+        cmocka_unit_test(unknown_names_leave_the_def_alone),
+        cmocka_unit_test(names_are_distinct),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,9 +22,9 @@ static uint32_t plain_point(int dimension, uint32_t index) {
 
 /* Number `dimension` of a sample, the way a path draws it. */
 static float scrambled_point(int dimension, uint64_t item, uint32_t index) {
-    ty_random random = ty_random_begin(&sobol, 7, item, index);
-    for (int d = 0; d < dimension; ++d) ty_random_next(&random);
-    return ty_random_next(&random);
+    ty_sampler random = ty_sampler_begin(&sobol, 7, item, index);
+    for (int d = 0; d < dimension; ++d) ty_sobol_next(&random);
+    return ty_sobol_next(&random);
 }
 
 /* The first POINTS of every dimension as words of 24 bits, plain or scrambled for an item. */
@@ -32,9 +32,9 @@ static uint32_t points[TY_SOBOL_DIMENSIONS][POINTS];
 
 static void make_points(bool scrambled, uint64_t item) {
     for (uint32_t i = 0; i < POINTS; ++i) {
-        ty_random random = ty_random_begin(&sobol, 7, item, i);
+        ty_sampler random = ty_sampler_begin(&sobol, 7, item, i);
         for (int d = 0; d < TY_SOBOL_DIMENSIONS; ++d)
-            points[d][i] = scrambled ? (uint32_t)(ty_random_next(&random) * 0x1p24f) : plain_point(d, i) >> 8;
+            points[d][i] = scrambled ? (uint32_t)(ty_sobol_next(&random) * 0x1p24f) : plain_point(d, i) >> 8;
     }
 }
 
@@ -143,14 +143,14 @@ static void items_samples_and_dimensions_are_independent(void** state) {
     static float a[COUNT], next_item[COUNT], next_dimension[COUNT], other_seed[COUNT], far_dimension[COUNT];
     for (int i = 0; i < COUNT; ++i) {
         const uint64_t item = (uint64_t)i * 2;
-        ty_random random = ty_random_begin(&sobol, 8, item, 3);
+        ty_sampler random = ty_sampler_begin(&sobol, 8, item, 3);
         a[i] = scrambled_point(2, item, 3);
         next_item[i] = scrambled_point(2, item + 1, 3);
         next_dimension[i] = scrambled_point(3, item, 3);
         far_dimension[i] = scrambled_point(15, item, 3);
-        ty_random_next(&random);
-        ty_random_next(&random);
-        other_seed[i] = ty_random_next(&random);
+        ty_sobol_next(&random);
+        ty_sobol_next(&random);
+        other_seed[i] = ty_sobol_next(&random);
     }
     const double limit = 4.5 / sqrt(COUNT);
     assert_close(correlation(a, next_item, COUNT), 0, limit);
@@ -162,11 +162,11 @@ static void items_samples_and_dimensions_are_independent(void** state) {
 static void white_noise_is_uniform(void** state) {
     (void)state;
     enum { COUNT = 1000000, SIDE = 16 };
-    ty_random random = ty_random_begin(&sobol, 1, 2, 3);
+    ty_sampler random = ty_sampler_begin(&sobol, 1, 2, 3);
     int64_t bins[SIDE * SIDE] = {0};
     double sum = 0, square = 0;
     for (int i = 0; i < COUNT; ++i) {
-        const float u = ty_random_white(&random), v = ty_random_white(&random);
+        const float u = ty_rng_uniform(&random), v = ty_rng_uniform(&random);
         assert_true(u >= 0 && u < 1 && v >= 0 && v < 1);
         ++bins[(int)(u * SIDE) * SIDE + (int)(v * SIDE)];
         sum += (double)u;
@@ -185,17 +185,17 @@ static void white_noise_of_neighbours_is_uniform(void** state) {
     for (int seed = 0; seed < side; ++seed)
         for (int item = 0; item < side; ++item)
             for (int sample = 0; sample < side; ++sample) {
-                ty_random random = ty_random_begin(&sobol, (uint64_t)seed, (uint64_t)item, (uint32_t)sample);
-                ++bins[(int)(ty_random_white(&random) * 64)];
+                ty_sampler random = ty_sampler_begin(&sobol, (uint64_t)seed, (uint64_t)item, (uint32_t)sample);
+                ++bins[(int)(ty_rng_uniform(&random) * 64)];
             }
     assert_uniform(bins, 64, (int64_t)side * side * side);
 }
 
 static void numbers_past_the_sobol_dimensions_are_white(void** state) {
     (void)state;
-    ty_random random = ty_random_begin(&sobol, 4, 5, 6), white = random;
-    for (int d = 0; d < TY_SOBOL_DIMENSIONS; ++d) ty_random_next(&random);
-    for (int i = 0; i < 100; ++i) assert_true(ty_random_next(&random) == ty_random_white(&white));
+    ty_sampler random = ty_sampler_begin(&sobol, 4, 5, 6), white = random;
+    for (int d = 0; d < TY_SOBOL_DIMENSIONS; ++d) ty_sobol_next(&random);
+    for (int i = 0; i < 100; ++i) assert_true(ty_sobol_next(&random) == ty_rng_uniform(&white));
 }
 
 static void one_is_never_reached(void** state) {
@@ -209,10 +209,10 @@ static void one_is_never_reached(void** state) {
 static void exponential_numbers_have_mean_one(void** state) {
     (void)state;
     const int count = 1000000;
-    ty_random random = ty_random_begin(&sobol, 9, 9, 9);
+    ty_sampler random = ty_sampler_begin(&sobol, 9, 9, 9);
     double sum = 0, square = 0;
     for (int i = 0; i < count; ++i) {
-        const double x = (double)ty_exponential(ty_random_white(&random));
+        const double x = (double)ty_exponential(ty_rng_uniform(&random));
         sum += x;
         square += x * x;
     }

@@ -4,7 +4,7 @@
 #include "mesh_maker.h"
 
 #include "scene/scene.h"
-#include "scene/shell.h"
+#include "scene/closed_mesh.h"
 
 #include <sys/stat.h>
 #include <tyndall/io.h>
@@ -79,7 +79,7 @@ static ty_scene* load_with(const char* text, const char* override) {
     const char* json = quoted(text);
     book = (log_book){0};
     if (ty_scene_parse(context, json, strlen(json), "s.json", "", &override, override != NULL, &scene) != TY_OK)
-        fail_msg("%s", ty_last_error(context));
+        fail_msg("%s", ty_take_error(context));
     return scene;
 }
 
@@ -97,8 +97,7 @@ static void refuse(const char* text, const char* message) {
     ty_scene* scene = NULL;
     const char* json = quoted(text);
     assert_int_equal(ty_scene_parse(context, json, strlen(json), "s.json", "", NULL, 0, &scene), TY_ERROR_INPUT);
-    assert_string_equal(ty_last_error(context), message);
-    ty_clear_error(context);
+    assert_string_equal(ty_take_error(context), message);
     assert_null(scene);
 }
 
@@ -114,7 +113,7 @@ static void expect_color(const float c[3], float r, float g, float b) {
 
 /* ---- Volumes ---- */
 
-static void test_frames_pick_files(void** state) {
+static void frames_pick_files(void** state) {
     (void)state;
     const char* text = HEAD "'frame':3,'media':[{'sigma_s':1,'density':{'file':'smoke_####.nrrd'}},"
                             "{'sigma_s':1,'density':{'file':'smoke_####.nrrd','frame':4}},"
@@ -132,18 +131,18 @@ static void test_frames_pick_files(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_folders_keep_their_signs(void** state) {
+static void folders_keep_their_signs(void** state) {
     (void)state;
     mkdir("a#b", 0777);
     put_nrrd("a#b/smoke_12.nrrd", 1, "0 12");
     put_text("a#b/scene.json", quoted(HEAD "'frame':12,'media':[{'sigma_s':1,'density':{'file':'smoke_##.nrrd'}}]}"));
     ty_scene* scene = NULL;
-    if (ty_scene_load(context, "a#b/scene.json", NULL, 0, &scene) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_scene_load(context, "a#b/scene.json", NULL, 0, &scene) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_float_equal(ty_grid_get_info(medium_of(scene, 0).density_grid).max, 12, 0);
     ty_scene_destroy(scene);
 }
 
-static void test_raw_volumes(void** state) {
+static void raw_volumes_are_read(void** state) {
     (void)state;
     ty_scene* scene =
         load(HEAD "'media':[{'sigma_s':1," BOX ",'density':{'file':'bytes.raw','raw':{'size':[2,1,1],'type':'uint16',"
@@ -160,7 +159,7 @@ static void test_raw_volumes(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_components(void** state) {
+static void components_are_chosen(void** state) {
     (void)state;
     ty_scene* scene = load(HEAD "'media':[{'sigma_s':1,'density':{'file':'pair.nrrd','component':1}},"
                                 "{'sigma_s':1,'density':{'file':'pair.nrrd','component':0}},"
@@ -171,7 +170,7 @@ static void test_components(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_albedo_and_g_volumes(void** state) {
+static void albedo_and_g_come_from_volumes(void** state) {
     (void)state;
     ty_scene* scene = load(HEAD "'media':["
                                 "{'sigma_t':2," BOX ",'albedo':{'file':'gray.nrrd'},'g':{'file':'gray.nrrd'}},"
@@ -188,7 +187,7 @@ static void test_albedo_and_g_volumes(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_emission(void** state) {
+static void emission_comes_from_files(void** state) {
     (void)state;
     ty_scene* scene =
         load(HEAD "'media':[{'sigma_a':1," BOX ",'emission':{'radiance':[1,2,3]}},"
@@ -208,7 +207,7 @@ static void test_emission(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_transfer_functions(void** state) {
+static void transfer_functions_are_read(void** state) {
     (void)state;
     ty_scene* scene =
         load(HEAD "'media':[{'sigma_t':[1,2,3],'density':{'file':'gray.nrrd'},'transfer':["
@@ -229,7 +228,7 @@ static void test_transfer_functions(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_fields_are_placed_in_units(void** state) {
+static void fields_are_placed_in_units(void** state) {
     (void)state;
     ty_scene* scene = load(HEAD "'meters_per_unit':0.5,'media':[{'sigma_a':1,'bounds':[[0,0,0],[2,4,8]],"
                                 "'transform':{'translate':[2,0,0]},'emission':{'temperature':{'file':'gray.nrrd'}}}]}");
@@ -245,7 +244,7 @@ static void test_fields_are_placed_in_units(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_wrong_volumes_are_refused(void** state) {
+static void wrong_volumes_are_refused(void** state) {
     (void)state;
     refuse(HEAD "'media':[{'sigma_s':1,'density':{'file':'pair.nrrd'}}]}",
            "s.json:1: media[0].density: the volume has 2 values per voxel; the key \"component\" is missing");
@@ -263,7 +262,7 @@ static void test_wrong_volumes_are_refused(void** state) {
 
 /* ---- Meshes ---- */
 
-static void test_closed_meshes_bound_media(void** state) {
+static void closed_meshes_bound_media(void** state) {
     (void)state;
     ty_scene* scene =
         load(HEAD "'meters_per_unit':0.5,'up_axis':'z','camera':{'position':[9,9,9]},'media':["
@@ -286,7 +285,7 @@ static void test_closed_meshes_bound_media(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_mesh_files_are_geometry(void** state) {
+static void mesh_files_are_geometry(void** state) {
     (void)state;
     ty_scene* scene = load(HEAD "'meters_per_unit':2,'geometry':[{'file':'level.gltf','light_scale':10,"
                                 "'emission_scale':5,'transform':{'translate':[1,0,0]}},"
@@ -306,7 +305,7 @@ static void test_mesh_files_are_geometry(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_gltf_turns_into_z_up(void** state) {
+static void gltf_turns_into_z_up(void** state) {
     (void)state;
     ty_scene* scene = load(HEAD "'up_axis':'z','geometry':[{'file':'level.gltf'},{'file':'tetra.obj'}]}");
     expect_point(scene->lights[0].position, 0, 0, 2);
@@ -319,7 +318,7 @@ static void test_gltf_turns_into_z_up(void** state) {
 
 /* ---- Cameras ---- */
 
-static void test_cameras_come_from_files(void** state) {
+static void cameras_come_from_files(void** state) {
     (void)state;
     ty_scene* scene = load(HEAD "'meters_per_unit':2,'camera':{'file':'level.gltf','name':'side','exposure':1,"
                                 "'resolution':[8,4]}}");
@@ -345,7 +344,7 @@ static void test_cameras_come_from_files(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_the_geometrys_camera_is_used(void** state) {
+static void the_geometrys_camera_is_used(void** state) {
     (void)state;
     ty_scene* scene = load(HEAD "'geometry':[{'file':'tetra.obj'},{'file':'level.gltf'}]}");
     expect_point(ty_scene_camera(scene).target, 0, 0, 4);
@@ -377,7 +376,7 @@ static uint64_t hash_of(const char* text) {
     return hash;
 }
 
-static void test_the_hash_follows_files_within_files(void** state) {
+static void the_hash_follows_files_within_files(void** state) {
     (void)state;
     const char* level = HEAD "'geometry':[{'file':'level.gltf'}]}";
     uint64_t before = hash_of(level);
@@ -417,7 +416,7 @@ static void put_vdb(const char* path, const char* grid_name) {
     ty_grid* grid = NULL;
     assert_int_equal(ty_grid_create(context, &def, &grid), TY_OK);
     assert_int_equal(ty_vdb_write(context, grid, grid_name, "none", path), TY_OK);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* The files that the examples name. */
@@ -432,7 +431,7 @@ static void put_examples(void) {
                            "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 3 2\n3 0 1 3\n3 1 2 3\n");
 }
 
-static void test_the_manuals_examples_load(void** state) {
+static void the_manuals_examples_load(void** state) {
     (void)state;
     static const char fence[] = "\n```json\n";
     put_examples();
@@ -458,22 +457,22 @@ static void test_the_manuals_examples_load(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_frames_pick_files),
-        cmocka_unit_test(test_folders_keep_their_signs),
-        cmocka_unit_test(test_raw_volumes),
-        cmocka_unit_test(test_components),
-        cmocka_unit_test(test_albedo_and_g_volumes),
-        cmocka_unit_test(test_emission),
-        cmocka_unit_test(test_transfer_functions),
-        cmocka_unit_test(test_fields_are_placed_in_units),
-        cmocka_unit_test(test_wrong_volumes_are_refused),
-        cmocka_unit_test(test_closed_meshes_bound_media),
-        cmocka_unit_test(test_mesh_files_are_geometry),
-        cmocka_unit_test(test_gltf_turns_into_z_up),
-        cmocka_unit_test(test_cameras_come_from_files),
-        cmocka_unit_test(test_the_geometrys_camera_is_used),
-        cmocka_unit_test(test_the_hash_follows_files_within_files),
-        cmocka_unit_test(test_the_manuals_examples_load),
+        cmocka_unit_test(frames_pick_files),
+        cmocka_unit_test(folders_keep_their_signs),
+        cmocka_unit_test(raw_volumes_are_read),
+        cmocka_unit_test(components_are_chosen),
+        cmocka_unit_test(albedo_and_g_come_from_volumes),
+        cmocka_unit_test(emission_comes_from_files),
+        cmocka_unit_test(transfer_functions_are_read),
+        cmocka_unit_test(fields_are_placed_in_units),
+        cmocka_unit_test(wrong_volumes_are_refused),
+        cmocka_unit_test(closed_meshes_bound_media),
+        cmocka_unit_test(mesh_files_are_geometry),
+        cmocka_unit_test(gltf_turns_into_z_up),
+        cmocka_unit_test(cameras_come_from_files),
+        cmocka_unit_test(the_geometrys_camera_is_used),
+        cmocka_unit_test(the_hash_follows_files_within_files),
+        cmocka_unit_test(the_manuals_examples_load),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

@@ -277,13 +277,26 @@ static const bad_case bad_cases[] = {
     /* render */
     {HEAD "\"render\": {\"spp\": 0}}", NULL, "s.json:2: render.spp: 0 is outside [1, 16777216]"},
     {HEAD "\"render\": {\"seed\": -1}}", NULL, "s.json:2: render.seed: -1 is outside [0, 9007199254740991]"},
+    {HEAD "\"render\": {\"fld\": {\"streaming\": 1}}}", NULL,
+     "s.json:2: render.fld.streaming: unknown key; did you mean \"max_flux_fraction\"?"},
+    {HEAD "\"render\": {\"pop\": {\"streaming\": 1}}}", NULL,
+     "s.json:2: render.pop.streaming: unknown key; did you mean \"max_flux_fraction\"?"},
+    {HEAD "\"render\": {\"pop\": {\"clamp\": 0.1}}}", NULL,
+     "s.json:2: render.pop.clamp: unknown key; did you mean \"vpl_min_distance\"?"},
     {HEAD "\"render\": {\"screen\": {\"filter\": 5}}}", NULL,
      "s.json:2: render.screen.filter: 5 is not a multiple of 2"},
-    {HEAD "\"render\": {\"screen\": {\"levels\": 16}}}", NULL, "s.json:2: render.screen.levels: 16 is outside [0, 15]"},
+    {HEAD "\"render\": {\"screen\": {\"levels\": 16}}}", NULL,
+     "s.json:2: render.screen.levels: 16 is outside [1, 15]; write \"auto\" for the default choice"},
+    {HEAD "\"render\": {\n\"dom\": {\"resolution\": 0}}}", NULL,
+     "s.json:3: render.dom.resolution: 0 is outside [4, 512]; write \"auto\" for the default choice"},
+    {HEAD "\"render\": {\n\"dom\": {\"resolution\": \"fine\"}}}", NULL,
+     "s.json:3: render.dom.resolution: expected an integer or \"auto\", found \"fine\""},
+    {HEAD "\"render\": {\n\"dom\": {\"last_directions\": 7}}}", NULL,
+     "s.json:3: render.dom.last_directions: 7 is outside [8, 1024]"},
     {HEAD "\"render\": {\"method\": \"pth\"}}", NULL,
      "s.json:2: render.method: \"pth\" is not one of \"auto\", \"path\", \"screen\", \"fld\", \"cda\", \"pop\", "
      "\"lpv\", "
-     "\"dom\"; did you mean \"path\"?"},
+     "\"dom\", \"octaves\"; did you mean \"path\"?"},
     /* values from overrides */
     {HEAD "\"render\": {}}", "render.spp=0", "override \"render.spp=0\": render.spp: 0 is outside [1, 16777216]"},
     {HEAD "\"render\": {}}", "render.spp=x",
@@ -331,7 +344,7 @@ static void expect_refusal(const bad_case* row, ty_result expected) {
     ty_scene* scene = NULL;
     const ty_result result = ty_scene_parse(context, row->text, strlen(row->text), "s.json", "nowhere", &row->override,
                                             row->override != NULL, &scene);
-    const char* message = ty_last_error(context);
+    const char* message = ty_take_error(context);
     const size_t length = strlen(row->message);
     const bool whole = length < 3 || strcmp(row->message + length - 3, "...") != 0;
     const size_t compared = whole ? strlen(message) + 1 : length - 3;
@@ -342,18 +355,18 @@ static void expect_refusal(const bad_case* row, ty_result expected) {
     ty_context_destroy(context);
 }
 
-static void test_wrong_files_are_refused(void** state) {
+static void wrong_files_are_refused(void** state) {
     (void)state;
     for (size_t i = 0; i < sizeof bad_cases / sizeof bad_cases[0]; ++i) expect_refusal(&bad_cases[i], TY_ERROR_INPUT);
 }
 
-static void test_wrong_overrides_are_refused(void** state) {
+static void wrong_overrides_are_refused(void** state) {
     (void)state;
     for (size_t i = 0; i < sizeof bad_overrides / sizeof bad_overrides[0]; ++i)
         expect_refusal(&bad_overrides[i], TY_ERROR_ARGUMENT);
 }
 
-static void test_an_earlier_message_is_kept(void** state) {
+static void an_earlier_message_is_kept(void** state) {
     (void)state;
     const ty_context_def def = ty_default_context_def();
     ty_context* context = NULL;
@@ -362,14 +375,13 @@ static void test_an_earlier_message_is_kept(void** state) {
     assert_int_equal(ty_scene_parse(context, "{", 1, "first", "", NULL, 0, &scene), TY_ERROR_INPUT);
     const char text[] = LIGHT("\"type\": \"environment\", \"file\": \"gone.hdr\"");
     assert_int_equal(ty_scene_parse(context, text, sizeof text - 1, "second", "", NULL, 0, &scene), TY_ERROR_FILE);
-    assert_memory_equal(ty_last_error(context), "first:1:", 8);
-    ty_clear_error(context);
+    assert_memory_equal(ty_take_error(context), "first:1:", 8);
     assert_int_equal(ty_scene_parse(context, text, sizeof text - 1, "third", NULL, NULL, 0, &scene), TY_ERROR_INPUT);
-    assert_string_equal(ty_last_error(context), "third:3: lights[0].file: this scene may not name files");
+    assert_string_equal(ty_take_error(context), "third:3: lights[0].file: this scene may not name files");
     ty_context_destroy(context);
 }
 
-static void test_wrong_calls_are_refused(void** state) {
+static void wrong_calls_are_refused(void** state) {
     (void)state;
     const ty_context_def def = ty_default_context_def();
     ty_context* context = NULL;
@@ -379,23 +391,23 @@ static void test_wrong_calls_are_refused(void** state) {
     assert_int_equal(ty_scene_parse(context, NULL, 0, "x", "", NULL, 0, &scene), TY_ERROR_ARGUMENT);
     assert_int_equal(ty_scene_parse(context, "{}", 2, "x", "", NULL, 1, &scene), TY_ERROR_ARGUMENT);
     assert_int_equal(ty_scene_parse(NULL, "{}", 2, "x", "", NULL, 0, &scene), TY_ERROR_ARGUMENT);
-    ty_clear_error(context);
+    ty_take_error(context);
     assert_int_equal(ty_scene_load(context, "gone.json", NULL, 0, &scene), TY_ERROR_FILE);
-    assert_non_null(strstr(ty_last_error(context), "gone.json"));
-    ty_clear_error(context);
+    assert_non_null(strstr(ty_take_error(context), "gone.json"));
     assert_int_equal(ty_scene_load(context, "builtin:cube", NULL, 0, &scene), TY_ERROR_INPUT);
-    assert_non_null(strstr(ty_last_error(context), "there is no scene \"builtin:cube\"; known: "));
-    assert_non_null(strstr(ty_last_error(context), " cornell_fog,"));
+    const char* message = ty_take_error(context);
+    assert_non_null(strstr(message, "there is no scene \"builtin:cube\"; known: "));
+    assert_non_null(strstr(message, " cornell_fog,"));
     assert_null(scene);
     ty_context_destroy(context);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_wrong_files_are_refused),
-        cmocka_unit_test(test_wrong_overrides_are_refused),
-        cmocka_unit_test(test_an_earlier_message_is_kept),
-        cmocka_unit_test(test_wrong_calls_are_refused),
+        cmocka_unit_test(wrong_files_are_refused),
+        cmocka_unit_test(wrong_overrides_are_refused),
+        cmocka_unit_test(an_earlier_message_is_kept),
+        cmocka_unit_test(wrong_calls_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 #include <tyndall/dom.h>
 #include <tyndall/io.h>
 #include <tyndall/lpv.h>
+#include <tyndall/method.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define BOX "\"bounds\":[[0,0,0],[1,1,1]]"
@@ -27,8 +28,8 @@ static ty_context* make_context(void) {
     return context;
 }
 
-static void expect_ok(const ty_context* context, ty_result result) {
-    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_last_error(context));
+static void expect_ok(ty_context* context, ty_result result) {
+    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_take_error(context));
 }
 
 static ty_scene* parse_with(ty_context* context, const char* text, const char* const* overrides, int32_t count) {
@@ -57,38 +58,14 @@ static void expect_rgb(const float v[3], double r, double g, double b) {
 
 /* ---- Defaults and values ---- */
 
-/* What a scene leaves unsaid is what the method itself has. */
-static void expect_lpv_defaults(const ty_lpv_settings* settings) {
-    const ty_lpv_def def = ty_default_lpv_def();
-    assert_string_equal(settings->mode, "links");
-    assert_int_equal(def.mode, TY_LPV_MODE_LINKS);
-    assert_string_equal(settings->parts, "all");
-    assert_int_equal(def.parts, TY_LPV_ALL);
-    assert_string_equal(settings->place, "scene");
-    assert_int_equal(def.place, TY_LPV_PLACE_SCENE);
-    assert_true(settings->resolution == def.resolution && settings->cascades == def.cascades);
-    assert_true(settings->bands == def.bands && settings->extent == def.extent && settings->window == def.window);
-    assert_true(settings->iterations == def.iterations && settings->tolerance == def.tolerance);
-    assert_true(settings->map_side == def.map_side && settings->samples == def.samples);
-    assert_true(settings->block_side == def.block_side && settings->shadow_side == def.shadow_side);
-    assert_true(settings->shadow_rays == def.shadow_rays && settings->half == def.half);
-    assert_true(settings->step == def.step && settings->spp == def.spp);
+/* An option of a method, as the scene keeps it. */
+static void expect_option(const ty_scene* scene, const char* method, const char* key, const char* value) {
+    const char* kept = ty_scene_get_option(scene, method, key);
+    if (kept == NULL || strcmp(kept, value) != 0)
+        fail_msg("render.%s.%s is %s, not %s", method, key, kept == NULL ? "not there" : kept, value);
 }
 
-static void expect_dom_defaults(const ty_dom_settings* settings) {
-    const ty_dom_def def = ty_default_dom_def();
-    assert_string_equal(settings->acceleration, "diffusion");
-    assert_int_equal(def.acceleration, TY_DOM_ACCELERATION_DIFFUSION);
-    assert_true(settings->resolution == def.resolution && settings->direct == def.direct);
-    assert_true(settings->directions == def.directions && settings->bands == def.bands);
-    assert_int_equal(settings->last_directions, def.last_directions);
-    assert_true(settings->tolerance == def.tolerance && settings->iterations == def.iterations);
-    assert_true(settings->environment_beams == def.environment_beams);
-    assert_true(settings->surface_points == def.surface_points);
-    assert_true(settings->step == def.step && settings->spp == def.spp);
-}
-
-static void test_the_smallest_scene_has_the_defaults(void** state) {
+static void the_smallest_scene_has_the_defaults(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene = parse(context, "\xef\xbb\xbf{\"tyndall\":1}");
@@ -100,15 +77,11 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     assert_string_equal(render.method, "auto");
     assert_int_equal(render.spp, 64);
     assert_int_equal(render.seed, 0);
-    assert_int_equal(render.path.max_depth, 0);
-    assert_string_equal(render.screen.variant, "scatter");
-    assert_string_equal(render.screen.spread, "small_angle");
-    assert_int_equal(render.screen.filter, 4);
-    assert_int_equal(render.screen.levels, 0);
-    assert_string_equal(render.screen.environment, "around");
-    assert_true(render.screen.balance);
-    expect_lpv_defaults(&render.lpv);
-    expect_dom_defaults(&render.dom);
+    ty_dom_def dom = ty_default_dom_def();
+    const ty_dom_def plain = ty_default_dom_def();
+    expect_ok(context, ty_method_options(scene, "dom", &dom));
+    assert_memory_equal(&dom, &plain, sizeof dom);
+    assert_null(ty_scene_get_option(scene, "dom", "directions"));
     assert_int_equal(ty_scene_up_axis(scene), TY_AXIS_Y);
     assert_int_equal(ty_scene_get_info(scene).media, 0);
     ty_scene_destroy(scene);
@@ -120,7 +93,7 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_camera_and_render(void** state) {
+static void camera_and_render_are_read(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene = parse(
@@ -138,13 +111,13 @@ static void test_camera_and_render(void** state) {
     const ty_render_settings render = ty_scene_render_settings(scene);
     assert_int_equal(render.spp, 7);
     assert_true(render.seed == 9007199254740991u);
-    assert_int_equal(render.path.max_depth, 3);
-    assert_string_equal(render.screen.variant, "naive");
-    assert_string_equal(render.screen.spread, "gaussian");
-    assert_int_equal(render.screen.filter, 6);
-    assert_int_equal(render.screen.levels, 5);
-    assert_string_equal(render.screen.environment, "lights");
-    assert_false(render.screen.balance);
+    expect_option(scene, "path", "max_depth", "3");
+    expect_option(scene, "screen", "variant", "naive");
+    expect_option(scene, "screen", "spread", "gaussian");
+    expect_option(scene, "screen", "filter", "6");
+    expect_option(scene, "screen", "levels", "5");
+    expect_option(scene, "screen", "environment", "lights");
+    expect_option(scene, "screen", "balance", "false");
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }
@@ -174,7 +147,7 @@ static const coefficient_case coefficient_cases[] = {
     {"\"sigma_s\":1,\"g\":[0.99999999999,-0.99999999999,0]", {1, 1, 1}, {0, 0, 0}, {1 - 6e-8, 6e-8 - 1, 0}, 1},
 };
 
-static void test_coefficients(void** state) {
+static void coefficients_are_read(void** state) {
     (void)state;
     ty_context* context = make_context();
     for (size_t i = 0; i < COUNT(coefficient_cases); ++i) {
@@ -194,7 +167,7 @@ static void test_coefficients(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_lights(void** state) {
+static void lights_are_read(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene = parse(
@@ -232,7 +205,7 @@ static void test_lights(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_shapes(void** state) {
+static void shapes_are_read(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene =
@@ -256,7 +229,7 @@ static void test_shapes(void** state) {
 
 /* ---- Units ---- */
 
-static void test_meters_per_unit_scales_lengths(void** state) {
+static void meters_per_unit_scales_lengths(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene = parse(
@@ -314,7 +287,7 @@ static void write_files(ty_context* context) {
     ty_grid* grid = NULL;
     expect_ok(context, ty_grid_create(context, &def, &grid));
     expect_ok(context, ty_vdb_write(context, grid, "density", "none", "density.vdb"));
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     ty_image* image = NULL;
     expect_ok(context, ty_image_create_rgb(context, 8, 4, &image));
     for (int32_t c = 0; c < 3; ++c)
@@ -330,7 +303,7 @@ static const char volume_scene[] =
     "{\"density\":{\"file\":\"density.vdb\",\"grid\":\"density\"},\"sigma_a\":1}],"
     "\"lights\":[{\"type\":\"environment\",\"file\":\"sky.exr\",\"scale\":2,\"rotation\":90}]}";
 
-static void test_files_are_placed_in_units_and_shared(void** state) {
+static void files_are_placed_in_units_and_shared(void** state) {
     (void)state;
     ty_context* context = make_context();
     write_files(context);
@@ -360,7 +333,7 @@ static void test_files_are_placed_in_units_and_shared(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_paths_start_at_the_scene(void** state) {
+static void paths_start_at_the_scene(void** state) {
     (void)state;
     ty_context* context = make_context();
     write_files(context);
@@ -372,7 +345,7 @@ static void test_paths_start_at_the_scene(void** state) {
     ty_scene_destroy(scene);
     write_text("scene.json", "{\"tyndall\":1,\"lights\":[\n{\"type\":\"environment\",\"file\":\"scene.json\"}]}");
     assert_int_equal(ty_scene_load(context, "./scene.json", NULL, 0, &scene), TY_ERROR_INPUT);
-    assert_memory_equal(ty_last_error(context), "./scene.json:2: lights[0].file: ./scene.json", 44);
+    assert_memory_equal(ty_take_error(context), "./scene.json:2: lights[0].file: ./scene.json", 44);
     ty_context_destroy(context);
 }
 
@@ -383,7 +356,7 @@ static uint64_t hash_of(ty_context* context, const char* text, const char* overr
     return hash;
 }
 
-static void test_the_hash_follows_the_content(void** state) {
+static void the_hash_follows_the_content(void** state) {
     (void)state;
     ty_context* context = make_context();
     write_files(context);
@@ -404,7 +377,7 @@ static void test_the_hash_follows_the_content(void** state) {
 
 /* ---- Overrides ---- */
 
-static void test_overrides(void** state) {
+static void overrides_change_the_scene(void** state) {
     (void)state;
     ty_context* context = make_context();
     const char* text = "{\"tyndall\":1,\"media\":[{\"sigma_s\":1," BOX "},{\"sigma_s\":1," BOX ",\"g\":[0,0,0]}]}";
@@ -414,7 +387,7 @@ static void test_overrides(void** state) {
     ty_scene* scene = parse_with(context, text, overrides, COUNT(overrides));
     const ty_render_settings render = ty_scene_render_settings(scene);
     assert_int_equal(render.spp, 4);
-    assert_int_equal(render.path.max_depth, 5);
+    expect_option(scene, "path", "max_depth", "5");
     ty_medium_def medium;
     assert_int_equal(ty_scene_get_medium(scene, 1, &medium), TY_OK);
     expect_rgb(medium.g, 0, 0, -0.5);
@@ -461,21 +434,27 @@ static const char every_key[] =
     "\"transform\":{}},{\"file\":\"tetra.obj\",\"meshes\":true,\"lights\":true,\"light_scale\":1,"
     "\"emission_scale\":1,\"material\":{}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0},"
-    "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":0,\"environment\":\"none\","
+    "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":\"auto\",\"environment\":"
+    "\"none\","
     "\"balance\":false},"
-    "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"streaming\":1,\"boundary\":\"dirichlet\",\"solver\":\"sor\","
+    "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"max_flux_fraction\":1,\"boundary\":\"dirichlet\",\"solver\":"
+    "\"sor\","
     "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
     "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5},"
     "\"pop\":{\"mode\":\"collided\",\"resolution\":16,\"merged\":24,\"sharp\":false,\"direct\":40,\"ordinates\":27,"
-    "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"clamp\":0.1,"
-    "\"iterations\":11,\"residuum\":0.2,\"residuum_iterations\":12,\"streaming\":0.7,\"tolerance\":1e-2,\"spp\":3,"
+    "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"vpl_min_distance\":"
+    "0.1,"
+    "\"iterations\":11,\"residuum\":0.2,\"residuum_iterations\":12,\"max_flux_fraction\":0.7,\"tolerance\":1e-2,"
+    "\"spp\":3,"
     "\"step\":0.25},"
     "\"lpv\":{\"mode\":\"published\",\"parts\":\"both\",\"place\":\"camera\",\"resolution\":24,\"extent\":20,"
     "\"cascades\":3,\"bands\":3,\"window\":0.1,\"iterations\":10,\"tolerance\":0.02,\"map_side\":64,\"samples\":4,"
     "\"block_side\":2,\"shadow_side\":128,\"shadow_rays\":false,\"half\":false,\"step\":0.75,\"spp\":5},"
     "\"dom\":{\"resolution\":20,\"direct\":60,\"directions\":48,\"last_directions\":80,\"bands\":4,\"acceleration\":"
     "\"none\","
-    "\"tolerance\":1e-4,\"iterations\":50,\"environment_beams\":9,\"surface_points\":6,\"spp\":4,\"step\":2}}}";
+    "\"tolerance\":1e-4,\"iterations\":50,\"environment_beams\":9,\"surface_points\":6,\"spp\":4,\"step\":2},"
+    "\"octaves\":{\"count\":3,\"scattering\":0.4,\"extinction\":0.6,\"anisotropy\":0.3,\"view_extinction\":\"scaled\","
+    "\"resolution\":30,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {
@@ -495,7 +474,7 @@ static void expect_keys(const json_t* schema, const char* text) {
     }
 }
 
-static void test_every_key_is_accepted(void** state) {
+static void every_key_is_accepted(void** state) {
     (void)state;
     ty_context* context = make_context();
     write_files(context);
@@ -512,35 +491,22 @@ static void test_every_key_is_accepted(void** state) {
     assert_int_equal(ty_scene_get_medium(scene, 3, &medium), TY_OK);
     const int32_t size[3] = {4, 5, 6};
     assert_memory_equal(ty_grid_get_info(medium.density_grid).size, size, sizeof size);
-    const ty_fld_settings fld = ty_scene_render_settings(scene).fld;
-    assert_string_equal(fld.limiter, "larsen");
-    assert_string_equal(fld.boundary, "dirichlet");
-    assert_string_equal(fld.solver, "sor");
-    assert_string_equal(fld.beam, "published");
-    assert_true(fld.larsen_power == 3 && fld.streaming == 1 && fld.relaxation == 1.5 && fld.tolerance == 1e-3);
-    assert_true(fld.sigma_eps == 0.1 && fld.ratio == 2 && fld.step == 0.5 && fld.iterations == 9);
-    assert_true(fld.resolution == 32 && fld.environment_beams == 8 && fld.surface_points == 4 && fld.spp == 2);
-    const ty_pop_settings pop = ty_scene_render_settings(scene).pop;
-    assert_string_equal(pop.mode, "collided");
-    assert_true(pop.resolution == 16 && pop.merged == 24 && pop.direct == 40 && pop.ordinates == 27);
-    assert_true(!pop.sharp && !pop.importance && pop.prefilter == 0.5 && pop.clamp == 0.1 && pop.residuum == 0.2);
-    assert_true(pop.surface_points == 5 && pop.vpls == 7 && pop.shadow_texels == 32);
-    assert_true(pop.iterations == 11 && pop.residuum_iterations == 12 && pop.spp == 3);
-    assert_true(pop.streaming == 0.7 && pop.tolerance == 1e-2 && pop.step == 0.25);
-    const ty_lpv_settings lpv = ty_scene_render_settings(scene).lpv;
-    assert_string_equal(lpv.mode, "published");
-    assert_string_equal(lpv.parts, "both");
-    assert_string_equal(lpv.place, "camera");
-    assert_true(lpv.resolution == 24 && lpv.extent == 20 && lpv.cascades == 3 && lpv.bands == 3 && lpv.window == 0.1);
-    assert_true(lpv.iterations == 10 && lpv.tolerance == 0.02 && lpv.map_side == 64 && lpv.samples == 4);
-    assert_true(lpv.block_side == 2 && lpv.shadow_side == 128 && !lpv.shadow_rays && !lpv.half);
-    assert_true(lpv.step == 0.75 && lpv.spp == 5);
-    const ty_dom_settings dom = ty_scene_render_settings(scene).dom;
-    assert_string_equal(dom.acceleration, "none");
-    assert_true(dom.resolution == 20 && dom.direct == 60 && dom.directions == 48 && dom.bands == 4);
-    assert_int_equal(dom.last_directions, 80);
-    assert_true(dom.tolerance == 1e-4 && dom.iterations == 50 && dom.step == 2 && dom.spp == 4);
-    assert_true(dom.environment_beams == 9 && dom.surface_points == 6);
+    expect_option(scene, "screen", "spread", "gaussian");
+    expect_option(scene, "fld", "limiter", "larsen");
+    expect_option(scene, "fld", "relaxation", "1.5");
+    expect_option(scene, "pop", "sharp", "false");
+    expect_option(scene, "pop", "merged", "24");
+    expect_option(scene, "lpv", "window", "0.1");
+    expect_option(scene, "octaves", "view_extinction", "scaled");
+    ty_lpv_def lpv = ty_default_lpv_def();
+    expect_ok(context, ty_method_options(scene, "lpv", &lpv));
+    assert_int_equal(lpv.mode, TY_LPV_MODE_PUBLISHED);
+    assert_int_equal(lpv.parts, TY_LPV_PLAIN | TY_LPV_MARCH | TY_LPV_SINGLE);
+    assert_true(lpv.tolerance == 0.02 && lpv.step == 0.75 && !lpv.shadow_rays && !lpv.half);
+    ty_dom_def dom = ty_default_dom_def();
+    expect_ok(context, ty_method_options(scene, "dom", &dom));
+    assert_int_equal(dom.acceleration, TY_DOM_ACCELERATION_NONE);
+    assert_true(dom.resolution == 20 && dom.last_directions == 80 && dom.tolerance == 1e-4);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }
@@ -559,7 +525,7 @@ static char* read_manual(void) {
     return text;
 }
 
-static void test_builtin_scenes_load_and_are_documented(void** state) {
+static void builtin_scenes_load_and_are_documented(void** state) {
     (void)state;
     ty_context* context = make_context();
     char* manual = read_manual();
@@ -592,7 +558,7 @@ static void test_builtin_scenes_load_and_are_documented(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_reference_scenes_load(void** state) {
+static void reference_scenes_load(void** state) {
     (void)state;
     static const char* const names[] = {"cube_g0", "cube_g0.7", "cube_g0.96", "cornell_gray"};
     const char* folder = getenv("TYNDALL_DATA");
@@ -617,7 +583,7 @@ static void test_reference_scenes_load(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_the_manuals_example_parses(void** state) {
+static void the_manuals_example_parses(void** state) {
     (void)state;
     static const char fence[] = "\n```json\n";
     char* manual = read_manual();
@@ -635,7 +601,7 @@ static void test_the_manuals_example_parses(void** state) {
     free(manual);
 }
 
-static void test_the_manual_lists_every_preset(void** state) {
+static void the_manual_lists_every_preset(void** state) {
     (void)state;
     char* manual = read_manual();
     for (char* c = manual; *c != '\0'; ++c)
@@ -647,21 +613,21 @@ static void test_the_manual_lists_every_preset(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_smallest_scene_has_the_defaults),
-        cmocka_unit_test(test_camera_and_render),
-        cmocka_unit_test(test_coefficients),
-        cmocka_unit_test(test_lights),
-        cmocka_unit_test(test_shapes),
-        cmocka_unit_test(test_meters_per_unit_scales_lengths),
-        cmocka_unit_test(test_files_are_placed_in_units_and_shared),
-        cmocka_unit_test(test_paths_start_at_the_scene),
-        cmocka_unit_test(test_the_hash_follows_the_content),
-        cmocka_unit_test(test_overrides),
-        cmocka_unit_test(test_every_key_is_accepted),
-        cmocka_unit_test(test_builtin_scenes_load_and_are_documented),
-        cmocka_unit_test(test_reference_scenes_load),
-        cmocka_unit_test(test_the_manuals_example_parses),
-        cmocka_unit_test(test_the_manual_lists_every_preset),
+        cmocka_unit_test(the_smallest_scene_has_the_defaults),
+        cmocka_unit_test(camera_and_render_are_read),
+        cmocka_unit_test(coefficients_are_read),
+        cmocka_unit_test(lights_are_read),
+        cmocka_unit_test(shapes_are_read),
+        cmocka_unit_test(meters_per_unit_scales_lengths),
+        cmocka_unit_test(files_are_placed_in_units_and_shared),
+        cmocka_unit_test(paths_start_at_the_scene),
+        cmocka_unit_test(the_hash_follows_the_content),
+        cmocka_unit_test(overrides_change_the_scene),
+        cmocka_unit_test(every_key_is_accepted),
+        cmocka_unit_test(builtin_scenes_load_and_are_documented),
+        cmocka_unit_test(reference_scenes_load),
+        cmocka_unit_test(the_manuals_example_parses),
+        cmocka_unit_test(the_manual_lists_every_preset),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

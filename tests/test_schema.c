@@ -109,7 +109,7 @@ static const zoo_case zoo_cases[] = {
      "\"value\", \"shape\", \"form\""},
 };
 
-static void test_issues(void** state) {
+static void issues_are_named(void** state) {
     (void)state;
     json_t* schema = parse(zoo);
     for (size_t i = 0; i < COUNT(zoo_cases); ++i) {
@@ -130,7 +130,7 @@ static void test_issues(void** state) {
     json_decref(schema);
 }
 
-static void test_version_comes_first(void** state) {
+static void version_comes_first(void** state) {
     (void)state;
     json_t* schema = parse(zoo);
     json_t* value = parse("{\"new\":1,\"version\":2}");
@@ -149,7 +149,7 @@ static void test_version_comes_first(void** state) {
     json_decref(schema);
 }
 
-static void test_broken_schema_is_reported(void** state) {
+static void broken_schema_is_reported(void** state) {
     (void)state;
     json_t* schema = parse("{\"$ref\":\"#/$defs/gone\"}");
     json_t* value = parse("1");
@@ -160,7 +160,7 @@ static void test_broken_schema_is_reported(void** state) {
     json_decref(schema);
 }
 
-static void test_words(void** state) {
+static void words_are_quoted(void** state) {
     (void)state;
     assert_int_equal(ty_word_distance("", ""), 0);
     assert_int_equal(ty_word_distance("", "abc"), 3);
@@ -168,11 +168,11 @@ static void test_words(void** state) {
     assert_int_equal(ty_word_distance("Sigma_S", "sigma_s"), 0);
     assert_int_equal(ty_word_distance("tpye", "type"), 1);
     assert_int_equal(ty_word_distance("abcdef", "badcfe"), 3);
-    assert_true(ty_word_near("sigma_z", "sigma_s"));
-    assert_true(ty_word_near("fov", "fov_y"));
-    assert_true(ty_word_near("cam", "camera"));
-    assert_false(ty_word_near("u", "g"));
-    assert_false(ty_word_near("radius", "density"));
+    assert_true(ty_word_is_similar("sigma_z", "sigma_s"));
+    assert_true(ty_word_is_similar("fov", "fov_y"));
+    assert_true(ty_word_is_similar("cam", "camera"));
+    assert_false(ty_word_is_similar("u", "g"));
+    assert_false(ty_word_is_similar("radius", "density"));
     char long_word[200];
     memset(long_word, 'x', sizeof long_word - 1);
     long_word[sizeof long_word - 1] = '\0';
@@ -185,7 +185,7 @@ static void expect_number(double value, const char* expected) {
     assert_string_equal(text, expected);
 }
 
-static void test_numbers_are_shortest_in_every_locale(void** state) {
+static void numbers_are_shortest_in_every_locale(void** state) {
     (void)state;
     static const char* const locales[] = {"C", "de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"};
     for (size_t i = 0; i < COUNT(locales); ++i) {
@@ -199,7 +199,7 @@ static void test_numbers_are_shortest_in_every_locale(void** state) {
     setlocale(LC_NUMERIC, "C");
 }
 
-static void test_long_text_is_cut_between_characters(void** state) {
+static void long_text_is_cut_between_characters(void** state) {
     (void)state;
     assert_int_equal(ty_text_fit("abc", 10), 3);
     assert_int_equal(ty_text_fit("abc", 2), 2);
@@ -230,7 +230,7 @@ static int32_t line_of(const char* text, size_t length, const char* key0, int in
     return ty_json_line(text, length, &path);
 }
 
-static void test_lines(void** state) {
+static void lines_are_found(void** state) {
     (void)state;
     const size_t length = strlen(document);
     assert_int_equal(line_of(document, length, NULL, -1, NULL), 1);
@@ -257,7 +257,7 @@ static void test_lines(void** state) {
     }
 }
 
-static void test_paths(void** state) {
+static void paths_are_named(void** state) {
     (void)state;
     const ty_json_path root = {.depth = 0};
     const ty_json_path media = ty_json_path_key(&root, "media");
@@ -305,7 +305,8 @@ static void check_keywords(const json_t* root, const json_t* schema) {
                                         "additionalProperties",
                                         "required",
                                         "anyOf",
-                                        "oneOf"};
+                                        "oneOf",
+                                        "x-formerly"};
     const char* key;
     json_t *value, *inner;
     json_object_foreach((json_t*)schema, key, value) {
@@ -335,7 +336,7 @@ static void check_keywords(const json_t* root, const json_t* schema) {
     }
 }
 
-static void test_scene_schema_is_sound(void** state) {
+static void scene_schema_is_sound(void** state) {
     (void)state;
     json_t* schema = parse(ty_scene_schema());
     check_keywords(schema, schema);
@@ -344,15 +345,15 @@ static void test_scene_schema_is_sound(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_issues),
-        cmocka_unit_test(test_version_comes_first),
-        cmocka_unit_test(test_broken_schema_is_reported),
-        cmocka_unit_test(test_words),
-        cmocka_unit_test(test_numbers_are_shortest_in_every_locale),
-        cmocka_unit_test(test_long_text_is_cut_between_characters),
-        cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_paths),
-        cmocka_unit_test(test_scene_schema_is_sound),
+        cmocka_unit_test(issues_are_named),
+        cmocka_unit_test(version_comes_first),
+        cmocka_unit_test(broken_schema_is_reported),
+        cmocka_unit_test(words_are_quoted),
+        cmocka_unit_test(numbers_are_shortest_in_every_locale),
+        cmocka_unit_test(long_text_is_cut_between_characters),
+        cmocka_unit_test(lines_are_found),
+        cmocka_unit_test(paths_are_named),
+        cmocka_unit_test(scene_schema_is_sound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

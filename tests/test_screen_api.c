@@ -3,7 +3,6 @@
 
 #include "base/isa.h"
 #include "method/screen/job.h"
-#include "method/screen/spread.h"
 
 #include <stdatomic.h>
 #include <stddef.h>
@@ -150,51 +149,8 @@ static void threads_make_no_difference(void** state) {
     }
 }
 
-static ty_screen_params params_of(const ty_screen_def* def, const picture* p, bool small_angle) {
-    const double focal = def->focal[0];
-    ty_screen_params params = {.width = p->width,
-                               .height = p->height,
-                               .center_x = 0.5f * (float)p->width,
-                               .center_y = 0.5f * (float)p->height,
-                               .inverse_focal_x = (float)(1 / focal),
-                               .inverse_focal_y = (float)(1 / focal),
-                               .unknown = def->unknown,
-                               .mean_slope = (float)(focal * focal * (double)def->sigma_s[0] / 8),
-                               .mean_bend = (float)((double)def->sigma_a[0] * (double)def->sigma_s[0] / 6)};
-    for (int c = 0; c < 3; ++c) {
-        params.sigma_s[c] = def->sigma_s[c];
-        params.sigma_a[c] = def->sigma_a[c];
-        params.forward[c] = 1;
-        params.slope[c] = small_angle ? def->sigma_s[c] : params.mean_slope;
-        params.bend[c] = small_angle ? 0 : params.mean_bend;
-    }
-    return params;
-}
-
-/* Runs a variant with kernels of choice. */
-static void run_kernels(ty_context* context, const ty_screen_def* def, const picture* p,
-                        const ty_screen_kernels* kernels) {
-    const ty_screen_image image = image_of(p);
-    const size_t size = ty_screen_workspace(context, def, p->width, p->height);
-    ty_screen_job job = {.context = context, .def = def, .image = &image, .kernels = kernels};
-    job.small_angle = def->variant == TY_SCREEN_SCATTER && def->spread == TY_SCREEN_SPREAD_SMALL_ANGLE;
-    job.params = params_of(def, p, job.small_angle);
-    for (int c = 0; c < 3; ++c) job.width[c] = def->focal[0] * ty_screen_angle((double)def->g[c]);
-    job.memory = aligned_alloc(64, size);
-    assert_non_null(job.memory);
-    const ty_result result = def->variant == TY_SCREEN_SCATTER  ? ty_screen_scatter(&job)
-                             : def->variant == TY_SCREEN_GATHER ? ty_screen_gather(&job)
-                                                                : ty_screen_reference(&job);
-    assert_int_equal(result, TY_OK);
-    free(job.memory);
-}
-
 static void instruction_sets_agree(void** state) {
-    const ty_screen_kernels* sets[TY_ISA_COUNT] = {&ty_screen_kernels_v1};
-#if TY_ISA_X86
-    sets[TY_ISA_V3] = &ty_screen_kernels_v3;
-    sets[TY_ISA_V4] = &ty_screen_kernels_v4;
-#endif
+    const ty_isa best = ty_best_isa();
     for (int v = 0; v < VARIANT_COUNT; ++v) {
         picture p = scene_picture(97, 61);
         ty_screen_def def = gray_fog(0.05, 0.01, 0, 60);
@@ -203,8 +159,10 @@ static void instruction_sets_agree(void** state) {
         apply(*state, &def, &p);
         float* expected = p.out;
         p.out = calloc(3 * (size_t)pixel_count(&p), sizeof(float));
-        for (int isa = 0; isa <= (int)ty_best_isa(); ++isa) {
-            run_kernels(*state, &def, &p, sets[isa]);
+        for (int isa = 0; isa <= (int)best; ++isa) {
+            ty_force_isa((ty_isa)isa);
+            apply(*state, &def, &p);
+            ty_force_isa(TY_ISA_COUNT);
             for (int32_t i = 0; i < 3 * pixel_count(&p); ++i)
                 assert_close((double)p.out[i], (double)expected[i], 2e-5 * (double)expected[i]);
         }
@@ -367,8 +325,8 @@ static const bad_field bad_fields[] = {
     {DOUBLE(focal[0]), 1e300, "focal"},
     {DOUBLE(center[0]), (double)INFINITY, "center"},
     {DOUBLE(center[1]), (double)NAN, "center"},
-    {FLOAT(unknown), 0, "unknown"},
-    {FLOAT(unknown), (double)INFINITY, "unknown"},
+    {FLOAT(missing_depth), 0, "missing_depth"},
+    {FLOAT(missing_depth), (double)INFINITY, "missing_depth"},
     {INT(filter), 3, "filter"},
     {INT(filter), 0, "filter"},
     {INT(levels), 0, "levels"},
@@ -436,7 +394,9 @@ static void bad_images_are_refused(void** state) {
     image = image_of(&p);
     image.distance = NULL;
     refuse(*state, &image, "distance");
-    refuse(*state, NULL, "NULL");
+    image = (ty_screen_image){.width = 8, .height = 8};
+    refuse(*state, &image, "ty_default_screen_image");
+    refuse(*state, NULL, "ty_default_screen_image");
     assert_int_equal(ty_screen_apply(NULL, &def, &image, NULL, 0, NULL), TY_ERROR_ARGUMENT);
     free_picture(&p);
 }

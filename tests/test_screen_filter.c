@@ -29,7 +29,7 @@ static void check_uniform(ty_context* context, variant v, int32_t filter, int32_
 
 /* Also where the paper's masks have just begun to open: spreads a little above 0.8, 1.6 and 3.2 pixels. */
 static void uniform_stays_uniform(void** state) {
-    static const int32_t levels[] = {1, 2, 3, 4, 6, 9, 15, TY_SCREEN_LEVELS_AUTO, TY_SCREEN_LEVELS_ALL};
+    static const int32_t levels[] = {1, 2, 3, 4, 6, 9, 15, TY_AUTO, TY_SCREEN_LEVELS_ALL};
     static const double distances[] = {0.001, 0.04001, 0.16008, 0.3, 0.65, 7, 90};
     for (int v = 0; v < VARIANT_COUNT; ++v)
         for (int32_t filter = 2; v != PUBLISHED && filter <= 6; filter += 2)
@@ -242,7 +242,7 @@ static void masks_and_levels_are_the_papers(void** state) {
     }
     for (int i = 0; i < 70; ++i) {
         const double spread = 0.1 * pow(1.2, i), level = fmin(fmax(log2(spread / 0.8), 0), 6);
-        assert_close((double)ty_screen_level_of((float)(spread * spread), 0.8f, 6), level, 1e-5);
+        assert_close((double)ty_screen_level_at((float)(spread * spread), 0.8f, 6), level, 1e-5);
     }
 }
 
@@ -263,8 +263,8 @@ static void spread_is_weighted_by_luminance(void** state) {
         for (int kind = 0; kind < TY_GATHER_ROWS; ++kind) {
             const float weights[6] = {0, 0, 0.5f, 0.5f, 0, 0};
             const float* const both[6] = {narrowed, narrowed, narrowed, narrowed, narrowed, narrowed};
-            ty_screen_kernels_v1.narrow(&box, rows[kind], 4, NULL, narrowed);
-            ty_screen_kernels_v1.join(weights, both, 2, filtered[kind]);
+            ty_screen_kernels_v1.downsample(&box, rows[kind], 4, NULL, narrowed);
+            ty_screen_kernels_v1.combine_rows(weights, both, 2, filtered[kind]);
             from[kind] = filtered[kind];
         }
         ty_screen_kernels_v1.gather_store(&params, from, 2, coarse, coarse_spread);

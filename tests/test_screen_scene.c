@@ -90,7 +90,7 @@ static void coefficients_add(void** state) {
     assert_close(def.g[2], (2 * 0.5 + 3 * 0.9) / 5, 1e-6);
     assert_close(def.focal[0], 50, 1e-9); /* tan(45 degrees) = 1 */
     assert_close(def.focal[1], 50, 1e-9);
-    assert_false(def.planar);
+    assert_int_equal(def.distance_kind, TY_SCREEN_DISTANCE_RAY);
     assert_int_equal(f->warned.count, 0);
 }
 
@@ -170,7 +170,7 @@ static void uneven_media_are_refused(void** state) {
     medium.name = "smoke";
     assert_int_equal(ty_grid_create(f->context, &grid, &medium.density_grid), TY_OK);
     commit_with(f, &even, &medium);
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     ty_screen_def def = ty_default_screen_def();
     assert_int_equal(ty_screen_set_scene(f->scene, 0, &def), TY_ERROR_ARGUMENT);
     assert_error(f->context, "media[1] (smoke) is not homogeneous");

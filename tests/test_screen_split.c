@@ -101,7 +101,7 @@ static void planar_distances_are_cosines_shorter(void** state) {
         radial.distance[i] = (float)(4 * sqrt(1 + dx * dx + dy * dy));
     }
     apply(*state, &def, &radial);
-    def.planar = true;
+    def.distance_kind = TY_SCREEN_DISTANCE_AXIS;
     apply(*state, &def, &flat);
     for (int32_t i = 0; i < 3 * pixel_count(&flat); ++i)
         assert_close((double)flat.out[i], (double)radial.out[i], 1e-5 * (double)radial.out[i]);
@@ -187,8 +187,8 @@ static void no_medium_gives_the_picture_back(void** state) {
         set3f(def.environment, 5, 5, 5); /* nothing scatters it */
         const ty_screen_stats stats = apply(*state, &def, &p);
         assert_memory_equal(p.out, p.color, 3 * sizeof(float) * (size_t)pixel_count(&p));
-        assert_int_equal(stats.mended, 0);
-        assert_int_equal(stats.unknown, 0);
+        assert_int_equal(stats.nonfinite_fixed, 0);
+        assert_int_equal(stats.missing_depth, 0);
     }
     free_picture(&p);
 }
@@ -215,8 +215,8 @@ static void bad_light_is_mended(void** state) {
             ty_screen_def def = gray_fog(medium * 0.05, medium * 0.01, 0.7, 40);
             set_variant(&def, (variant)v);
             const ty_screen_stats stats = apply(*state, &def, &bad);
-            assert_int_equal(stats.mended, 50);
-            assert_int_equal(apply(*state, &def, &good).mended, 0);
+            assert_int_equal(stats.nonfinite_fixed, 50);
+            assert_int_equal(apply(*state, &def, &good).nonfinite_fixed, 0);
             assert_memory_equal(bad.out, good.out, 3 * sizeof(float) * (size_t)pixel_count(&bad));
             free_picture(&bad);
             free_picture(&good);
@@ -235,9 +235,9 @@ static void unknown_distances_are_counted(void** state) {
             }
             ty_screen_def def = gray_fog(medium * 0.05, 0, 0.7, 40);
             set_variant(&def, (variant)v);
-            def.unknown = 77;
-            assert_int_equal(apply(*state, &def, &bad).unknown, 60);
-            assert_int_equal(apply(*state, &def, &good).unknown, 0);
+            def.missing_depth = 77;
+            assert_int_equal(apply(*state, &def, &bad).missing_depth, 60);
+            assert_int_equal(apply(*state, &def, &good).missing_depth, 0);
             assert_memory_equal(bad.out, good.out, 3 * sizeof(float) * (size_t)pixel_count(&bad));
             free_picture(&bad);
             free_picture(&good);
@@ -261,7 +261,7 @@ static double any_of(uint64_t* state, const double* values, int count) {
 
 static ty_screen_def any_def(uint64_t* state) {
     static const double cosines[] = {-0.99999994, -0.999, -0.3, 0, 1e-30, 0.5, 0.9999, 0.99999994};
-    static const double filters[] = {2, 4, 6}, levels[] = {1, 2, 7, 15, TY_SCREEN_LEVELS_AUTO, TY_SCREEN_LEVELS_ALL};
+    static const double filters[] = {2, 4, 6}, levels[] = {1, 2, 7, 15, TY_AUTO, TY_SCREEN_LEVELS_ALL};
     ty_screen_def def = ty_default_screen_def();
     for (int c = 0; c < 3; ++c) {
         def.sigma_s[c] = (float)(uniform(state) < 0.2 ? 0 : any_size(state, 1e-30, 1e15));
@@ -274,8 +274,8 @@ static ty_screen_def any_def(uint64_t* state) {
         def.focal[axis] = any_size(state, 1e-3, 1e9);
         if (uniform(state) < 0.5) def.center[axis] = uniform_in(state, -1, 1) * any_size(state, 1, 1e9);
     }
-    def.planar = uniform(state) < 0.5;
-    def.unknown = (float)any_size(state, 1e-20, 1e15);
+    def.distance_kind = uniform(state) < 0.5 ? TY_SCREEN_DISTANCE_AXIS : TY_SCREEN_DISTANCE_RAY;
+    def.missing_depth = (float)any_size(state, 1e-20, 1e15);
     def.filter = (int32_t)any_of(state, filters, 3);
     def.levels = (int32_t)any_of(state, levels, 6);
     def.mask_width = (float)any_size(state, 1e-6, 1e6);
@@ -303,8 +303,9 @@ static void nothing_gives_what_is_no_number(void** state) {
                 if (!(p.out[i] >= 0 && p.out[i] <= 1e30f))
                     fail_msg("trial %d, %s: value %d of %d x %d is %g", trial, variant_names[v], i, p.width, p.height,
                              (double)p.out[i]);
-            if (!(isfinite(stats.spread) && isfinite(stats.held) && stats.held >= 0))
-                fail_msg("trial %d, %s: spread %g, held %g", trial, variant_names[v], stats.spread, stats.held);
+            if (!(isfinite(stats.spread) && isfinite(stats.max_spread) && stats.max_spread >= 0))
+                fail_msg("trial %d, %s: spread %g, at most %g", trial, variant_names[v], stats.spread,
+                         stats.max_spread);
         }
         free_picture(&p);
     }

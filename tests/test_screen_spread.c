@@ -121,7 +121,7 @@ static void tails_are_those_of_the_theory(void** state) {
             uint64_t random = 98;
             double sum = 0;
             for (int k = 0; k < DRAWS / 5; ++k) sum += erf(draw_way(thicknesses[i], &random) / sqrt(2 * variance));
-            assert_close(ty_screen_tail(1, thicknesses[i], variance), sum / (DRAWS / 5), 0.01);
+            assert_close(ty_screen_wider_fraction(1, thicknesses[i], variance), sum / (DRAWS / 5), 0.01);
         }
 }
 
@@ -135,17 +135,17 @@ static void shares_follow_tails(void** state) {
         levels[k + 1] = levels[k] + ty_screen_taps_variance(ty_screen_choose_taps(4)) * exp2f(2 * (float)k);
     for (double width = 0.3; width < 300; width *= 3)
         for (double thickness = 0.01; thickness < 50; thickness *= 1.7) {
-            ty_screen_share shares[LEVELS];
+            ty_screen_down_fraction shares[LEVELS];
             double reached = 1;
-            ty_screen_small_angle_shares(width, levels, LEVELS, shares);
+            ty_screen_small_angle_fractions(width, levels, LEVELS, shares);
             for (int k = 0; k < LEVELS; ++k) {
                 double mean = 0;
                 for (int i = 0; i < 100; ++i) {
                     const double t = (i + 0.5) / 100, low = (double)levels[k], high = (double)levels[k + 1];
                     const double variance = k == 0 ? t * high : low * pow(high / low, t);
-                    mean += ty_screen_tail(width, thickness, variance) / 100;
+                    mean += ty_screen_wider_fraction(width, thickness, variance) / 100;
                 }
-                reached *= (double)ty_screen_onward(shares[k], (float)thickness);
+                reached *= (double)ty_screen_down_fraction_at(shares[k], (float)thickness);
                 assert_close(reached, mean, 0.03);
             }
         }

@@ -3,7 +3,7 @@
 #include "triangle_maker.h"
 
 #include "scene/scene.h"
-#include "scene/shell.h"
+#include "scene/closed_mesh.h"
 #include "scene/spans.k.h"
 
 static const double zero[3] = {0, 0, 0};
@@ -11,7 +11,7 @@ static const double zero[3] = {0, 0, 0};
 /* A committed scene of one medium, with what is to be measured in it. */
 static ty_scene* medium_scene(ty_context* context, const ty_medium_def* def) {
     ty_scene* scene = make_scene(context);
-    if (ty_scene_add_medium(scene, def) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_scene_add_medium(scene, def) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_int_equal(ty_scene_commit(scene), TY_OK);
     return scene;
 }
@@ -20,9 +20,9 @@ static ty_scene* shell_scene(ty_context* context, const made_mesh* mesh) {
     ty_medium_def def = ty_default_medium_def();
     def.bounds = TY_BOUNDS_SHELL;
     def.sigma_a[0] = 1;
-    if (made_shell(context, mesh, &def.shell) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (made_shell(context, mesh, &def.shell) != TY_OK) fail_msg("%s", ty_take_error(context));
     ty_scene* scene = medium_scene(context, &def);
-    ty_shell_destroy(def.shell);
+    ty_closed_mesh_release(def.shell);
     return scene;
 }
 
@@ -248,7 +248,7 @@ static void shells_follow_their_transform(void** state) {
     }
     ty_scene_destroy(scene);
     ty_scene_destroy(boxed);
-    ty_shell_destroy(def.shell);
+    ty_closed_mesh_release(def.shell);
     made_free(&mesh);
 }
 
@@ -276,23 +276,23 @@ static void open_edges_are_counted(void** state) {
     ty_context* context = NULL;
     assert_int_equal(ty_context_create(&context_def, &context), TY_OK);
     made_mesh mesh = made_nothing();
-    ty_shell* shell = NULL;
+    ty_closed_mesh* shell = NULL;
     made_add_box(&mesh, low, high);
     assert_int_equal(made_shell(context, &mesh, &shell), TY_OK);
     assert_int_equal(log.count, 0);
-    ty_shell_destroy(shell);
+    ty_closed_mesh_release(shell);
     --mesh.triangles; /* a hole */
     assert_int_equal(made_shell(context, &mesh, &shell), TY_OK);
     assert_int_equal(log.count, 1);
     assert_non_null(strstr(log.text, " 3 of its edges"));
-    assert_string_equal(ty_last_error(context), "");
-    ty_shell_destroy(shell);
+    assert_string_equal(ty_take_error(context), "");
+    ty_closed_mesh_release(shell);
     ++mesh.triangles;
     made_turn(&mesh, mesh.triangles - 1); /* one the wrong way round */
     assert_int_equal(made_shell(context, &mesh, &shell), TY_OK);
     assert_int_equal(log.count, 2);
     assert_non_null(strstr(log.text, " 3 of its edges"));
-    ty_shell_destroy(shell);
+    ty_closed_mesh_release(shell);
     made_free(&mesh);
     ty_context_destroy(context);
 }
@@ -301,19 +301,19 @@ static void wrong_shells_are_refused(void** state) {
     static const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
     made_mesh mesh = made_nothing();
     made_add_box(&mesh, low, high);
-    ty_shell* shell = NULL;
-    assert_int_equal(ty_shell_create(*state, mesh.positions, 36, mesh.indices, 0, &shell), TY_ERROR_ARGUMENT);
+    ty_closed_mesh* shell = NULL;
+    assert_int_equal(ty_closed_mesh_create(*state, mesh.positions, 36, mesh.indices, 0, &shell), TY_ERROR_ARGUMENT);
     assert_error(*state, "shell: 36 vertices and 0 triangles");
-    assert_int_equal(ty_shell_create(*state, NULL, 36, mesh.indices, 12, &shell), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_closed_mesh_create(*state, NULL, 36, mesh.indices, 12, &shell), TY_ERROR_ARGUMENT);
     assert_error(*state, "shell: positions or indices are NULL");
-    assert_int_equal(ty_shell_create(*state, mesh.positions, 35, mesh.indices, 12, &shell), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_closed_mesh_create(*state, mesh.positions, 35, mesh.indices, 12, &shell), TY_ERROR_ARGUMENT);
     assert_error(*state, "shell: indices[35] is 35, and there are 35 vertices");
     mesh.positions[7] = NAN;
     assert_int_equal(made_shell(*state, &mesh, &shell), TY_ERROR_ARGUMENT);
     assert_error(*state, "shell: the position of vertex 2");
     assert_null(shell);
-    assert_null(ty_shell_retain(NULL));
-    ty_shell_destroy(NULL);
+    assert_null(ty_closed_mesh_retain(NULL));
+    ty_closed_mesh_release(NULL);
     made_free(&mesh);
 }
 
@@ -324,7 +324,7 @@ static double covered(ty_context* context, const ty_medium_def* def, int32_t sam
     static const double lower[3] = {-1.3, -1.2, -1.1}, upper[3] = {1.4, 1.3, 1.2};
     static const int32_t size[3] = {9, 11, 7};
     ty_scene* scene = medium_scene(context, def);
-    assert_int_equal(ty_medium_coverage(scene, 0, lower, upper, size, samples, out), TY_OK);
+    assert_int_equal(ty_medium_create_coverage(scene, 0, lower, upper, size, samples, out), TY_OK);
     double sum = 0;
     for (int k = 0; k < 7; ++k)
         for (int j = 0; j < 11; ++j)
@@ -349,7 +349,7 @@ static void boxes_cover_cells(void** state) {
     assert_close(ty_grid_voxel(grid, 4, 3, 3), 1, 1e-5);
     assert_close(ty_grid_voxel(grid, 7, 3, 3), 0.5, 1e-5);
     assert_close(ty_grid_voxel(grid, 8, 3, 3), 0, 0);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void spheres_and_shells_cover_cells(void** state) {
@@ -368,9 +368,9 @@ static void spheres_and_shells_cover_cells(void** state) {
     for (int i = 0; i < 9 * 11 * 7; ++i)
         assert_close(ty_grid_voxel(meshed, i % 9, i / 9 % 11, i / 99), ty_grid_voxel(grid, i % 9, i / 9 % 11, i / 99),
                      0.02);
-    ty_grid_destroy(grid);
-    ty_grid_destroy(meshed);
-    ty_shell_destroy(def.shell);
+    ty_grid_release(grid);
+    ty_grid_release(meshed);
+    ty_closed_mesh_release(def.shell);
     made_free(&mesh);
 }
 
@@ -380,20 +380,20 @@ static void wrong_coverages_are_refused(void** state) {
     const ty_medium_def def = box_medium(low, high, 1, 0);
     ty_scene* scene = medium_scene(*state, &def);
     ty_grid* grid = NULL;
-    assert_int_equal(ty_medium_coverage(scene, 1, low, high, size, 4, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_medium_create_coverage(scene, 1, low, high, size, 4, &grid), TY_ERROR_ARGUMENT);
     assert_error(*state, "there is no medium 1");
-    assert_int_equal(ty_medium_coverage(scene, -1, low, high, size, 4, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_medium_create_coverage(scene, -1, low, high, size, 4, &grid), TY_ERROR_ARGUMENT);
     assert_error(*state, "there is no medium -1");
-    assert_int_equal(ty_medium_coverage(scene, 0, low, low, size, 4, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_medium_create_coverage(scene, 0, low, low, size, 4, &grid), TY_ERROR_ARGUMENT);
     assert_error(*state, "coverage: 2 cells from 0 to 0 along x");
-    assert_int_equal(ty_medium_coverage(scene, 0, low, high, none, 4, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_medium_create_coverage(scene, 0, low, high, none, 4, &grid), TY_ERROR_ARGUMENT);
     assert_error(*state, "coverage: 0 cells from 0 to 1 along y");
     for (int32_t samples = 0; samples <= 65; samples += 65) {
-        assert_int_equal(ty_medium_coverage(scene, 0, low, high, size, samples, &grid), TY_ERROR_ARGUMENT);
+        assert_int_equal(ty_medium_create_coverage(scene, 0, low, high, size, samples, &grid), TY_ERROR_ARGUMENT);
         assert_error(*state, "coverage: samples");
     }
     assert_int_equal(ty_scene_add_medium(scene, &def), TY_OK);
-    assert_int_equal(ty_medium_coverage(scene, 0, low, high, size, 4, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_medium_create_coverage(scene, 0, low, high, size, 4, &grid), TY_ERROR_ARGUMENT);
     assert_error(*state, "not committed");
     assert_null(grid);
     ty_scene_destroy(scene);

@@ -21,7 +21,7 @@ static ty_sky_def sun_at(double elevation_deg, double azimuth_deg, ty_axis up) {
 
 static ty_image* make_sky(ty_context* context, const ty_sky_def* def, float sun[3]) {
     ty_image* image = NULL;
-    assert_int_equal(ty_sky_image(context, def, &image, sun), TY_OK);
+    assert_int_equal(ty_sky_create_image(context, def, &image, sun), TY_OK);
     assert_int_equal(ty_image_width(image), def->width);
     assert_int_equal(ty_image_height(image), def->width / 2);
     return image;
@@ -46,7 +46,7 @@ static void look_at_pixel(const ty_image* image, ty_axis up, int32_t x, int32_t 
     look[2] = up == TY_AXIS_Y ? sin(down) * sin(turn) : cos(down);
 }
 
-static void test_threads_do_not_matter(void** state) {
+static void threads_do_not_matter(void** state) {
     (void)state;
     ty_context* contexts[2] = {make_context(1), make_context(3)};
     ty_image* images[2];
@@ -60,7 +60,7 @@ static void test_threads_do_not_matter(void** state) {
     }
 }
 
-static void test_finite_everywhere(void** state) {
+static void radiance_is_finite_everywhere(void** state) {
     ty_context* context = *state;
     const double elevations[] = {-90, -30, -5, -0.3, 0, 0.3, 5, 45, 90}, hazes[] = {0, 1, 10};
     for (size_t e = 0; e < sizeof elevations / sizeof *elevations; ++e)
@@ -83,7 +83,7 @@ static void test_finite_everywhere(void** state) {
 }
 
 /* Above the haze of the horizon the brightest pixel looks at the sun, give or take a pixel, for both up axes. */
-static void test_brightest_around_the_sun(void** state) {
+static void the_sky_is_brightest_around_the_sun(void** state) {
     ty_context* context = *state;
     for (int up = TY_AXIS_Y; up <= TY_AXIS_Z; ++up)
         for (double azimuth = 20; azimuth < 360; azimuth += 55) {
@@ -103,7 +103,7 @@ static void test_brightest_around_the_sun(void** state) {
 }
 
 /* The map of a scene with z up is that of the scene turned to y up, (x, y, z) -> (x, z, -y). */
-static void test_up_axes_agree(void** state) {
+static void up_axes_agree(void** state) {
     ty_context* context = *state;
     const ty_sky_def y_up = sun_at(30, 77, TY_AXIS_Y), z_up = sun_at(30, 77, TY_AXIS_Z);
     ty_image* a = make_sky(context, &y_up, NULL);
@@ -114,7 +114,7 @@ static void test_up_axes_agree(void** state) {
     ty_image_destroy(b);
 }
 
-static void test_symmetric_about_the_sun(void** state) {
+static void the_sky_is_symmetric_about_the_sun(void** state) {
     ty_context* context = *state;
     const ty_sky_def def = sun_at(20, 0, TY_AXIS_Y);
     ty_image* image = make_sky(context, &def, NULL);
@@ -128,7 +128,7 @@ static void test_symmetric_about_the_sun(void** state) {
     ty_image_destroy(image);
 }
 
-static void test_colours(void** state) {
+static void colours_are_those_of_the_day(void** state) {
     ty_context* context = *state;
     float sun[3];
     const ty_sky_def noon = sun_at(70, 0, TY_AXIS_Y);
@@ -161,7 +161,7 @@ static void test_colours(void** state) {
 
 /* Straight up, optical depth is density at the ground times scale height, constituent by constituent; at 45 degrees the
  * atmosphere is still nearly flat. */
-static void test_sun_irradiance(void** state) {
+static void the_sun_has_its_irradiance(void** state) {
     ty_context* context = *state;
     const double air[3] = {5.8e-6, 13.5e-6, 33.1e-6}, ozone[3] = {0.65e-6, 1.881e-6, 0.085e-6};
     for (double haze = 0; haze <= 4; haze += 2) {
@@ -195,7 +195,7 @@ static double sky_irradiance(const ty_image* image, int32_t channel) {
 /* Air alone absorbs next to nothing: what the direct light lost is in the sky or went back to space. Over a black
  * ground about half comes down; over a white one the
  * sky gets most of the light a second time. */
-static void test_light_adds_up(void** state) {
+static void light_adds_up(void** state) {
     ty_context* context = *state;
     float sun[3];
     ty_sky_def def = sun_at(60, 0, TY_AXIS_Y);
@@ -215,7 +215,7 @@ static void test_light_adds_up(void** state) {
     ty_image_destroy(white);
 }
 
-static void test_ground(void** state) {
+static void the_ground_reflects_the_sky(void** state) {
     ty_context* context = *state;
     float sun[3];
     ty_sky_def def = sun_at(35, 10, TY_AXIS_Y);
@@ -230,7 +230,7 @@ static void test_ground(void** state) {
     ty_image_destroy(image);
 }
 
-static void test_solar_scales_and_haze_dims(void** state) {
+static void solar_scales_and_haze_dims(void** state) {
     ty_context* context = *state;
     float once[3], twice[3], hazy[3];
     ty_sky_def def = sun_at(35, 10, TY_AXIS_Y);
@@ -255,17 +255,17 @@ static void test_solar_scales_and_haze_dims(void** state) {
 static void refuse(ty_context* context, const ty_sky_def* def, const char* word) {
     ty_image* image = NULL;
     float sun[3];
-    ty_clear_error(context);
-    assert_int_equal(ty_sky_image(context, def, &image, sun), TY_ERROR_ARGUMENT);
+    ty_take_error(context);
+    assert_int_equal(ty_sky_create_image(context, def, &image, sun), TY_ERROR_ARGUMENT);
     assert_null(image);
-    assert_non_null(strstr(ty_last_error(context), word));
+    assert_non_null(strstr(ty_take_error(context), word));
 }
 
-static void test_arguments_are_checked(void** state) {
+static void arguments_are_checked(void** state) {
     ty_context* context = *state;
     const ty_sky_def good = ty_default_sky_def();
     ty_sky_def def;
-    assert_int_equal(ty_sky_image(context, &good, NULL, NULL), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_sky_create_image(context, &good, NULL, NULL), TY_ERROR_ARGUMENT);
     refuse(context, NULL, "ty_default_sky_def");
     memset(&def, 0, sizeof def);
     refuse(context, &def, "ty_default_sky_def");
@@ -284,17 +284,17 @@ static void test_arguments_are_checked(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_threads_do_not_matter),
-        cmocka_unit_test(test_finite_everywhere),
-        cmocka_unit_test(test_brightest_around_the_sun),
-        cmocka_unit_test(test_up_axes_agree),
-        cmocka_unit_test(test_symmetric_about_the_sun),
-        cmocka_unit_test(test_colours),
-        cmocka_unit_test(test_sun_irradiance),
-        cmocka_unit_test(test_light_adds_up),
-        cmocka_unit_test(test_ground),
-        cmocka_unit_test(test_solar_scales_and_haze_dims),
-        cmocka_unit_test(test_arguments_are_checked),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(radiance_is_finite_everywhere),
+        cmocka_unit_test(the_sky_is_brightest_around_the_sun),
+        cmocka_unit_test(up_axes_agree),
+        cmocka_unit_test(the_sky_is_symmetric_about_the_sun),
+        cmocka_unit_test(colours_are_those_of_the_day),
+        cmocka_unit_test(the_sun_has_its_irradiance),
+        cmocka_unit_test(light_adds_up),
+        cmocka_unit_test(the_ground_reflects_the_sky),
+        cmocka_unit_test(solar_scales_and_haze_dims),
+        cmocka_unit_test(arguments_are_checked),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -1,6 +1,6 @@
 /* Flux limiters against their definitions in double precision, and their limits. */
-#include "solve/diffusion.h"
-#include "solve/limiter.k.h"
+#include "solve/diffusion/diffusion.h"
+#include "solve/diffusion/limiter.k.h"
 
 #include "checks.h"
 

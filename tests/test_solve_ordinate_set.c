@@ -1,8 +1,8 @@
 /* Sets of directions, and harmonics at them. */
 #include "checks.h"
-#include "solve/harmonics.h"
-#include "solve/ordinate_table.h"
-#include "solve/ordinates.h"
+#include "solve/angular/harmonics.h"
+#include "solve/angular/quadrature_table.h"
+#include "solve/ordinates/ordinates.h"
 
 #include "base/sh.k.h"
 
@@ -39,16 +39,16 @@ static void harmonics_of_every_band_add_up(void** state) {
     }
 }
 
-static ty_ordinate_set* make_set(void* context, int32_t count, int32_t* exact) {
-    ty_ordinate_set* set = malloc(sizeof *set);
-    assert_int_equal(ty_ordinate_set_make(context, count, set, exact), TY_OK);
+static ty_angular_quadrature* make_set(void* context, int32_t count, int32_t* exact) {
+    ty_angular_quadrature* set = malloc(sizeof *set);
+    assert_int_equal(ty_angular_quadrature_create(context, count, set, exact), TY_OK);
     return set;
 }
 
 static void directions_are_mirrored(void** state) {
     for (int32_t count = 8; count <= 1024; count = count * 5 / 4) {
         int32_t exact = 0;
-        ty_ordinate_set* set = make_set(*state, count, &exact);
+        ty_angular_quadrature* set = make_set(*state, count, &exact);
         const int32_t each = set->count / 8;
         assert_int_equal(set->first[8], set->count);
         for (int32_t d = 0; d < set->count; ++d) {
@@ -75,7 +75,7 @@ static void sums_are_exact(void** state) {
     int32_t before = 0;
     for (int32_t count = 8; count <= 1024; ++count) {
         int32_t exact = 0;
-        ty_ordinate_set* set = make_set(*state, count, &exact);
+        ty_angular_quadrature* set = make_set(*state, count, &exact);
         if (set->count == before) {
             free(set);
             continue;
@@ -105,7 +105,7 @@ static void sums_are_exact(void** state) {
 /* As much of even light as should flows through a plane across each axis. */
 static void light_flows_through_planes(void** state) {
     for (int32_t count = 24; count <= 1024; count = count * 5 / 4) {
-        ty_ordinate_set* set = make_set(*state, count, NULL);
+        ty_angular_quadrature* set = make_set(*state, count, NULL);
         double flow[3] = {0};
         for (int32_t d = 0; d < set->first[1]; ++d)
             for (int a = 0; a < 3; ++a) flow[a] += 4 * (double)(set->weight[d] * set->direction[a][d]);
@@ -118,15 +118,15 @@ static void sets_are_about_as_large_as_asked_for(void** state) {
     static const int32_t counts[][3] = {{24, 24, 3}, {48, 48, 7}, {96, 96, 11}, {168, 168, 15}, {224, 224, 19}};
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
         int32_t exact = 0;
-        ty_ordinate_set* set = make_set(*state, counts[i][0], &exact);
+        ty_angular_quadrature* set = make_set(*state, counts[i][0], &exact);
         assert_int_equal(set->count, counts[i][1]);
         assert_int_equal(exact, counts[i][2]);
         free(set);
     }
-    ty_ordinate_set* set = malloc(sizeof *set);
-    assert_int_equal(ty_ordinate_set_make(*state, 7, set, NULL), TY_ERROR_ARGUMENT);
+    ty_angular_quadrature* set = malloc(sizeof *set);
+    assert_int_equal(ty_angular_quadrature_create(*state, 7, set, NULL), TY_ERROR_ARGUMENT);
     assert_error(*state, "7 ordinates");
-    assert_int_equal(ty_ordinate_set_make(*state, 1025, set, NULL), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_angular_quadrature_create(*state, 1025, set, NULL), TY_ERROR_ARGUMENT);
     free(set);
 }
 

@@ -1,16 +1,16 @@
 /* Discrete ordinates solved: with and without acceleration, against what is known of even, thick and empty media. */
 #include "checks.h"
 
-#include "solve/diffusion.h"
-#include "solve/ordinates.h"
+#include "solve/diffusion/diffusion.h"
+#include "solve/ordinates/ordinates.h"
 
 #include <stdio.h>
 
 #define Y_0 0.28209479177387814 /* 1 / sqrt(4 pi) */
 
-enum { TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
+enum { TERMS_MAX = TY_SCATTERING_ORDER_MAX * TY_SCATTERING_ORDER_MAX };
 
-static ty_ordinate_set directions; /* of the problem at hand */
+static ty_angular_quadrature directions; /* of the problem at hand */
 
 typedef struct problem {
     ty_ordinates_def def;
@@ -30,7 +30,7 @@ static float* make_floats(size_t count) {
 /* A box whose x axis is 1 m long, cells cubes; an even medium without absorption, dark. */
 static problem make_problem(ty_context* context, const int32_t size[3], int32_t bands, double extinction, double g) {
     problem p = {.def = ty_default_ordinates_def(), .cells = 1};
-    assert_int_equal(ty_ordinate_set_make(context, 48, &directions, NULL), TY_OK);
+    assert_int_equal(ty_angular_quadrature_create(context, 48, &directions, NULL), TY_OK);
     for (int axis = 0; axis < 3; ++axis) {
         p.def.size[axis] = size[axis];
         p.def.cell[axis] = 1.0 / size[0];
@@ -46,7 +46,7 @@ static problem make_problem(ty_context* context, const int32_t size[3], int32_t 
     for (int t = 0; t < TERMS_MAX; ++t) p.moments[t] = make_floats(p.cells);
     for (int t = 0; t < bands * bands; ++t) p.sources[t] = p.source[t] = make_floats(p.cells);
     p.def.set = &directions;
-    p.def.bands = p.def.kept = bands;
+    p.def.bands = p.def.output_order = bands;
     p.def.extinction = p.extinction;
     p.def.scattering = p.scattering;
     p.def.g = p.g;
@@ -77,9 +77,9 @@ static problem make_cube(ty_context* context, int32_t n, int32_t bands, double e
 static void solve(ty_context* context, problem* p) {
     point(p);
     if (ty_ordinates_solve(context, &p->def, p->moments, NULL, 0, &p->stats) != TY_OK)
-        fail_msg("%s", ty_last_error(context));
+        fail_msg("%s", ty_take_error(context));
     if (!p->stats.converged) fail_msg("%g is left after %d sweeps", p->stats.change, (int)p->stats.sweeps);
-    for (int t = 0; t < p->def.kept * p->def.kept; ++t)
+    for (int t = 0; t < p->def.output_order * p->def.output_order; ++t)
         for (size_t i = 0; i < p->cells; ++i) assert_true(isfinite(p->moments[t][i]));
 }
 
@@ -322,7 +322,7 @@ static void more_moments_can_be_kept(void** state) {
     few.def.tolerance = many.def.tolerance = 1e-5;
     fill_problem(&few, fill_beam);
     fill_problem(&many, fill_beam);
-    many.def.kept = 5;
+    many.def.output_order = 5;
     solve(*state, &few);
     solve(*state, &many);
     assert_int_equal(many.stats.sweeps, few.stats.sweeps + 1);
@@ -359,13 +359,13 @@ static double off_inverse_square(const problem* p) {
 
 /* Few directions leave a lamp in vacuum as rays; more of them in a last sweep are as good as more all along. */
 static void a_last_sweep_of_more_directions_shows_no_rays(void** state) {
-    static ty_ordinate_set more;
+    static ty_angular_quadrature more;
     double off[2];
-    assert_int_equal(ty_ordinate_set_make(*state, 400, &more, NULL), TY_OK);
+    assert_int_equal(ty_angular_quadrature_create(*state, 400, &more, NULL), TY_OK);
     for (int i = 0; i < 2; ++i) {
         problem p = make_cube(*state, 21, 1, 0.01, 0);
         fill_problem(&p, fill_lamp);
-        if (i == 1) p.def.last = &more;
+        if (i == 1) p.def.final_set = &more;
         solve(*state, &p);
         assert_energy(&p);
         off[i] = off_inverse_square(&p);
@@ -451,8 +451,8 @@ static void broken_defs_are_refused(void** state) {
         {offsetof(ty_ordinates_def, cell), FIELD_DOUBLE, NAN, "cell[0]"},
         {offsetof(ty_ordinates_def, bands), FIELD_INT, 0, "bands"},
         {offsetof(ty_ordinates_def, bands), FIELD_INT, 13, "bands"},
-        {offsetof(ty_ordinates_def, kept), FIELD_INT, 1, "kept"},
-        {offsetof(ty_ordinates_def, kept), FIELD_INT, 13, "kept"},
+        {offsetof(ty_ordinates_def, output_order), FIELD_INT, 1, "output_order"},
+        {offsetof(ty_ordinates_def, output_order), FIELD_INT, 13, "output_order"},
         {offsetof(ty_ordinates_def, source_terms), FIELD_INT, 2, "source_terms"},
         {offsetof(ty_ordinates_def, tolerance), FIELD_DOUBLE, 0, "tolerance"},
         {offsetof(ty_ordinates_def, tolerance), FIELD_DOUBLE, 1, "tolerance"},
@@ -475,14 +475,14 @@ static void broken_defs_are_refused(void** state) {
         assert_int_equal(ty_ordinates_solve(*state, &def, p.moments, NULL, 0, NULL), TY_ERROR_ARGUMENT);
         assert_error(*state, "ordinates: ");
     }
-    static const ty_ordinate_set none;
+    static const ty_angular_quadrature none;
     const float inflow[TY_ORDINATES_MAX] = {1};
     for (int i = 0; i < 2; ++i) {
         ty_ordinates_def def = p.def;
-        def.last = i == 0 ? &none : def.set;
-        if (i == 1) def.inflow = inflow;
+        def.final_set = i == 0 ? &none : def.set;
+        if (i == 1) def.boundary_radiance = inflow;
         assert_int_equal(ty_ordinates_solve(*state, &def, p.moments, NULL, 0, NULL), TY_ERROR_ARGUMENT);
-        assert_error(*state, "ordinates: last");
+        assert_error(*state, "ordinates: final_set");
     }
     free_problem(&p);
 }

@@ -2,7 +2,7 @@
 #include "checks.h"
 #include "base/context.h"
 #include "base/isa.h"
-#include "solve/sweep_kernel.h"
+#include "solve/ordinates/sweep.h"
 
 #define PI 3.141592653589793
 
@@ -49,20 +49,11 @@ static lit_box* make_random_box(int32_t nx, int32_t ny, int32_t nz, int32_t band
     return box;
 }
 
-static const ty_sweep_kernels* kernels_of(int isa) {
-#if TY_ISA_X86
-    static const ty_sweep_kernels* const kernels[] = {&ty_sweep_kernels_v1, &ty_sweep_kernels_v3, &ty_sweep_kernels_v4};
-    return kernels[isa];
-#else
-    (void)isa;
-    return &ty_sweep_kernels_v1;
-#endif
-}
-
-static void sweep_box_with(void* context, const ty_sweep_kernels* kernels, const ty_ordinate_set* set, lit_box* box) {
+static void sweep_box_with(void* context, ty_isa isa, const ty_angular_quadrature* set, lit_box* box) {
     ty_sweep* sweep = NULL;
-    assert_int_equal(
-        ty_sweep_create_with(context, kernels, box->size, box->cell, set, box->bands, box->extinction, &sweep), TY_OK);
+    ty_force_isa(isa);
+    assert_int_equal(ty_sweep_create(context, box->size, box->cell, set, box->bands, box->extinction, &sweep), TY_OK);
+    ty_force_isa(TY_ISA_COUNT);
     assert_true(ty_sweep_bytes(sweep) > 0);
     for (int twice = 0; twice < 2; ++twice)
         assert_int_equal(ty_sweep_run(sweep, box->emission, box->moments, &box->leaving, &box->fixed), TY_OK);
@@ -70,17 +61,17 @@ static void sweep_box_with(void* context, const ty_sweep_kernels* kernels, const
 }
 
 static void sweep_box(void* context, int32_t directions, lit_box* box) {
-    ty_ordinate_set* set = malloc(sizeof *set);
-    assert_int_equal(ty_ordinate_set_make(context, directions, set, NULL), TY_OK);
-    sweep_box_with(context, kernels_of((int)ty_best_isa()), set, box);
+    ty_angular_quadrature* set = malloc(sizeof *set);
+    assert_int_equal(ty_angular_quadrature_create(context, directions, set, NULL), TY_OK);
+    sweep_box_with(context, TY_ISA_COUNT, set, box);
     free(set);
 }
 
 /* ---- one direction ---- */
 
 /* Directions almost along x, eight of them. */
-static ty_ordinate_set* make_beam(void) {
-    ty_ordinate_set* set = calloc(1, sizeof *set);
+static ty_angular_quadrature* make_beam(void) {
+    ty_angular_quadrature* set = calloc(1, sizeof *set);
     set->count = 8;
     for (int o = 0; o < 8; ++o) {
         set->first[o + 1] = o + 1;
@@ -103,8 +94,8 @@ static lit_box* make_rod(int32_t count) {
 static double attenuate(void* context, int32_t count, double (*extinction)(double x)) {
     lit_box* rod = make_rod(count);
     for (int32_t i = 1; i <= count; ++i) rod->extinction[i] = (float)extinction((i - 0.5) / count);
-    ty_ordinate_set* beam = make_beam();
-    sweep_box_with(context, kernels_of((int)ty_best_isa()), beam, rod);
+    ty_angular_quadrature* beam = make_beam();
+    sweep_box_with(context, TY_ISA_COUNT, beam, rod);
     /* Of the emission's first harmonic and of the moments': both cancel. Half of the directions bring light here. */
     const double in = 0.5 / count;
     double depth = 0, worst = 0;
@@ -236,13 +227,13 @@ static void threads_do_not_matter(void** state) {
 }
 
 static void instruction_sets_agree(void** state) {
-    ty_ordinate_set* set = malloc(sizeof *set);
-    assert_int_equal(ty_ordinate_set_make(*state, 168, set, NULL), TY_OK);
-    for (int32_t bands = 1; bands <= TY_ORDINATE_BANDS_MAX; bands += bands < 5 ? 1 : 7) {
+    ty_angular_quadrature* set = malloc(sizeof *set);
+    assert_int_equal(ty_angular_quadrature_create(*state, 168, set, NULL), TY_OK);
+    for (int32_t bands = 1; bands <= TY_SCATTERING_ORDER_MAX; bands += bands < 5 ? 1 : 7) {
         lit_box *box = make_random_box(11, 9, 10, bands), *other = make_random_box(11, 9, 10, bands);
-        sweep_box_with(*state, kernels_of(0), set, box);
+        sweep_box_with(*state, TY_ISA_V1, set, box);
         for (int isa = 1; isa <= (int)ty_best_isa(); ++isa) {
-            sweep_box_with(*state, kernels_of(isa), set, other);
+            sweep_box_with(*state, (ty_isa)isa, set, other);
             assert_close(other->leaving, box->leaving, 1e-6 * box->leaving);
             for (ptrdiff_t i = 0; i < cells_of(box); ++i)
                 for (int32_t t = 0; t < bands * bands; ++t) {
@@ -259,16 +250,16 @@ static void instruction_sets_agree(void** state) {
 
 /* The same light from all around fills an empty box, and leaves it. */
 static void light_comes_in_through_faces(void** state) {
-    ty_ordinate_set* set = malloc(sizeof *set);
+    ty_angular_quadrature* set = malloc(sizeof *set);
     float radiance[TY_ORDINATES_MAX];
-    assert_int_equal(ty_ordinate_set_make(*state, 48, set, NULL), TY_OK);
+    assert_int_equal(ty_angular_quadrature_create(*state, 48, set, NULL), TY_OK);
     for (int32_t d = 0; d < set->count; ++d) radiance[d] = 2;
     lit_box* box = make_box(5, 11, 9, 1);
     memset(box->extinction, 0, sizeof(float) * (size_t)cells_of(box));
     memset(box->emission, 0, sizeof(float) * (size_t)cells_of(box));
     ty_sweep* sweep = NULL;
     assert_int_equal(ty_sweep_create(*state, box->size, box->cell, set, 1, box->extinction, &sweep), TY_OK);
-    ty_sweep_let_in(sweep, radiance);
+    ty_sweep_set_boundary_radiance(sweep, radiance);
     assert_int_equal(ty_sweep_run(sweep, box->emission, box->moments, &box->leaving, NULL), TY_OK);
     for (ptrdiff_t i = 0; i < cells_of(box); ++i) assert_close(sqrt(4 * PI) * (double)box->moments[i], 8 * PI, 1e-4);
     double through = 0; /* W: radiance 2 through one face of each axis */
@@ -279,7 +270,7 @@ static void light_comes_in_through_faces(void** state) {
                        box->cell[c] * box->size[c];
         }
     assert_close(box->leaving / through, 1, 1e-5);
-    ty_sweep_let_in(sweep, NULL);
+    ty_sweep_set_boundary_radiance(sweep, NULL);
     assert_int_equal(ty_sweep_run(sweep, box->emission, box->moments, &box->leaving, NULL), TY_OK);
     assert_true(box->leaving == 0);
     ty_sweep_destroy(sweep);

@@ -1,7 +1,7 @@
 /* Thick cells of discrete ordinates: what half-spaces and slabs are known to send back and let through, clouds in
  * vacuum of any thickness, and light that is the same everywhere. */
 #include "checks.h"
-#include "solve/ordinates_job.h"
+#include "solve/ordinates/job.h"
 
 #include <string.h>
 
@@ -12,7 +12,7 @@ enum { TERMS = 16 };
 
 typedef struct thick_box {
     ty_ordinates_def def;
-    ty_ordinate_set set;
+    ty_angular_quadrature set;
     ty_ordinates_stats stats;
     size_t cells;
     float *extinction, *scattering, *g, *source[TERMS], *moments[TERMS];
@@ -32,7 +32,7 @@ static thick_box* make_box(void* context, int32_t nx, int32_t ny, int32_t nz, in
     thick_box* box = calloc(1, sizeof *box);
     box->def = ty_default_ordinates_def();
     box->cells = (size_t)nx * (size_t)ny * (size_t)nz;
-    assert_int_equal(ty_ordinate_set_make(context, 96, &box->set, NULL), TY_OK);
+    assert_int_equal(ty_angular_quadrature_create(context, 96, &box->set, NULL), TY_OK);
     const int32_t size[3] = {nx, ny, nz};
     for (int a = 0; a < 3; ++a) {
         box->def.size[a] = size[a];
@@ -41,7 +41,7 @@ static thick_box* make_box(void* context, int32_t nx, int32_t ny, int32_t nz, in
     box->def.extinction = box->extinction = make_floats(box->cells);
     box->def.scattering = box->scattering = make_floats(box->cells);
     box->def.g = box->g = make_floats(box->cells);
-    box->def.bands = box->def.kept = bands;
+    box->def.bands = box->def.output_order = bands;
     box->def.source_terms = bands * bands;
     for (int t = 0; t < TERMS; ++t) {
         box->sources[t] = box->source[t] = make_floats(box->cells);
@@ -66,9 +66,9 @@ static void free_box(thick_box* box) {
 
 static void solve(void* context, thick_box* box) {
     if (ty_ordinates_solve(context, &box->def, box->moments, NULL, 0, &box->stats) != TY_OK)
-        fail_msg("%s", ty_last_error(context));
+        fail_msg("%s", ty_take_error(context));
     if (!box->stats.converged) fail_msg("%g is left after %d sweeps", box->stats.change, (int)box->stats.sweeps);
-    for (int32_t t = 0; t < box->def.kept * box->def.kept; ++t)
+    for (int32_t t = 0; t < box->def.output_order * box->def.output_order; ++t)
         for (size_t i = 0; i < box->cells; ++i) assert_true(isfinite(box->moments[t][i]));
     const ty_ordinates_stats* s = &box->stats;
     const double in = s->emitted + s->walls_emitted + s->entering;
@@ -105,7 +105,7 @@ static thick_box* make_column(void* context, int32_t count, int32_t bands) {
         box->first[z + 1] = side;
     }
     box->def.walls =
-        (ty_ordinates_walls){side, box->first, box->x, box->face, box->albedo, box->emission, box->arrived};
+        (ty_ordinates_faces){side, box->first, box->x, box->face, box->albedo, box->emission, box->arrived};
     return box;
 }
 
@@ -120,7 +120,7 @@ static void slabs_let_through_what_they_should(void** state) {
         thick_box* box = make_column(*state, 32, slabs[i].bands);
         fill_even(box, slabs[i].thickness, 1, slabs[i].g);
         for (int32_t d = 0; d < box->set.count; ++d) box->inflow[d] = box->set.direction[2][d] > 0 ? 1 : 0;
-        box->def.inflow = box->inflow;
+        box->def.boundary_radiance = box->inflow;
         box->def.tolerance = 2e-5;
         box->def.sweeps = 400;
         solve(*state, box);
@@ -182,7 +182,7 @@ static void half_spaces_reflect_as_they_should(void** state) {
                 const double edge = box->def.cell[2], depth = 640 * edge * (double)c;
                 box->source[0][c] = (float)(albedos[i] * exp(-depth) * -expm1(-640 * edge) / (edge * SQRT_4PI));
             }
-            float* seen = box->def.seen = make_floats(6 * box->cells);
+            float* seen = box->def.face_fluence = make_floats(6 * box->cells);
             solve(*state, box);
             const double leaving = box->stats.leaving / (box->def.cell[0] * box->def.cell[1]);
             const double expected = 1 - sqrt(1 - albedos[i]) * h[ANGLES - 1];
@@ -239,7 +239,7 @@ static void even_light_stays_even(void** state) {
         box->source[0][c] = 0;
     }
     for (int32_t d = 0; d < box->set.count; ++d) box->inflow[d] = 1;
-    box->def.inflow = box->inflow;
+    box->def.boundary_radiance = box->inflow;
     box->def.tolerance = 1e-4;
     solve(*state, box);
     for (size_t c = 0; c < box->cells; ++c) assert_close((double)box->moments[0][c] / SQRT_4PI, 1, 5e-3);
@@ -307,8 +307,8 @@ static void moments_are_those_of_diffusion(void** state) {
     thick_box* box = make_column(*state, 32, 2);
     fill_even(box, 1000, 1, 0);
     for (int32_t d = 0; d < box->set.count; ++d) box->inflow[d] = box->set.direction[2][d] > 0 ? 1 : 0;
-    box->def.inflow = box->inflow;
-    box->def.kept = 4;
+    box->def.boundary_radiance = box->inflow;
+    box->def.output_order = 4;
     box->def.tolerance = 5e-5;
     solve(*state, box);
     const double through = box->stats.walls_absorbed / (box->def.cell[0] * box->def.cell[1]);

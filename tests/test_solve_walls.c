@@ -1,7 +1,7 @@
 /* Walls of discrete ordinates: sweeps between them, and light that they send to and fro. */
 #include "checks.h"
 #include "base/context.h"
-#include "solve/ordinates_job.h"
+#include "solve/ordinates/job.h"
 
 #include <string.h>
 
@@ -18,7 +18,7 @@ typedef struct walled_box {
     int32_t count, *first, *x;
     uint8_t* face;
     float *albedo, *emission, *arrived;
-    ty_ordinate_set set;
+    ty_angular_quadrature set;
 } walled_box;
 
 static walled_box* make_box(void* context, int32_t nx, int32_t ny, int32_t nz) {
@@ -30,7 +30,7 @@ static walled_box* make_box(void* context, int32_t nx, int32_t ny, int32_t nz) {
     box->g = calloc(cells, sizeof(float));
     box->source = calloc(cells, sizeof(float));
     box->closed = calloc(cells, 1);
-    assert_int_equal(ty_ordinate_set_make(context, 96, &box->set, NULL), TY_OK);
+    assert_int_equal(ty_angular_quadrature_create(context, 96, &box->set, NULL), TY_OK);
     return box;
 }
 
@@ -95,13 +95,13 @@ static ty_ordinates_def def_of(const walled_box* box) {
     memcpy(def.size, box->size, sizeof def.size);
     memcpy(def.cell, box->cell, sizeof def.cell);
     def.set = &box->set;
-    def.bands = def.kept = 1;
+    def.bands = def.output_order = 1;
     def.extinction = box->extinction;
     def.scattering = box->scattering;
     def.g = box->g;
     def.source = source;
     def.walls =
-        (ty_ordinates_walls){box->count, box->first, box->x, box->face, box->albedo, box->emission, box->arrived};
+        (ty_ordinates_faces){box->count, box->first, box->x, box->face, box->albedo, box->emission, box->arrived};
     return def;
 }
 

@@ -7,7 +7,7 @@
 
 static ty_texture* make_texture(ty_context* context, const ty_texture_def* def) {
     ty_texture* texture = NULL;
-    if (ty_texture_create(context, def, &texture) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_texture_create(context, def, &texture) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_non_null(texture);
     return texture;
 }
@@ -64,7 +64,7 @@ static void codes_are_decoded(void** state) {
         assert_close(rgba[2], 0.5028864, 1e-6);
         assert_close(rgba[3], i / 255.0, 1e-6);
     }
-    ty_texture_destroy(texture);
+    ty_texture_release(texture);
 }
 
 /* Between centres, colour is linear in linear light. */
@@ -86,7 +86,7 @@ static void values_between_centres_are_bilinear(void** state) {
         assert_close(rgba[2], x * y, 1e-5);
         assert_close(rgba[3], x * (1 - y) + (1 - x) * y + 0.2 * x * y, 1e-5);
     }
-    ty_texture_destroy(texture);
+    ty_texture_release(texture);
 }
 
 /* The texel that a coordinate's texel number stands for. */
@@ -111,8 +111,8 @@ static void coordinates_wrap(void** state) {
             assert_close(red_at(smooth, u, 0.5), low + (x - 0.5 - (double)left) * (high - low), 1e-5);
             assert_close(red_at(smooth, u, -3.7), red_at(smooth, u, 8.1), 0);
         }
-        ty_texture_destroy(sharp);
-        ty_texture_destroy(smooth);
+        ty_texture_release(sharp);
+        ty_texture_release(smooth);
     }
 }
 
@@ -148,9 +148,9 @@ static void far_coordinates_wrap(void** state) {
                     assert_true(value >= low - 1e-6 && value <= high + 1e-6);
                 }
         }
-        ty_texture_destroy(repeat);
-        ty_texture_destroy(clamp);
-        ty_texture_destroy(mirror);
+        ty_texture_release(repeat);
+        ty_texture_release(clamp);
+        ty_texture_release(mirror);
     }
 }
 
@@ -187,7 +187,7 @@ static void images_become_textures(void** state) {
         assert_close(rgba[2], 0.2 + 1.5 * i, 1e-5);
         assert_close(rgba[3], alpha[i], 1e-6);
     }
-    ty_texture_destroy(texture);
+    ty_texture_release(texture);
 }
 
 static void one_channel_is_gray(void** state) {
@@ -202,7 +202,7 @@ static void one_channel_is_gray(void** state) {
     for (int c = 0; c < 3; ++c) assert_close(rgba[c], 2.5, 0);
     assert_close(rgba[3], 1, 0);
     ty_image_destroy(image);
-    ty_texture_destroy(texture);
+    ty_texture_release(texture);
 }
 
 static void textures_are_shared(void** state) {
@@ -210,10 +210,10 @@ static void textures_are_shared(void** state) {
     ty_texture* texture = make_row(*state, codes, 2, TY_WRAP_REPEAT, true);
     assert_ptr_equal(ty_texture_retain(texture), texture);
     assert_null(ty_texture_retain(NULL));
-    ty_texture_destroy(texture);
+    ty_texture_release(texture);
     assert_close(red_at(texture, 0.5, 0.5), 1, 1e-6);
-    ty_texture_destroy(texture);
-    ty_texture_destroy(NULL);
+    ty_texture_release(texture);
+    ty_texture_release(NULL);
 }
 
 #define TEXTURE(field, value, words)                                                                                   \
@@ -241,7 +241,7 @@ static void wrong_defs_are_refused(void** state) {
         assert_error(*state, bad[i].words);
     }
     assert_int_equal(ty_texture_create(*state, NULL, &texture), TY_ERROR_ARGUMENT);
-    ty_clear_error(*state);
+    ty_take_error(*state);
     def = ty_default_texture_def();
     assert_int_equal(ty_texture_create(*state, &def, &texture), TY_ERROR_ARGUMENT);
     assert_error(*state, "one of rgba8 and image");

@@ -59,16 +59,16 @@ static ty_ray* make_rays(void) {
     return rays;
 }
 
-static void check_hit(const ty_mesh* mesh, const ty_ray* ray, const ty_ray_hit* hit, double tolerance) {
+static void check_hit(const ty_accel* mesh, const ty_ray* ray, const ty_ray_hit* hit, double tolerance) {
     ty_hit expected = {.surface = -1};
-    if (!ty_mesh_intersect(mesh, ty_vec_load(ray->origin), ty_vec_load(ray->direction), ray->far, &expected)) {
+    if (!ty_accel_intersect(mesh, ty_vec_load(ray->origin), ty_vec_load(ray->direction), ray->far, &expected)) {
         assert_int_equal(hit->surface, -1);
         assert_true(hit->distance == ray->far);
         assert_true(hit->part == 0 && hit->margin == 0);
         return;
     }
     assert_int_equal(hit->surface, expected.surface);
-    assert_int_equal(hit->part, expected.part);
+    assert_int_equal(hit->part, expected.primitive_id);
     assert_close(hit->distance, expected.distance, tolerance);
     assert_vec_close(ty_vec_load(hit->position), expected.position, tolerance);
     assert_vec_close(ty_vec_load(hit->normal), expected.normal, tolerance);
@@ -79,15 +79,15 @@ static void check_hit(const ty_mesh* mesh, const ty_ray* ray, const ty_ray_hit* 
 
 static void many_rays_meet_what_single_rays_meet(void** state) {
     ty_scene* scene = furnished_scene(*state);
-    const ty_mesh* mesh = ty_scene_get_view(scene)->mesh;
+    const ty_accel* mesh = ty_scene_get_view(scene)->mesh;
     ty_ray* rays = make_rays();
     ty_ray_hit* hits = malloc(RAYS * sizeof *hits);
     bool* shadowed = malloc(RAYS);
     assert_true(hits != NULL && shadowed != NULL);
     for (int coherent = 0; coherent < 2; ++coherent) {
         int met[5] = {0};
-        assert_int_equal(ty_scene_trace(scene, rays, RAYS, coherent, hits), TY_OK);
-        assert_int_equal(ty_scene_trace_shadows(scene, rays, RAYS, coherent, shadowed), TY_OK);
+        assert_int_equal(ty_scene_trace(scene, rays, RAYS, (ty_ray_order)coherent, hits), TY_OK);
+        assert_int_equal(ty_scene_trace_shadows(scene, rays, RAYS, (ty_ray_order)coherent, shadowed), TY_OK);
         for (int i = 0; i < RAYS; ++i) {
             check_hit(mesh, &rays[i], &hits[i], coherent ? 2e-5 : 0);
             assert_int_equal(shadowed[i], hits[i].surface >= 0);
@@ -106,14 +106,14 @@ static void no_rays_and_no_surfaces(void** state) {
     ty_ray ray = {.direction = {0, 0, 1}, .far = 3};
     ty_ray_hit hit = {.surface = 7};
     bool shadowed = true;
-    assert_int_equal(ty_scene_trace(scene, &ray, 1, true, &hit), TY_ERROR_ARGUMENT); /* not committed */
+    assert_int_equal(ty_scene_trace(scene, &ray, 1, TY_RAYS_COHERENT, &hit), TY_ERROR_ARGUMENT); /* not committed */
     assert_int_equal(ty_scene_commit(scene), TY_OK);
-    assert_int_equal(ty_scene_trace(scene, &ray, -1, true, &hit), TY_ERROR_ARGUMENT);
-    assert_int_equal(ty_scene_trace_shadows(scene, &ray, -1, true, &shadowed), TY_ERROR_ARGUMENT);
-    assert_int_equal(ty_scene_trace(scene, NULL, 0, true, NULL), TY_OK);
+    assert_int_equal(ty_scene_trace(scene, &ray, -1, TY_RAYS_COHERENT, &hit), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_scene_trace_shadows(scene, &ray, -1, TY_RAYS_COHERENT, &shadowed), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_scene_trace(scene, NULL, 0, TY_RAYS_COHERENT, NULL), TY_OK);
     assert_int_equal(hit.surface, 7);
-    assert_int_equal(ty_scene_trace(scene, &ray, 1, true, &hit), TY_OK);
-    assert_int_equal(ty_scene_trace_shadows(scene, &ray, 1, false, &shadowed), TY_OK);
+    assert_int_equal(ty_scene_trace(scene, &ray, 1, TY_RAYS_COHERENT, &hit), TY_OK);
+    assert_int_equal(ty_scene_trace_shadows(scene, &ray, 1, TY_RAYS_INCOHERENT, &shadowed), TY_OK);
     assert_int_equal(hit.surface, -1);
     assert_true(hit.distance == 3);
     assert_false(shadowed);

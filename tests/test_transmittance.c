@@ -258,7 +258,7 @@ static void grids_that_fill_a_box(void** state) {
         medium.density_grid = cloud(*state, (ty_grid_type)type, false);
         set_sigmas(&medium, type == TY_GRID_F16);
         check_grid(*state, &medium);
-        ty_grid_destroy(medium.density_grid);
+        ty_grid_release(medium.density_grid);
     }
 }
 
@@ -271,7 +271,7 @@ static void grids_with_a_place(void** state) {
         medium.density_grid = cloud(*state, TY_GRID_F32, true);
         set_sigmas(&medium, i == 1);
         check_grid(*state, &medium);
-        ty_grid_destroy(medium.density_grid);
+        ty_grid_release(medium.density_grid);
     }
 }
 
@@ -293,7 +293,7 @@ static void constant_grids_are_exact_within(void** state) {
     transmit(scene, &s, 1, 0, found);
     assert_close(found[0], exp(-3), 1e-6);
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void wrong_arguments_are_refused(void** state) {

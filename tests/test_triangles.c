@@ -12,8 +12,8 @@ static const double moved[3] = {0.3, -0.2, 0.1}, turned[3] = {30, -50, 110};
 
 static ty_scene* mesh_scene(ty_context* context, const ty_mesh_def* def) {
     ty_scene* scene = make_scene(context);
-    if (ty_scene_add_mesh(scene, def) != TY_OK) fail_msg("%s", ty_last_error(context));
-    if (ty_scene_commit(scene) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_scene_add_mesh(scene, def) != TY_OK) fail_msg("%s", ty_take_error(context));
+    if (ty_scene_commit(scene) != TY_OK) fail_msg("%s", ty_take_error(context));
     return scene;
 }
 
@@ -69,7 +69,7 @@ static void check_triangle(ty_context* context, const ty_affine* map) {
     ty_mesh_def def = made_def(&mesh);
     def.transform = *map;
     ty_scene* scene = mesh_scene(context, &def);
-    const ty_mesh* traced = ty_scene_get_view(scene)->mesh;
+    const ty_accel* traced = ty_scene_get_view(scene)->mesh;
     const bool mirrored = map->m[0] * (map->m[5] * map->m[10] - map->m[6] * map->m[9]) -
                               map->m[1] * (map->m[4] * map->m[10] - map->m[6] * map->m[8]) +
                               map->m[2] * (map->m[4] * map->m[9] - map->m[5] * map->m[8]) <
@@ -85,8 +85,8 @@ static void check_triangle(ty_context* context, const ty_affine* map) {
         if (fabs(slack) < 1e-4 || fabs(distance) < 1e-4) continue;
         ty_hit hit;
         const bool expected = slack > 0 && distance > 0;
-        assert_int_equal(ty_mesh_intersect(traced, origin, way, TY_FLOAT_MAX, &hit), expected);
-        assert_int_equal(ty_mesh_occluded(traced, origin, way, TY_FLOAT_MAX), expected);
+        assert_int_equal(ty_accel_intersect(traced, origin, way, TY_FLOAT_MAX, &hit), expected);
+        assert_int_equal(ty_accel_occluded(traced, origin, way, TY_FLOAT_MAX), expected);
         if (!expected) continue;
         ++hits;
         assert_close(hit.distance, distance, 1e-4);
@@ -94,8 +94,8 @@ static void check_triangle(ty_context* context, const ty_affine* map) {
         /* Mirrored triangles have their second and third corner swapped. */
         assert_close(hit.b1, weight[mirrored ? 2 : 1], 2e-4);
         assert_close(hit.b2, weight[mirrored ? 1 : 2], 2e-4);
-        assert_false(ty_mesh_occluded(traced, origin, way, hit.distance * 0.999f));
-        assert_true(ty_mesh_occluded(traced, origin, way, hit.distance * 1.001f));
+        assert_false(ty_accel_occluded(traced, origin, way, hit.distance * 0.999f));
+        assert_true(ty_accel_occluded(traced, origin, way, hit.distance * 1.001f));
     }
     assert_true(hits > 200);
     ty_scene_destroy(scene);
@@ -126,7 +126,7 @@ static void fronts_stay_outside(void** state) {
         ty_affine inverse;
         assert_true(ty_affine_invert(&def.transform, &inverse));
         ty_scene* scene = mesh_scene(*state, &def);
-        const ty_mesh* traced = ty_scene_get_view(scene)->mesh;
+        const ty_accel* traced = ty_scene_get_view(scene)->mesh;
         uint64_t random = 8;
         for (int i = 0; i < 2000; ++i) {
             const bool within = i % 2 == 1;
@@ -134,7 +134,7 @@ static void fronts_stay_outside(void** state) {
             ty_hit hit;
             random_ray(&random, &origin, &way);
             if (within) origin = ty_vec_make(0.3f, -0.2f, 0.1f);
-            if (!ty_mesh_intersect(traced, origin, way, TY_FLOAT_MAX, &hit)) continue;
+            if (!ty_accel_intersect(traced, origin, way, TY_FLOAT_MAX, &hit)) continue;
             const double at[3] = {(double)hit.position.x, (double)hit.position.y, (double)hit.position.z};
             double local[3];
             ty_affine_point(&inverse, at, local);
@@ -148,9 +148,9 @@ static void fronts_stay_outside(void** state) {
             assert_int_equal(ty_dot(hit.normal, way) > 0, within);
             const ty_surface_point point = point_at(scene, &hit, way);
             const float side = within ? -1.0f : 1.0f;
-            assert_vec_close(point.facing, ty_scale(hit.normal, side), 1e-6);
-            assert_vec_close(point.normal, ty_scale(outside, side), 3e-3);
-            assert_close(ty_dot(point.normal, point.normal), 1, 1e-5);
+            assert_vec_close(point.ng, ty_scale(hit.normal, side), 1e-6);
+            assert_vec_close(point.ns, ty_scale(outside, side), 3e-3);
+            assert_close(ty_dot(point.ns, point.ns), 1, 1e-5);
         }
         ty_scene_destroy(scene);
     }
@@ -170,8 +170,8 @@ static void bad_normals_count_as_none(void** state) {
         ty_scene* scene = mesh_scene(*state, &def);
         ty_hit hit;
         const ty_vec down = ty_vec_make(0, -1, 0);
-        assert_true(ty_mesh_intersect(ty_scene_get_view(scene)->mesh, ty_vec_make(0.1f, 1, 0.2f), down, 9, &hit));
-        assert_vec_close(point_at(scene, &hit, down).normal, ty_vec_make(0, 1, 0), 1e-6);
+        assert_true(ty_accel_intersect(ty_scene_get_view(scene)->mesh, ty_vec_make(0.1f, 1, 0.2f), down, 9, &hit));
+        assert_vec_close(point_at(scene, &hit, down).ns, ty_vec_make(0, 1, 0), 1e-6);
         ty_scene_destroy(scene);
         made_free(&mesh);
     }
@@ -191,7 +191,7 @@ static void triangles_of_any_size_have_normals(void** state) {
         const ty_scene_view* view = ty_scene_get_view(scene);
         ty_hit hit;
         assert_true(
-            ty_mesh_intersect(view->mesh, ty_vec_make(0, 0, (float)size), ty_vec_make(0, 0, -1), TY_FLOAT_MAX, &hit));
+            ty_accel_intersect(view->mesh, ty_vec_make(0, 0, (float)size), ty_vec_make(0, 0, -1), TY_FLOAT_MAX, &hit));
         assert_vec_close(hit.normal, ty_vec_make(0, 0, 1), 1e-5);
         assert_close((double)hit.distance / size, 1, 1e-4);
         assert_int_equal(view->lights.count, 1);
@@ -219,7 +219,7 @@ static void packets_are_single_rays(void** state) {
     assert_int_equal(ty_scene_add_shape(scene, &ball), TY_OK);
     assert_int_equal(ty_scene_add_mesh(scene, &def), TY_OK);
     assert_int_equal(ty_scene_commit(scene), TY_OK);
-    const ty_mesh* traced = ty_scene_get_view(scene)->mesh;
+    const ty_accel* traced = ty_scene_get_view(scene)->mesh;
     uint64_t random = 12;
     int meshes = 0, balls = 0, missed = 0;
     for (int i = 0; i < 400; ++i) {
@@ -228,7 +228,7 @@ static void packets_are_single_rays(void** state) {
         ty_hit hits[TY_PACKET], single;
         bool occluded[TY_PACKET];
         float distances[TY_PACKET];
-        ty_layers layers;
+        ty_all_hits layers;
         for (int32_t k = 0; k < count; ++k) {
             ty_vec origin, direction;
             random_ray(&random, &origin, &direction);
@@ -236,25 +236,25 @@ static void packets_are_single_rays(void** state) {
                                .direction = {direction.x, direction.y, direction.z}};
             rays[k].far = uniform(&random) < 0.5 ? 2 : TY_FLOAT_MAX;
         }
-        ty_mesh_intersect_packet(traced, rays, count, hits);
-        ty_mesh_occluded_packet(traced, rays, count, occluded);
-        ty_mesh_distance_packet(traced, rays, count, distances);
-        ty_mesh_layers_packet(traced, rays, count, &layers);
+        ty_accel_intersect_packet(traced, rays, count, hits);
+        ty_accel_occluded_packet(traced, rays, count, occluded);
+        ty_accel_distance_packet(traced, rays, count, distances);
+        ty_accel_all_hits_packet(traced, rays, count, &layers);
         for (int32_t k = 0; k < count; ++k) {
             const ty_ray* ray = &rays[k];
             const ty_vec origin = ty_vec_load(ray->origin), direction = ty_vec_load(ray->direction);
-            const bool met = ty_mesh_intersect(traced, origin, direction, ray->far, &single);
+            const bool met = ty_accel_intersect(traced, origin, direction, ray->far, &single);
             assert_int_equal(hits[k].surface >= 0, met);
             assert_int_equal(occluded[k], met);
             assert_int_equal(isfinite(distances[k]), met);
             assert_int_equal(layers.count[k] > 0, met);
-            assert_int_equal(ty_mesh_occluded(traced, origin, direction, ray->far), met);
+            assert_int_equal(ty_accel_occluded(traced, origin, direction, ray->far), met);
             meshes += met && single.surface == 1;
             balls += met && single.surface == 0;
             missed += !met;
             if (!met) continue;
             assert_int_equal(hits[k].surface, single.surface);
-            assert_int_equal(hits[k].part, single.part);
+            assert_int_equal(hits[k].primitive_id, single.primitive_id);
             assert_close(hits[k].distance, single.distance, 1e-5);
             assert_close(distances[k], single.distance, 1e-5);
             assert_close(layers.layer[k][0].distance, single.distance, 1e-5);
@@ -279,7 +279,7 @@ static void layers_are_met_one_by_one(void** state) {
     ty_scene* scene = make_scene(*state);
     assert_int_equal(ty_scene_add_mesh(scene, &def), TY_OK);
     assert_int_equal(ty_scene_commit(scene), TY_OK);
-    const ty_mesh* traced = ty_scene_get_view(scene)->mesh;
+    const ty_accel* traced = ty_scene_get_view(scene)->mesh;
     uint64_t random = 5;
     int met = 0, deep = 0;
     for (int i = 0; i < 1000; ++i) {
@@ -288,15 +288,15 @@ static void layers_are_met_one_by_one(void** state) {
         const ty_ray ray = {.origin = {origin.x, origin.y, origin.z},
                             .direction = {direction.x, direction.y, direction.z},
                             .far = TY_FLOAT_MAX};
-        ty_layers layers;
+        ty_all_hits layers;
         ty_hit hit, layer;
-        ty_mesh_layers_packet(traced, &ray, 1, &layers);
+        ty_accel_all_hits_packet(traced, &ray, 1, &layers);
         int32_t count = 0;
-        for (ty_vec from = origin; ty_mesh_intersect(traced, from, direction, TY_FLOAT_MAX, &hit); ++count) {
+        for (ty_vec from = origin; ty_accel_intersect(traced, from, direction, TY_FLOAT_MAX, &hit); ++count) {
             assert_true(count < layers.count[0]);
-            ty_mesh_layer_hit(traced, &ray, &layers.layer[0][count], &layer);
+            ty_accel_complete_hit(traced, &ray, &layers.layer[0][count], &layer);
             assert_int_equal(layer.surface, hit.surface);
-            assert_int_equal(layer.part, hit.part);
+            assert_int_equal(layer.primitive_id, hit.primitive_id);
             assert_vec_close(layer.position, hit.position, 1e-3); /* rays that go on begin a margin aside */
             assert_vec_close(layer.normal, hit.normal, 1e-3);
             from = ty_hit_leave(&hit, direction);
@@ -312,7 +312,7 @@ static void layers_are_met_one_by_one(void** state) {
 
 /* Of too many layers the nearest are kept, whichever way the ray goes. */
 static void the_nearest_layers_are_kept(void** state) {
-    enum { BOARDS = TY_LAYERS_MAX + 40 };
+    enum { BOARDS = TY_ALL_HITS_MAX + 40 };
     ty_scene* scene = make_scene(*state);
     for (int i = 0; i < BOARDS; ++i) {
         ty_shape_def board = ty_default_shape_def();
@@ -323,12 +323,12 @@ static void the_nearest_layers_are_kept(void** state) {
     }
     assert_int_equal(ty_scene_commit(scene), TY_OK);
     for (int way = -1; way <= 1; way += 2) {
-        ty_layers layers;
+        ty_all_hits layers;
         const float begin = way > 0 ? -0.5f : (float)BOARDS - 0.5f;
         const ty_ray ray = {.origin = {0.1f, 0.2f, begin}, .direction = {0, 0, (float)way}, .far = TY_FLOAT_MAX};
-        ty_mesh_layers_packet(ty_scene_get_view(scene)->mesh, &ray, 1, &layers);
-        assert_int_equal(layers.count[0], TY_LAYERS_MAX);
-        for (int i = 0; i < TY_LAYERS_MAX; ++i) assert_close(layers.layer[0][i].distance, i + 0.5, 1e-4);
+        ty_accel_all_hits_packet(ty_scene_get_view(scene)->mesh, &ray, 1, &layers);
+        assert_int_equal(layers.count[0], TY_ALL_HITS_MAX);
+        for (int i = 0; i < TY_ALL_HITS_MAX; ++i) assert_close(layers.layer[0][i].distance, i + 0.5, 1e-4);
     }
     ty_scene_destroy(scene);
 }
@@ -346,7 +346,7 @@ static made_mesh made_board(void) {
 /* How many of many rays along -z and around it meet something; each the same however often it is asked. */
 static double share_met(const ty_scene* scene, float spread, bool random_depth) {
     enum { RAYS = 20000 };
-    const ty_mesh* traced = ty_scene_get_view(scene)->mesh;
+    const ty_accel* traced = ty_scene_get_view(scene)->mesh;
     uint64_t random = 77;
     int met = 0;
     for (int i = 0; i < RAYS; ++i) {
@@ -354,10 +354,10 @@ static double share_met(const ty_scene* scene, float spread, bool random_depth) 
         const ty_vec way = ty_normalize(ty_mad(ty_vec_make(0, 0, -1), random_unit(&random), spread));
         ty_vec origin = ty_vec_make(0.1f, -0.2f, 1);
         if (random_depth) origin.z += (float)uniform(&random);
-        const bool once = ty_mesh_intersect(traced, origin, way, TY_FLOAT_MAX, &hit);
+        const bool once = ty_accel_intersect(traced, origin, way, TY_FLOAT_MAX, &hit);
         for (int again = 0; again < 2; ++again) {
-            assert_int_equal(ty_mesh_intersect(traced, origin, way, TY_FLOAT_MAX, &hit), once);
-            assert_int_equal(ty_mesh_occluded(traced, origin, way, TY_FLOAT_MAX), once);
+            assert_int_equal(ty_accel_intersect(traced, origin, way, TY_FLOAT_MAX, &hit), once);
+            assert_int_equal(ty_accel_occluded(traced, origin, way, TY_FLOAT_MAX), once);
         }
         met += once;
     }
@@ -385,7 +385,7 @@ static void blending_lets_a_fraction_through(void** state) {
         assert_close(share_met(scene, 0, true), expected[kind], 0.018);
         ty_scene_destroy(scene);
     }
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_texture_release(def.material.albedo_texture);
     for (int whole = 0; whole < 2; ++whole) {
         def = made_def(&mesh);
         def.material.alpha_mode = TY_ALPHA_BLEND;
@@ -427,17 +427,17 @@ static void masks_cut_where_alpha_is_low(void** state) {
     def.material.alpha = 0.9f;
     def.material.alpha_cutoff = (float)(0.9 * 175 / 255);
     ty_scene* scene = mesh_scene(*state, &def);
-    const ty_mesh* traced = ty_scene_get_view(scene)->mesh;
+    const ty_accel* traced = ty_scene_get_view(scene)->mesh;
     uint64_t random = 14;
     for (int i = 0; i < 2000; ++i) {
         ty_hit hit;
         const float x = (float)uniform_in(&random, -0.999, 0.999), y = (float)uniform_in(&random, -0.999, 0.999);
         if (fabsf(x) < 1e-3f || fabsf(y) < 1e-3f) continue;
-        const bool met = ty_mesh_intersect(traced, ty_vec_make(x, y, 1), ty_vec_make(0, 0, -1), TY_FLOAT_MAX, &hit);
+        const bool met = ty_accel_intersect(traced, ty_vec_make(x, y, 1), ty_vec_make(0, 0, -1), TY_FLOAT_MAX, &hit);
         assert_int_equal(met, y > 0); /* rows 0 and 1 of the texture: v below and above 0.5 */
     }
     ty_scene_destroy(scene);
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_texture_release(def.material.albedo_texture);
     made_free(&mesh);
 }
 
@@ -458,7 +458,7 @@ static void points_and_lines_are_not_met(void** state) {
     for (int i = 0; i < 1000; ++i) {
         const ty_vec target = ty_vec_make((float)uniform_in(&random, -1, 1), 0, 0), origin = random_unit(&random);
         const ty_vec way = ty_normalize(ty_sub(target, origin));
-        assert_false(ty_mesh_intersect(view->mesh, origin, way, TY_FLOAT_MAX, &hit));
+        assert_false(ty_accel_intersect(view->mesh, origin, way, TY_FLOAT_MAX, &hit));
     }
     assert_int_equal(view->lights.count, 0);
     ty_scene_destroy(scene);
@@ -532,7 +532,7 @@ static void memory_is_counted(void** state) {
     assert_int_equal(ty_scene_add_mesh(scene, &def), TY_OK);
     const size_t shared = ty_scene_get_info(scene).bytes - before - 3 * plain;
     assert_true(shared >= sizeof texels && shared < sizeof texels + 8192);
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_texture_release(def.material.albedo_texture);
     const size_t added = ty_scene_get_info(scene).bytes;
     assert_int_equal(ty_scene_commit(scene), TY_OK);
     const ty_scene_info info = ty_scene_get_info(scene);
@@ -578,11 +578,11 @@ static ty_result work(ty_context* context) {
     if (result == TY_OK) result = ty_scene_add_mesh(scene, &def);
     if (result == TY_OK) result = ty_scene_add_medium(scene, &medium);
     if (result == TY_OK) result = ty_scene_commit(scene);
-    if (result == TY_OK) result = ty_medium_coverage(scene, 0, low, high, size, 2, &coverage);
-    ty_grid_destroy(coverage);
+    if (result == TY_OK) result = ty_medium_create_coverage(scene, 0, low, high, size, 2, &coverage);
+    ty_grid_release(coverage);
     ty_scene_destroy(scene);
-    ty_shell_destroy(medium.shell);
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_closed_mesh_release(medium.shell);
+    ty_texture_release(def.material.albedo_texture);
     made_free(&mesh);
     return result;
 }

@@ -2,7 +2,7 @@
 #ifndef TY_TESTS_TRANSPORT_H
 #define TY_TESTS_TRANSPORT_H
 
-#include "cli/figures/point_transport.h"
+#include "figures/point_transport.h"
 #include "truth.h"
 
 enum { SOURCE_RADIUS = 10 }; /* of the medium, mean free paths */

@@ -139,8 +139,8 @@ static inline ty_mesh_def made_def(const made_mesh* mesh) {
     return def;
 }
 
-static inline ty_result made_shell(ty_context* context, const made_mesh* mesh, ty_shell** out) {
-    return ty_shell_create(context, mesh->positions, 3 * mesh->triangles, mesh->indices, mesh->triangles, out);
+static inline ty_result made_shell(ty_context* context, const made_mesh* mesh, ty_closed_mesh** out) {
+    return ty_closed_mesh_create(context, mesh->positions, 3 * mesh->triangles, mesh->indices, mesh->triangles, out);
 }
 
 #endif

@@ -23,7 +23,7 @@ static inline ty_context* truth_context(int32_t threads) {
 }
 
 static inline int truth_start(void** state) {
-    *state = truth_context(0);
+    *state = truth_context(TY_AUTO);
     return 0;
 }
 
@@ -33,7 +33,7 @@ static inline int truth_stop(void** state) {
 }
 
 static inline void must(ty_context* context, ty_result result) {
-    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_last_error(context));
+    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_take_error(context));
 }
 
 static inline void set3(double out[3], double x, double y, double z) {
@@ -158,19 +158,22 @@ static inline ty_image* render(const ty_scene* scene, int32_t side, int32_t spp,
     return image;
 }
 
-/* Radiance along rays, and its variance where wanted. */
-static inline void radiance_along(const ty_scene* scene, int64_t count, const double* rays, int32_t spp,
-                                  int32_t max_depth, double* radiance, double* variance) {
-    ty_path_def def = ty_default_path_def();
-    def.spp = spp;
-    def.max_depth = max_depth;
-    must(ty_scene_context(scene), ty_path_radiance(scene, &def, count, rays, radiance, variance));
-}
-
 static inline double* new_numbers(int64_t count) {
     double* numbers = calloc((size_t)count, sizeof *numbers);
     assert_non_null(numbers);
     return numbers;
+}
+
+/* Radiance seen along rays of an origin and a direction of view, and its variance where wanted. */
+static inline void radiance_along(const ty_scene* scene, int64_t count, const double* views, int32_t spp,
+                                  int32_t max_depth, double* radiance, double* variance) {
+    ty_path_def def = ty_default_path_def();
+    def.spp = spp;
+    def.max_depth = max_depth;
+    double* rays = new_numbers(6 * count);
+    for (int64_t i = 0; i < 6 * count; ++i) rays[i] = i % 6 < 3 ? views[i] : 0 - views[i];
+    must(ty_scene_context(scene), ty_path_radiance(scene, &def, rays, count, radiance, variance));
+    free(rays);
 }
 
 /* ---- rays ---- */

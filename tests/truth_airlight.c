@@ -1,6 +1,6 @@
 /* Airlight against path tracing's light that media scatter once: fog with blocks in it, under each kind of light. */
 #include "base/context.h"
-#include "direct/airlight.h"
+#include "method/lpv/image/airlight.h"
 #include "scene/camera.h"
 #include "truth.h"
 
@@ -14,7 +14,7 @@ static ty_grid* noise_of(ty_context* context) {
     noise.kind = TY_NOISE_FBM;
     noise.size[0] = noise.size[1] = noise.size[2] = 48;
     noise.octaves = 3;
-    must(context, ty_grid_noise(context, &noise, &grid));
+    must(context, ty_grid_create_noise(context, &noise, &grid));
     return grid;
 }
 
@@ -32,7 +32,7 @@ static ty_scene* blocks_in_fog(ty_context* context, const ty_light_def* light, d
     if (kind == UNEVEN) fog.density_grid = noise_of(context);
     if (kind == UNEVEN) fog.scale = 3;
     add_medium(scene, &fog);
-    ty_grid_destroy(fog.density_grid);
+    ty_grid_release(fog.density_grid);
     add_light(scene, light);
     ty_shape_def floor = ty_default_shape_def();
     floor.kind = TY_SHAPE_BOX;
@@ -73,7 +73,7 @@ static ty_vec find_rays(const ty_scene* scene, eye_ray* rays) {
         even_point(i, at);
         rays[i].way =
             ty_camera_direction(&camera, (float)(pixel % WIDTH + at[0]), (float)((int)(pixel / WIDTH) + at[1]));
-        const bool met = ty_mesh_intersect(view->mesh, camera.origin, rays[i].way, TY_FLOAT_MAX, &hit);
+        const bool met = ty_accel_intersect(view->mesh, camera.origin, rays[i].way, TY_FLOAT_MAX, &hit);
         rays[i].far = met ? hit.distance : INFINITY;
     }
     return camera.origin;
@@ -145,30 +145,30 @@ static void check(ty_context* context, const char* name, const ty_light_def* lig
     double* const halves[2] = {first, second};
     ty_scene* scene = blocks_in_fog(context, light, g, kind);
     const ty_light_view* view = &ty_scene_get_view(scene)->lights.lights[0];
-    const ty_light_map_def map_def = {.side = MAP_SIDE, .lower = lower, .upper = upper};
+    const ty_rsm_def map_def = {.side = MAP_SIDE, .lower = lower, .upper = upper};
     ty_grid_box box;
     ty_grid_medium* medium = NULL;
-    ty_light_map* map = NULL;
-    ty_lit_map* lit = NULL;
+    ty_rsm* map = NULL;
+    ty_shadow_hierarchy* lit = NULL;
     ty_airlight* airlight = NULL;
     must(context, ty_grid_box_fit(scene, 48, &box));
     must(context, ty_grid_medium_create(scene, &box, &medium));
-    must(context, ty_light_map_trace(scene, &map_def, 0, &map, NULL));
-    must(context, ty_lit_map_create(context, view, map, &lit));
-    const ty_lit_map* const maps[1] = {lit};
+    must(context, ty_rsm_trace(scene, &map_def, 0, &map, NULL));
+    must(context, ty_shadow_hierarchy_create(context, view, map, &lit));
+    const ty_shadow_hierarchy* const maps[1] = {lit};
     const ty_airlight_def def = {medium, maps, 1};
     must(context, ty_airlight_create(scene, &def, &airlight));
     const double seconds = airlight_image(scene, airlight, image);
     for (int i = 0; i < 2; ++i) path_image(scene, PASSES, 1 + (uint64_t)i, halves[i]);
     compare(name, image, halves, seconds);
     ty_airlight_destroy(airlight);
-    ty_lit_map_destroy(lit);
-    ty_light_map_destroy(context, map);
+    ty_shadow_hierarchy_destroy(lit);
+    ty_rsm_destroy(context, map);
     ty_grid_medium_destroy(medium);
     ty_scene_destroy(scene);
 }
 
-static void test_sun(void** state) {
+static void airlight_of_the_sun_is_right(void** state) {
     ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 2);
     set3(sun.direction, -0.5, -1, -0.35);
     check(*state, "sun, g 0", &sun, 0, EVEN);
@@ -176,7 +176,7 @@ static void test_sun(void** state) {
     check(*state, "sun, g 0.4, uneven", &sun, 0.4, UNEVEN);
 }
 
-static void test_point(void** state) {
+static void airlight_of_a_point_light_is_right(void** state) {
     ty_light_def point = light_of(TY_LIGHT_POINT, 2);
     set3(point.position, 0.4, 1.3, -0.3);
     check(*state, "point, g 0", &point, 0, EVEN);
@@ -184,7 +184,7 @@ static void test_point(void** state) {
     check(*state, "point, g 0.4, uneven", &point, 0.4, UNEVEN);
 }
 
-static void test_spot(void** state) {
+static void airlight_of_a_spot_light_is_right(void** state) {
     ty_light_def spot = light_of(TY_LIGHT_SPOT, 4);
     set3(spot.position, 1.4, 3.2, 1.2);
     set3(spot.direction, -0.5, -1, -0.4);
@@ -197,9 +197,9 @@ static void test_spot(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sun),
-        cmocka_unit_test(test_point),
-        cmocka_unit_test(test_spot),
+        cmocka_unit_test(airlight_of_the_sun_is_right),
+        cmocka_unit_test(airlight_of_a_point_light_is_right),
+        cmocka_unit_test(airlight_of_a_spot_light_is_right),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -79,11 +79,13 @@ static void cornell_box_in_fog(void** state) {
     const int cases = in_full() ? CASES : 1;
     compare_fog(*state, 0.1, 0, 0, cases, found);
     for (int b = 0; b < cases; ++b) {
-        assert_true(fabs(found[b][CELLS].ratio - 1) < 0.05);
-        assert_true(fabs(found[b][CELLS].scattered_ratio - 1) < 0.05);
-        assert_true(found[b][CELLS].rmse < 0.08);
-        assert_true(fabs(found[b][WITH].ratio - 1) < 0.05);
-        assert_true(found[b][WITH].rmse < 0.08);
+        /* Measured with ten scatterings: 1.000, 1.001 and an RMSE below noise; by impulse responses 0.985 and 4.8 %.
+         * The margins are for a noise of 4.5 to 5.6 % of receivers, which is taken off RMSEs in the square. */
+        assert_true(fabs(found[b][CELLS].ratio - 1) < 0.015);
+        assert_true(fabs(found[b][CELLS].scattered_ratio - 1) < 0.02);
+        assert_true(found[b][CELLS].rmse < 0.03);
+        assert_true(fabs(found[b][WITH].ratio - 1) < 0.025);
+        assert_true(found[b][WITH].rmse < 0.06);
     }
 }
 
@@ -91,13 +93,21 @@ static void cornell_box_in_fog(void** state) {
 static void cornell_box_in_forward_fog(void** state) {
     bake_difference found[CASES][WAYS];
     compare_fog(*state, 0.15, 0.02, 0.75, in_full() ? CASES : 1, found);
-    assert_true(fabs(found[0][CELLS].ratio - 1) < 0.05 && found[0][CELLS].rmse < 0.08);
+    /* Measured: 1.008 and an RMSE below a noise of 15 %; by impulse responses, whose tables end at g = 0.5, 0.903 and
+     * 20 %. */
+    assert_true(fabs(found[0][CELLS].ratio - 1) < 0.025 && found[0][CELLS].rmse < 0.05);
+    assert_true(fabs(found[0][WITH].ratio - 0.903) < 0.02 && fabs(found[0][WITH].rmse - 0.203) < 0.03);
 }
 
 enum { PROBES = 12 };
 
-/* Relative root mean square difference of all coefficients of all probes, the noise of both taken off. */
-static double compare_probes(const char* name, const ty_bake_probe* is, const ty_bake_probe* should) {
+/* Of the constant terms' means, and the relative root mean square difference of all coefficients of all probes, the
+ * noise of both taken off. */
+typedef struct probe_difference {
+    double ratio, rmse;
+} probe_difference;
+
+static probe_difference compare_probes(const char* name, const ty_bake_probe* is, const ty_bake_probe* should) {
     double difference = 0, size = 0, noise = 0, ratio[2] = {0};
     for (int i = 0; i < PROBES; ++i) {
         noise += (double)is[i].variance[1] + (double)should[i].variance[1];
@@ -116,7 +126,7 @@ static double compare_probes(const char* name, const ty_bake_probe* is, const ty
     const double taken = fmax(0, difference - TY_BAKE_SH_TERMS * noise);
     printf("Sponza in fog, %s: constant terms' ratio %.3f, SH relative RMSE %.1f%%, less noise %.1f%%\n", name,
            ratio[0] / ratio[1], 100 * sqrt(difference / size), 100 * sqrt(taken / size));
-    return sqrt(taken / size);
+    return (probe_difference){ratio[0] / ratio[1], sqrt(taken / size)};
 }
 
 static void sponza_probes(void** state) {
@@ -139,20 +149,23 @@ static void sponza_probes(void** state) {
     def.seed = 1;
     def.method = TY_BAKE_CACHE;
     must(*state, ty_bake_probes(scene, &def, positions, PROBES, is, NULL));
-    assert_true(compare_probes("cache", is, should) < 0.1);
+    /* Measured: 1.029, and an RMSE below a noise of 8 %. */
+    const probe_difference of_cache = compare_probes("cache", is, should);
+    assert_true(fabs(of_cache.ratio - 1) < 0.04 && of_cache.rmse < 0.06);
     def.method = TY_BAKE_IMPULSE;
     def.spp = 2048;
     must(*state, ty_bake_probes(scene, &def, positions, PROBES, is, NULL));
     /* The aim is 10 %, which is missed: most probes are in the shade, and get their light from shafts of sun in the fog
-     * beside them, of which a thousand points are too few to tell each probe's. */
-    assert_true(compare_probes("impulse", is, should) < 0.8);
+     * beside them, of which a thousand points are too few to tell each probe's. Measured: 0.908 and 51.5 %. */
+    const probe_difference of_tables = compare_probes("impulse", is, should);
+    assert_true(fabs(of_tables.ratio - 0.908) < 0.02 && fabs(of_tables.rmse - 0.515) < 0.05);
     ty_scene_destroy(scene);
 }
 
 int main(int argc, char** argv) {
     if (argc > 3) {
         bake_difference found[CASES][WAYS];
-        ty_context* context = truth_context(0);
+        ty_context* context = truth_context(TY_AUTO);
         compare_fog(context, atof(argv[1]), atof(argv[2]), atof(argv[3]), CASES, found);
         ty_context_destroy(context);
         return 0;

@@ -97,7 +97,7 @@ static void check(ty_context* context, const char* what, airlight a, int32_t spp
     ty_scene_destroy(scene);
 }
 
-static void test_sunlight(void** state) {
+static void sunlight_fades_exactly(void** state) {
     airlight a = {.sigma_s = 0.4, .sigma_t = 0.5, .radius = 1.2, .light = light_of(TY_LIGHT_DIRECTIONAL, 3)};
     set3(a.light.direction, 1, -2, 0.5);
     for (int i = 0; i < 3; ++i) {
@@ -108,7 +108,7 @@ static void test_sunlight(void** state) {
     check(*state, "sunlight in a dense ball", a, 1 << 15);
 }
 
-static void test_spot(void** state) {
+static void spot_lights_fade_exactly(void** state) {
     static const double penumbras[] = {0, 0.4};
     airlight a = {.sigma_s = 0.3, .sigma_t = 0.4, .radius = 2, .light = light_of(TY_LIGHT_SPOT, 5)};
     set3(a.light.position, 0.1, 1.8, -0.2);
@@ -121,7 +121,7 @@ static void test_spot(void** state) {
     }
 }
 
-static void test_point(void** state) {
+static void point_lights_fade_exactly(void** state) {
     airlight a = {.sigma_s = 0.6, .sigma_t = 0.7, .radius = 2, .light = light_of(TY_LIGHT_POINT, 2)};
     set3(a.light.position, 0.1, 0.3, -0.2);
     for (int i = 0; i < 3; ++i) {
@@ -132,9 +132,9 @@ static void test_point(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sunlight),
-        cmocka_unit_test(test_spot),
-        cmocka_unit_test(test_point),
+        cmocka_unit_test(sunlight_fades_exactly),
+        cmocka_unit_test(spot_lights_fade_exactly),
+        cmocka_unit_test(point_lights_fade_exactly),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

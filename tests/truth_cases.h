@@ -156,7 +156,7 @@ static inline void add_furnace_body(ty_scene* scene, furnace_body body, double g
         medium.scale = 10;
     }
     add_medium(scene, &medium);
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     if (body != FURNACE_MANY) return;
     /* Two more that overlap: of other colours, turned, one of them uneven. */
     static const double translate[3] = {0.5, 0.2, 0}, rotate[3] = {20, 30, 40}, size[3] = {1, 0.7, 1};
@@ -170,9 +170,9 @@ static inline void add_furnace_body(ty_scene* scene, furnace_body body, double g
     cloud.transform = ball.transform;
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 32;
-    must(ty_scene_context(scene), ty_grid_noise(ty_scene_context(scene), &noise, &cloud.density_grid));
+    must(ty_scene_context(scene), ty_grid_create_noise(ty_scene_context(scene), &noise, &cloud.density_grid));
     add_medium(scene, &cloud);
-    ty_grid_destroy(cloud.density_grid);
+    ty_grid_release(cloud.density_grid);
 }
 
 /* The same light from everywhere: as one colour, or as a map of that colour, which lights are then sampled from. */

@@ -22,9 +22,9 @@ static ty_image* picture(ty_context* context, const coefficients* of, int channe
     }
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 32;
-    if (cloud) must(context, ty_grid_noise(context, &noise, &medium.density_grid));
+    if (cloud) must(context, ty_grid_create_noise(context, &noise, &medium.density_grid));
     add_medium(scene, &medium);
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 2), sky = light_of(TY_LIGHT_ENVIRONMENT, 0.3);
     set3(sun.direction, -1, -1, -0.3);
     add_light(scene, &sun);
@@ -73,28 +73,28 @@ static void check(ty_context* context, const char* name, const coefficients* of,
     ty_image_destroy(image);
 }
 
-static void test_ball(void** state) {
+static void a_coloured_ball_is_unbiased(void** state) {
     check(*state, "ball", &mild, false);
 }
 
-static void test_cloud(void** state) {
+static void a_coloured_cloud_is_unbiased(void** state) {
     check(*state, "cloud", &mild, true);
 }
 
-static void test_harsh_ball(void** state) {
+static void a_ball_of_harsh_colours_is_unbiased(void** state) {
     check(*state, "ball, harsh colours", &harsh, false);
 }
 
-static void test_harsh_cloud(void** state) {
+static void a_cloud_of_harsh_colours_is_unbiased(void** state) {
     check(*state, "cloud, harsh colours", &harsh, true);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_cloud),
-        cmocka_unit_test(test_harsh_ball),
-        cmocka_unit_test(test_harsh_cloud),
+        cmocka_unit_test(a_coloured_ball_is_unbiased),
+        cmocka_unit_test(a_coloured_cloud_is_unbiased),
+        cmocka_unit_test(a_ball_of_harsh_colours_is_unbiased),
+        cmocka_unit_test(a_cloud_of_harsh_colours_is_unbiased),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -1,6 +1,7 @@
 /* Uncollided light on a grid against path tracing: every kind of light in an uneven medium with things that cast
  * shadows. */
-#include "direct/uncollided.h"
+#include "direct/lights/discretize.h"
+#include "direct/uncollided/uncollided.h"
 #include "truth.h"
 #include "triangle_maker.h"
 
@@ -20,9 +21,9 @@ static ty_scene* noise_scene(ty_context* context, surroundings around, double de
     noise.kind = TY_NOISE_FBM;
     noise.size[0] = noise.size[1] = noise.size[2] = FINE;
     noise.octaves = 3;
-    must(context, ty_grid_noise(context, &noise, &cloud.density_grid));
+    must(context, ty_grid_create_noise(context, &noise, &cloud.density_grid));
     add_medium(scene, &cloud);
-    ty_grid_destroy(cloud.density_grid);
+    ty_grid_release(cloud.density_grid);
     if (around == BARE) return scene;
     static const double center[3] = {0.8, 1.4, 0}, u[3] = {0, 0, 1}, v[3] = {1, 0, 0};
     const ty_shape_def ball = sphere_shape(-0.3, 0.1, 0.2, 0.35, 0, 0), board = square_shape(center, u, v, 0.8, 0);
@@ -38,17 +39,16 @@ static void light_grid(const ty_scene* scene, int32_t longest, float* fluence[3]
     ty_grid_box box;
     ty_grid_medium* medium = NULL;
     ty_light_field* field = NULL;
-    ty_source* sources = NULL;
-    ty_source_def def = ty_default_source_def();
+    ty_discrete_light_set sources;
+    ty_discretize_def def = ty_default_discretize_def();
     def.environment = 128;
     def.surface = 256;
-    int32_t count = 0;
     must(context, ty_grid_box_fit(scene, longest, &box));
     for (int a = 0; a < 3; ++a) box.size[a] = longest; /* finer than voxels, even */
     must(context, ty_grid_medium_create(scene, &box, &medium));
     must(context, ty_light_field_create(medium, true, &field));
-    must(context, ty_sources_create(scene, &def, &sources, &count));
-    must(context, ty_uncollided_add(scene, medium, NULL, sources, count, field));
+    must(context, ty_discretize_lights(scene, &def, &sources));
+    must(context, ty_uncollided_add(scene, medium, NULL, sources.items, sources.count, field));
     for (int c = 0; c < 3; ++c) ty_grid_average(context, field->fluence[c], box.size, coarse, fluence[c]);
     for (int c = 0; c < 3; ++c)
         for (size_t i = 0; i < medium->cells; ++i) {
@@ -57,7 +57,7 @@ static void light_grid(const ty_scene* scene, int32_t longest, float* fluence[3]
             if (!(sqrt(x * x + y * y + z * z) <= (double)field->fluence[c][i] * (1 + 1e-4)))
                 fail_msg("cell %zu has more flux than fluence", i);
         }
-    ty_sources_destroy(context, sources, count);
+    ty_discrete_light_set_destroy(context, &sources);
     ty_light_field_destroy(field);
     ty_grid_medium_destroy(medium);
 }
@@ -110,7 +110,7 @@ static double compare(const char* name, ty_scene* scene, int32_t longest, int32_
     return worst;
 }
 
-static void test_directional(void** state) {
+static void directional_light_is_right(void** state) {
     static const double ways[3][3] = {{0, -1, 0}, {0.3, -1, 0.5}, {-1, -0.2, 0.1}};
     for (int shadowed = 0; shadowed < 2; ++shadowed)
         for (int i = 0; i < 3; ++i) {
@@ -123,7 +123,7 @@ static void test_directional(void** state) {
 }
 
 /* Twice as fine cells, at least half as far off. */
-static void test_finer(void** state) {
+static void finer_cells_come_nearer(void** state) {
     double rmse[2];
     for (int i = 0; i < 2; ++i) {
         ty_scene* scene = noise_scene(*state, BARE, 2);
@@ -136,7 +136,7 @@ static void test_finer(void** state) {
     assert_true(rmse[1] < 0.6 * rmse[0]);
 }
 
-static void test_point(void** state) {
+static void point_lights_are_right(void** state) {
     static const double places[3][3] = {{0.31, 0.4, -0.2}, {0.2, 1.2, 0.3}, {-3, 2, 4}};
     for (int i = 0; i < 3; ++i) {
         ty_scene* scene = noise_scene(*state, SHADOWED, 2);
@@ -147,7 +147,7 @@ static void test_point(void** state) {
     }
 }
 
-static void test_spot(void** state) {
+static void spot_lights_are_right(void** state) {
     ty_scene* scene = noise_scene(*state, SHADOWED, 2);
     ty_light_def lamp = light_of(TY_LIGHT_SPOT, 3);
     set3(lamp.position, -0.5, 1.5, 0.5);
@@ -157,7 +157,7 @@ static void test_spot(void** state) {
     compare("spot", scene, FINE, fewer(1024, 2), 0.035, 0.1);
 }
 
-static void test_area(void** state) {
+static void area_lights_are_right(void** state) {
     ty_scene* scene = noise_scene(*state, SHADOWED, 2);
     ty_light_def light = light_of(TY_LIGHT_AREA, 3);
     set3(light.position, -1.2, 1.3, -0.5);
@@ -167,14 +167,14 @@ static void test_area(void** state) {
     compare("area", scene, FINE, fewer(1024, 2), 0.03, 0.05);
 }
 
-static void test_glowing_shapes(void** state) {
+static void emissive_shapes_are_right(void** state) {
     ty_scene* scene = noise_scene(*state, SHADOWED, 2);
     const ty_shape_def ball = sphere_shape(0.6, -0.5, 0.5, 0.2, 0, 4);
     add_shape(scene, &ball);
     compare("glowing ball", scene, FINE, NEAR_SPP, 0.03, 0.12);
 }
 
-static void test_glowing_mesh(void** state) {
+static void emissive_meshes_are_right(void** state) {
     static const double low[3] = {0.3, 0.3, -0.6}, high[3] = {0.6, 0.5, -0.2};
     ty_scene* scene = noise_scene(*state, SHADOWED, 2);
     made_mesh mesh = made_nothing();
@@ -186,7 +186,7 @@ static void test_glowing_mesh(void** state) {
     compare("glowing mesh", scene, FINE, NEAR_SPP, 0.03, 0.12);
 }
 
-static void test_environment(void** state) {
+static void environments_are_right(void** state) {
     for (int map = 0; map < 2; ++map) {
         ty_scene* scene = noise_scene(*state, SHADOWED, 2);
         ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 0.7);
@@ -204,7 +204,7 @@ static void test_environment(void** state) {
     }
 }
 
-static void test_many_together(void** state) {
+static void many_lights_add_up(void** state) {
     ty_scene* scene = noise_scene(*state, SHADOWED, 2);
     ty_medium_def ball = medium_sphere(0.5, 3, 1, 0);
     add_medium(scene, &ball);
@@ -218,7 +218,7 @@ static void test_many_together(void** state) {
 
 /* A ball in a tilted shell and another medium around it, with albedo and g that vary, under a slanting sun and a lamp:
  * what overlaps adds up, and of fields only extinction counts. */
-static void test_shells_and_fields(void** state) {
+static void shells_and_fields_are_right(void** state) {
     static const double center[3] = {0.1, -0.1, 0}, tilt[3] = {20, 30, 10}, scale[3] = {1, 1.3, 0.8};
     made_mesh mesh = made_nothing();
     made_add_sphere(&mesh, (const double[3]){0, 0, 0}, 0.6, 32);
@@ -232,7 +232,7 @@ static void test_shells_and_fields(void** state) {
     fog.box_max[0] = 1;
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 16;
-    must(*state, ty_grid_noise(*state, &noise, &fog.g_grid));
+    must(*state, ty_grid_create_noise(*state, &noise, &fog.g_grid));
     for (int c = 0; c < 3; ++c) fog.albedo_grid[c] = fog.g_grid;
     add_medium(scene, &ball);
     add_medium(scene, &fog);
@@ -242,18 +242,18 @@ static void test_shells_and_fields(void** state) {
     add_light(scene, &sun);
     add_light(scene, &lamp);
     compare("shell, fields, overlap", scene, FINE, fewer(1024, 2), 0.025, 0.08);
-    ty_shell_destroy(ball.shell);
-    ty_grid_destroy(fog.g_grid);
+    ty_closed_mesh_release(ball.shell);
+    ty_grid_release(fog.g_grid);
     made_free(&mesh);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_directional),   cmocka_unit_test(test_finer),
-        cmocka_unit_test(test_point),         cmocka_unit_test(test_spot),
-        cmocka_unit_test(test_area),          cmocka_unit_test(test_glowing_shapes),
-        cmocka_unit_test(test_glowing_mesh),  cmocka_unit_test(test_environment),
-        cmocka_unit_test(test_many_together), cmocka_unit_test(test_shells_and_fields),
+        cmocka_unit_test(directional_light_is_right), cmocka_unit_test(finer_cells_come_nearer),
+        cmocka_unit_test(point_lights_are_right),     cmocka_unit_test(spot_lights_are_right),
+        cmocka_unit_test(area_lights_are_right),      cmocka_unit_test(emissive_shapes_are_right),
+        cmocka_unit_test(emissive_meshes_are_right),  cmocka_unit_test(environments_are_right),
+        cmocka_unit_test(many_lights_add_up),         cmocka_unit_test(shells_and_fields_are_right),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -91,14 +91,15 @@ enum { SLAB_WIDTH = 12, SLAB_CELLS = 192, SLAB_LAYERS = SLAB_CELLS / SLAB_WIDTH,
 
 /* The net flux downwards at a point, of light that has scattered. */
 static double flux_down(ty_context* context, const ty_dom* light, const double point[3]) {
-    static float ways[3 * WAYS], radiance[3 * WAYS];
+    static double rays[6 * WAYS], radiance[3 * WAYS];
     double sum = 0;
     for (int i = 0; i < WAYS; ++i) {
         const double y = 1 - (2 * i + 1.0) / WAYS, angle = 2.399963229728653 * i, radius = sqrt(1 - y * y);
-        rgb(ways + 3 * i, radius * cos(angle), y, radius * sin(angle));
+        memcpy(rays + 6 * i, point, 3 * sizeof *point);
+        set3(rays + 6 * i + 3, radius * cos(angle), y, radius * sin(angle));
     }
-    must(context, ty_dom_radiance(light, point, ways, WAYS, radiance));
-    for (int i = 0; i < WAYS; ++i) sum -= (double)(radiance[3 * i] * ways[3 * i + 1]) * 4 * pi / WAYS;
+    must(context, ty_dom_radiance(light, rays, WAYS, radiance));
+    for (int i = 0; i < WAYS; ++i) sum -= radiance[3 * i] * rays[6 * i + 4] * 4 * pi / WAYS;
     return sum;
 }
 

@@ -4,7 +4,10 @@
 
 #include <tyndall/dom.h>
 
-static const double most_off = 0.03, most_rmse = 0.06;
+/* Cases have the mean ratio and the relative RMSE that were measured (docs/method/dom.md). Means are held to 0.008
+ * about the ratio, RMSEs to 0.012 above: quick runs' truth has half to a quarter of the samples, whose noise is in
+ * both. */
+static const double ratio_margin = 0.008, rmse_margin = 0.012;
 
 static ty_dom_def dom_def(const scene_case* c, const ty_image* surfaces) {
     ty_dom_def def = ty_default_dom_def();
@@ -60,7 +63,7 @@ static ty_difference compare(ty_context* context, const char* name, ty_image* im
     return d;
 }
 
-/* Whether an image is near path tracing's, and nearer than both others'. */
+/* Whether an image is as near to path tracing's as it was measured to be, and nearer than both others'. */
 static bool is_near(ty_context* context, const scene_case* c, const char* what) {
     ty_scene* scene = read_case(context, c);
     ty_image* truth = path_image(scene, c, 0);
@@ -73,34 +76,43 @@ static bool is_near(ty_context* context, const scene_case* c, const char* what) 
     ty_image_destroy(truth);
     ty_image_destroy(surfaces);
     ty_scene_destroy(scene);
-    return fabs(dom.mean_ratio[3] - 1) <= most_off && dom.relative_rmse[3] <= most_rmse &&
+    return fabs(dom.mean_ratio[3] - c->ratio) <= ratio_margin && dom.relative_rmse[3] <= c->rmse + rmse_margin &&
            dom.relative_rmse[3] < fld.relative_rmse[3] && dom.relative_rmse[3] < pop.relative_rmse[3];
 }
 
 static void cubes(void** state) {
-    const scene_case even = {"builtin:cube_g0", NULL, {NULL}, 48, 48, 256, 0, 0};
-    const scene_case forward = {"builtin:cube_g0.7", NULL, {NULL}, 48, 48, fewer(512, 2), 0, 0};
+    const scene_case even = {"builtin:cube_g0", NULL, {NULL}, 48, 48, 256, 0.009, 0, 1.000};
+    const scene_case forward = {"builtin:cube_g0.7", NULL, {NULL}, 48, 48, fewer(512, 2), 0.025, 0, 1.002};
     const bool near = is_near(*state, &even, "g 0");
     assert_true(is_near(*state, &forward, "g 0.7") && near);
 }
 
-/* Where phase functions are fitted outside of their peaks: from the side, g 0.96 with a truth that takes many paths. */
+/* Where phase functions are fitted outside of their peaks: from the side. */
 static void narrow_lobes(void** state) {
-    const scene_case cloud_in_sun = {"builtin:cloud_sun", NULL, {"media[0].g=0.9"}, 48, 48, fewer(2048, 4), 0, 0};
-    const scene_case cube = {"builtin:cube_g0.96", NULL, {NULL}, 48, 48, 16384, 0, 0};
+    const scene_case cloud_in_sun = {
+        "builtin:cloud_sun", NULL, {"media[0].g=0.9"}, 48, 48, fewer(2048, 4), 0.017, 0, 0.997};
     static const char both[] = "lights=[{\"type\":\"directional\",\"direction\":[0.7,-0.5,-0.3],\"irradiance\":3},"
                                "{\"type\":\"environment\",\"radiance\":0.3}]";
-    const scene_case cloud_in_sky = {"builtin:cloud_sun", NULL, {"media[0].g=0.96", both}, 48, 48, 1024, 0, 0};
+    const scene_case cloud_in_sky = {
+        "builtin:cloud_sun", NULL, {"media[0].g=0.96", both}, 48, 48, 1024, 0.008, 0, 1.003};
     const bool near = is_near(*state, &cloud_in_sun, "g 0.9"), in_sky = is_near(*state, &cloud_in_sky, "g 0.96, sky");
-    assert_true((!in_full() || is_near(*state, &cube, "g 0.96")) && near && in_sky);
+    assert_true(near && in_sky);
+}
+
+/* Its truth takes many paths. */
+static void the_narrowest_lobe_in_a_cube(void** state) {
+    const scene_case cube = {"builtin:cube_g0.96", NULL, {NULL}, 48, 48, 16384, 0.041, 0, 1.016};
+    if (!in_full()) skip();
+    assert_true(is_near(*state, &cube, "g 0.96"));
 }
 
 static void nebulae(void** state) {
-    assert_true(is_near(*state, &(scene_case){"builtin:nebulae", NULL, {NULL}, 48, 48, 256, 0, 0}, "as it is"));
+    assert_true(
+        is_near(*state, &(scene_case){"builtin:nebulae", NULL, {NULL}, 48, 48, 256, 0.029, 0, 0.997}, "as it is"));
 }
 
 /* Against pictures of other renderers, as files. */
-static void check_reference(ty_context* context, const char* name) {
+static void check_reference(ty_context* context, const char* name, double ratio, double rmse) {
     char file[64], path[1024];
     ty_scene* scene = NULL;
     ty_image *reference = NULL, *image = NULL;
@@ -115,44 +127,54 @@ static void check_reference(ty_context* context, const char* name) {
     const ty_difference dom = compare(context, "dom", image, reference);
     ty_image_destroy(reference);
     ty_scene_destroy(scene);
-    assert_true(fabs(dom.mean_ratio[3] - 1) <= most_off && dom.relative_rmse[3] <= most_rmse);
+    assert_true(fabs(dom.mean_ratio[3] - ratio) <= ratio_margin && dom.relative_rmse[3] <= rmse + rmse_margin);
 }
 
 static void references(void** state) {
-    check_reference(*state, "cube_g0");
-    check_reference(*state, "cube_g0.7");
+    check_reference(*state, "cube_g0", 1.000, 0.011);
+    check_reference(*state, "cube_g0.7", 1.002, 0.021);
 }
 
 static const char cloud[] = "volumes/wdas_cloud_sixteenth.vdb", plume[] = "volumes/plume/plume_0042.vdb";
 static const char dawn[] = "hdri/kiara_1_dawn_1k.hdr";
 
+/* Mean ratio and relative RMSE in the sun and under the sky. */
+typedef struct lit_measure {
+    double sun_ratio, sun_rmse, sky_ratio, sky_rmse;
+} lit_measure;
+
 /* A scene whose first light is an environment in the sun alone, which path tracing takes more samples for, or under a
  * photographed sky; surfaces would be in the light of both. */
-static bool is_near_in_lights(ty_context* context, const char* path, const char* data, int32_t width, int32_t height) {
+static bool is_near_in_lights(ty_context* context, const char* path, const char* data, int32_t width, int32_t height,
+                              const lit_measure* m) {
     static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.75,-0.5,-0.1],\"irradiance\":3}";
     static const char bare[] = "geometry=[]";
     char file[1024], sky[1200];
     snprintf(sky, sizeof sky, "lights[0]={\"type\":\"environment\",\"file\":\"%s\"}", data_path(dawn, file));
-    const scene_case in_sun = {path, data, {DENSITY, sun, bare}, width, height, fewer(1024, 2), 0, 0};
-    const scene_case in_sky = {path, data, {DENSITY, sky, bare}, width, height, 128, 0, 0};
+    const scene_case in_sun = {path,        data, {DENSITY, sun, bare}, width, height, fewer(1024, 2),
+                               m->sun_rmse, 0,    m->sun_ratio};
+    const scene_case in_sky = {path, data, {DENSITY, sky, bare}, width, height, 128, m->sky_rmse, 0, m->sky_ratio};
     const bool near = !in_full() || is_near(context, &in_sky, "photographed sky");
     return is_near(context, &in_sun, "sun") && near;
 }
 
 static void measured_cloud(void** state) {
-    assert_true(is_near_in_lights(*state, "scenes/disney_cloud_sun.json", cloud, 48, 36));
+    static const lit_measure measured = {0.995, 0.030, 1.009, 0.029};
+    assert_true(is_near_in_lights(*state, "scenes/disney_cloud_sun.json", cloud, 48, 36, &measured));
 }
 
 static void smoke(void** state) {
-    assert_true(is_near_in_lights(*state, "scenes/plume.json", plume, 36, 48));
+    static const lit_measure measured = {1.011, 0.024, 1.000, 0.007};
+    assert_true(is_near_in_lights(*state, "scenes/plume.json", plume, 36, 48, &measured));
 }
 
 /* Cells of many mean free paths, and edges that a transfer function makes within a voxel. */
 static void dense_head(void** state) {
     static const char data[] = "volumes/headsq_ct_64x64x93_i16.nrrd", dense[] = "media[0].sigma_t=1500";
     static const char sun[] = "lights=[{\"type\":\"directional\",\"direction\":[0.7,0.5,-0.6],\"irradiance\":1}]";
-    const scene_case head = {"scenes/ct_head.json", data, {DENSITY, dense, sun}, 48, 48, 512, 0, 0};
-    assert_true(!in_full() || is_near(*state, &head, "1500/m, sun"));
+    const scene_case head = {"scenes/ct_head.json", data, {DENSITY, dense, sun}, 48, 48, 512, 0.054, 0, 0.999};
+    if (!in_full()) skip();
+    assert_true(is_near(*state, &head, "1500/m, sun"));
 }
 
 /* In the same light from everywhere nothing that absorbs nothing is to be seen. Narrow lobes about the environment's 64
@@ -191,9 +213,9 @@ static void white_furnace(void** state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(cubes),          cmocka_unit_test(narrow_lobes),
-                                       cmocka_unit_test(nebulae),        cmocka_unit_test(references),
-                                       cmocka_unit_test(measured_cloud), cmocka_unit_test(smoke),
-                                       cmocka_unit_test(dense_head),     cmocka_unit_test(white_furnace)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cubes),   cmocka_unit_test(narrow_lobes), cmocka_unit_test(the_narrowest_lobe_in_a_cube),
+        cmocka_unit_test(nebulae), cmocka_unit_test(references),   cmocka_unit_test(measured_cloud),
+        cmocka_unit_test(smoke),   cmocka_unit_test(dense_head),   cmocka_unit_test(white_furnace)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

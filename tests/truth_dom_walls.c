@@ -3,12 +3,15 @@
 #include "truth_scene.h"
 
 #include <tyndall/dom.h>
+#include <tyndall/method.h>
 
-static const double most_off = 0.03;
+/* Cases have the mean ratio and the relative RMSE that were measured. Means are held to 0.01 about the ratio, RMSEs to
+ * 0.01 above, margins for path tracing's noise. */
+static const double ratio_margin = 0.01, rmse_margin = 0.01;
 
 static ty_image* dom_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces) {
-    const ty_render_settings settings = ty_scene_render_settings(scene);
-    ty_dom_def def = ty_dom_def_of(&settings.dom);
+    ty_dom_def def = ty_default_dom_def();
+    must(ty_scene_context(scene), ty_method_options(scene, "dom", &def));
     ty_image* image = NULL;
     ty_dom_stats stats;
     def.width = c->width;
@@ -29,7 +32,7 @@ static ty_image* dom_image(const ty_scene* scene, const scene_case* c, const ty_
     return image;
 }
 
-/* c->rmse: at most. */
+/* Whether an image is as near to path tracing's as it was measured to be. */
 static bool is_near(ty_context* context, const scene_case* c, const char* what) {
     ty_difference d;
     ty_scene* scene = read_case(context, c);
@@ -42,7 +45,7 @@ static bool is_near(ty_context* context, const scene_case* c, const char* what) 
     ty_image_destroy(truth);
     ty_image_destroy(surfaces);
     ty_scene_destroy(scene);
-    return fabs(d.mean_ratio[3] - 1) <= most_off && d.relative_rmse[3] <= c->rmse;
+    return fabs(d.mean_ratio[3] - c->ratio) <= ratio_margin && d.relative_rmse[3] <= c->rmse + rmse_margin;
 }
 
 /* ---- a box in fog ---- */
@@ -50,23 +53,24 @@ static bool is_near(ty_context* context, const scene_case* c, const char* what) 
 #define BOX "builtin:fog_cornell"
 
 static void a_box_in_an_area_lamp(void** state) {
-    const scene_case c = {"builtin:cornell_fog", NULL, {NULL}, 48, 48, 256, 0.06, 0};
+    const scene_case c = {"builtin:cornell_fog", NULL, {NULL}, 48, 48, 256, 0.025, 0, 1.016};
     assert_true(is_near(*state, &c, "box in fog, area lamp"));
 }
 
 static void a_box_in_the_sun_and_a_sky(void** state) {
     static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.3,0.8,-0.5],\"irradiance\":5}";
     static const char sky[] = "lights[0]={\"type\":\"environment\",\"radiance\":[0.8,1,1.3]}";
-    const scene_case in_sun = {BOX, NULL, {NULL, sun}, 48, 48, 256, 0.06, 0};
-    const scene_case in_sky = {BOX, NULL, {NULL, sky}, 48, 48, 128, 0.06, 0};
+    const scene_case in_sun = {BOX, NULL, {NULL, sun}, 48, 48, 256, 0.023, 0, 0.986};
+    const scene_case in_sky = {BOX, NULL, {NULL, sky}, 48, 48, 128, 0.009, 0, 1.003};
     const bool near = is_near(*state, &in_sky, "box in fog, sky through the opening");
     assert_true(is_near(*state, &in_sun, "box in fog, sun through the opening") && near);
 }
 
 /* Path tracing takes many samples about the lamp. */
 static void a_box_with_a_spot(void** state) {
-    const scene_case c = {BOX, NULL, {NULL}, 60, 60, 2048, 0.06, 0};
-    if (in_full()) assert_true(is_near(*state, &c, "box in fog, spot"));
+    const scene_case c = {BOX, NULL, {NULL}, 60, 60, 2048, 0.03, 0, 0.985};
+    if (!in_full()) skip();
+    assert_true(is_near(*state, &c, "box in fog, spot"));
 }
 
 /* Narrow lobes between walls, of which 96 directions tell too few bands apart (they are off by .071); path tracing's
@@ -75,8 +79,9 @@ static void narrow_lobes_in_a_box(void** state) {
     static const char fog[] = "media=[{\"bounds\":[[-1,-1,-1],[1,1,1]],\"sigma_t\":1.5,\"albedo\":0.98,\"g\":0.9}]";
     static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.3,0.8,-0.5],\"irradiance\":5}";
     static const char more[] = "render.dom.directions=400";
-    const scene_case c = {BOX, NULL, {NULL, fog, sun, more}, 60, 60, 2048, 0.06, 0};
-    if (in_full()) assert_true(is_near(*state, &c, "box in fog, g = 0.9, sun through the opening, 400 directions"));
+    const scene_case c = {BOX, NULL, {NULL, fog, sun, more}, 60, 60, 2048, 0.05, 0, 0.993};
+    if (!in_full()) skip();
+    assert_true(is_near(*state, &c, "box in fog, g = 0.9, sun through the opening, 400 directions"));
 }
 
 /* ---- walls in a medium, and beside one ---- */
@@ -91,8 +96,8 @@ static void walls_in_smoke(void** state) {
                                 "\"material\":{\"albedo\":0.7}}]";
     static const char edge_on[] = "geometry=[{\"quad\":{\"origin\":[0.03,-1.2,-1.2],\"u\":[0,2.4,0],\"v\":[0,0,2.4]},"
                                   "\"material\":{\"albedo\":0.7}}]";
-    const scene_case first = {BOX, NULL, {NULL, SMOKE, SUN, askew}, 60, 60, fewer(1024, 4), 0.06, 0};
-    const scene_case second = {BOX, NULL, {NULL, SMOKE, SUN, edge_on}, 60, 60, fewer(1024, 4), 0.05, 0};
+    const scene_case first = {BOX, NULL, {NULL, SMOKE, SUN, askew}, 60, 60, fewer(1024, 4), 0.055, 0, 0.98};
+    const scene_case second = {BOX, NULL, {NULL, SMOKE, SUN, edge_on}, 60, 60, fewer(1024, 4), 0.034, 0, 1.009};
     const bool near = is_near(*state, &first, "wall askew in smoke");
     assert_true(is_near(*state, &second, "wall edge on in smoke") && near);
 }
@@ -124,7 +129,7 @@ static void walls_let_nothing_through(void** state) {
 
     must(*state, ty_dom_fluence(light, from, to, one, lit, NULL));
     printf("behind a wall: %.2g of the light before it\n", behind[0] / lit[0]);
-    for (int c = 0; c < 3; ++c) assert_true(lit[c] > 0.5 && behind[c] < 1e-3 * lit[c]);
+    for (int c = 0; c < 3; ++c) assert_true(lit[c] > 0.5 && behind[c] < 2e-5 * lit[c]); /* measured: 8e-6 */
     ty_dom_destroy(light);
     ty_scene_destroy(scene);
 }
@@ -134,7 +139,7 @@ static void walls_let_nothing_through(void** state) {
 static void a_last_sweep_shows_no_curtains(void** state) {
     static const char lamp[] = "lights[0]={\"type\":\"point\",\"position\":[-0.75,0.2,-0.2],\"intensity\":1}";
     static const int32_t directions[3][2] = {{1000, 0}, {96, 0}, {96, 400}};
-    const scene_case c = {BOX, NULL, {NULL, lamp}, 60, 60, 16, 0, 0};
+    const scene_case c = {BOX, NULL, {NULL, lamp}, 60, 60, 16, 0, 0, 0};
     ty_scene* scene = read_case(*state, &c);
     ty_image *surfaces = surfaces_of(scene, &c), *images[3];
     double off[3];
@@ -154,7 +159,7 @@ static void a_last_sweep_shows_no_curtains(void** state) {
     for (int i = 0; i < 3; ++i) ty_image_destroy(images[i]);
     ty_image_destroy(surfaces);
     ty_scene_destroy(scene);
-    assert_true(off[2] < 0.015 && off[2] < 0.4 * off[1]);
+    assert_true(fabs(off[1] - 0.0389) < 0.002 && off[2] < 0.01); /* measured: 0.0087 */
 }
 
 static void a_floor_under_a_cloud(void** state) {
@@ -164,7 +169,7 @@ static void a_floor_under_a_cloud(void** state) {
     static const char sky[] = "lights=[{\"type\":\"environment\",\"radiance\":[0.8,1,1.3]}]";
     static const char floor[] = "geometry=[{\"quad\":{\"origin\":[-4,-4,-1],\"u\":[8,0,0],\"v\":[0,8,0]},"
                                 "\"material\":{\"albedo\":[0.7,0.5,0.3]}}]";
-    const scene_case c = {BOX, NULL, {NULL, cloud, sky, floor}, 48, 48, 64, 0.06, 0};
+    const scene_case c = {BOX, NULL, {NULL, cloud, sky, floor}, 48, 48, 64, 0.036, 0, 0.979};
     assert_true(is_near(*state, &c, "floor under a cloud under a sky"));
 }
 

@@ -2,7 +2,7 @@
 #include "truth_cases.h"
 
 /* g 0.75, sigma_a 10/cm, sigma_s 90/cm, 0.02 cm, normal incidence (van de Hulst 1980, Multiple Light Scattering). */
-static void test_slab(void** state) {
+static void a_slab_agrees_with_van_de_hulst(void** state) {
     const slab_result slab = in_full() ? measure_slab(*state, 1 << 21, 16) : measure_slab(*state, 1 << 17, 8);
     const double tolerance = in_full() ? 0.001 : 0.005;
     assert_close("slab, diffuse reflectance", slab.reflectance, 0.09739, tolerance);
@@ -17,7 +17,7 @@ static void check_cube(ty_context* context, double g, int64_t rays) {
     assert_close(name, power, 1, 0.005);
 }
 
-static void test_cube(void** state) {
+static void a_cube_loses_no_energy(void** state) {
     static const double others[] = {-0.9, -0.3, 0.5, 0.9, 0.99};
     check_cube(*state, 0, 1 << 15);
     check_cube(*state, 0.7, 1 << 16);
@@ -27,8 +27,8 @@ static void test_cube(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slab),
-        cmocka_unit_test(test_cube),
+        cmocka_unit_test(a_slab_agrees_with_van_de_hulst),
+        cmocka_unit_test(a_cube_loses_no_energy),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -56,7 +56,7 @@ static ty_scene* map_scene(ty_context* context, const placement* p) {
 }
 
 /* The camera that looks along the bright texel has it in the middle of the picture, and the lesser one to its right. */
-static void test_seen(void** state) {
+static void environments_are_seen_as_they_are(void** state) {
     enum { SIDE = 65 };
     for (int i = 0; i < PLACEMENTS; ++i) {
         const placement* p = &placements[i];
@@ -127,7 +127,7 @@ static double facing(const void* user, const double look[3]) {
 }
 
 /* Boards that face six ways and one between get exactly the light of their side. */
-static void test_cast_on_surfaces(void** state) {
+static void environments_light_surfaces(void** state) {
     static const double ways[7][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0},    {0, -1, 0},
                                       {0, 0, 1}, {0, 0, -1}, {0.6, 0, 0.8}};
     for (int i = 0; i < PLACEMENTS; ++i) {
@@ -180,7 +180,7 @@ static double scattered(const void* user, const double look[3]) {
 }
 
 /* A ball of fog scatters the map's light once, as its phase function says. */
-static void test_cast_on_media(void** state) {
+static void environments_light_media(void** state) {
     static const double ways[4][3] = {{0, 0.6, 0.8}, {0, -1, 0}, {-0.6, 0.8, 0}, {0.8, 0, -0.6}};
     for (int i = 0; i < PLACEMENTS; ++i) {
         double worst = 0, sum = 0, expected_sum = 0;
@@ -216,7 +216,7 @@ static double anywhere(const void* user, const double look[3]) {
 }
 
 /* With nothing in the way, fluence is the integral of the map. */
-static void test_fluence(void** state) {
+static void fluence_is_the_integral(void** state) {
     for (int i = 0; i < PLACEMENTS; ++i) {
         ty_scene* scene = map_scene(*state, &placements[i]);
         commit(scene);
@@ -233,10 +233,10 @@ static void test_fluence(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_seen),
-        cmocka_unit_test(test_cast_on_surfaces),
-        cmocka_unit_test(test_cast_on_media),
-        cmocka_unit_test(test_fluence),
+        cmocka_unit_test(environments_are_seen_as_they_are),
+        cmocka_unit_test(environments_light_surfaces),
+        cmocka_unit_test(environments_light_media),
+        cmocka_unit_test(fluence_is_the_integral),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -34,14 +34,14 @@ static ty_grid* noise_grid(ty_context* context, int32_t size, uint32_t seed, boo
     def.octaves = 2;
     def.sharpness = 1.5f;
     ty_grid *noise = NULL, *grid;
-    must(context, ty_grid_noise(context, &def, &noise));
+    must(context, ty_grid_create_noise(context, &def, &noise));
     float* values = calloc((size_t)(size * size * size), sizeof *values);
     assert_non_null(values);
     for (int32_t i = 0; i < size * size * size; ++i)
         values[i] = ty_grid_voxel(noise, i % size, i / size % size, i / size / size);
     grid = grid_of(context, size, values, placed);
     free(values);
-    ty_grid_destroy(noise);
+    ty_grid_release(noise);
     return grid;
 }
 
@@ -69,22 +69,22 @@ static void same(ty_context* context, const char* name, const ty_medium_def* a, 
 
 /* ---- albedo and g ---- */
 
-static void test_even_albedo(void** state) {
+static void a_constant_albedo_field_changes_nothing(void** state) {
     ty_medium_def number = medium_cube(0.5, 2.4, 0.6, 0.3), field = medium_cube(0.5, 1, 2, 0.3);
     field.albedo_grid[0] = field.albedo_grid[1] = field.albedo_grid[2] = even_grid(*state, 0.8);
     same(*state, "albedo 0.8 as a grid", &field, &number, 192);
-    ty_grid_destroy(field.albedo_grid[0]);
+    ty_grid_release(field.albedo_grid[0]);
 }
 
-static void test_even_g(void** state) {
+static void a_constant_g_field_changes_nothing(void** state) {
     ty_medium_def number = medium_cube(0.5, 3, 0.3, 0.7), field = medium_cube(0.5, 3, 0.3, -0.9);
     field.g_grid = even_grid(*state, 0.7);
     same(*state, "g 0.7 as a grid", &field, &number, 192);
-    ty_grid_destroy(field.g_grid);
+    ty_grid_release(field.g_grid);
 }
 
 /* Three grids at once are three gray media. */
-static void test_coloured_albedo(void** state) {
+static void coloured_albedo_fields_are_right(void** state) {
     ty_medium_def colour = medium_cube(0.5, 4, 0, 0.2);
     for (int c = 0; c < 3; ++c) colour.albedo_grid[c] = noise_grid(*state, 8, 11 + (uint32_t)c, false);
     colour.density_grid = noise_grid(*state, 16, 5, false);
@@ -97,13 +97,13 @@ static void test_coloured_albedo(void** state) {
         ty_image_destroy(other);
     }
     ty_image_destroy(image);
-    ty_grid_destroy(colour.density_grid);
-    for (int c = 0; c < 3; ++c) ty_grid_destroy(colour.albedo_grid[c]);
+    ty_grid_release(colour.density_grid);
+    for (int c = 0; c < 3; ++c) ty_grid_release(colour.albedo_grid[c]);
 }
 
 /* ---- transfer functions ---- */
 
-static void test_linear_transfer(void** state) {
+static void linear_transfer_functions_change_nothing(void** state) {
     static const ty_transfer_point line[3] = {{0, 0, {1, 1, 1}}, {0.4f, 0.4f, {1, 1, 1}}, {1, 1, {1, 1, 1}}};
     ty_medium_def plain = medium_cube(0.5, 6, 0.6, 0.3);
     plain.density_grid = noise_grid(*state, 12, 3, false);
@@ -111,7 +111,7 @@ static void test_linear_transfer(void** state) {
     mapped.transfer = line;
     mapped.transfer_count = 3;
     same(*state, "linear transfer function", &mapped, &plain, 256);
-    ty_grid_destroy(plain.density_grid);
+    ty_grid_release(plain.density_grid);
 }
 
 /* Steep and not monotone; with an albedo that follows. */
@@ -149,7 +149,7 @@ static ty_grid* resampled(ty_context* context, const ty_grid* grid, int what) {
 }
 
 /* The function of a coarse grid is a fine grid of the function's values. */
-static void test_curved_transfer(void** state) {
+static void curved_transfer_functions_are_right(void** state) {
     ty_medium_def mapped = medium_cube(0.5, 0.7, 0.3, 0.3);
     mapped.density_grid = noise_grid(*state, COARSE, 9, false);
     mapped.transfer = curve;
@@ -159,37 +159,37 @@ static void test_curved_transfer(void** state) {
     fine.density_grid = resampled(*state, mapped.density_grid, 0);
     for (int c = 0; c < 3; ++c) fine.albedo_grid[c] = resampled(*state, mapped.density_grid, 1 + c);
     same(*state, "transfer function of a grid", &mapped, &fine, 256);
-    ty_grid_destroy(mapped.density_grid);
-    ty_grid_destroy(fine.density_grid);
-    for (int c = 0; c < 3; ++c) ty_grid_destroy(fine.albedo_grid[c]);
+    ty_grid_release(mapped.density_grid);
+    ty_grid_release(fine.density_grid);
+    for (int c = 0; c < 3; ++c) ty_grid_release(fine.albedo_grid[c]);
 }
 
 /* ---- shells ---- */
 
-static ty_shell* shell_of(ty_context* context, made_mesh* mesh) {
-    ty_shell* shell = NULL;
+static ty_closed_mesh* shell_of(ty_context* context, made_mesh* mesh) {
+    ty_closed_mesh* shell = NULL;
     must(context, made_shell(context, mesh, &shell));
     made_free(mesh);
     return shell;
 }
 
-static ty_shell* cube_shell(ty_context* context, double half) {
+static ty_closed_mesh* cube_shell(ty_context* context, double half) {
     const double low[3] = {-half, -half, -half}, high[3] = {half, half, half};
     made_mesh mesh = made_nothing();
     made_add_box(&mesh, low, high);
     return shell_of(context, &mesh);
 }
 
-static void test_box_shell(void** state) {
+static void a_box_mesh_is_a_box(void** state) {
     const ty_medium_def box = medium_cube(0.5, 3, 0.3, 0.5);
     ty_medium_def shell = medium_of(3, 0.3, 0.5);
     shell.bounds = TY_BOUNDS_SHELL;
     shell.shell = cube_shell(*state, 0.5);
     same(*state, "shell of a box", &shell, &box, 192);
-    ty_shell_destroy(shell.shell);
+    ty_closed_mesh_release(shell.shell);
 }
 
-static void test_ball_shell(void** state) {
+static void a_ball_mesh_is_a_ball(void** state) {
     static const double zero[3] = {0, 0, 0};
     const ty_medium_def ball = medium_sphere(0.6, 3, 0.3, 0.5);
     ty_medium_def shell = medium_of(3, 0.3, 0.5);
@@ -198,11 +198,11 @@ static void test_ball_shell(void** state) {
     shell.bounds = TY_BOUNDS_SHELL;
     shell.shell = shell_of(*state, &mesh);
     same(*state, "shell of a ball", &shell, &ball, 192);
-    ty_shell_destroy(shell.shell);
+    ty_closed_mesh_release(shell.shell);
 }
 
 /* A cube in two shells, one with a hole that the other fills, half as far across as the cube. */
-static void test_hollow_shell(void** state) {
+static void hollow_meshes_are_empty_inside(void** state) {
     static const double low[3] = {-0.5, -0.5, -0.5}, high[3] = {0.5, 0.5, 0.5};
     static const double hole_low[3] = {-0.25, -0.25, -0.25}, hole_high[3] = {0.25, 0.25, 0.25};
     const ty_medium_def box = medium_cube(0.5, 3, 0.3, 0.5), core = medium_cube(0.25, 3, 0.3, 0.5);
@@ -230,27 +230,31 @@ static void test_hollow_shell(void** state) {
     }
     assert_same_channel("rind and core, lamp", images[1], 0, images[0], 0, 0.012);
     for (int i = 0; i < 2; ++i) ty_image_destroy(images[i]);
-    ty_shell_destroy(rind.shell);
+    ty_closed_mesh_release(rind.shell);
 }
 
-static void test_shell_cuts_grid(void** state) {
+static void meshes_cut_grids(void** state) {
     ty_medium_def box = medium_cube(0.35, 6, 0.6, 0.3);
     box.density_grid = noise_grid(*state, 16, 3, true);
     ty_medium_def shell = box;
     shell.bounds = TY_BOUNDS_SHELL;
     shell.shell = cube_shell(*state, 0.35);
     same(*state, "grid cut by a shell", &shell, &box, 192);
-    ty_shell_destroy(shell.shell);
-    ty_grid_destroy(box.density_grid);
+    ty_closed_mesh_release(shell.shell);
+    ty_grid_release(box.density_grid);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_even_albedo),     cmocka_unit_test(test_even_g),
-        cmocka_unit_test(test_coloured_albedo), cmocka_unit_test(test_linear_transfer),
-        cmocka_unit_test(test_curved_transfer), cmocka_unit_test(test_box_shell),
-        cmocka_unit_test(test_ball_shell),      cmocka_unit_test(test_hollow_shell),
-        cmocka_unit_test(test_shell_cuts_grid),
+        cmocka_unit_test(a_constant_albedo_field_changes_nothing),
+        cmocka_unit_test(a_constant_g_field_changes_nothing),
+        cmocka_unit_test(coloured_albedo_fields_are_right),
+        cmocka_unit_test(linear_transfer_functions_change_nothing),
+        cmocka_unit_test(curved_transfer_functions_are_right),
+        cmocka_unit_test(a_box_mesh_is_a_box),
+        cmocka_unit_test(a_ball_mesh_is_a_ball),
+        cmocka_unit_test(hollow_meshes_are_empty_inside),
+        cmocka_unit_test(meshes_cut_grids),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -1,7 +1,26 @@
 /* Flux-limited diffusion's fluence against path tracing's: the unit cube in parallel light. */
 #include "truth_cube.h"
 
-static const double anisotropies[] = {0, 0.5, 0.7, 0.96};
+/* Mean ratio and relative RMSE, measured with 16^3, 32^3 and 64^3 cells and diffusion on all of them; on half of them
+ * it is what the coarser resolution is, but for 8^3, which have a row of their own. A prototype of one beam and one
+ * solve has 0.99 / .08, 1.04 / .16, 1.06 / .18 and 1.05 / .14 at 16^3. The bounds are 0.015 about the ratio and 0.012
+ * above the RMSE: g = 0.96 is against walks from the light, 0.01 above the paths of docs/method/fld.md. */
+enum { SIZES = 3 };
+
+typedef struct cube_case {
+    double g;
+    struct {
+        double ratio, rmse;
+    } coarsest, measured[SIZES];
+} cube_case;
+
+static const cube_case cases[] = {
+    {0, {0.988, 0.143}, {{0.987, 0.092}, {1.003, 0.089}, {1.017, 0.087}}},
+    {0.5, {1.007, 0.184}, {{1.019, 0.163}, {1.032, 0.162}, {1.041, 0.163}}},
+    {0.7, {1.022, 0.187}, {{1.033, 0.177}, {1.043, 0.177}, {1.049, 0.178}}},
+    {0.96, {1.037, 0.134}, {{1.039, 0.133}, {1.040, 0.133}, {1.041, 0.133}}},
+};
+static const double ratio_margin = 0.015, rmse_margin = 0.012;
 
 static error measure(const ty_scene* scene, const ty_fld_def* def, const truth* expected) {
     ty_context* context = ty_scene_context(scene);
@@ -27,25 +46,29 @@ static error measure(const ty_scene* scene, const ty_fld_def* def, const truth* 
     return result;
 }
 
-/* Whatever the resolution, and half as fine for diffusion, the answer is the same. */
-static void test_cube(void** state) {
-    static const int32_t resolutions[] = {16, 32, 64};
+/* The answer hardly depends on the resolution, nor on whether diffusion is half as fine. */
+static void the_cube_is_as_bright_as_measured(void** state) {
+    static const int32_t resolutions[SIZES] = {16, 32, 64};
     static truth expected;
     for (int i = 0; i < 4; ++i) {
-        if (anisotropies[i] == 0.5 && !in_full()) continue;
-        ty_scene* scene = cube_in_light(*state, anisotropies[i]);
+        const cube_case* c = &cases[i];
+        if (c->g == 0.5 && !in_full()) continue;
+        ty_scene* scene = cube_in_light(*state, c->g);
         double first = 0;
-        trace(scene, anisotropies[i], &expected);
-        for (int r = 0; r < (in_full() ? 3 : 2); ++r)
+        trace(scene, c->g, &expected);
+        for (int r = 0; r < (in_full() ? SIZES : 2); ++r)
             for (int ratio = 1; ratio <= 2; ++ratio) {
                 ty_fld_def def = ty_default_fld_def();
                 def.resolution = resolutions[r];
                 def.ratio = ratio;
                 const error fld = measure(scene, &def, &expected);
-                printf("g %.2f, %2d^3 / %d: %.4f / %.4f (mean ratio / relative RMSE; noise %.4f)\n", anisotropies[i],
+                printf("g %.2f, %2d^3 / %d: %.4f / %.4f (mean ratio / relative RMSE; noise %.4f)\n", c->g,
                        resolutions[r], ratio, fld.mean_ratio, fld.rmse, expected.noise);
-                assert_true(fabs(fld.mean_ratio - 1) <= 0.07);
-                assert_true(fld.rmse <= 0.2);
+                const bool coarsest = r == 0 && ratio == 2;
+                const double mean = coarsest ? c->coarsest.ratio : c->measured[r - ratio + 1].ratio;
+                const double rmse = coarsest ? c->coarsest.rmse : c->measured[r - ratio + 1].rmse;
+                assert_true(fabs(fld.mean_ratio - mean) <= ratio_margin);
+                assert_true(fld.rmse <= rmse + rmse_margin);
                 if (r == 0 && ratio == 1) first = fld.mean_ratio;
                 assert_true(fabs(fld.mean_ratio - first) <= 0.03);
             }
@@ -53,8 +76,9 @@ static void test_cube(void** state) {
     }
 }
 
-/* What the paper has: a flux that may be as large as the fluence, and none of it on the faces. */
-static void test_published(void** state) {
+/* The paper's flux may be as large as the fluence, and its fluence is 0 on the faces. Measured: 1.003 / .089 by
+ * default, 0.929 / .127 with the paper's flux, 0.622 / .452 with its faces, too. */
+static void the_papers_choices_are_further_off(void** state) {
     static truth expected;
     ty_scene* scene = cube_in_light(*state, 0);
     trace(scene, 0, &expected);
@@ -62,17 +86,20 @@ static void test_published(void** state) {
     def.resolution = 32;
     def.ratio = 1;
     const error ours = measure(scene, &def, &expected);
-    def.streaming = 1;
-    const error streaming = measure(scene, &def, &expected);
+    def.max_flux_fraction = 1;
+    const error unlimited = measure(scene, &def, &expected);
     def.boundary = TY_FLD_BOUNDARY_DIRICHLET;
     const error paper = measure(scene, &def, &expected);
-    printf("g 0, 32^3: ours %.4f / %.4f, streaming 1 %.4f / %.4f, and no fluence on the faces %.4f / %.4f\n",
-           ours.mean_ratio, ours.rmse, streaming.mean_ratio, streaming.rmse, paper.mean_ratio, paper.rmse);
-    assert_true(ours.rmse < streaming.rmse && streaming.rmse < paper.rmse);
+    printf("g 0, 32^3: ours %.4f / %.4f, flux fraction 1 %.4f / %.4f, and no fluence on the faces %.4f / %.4f\n",
+           ours.mean_ratio, ours.rmse, unlimited.mean_ratio, unlimited.rmse, paper.mean_ratio, paper.rmse);
+    assert_true(fabs(unlimited.mean_ratio - 0.929) <= ratio_margin && fabs(unlimited.rmse - 0.127) <= rmse_margin);
+    assert_true(fabs(paper.mean_ratio - 0.622) <= ratio_margin && fabs(paper.rmse - 0.452) <= rmse_margin);
+    assert_true(fabs(ours.mean_ratio - 1.003) <= ratio_margin && ours.rmse <= 0.089 + rmse_margin);
     ty_scene_destroy(scene);
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_cube), cmocka_unit_test(test_published)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_cube_is_as_bright_as_measured),
+                                       cmocka_unit_test(the_papers_choices_are_further_off)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

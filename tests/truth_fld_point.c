@@ -3,8 +3,8 @@
 #include "checks.h"
 #include "effort.h"
 
-#include "cli/figures/fld_point_solve.h"
-#include "cli/figures/point_transport.h"
+#include "figures/fld_point_solve.h"
+#include "figures/point_transport.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +15,7 @@ static const double albedos[ALBEDOS] = {0, 0.2, 0.4, 0.6, 0.8, 0.9, 1};
 
 static void solve(ty_context* context, double albedo, ty_limiter limiter, bool diffusive_faces, point_profile* out) {
     const point_case which = {CELLS, albedo, limiter, diffusive_faces};
-    if (point_solve(context, &which, NULL, NULL, out) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (point_solve(context, &which, NULL, NULL, out) != TY_OK) fail_msg("%s", ty_take_error(context));
     if (!out->stats.converged) fail_msg("albedo %g: residual %g", albedo, out->stats.residual);
 }
 

@@ -28,8 +28,8 @@ static ty_difference compare(ty_context* context, const char* name, const ty_ima
     printf("  %-22s", name);
     for (int l = 0; l < 4; ++l) {
         ty_image *a = NULL, *b = NULL;
-        must(context, ty_image_layer(context, image, layers[l], &a));
-        must(context, ty_image_layer(context, truth, layers[l], &b));
+        must(context, ty_image_create_layer(context, image, layers[l], &a));
+        must(context, ty_image_create_layer(context, truth, layers[l], &b));
         must(context, ty_image_compare(context, a, b, BLOCK, &difference));
         printf(" %s %.4f / %.4f", l == 3 ? "all" : layers[l], difference.mean_ratio[3], difference.relative_rmse[3]);
         ty_image_destroy(a);
@@ -56,8 +56,8 @@ static void check_case(ty_context* context, const scene_case* c) {
     ty_scene* scene = read_case(context, c);
     ty_image *truth = path_image(scene, c, 0), *other = in_full() ? path_image(scene, c, 1) : NULL;
     ty_image* surfaces = surfaces_of(scene, c);
-    ty_image* fld = fld_image(scene, c, surfaces, TY_FLD_LIMITER_LEVERMORE_POMRANING, 0);
-    ty_image* cda = fld_image(scene, c, surfaces, TY_FLD_LIMITER_NONE, 0);
+    ty_image* fld = fld_image(scene, c, surfaces, TY_FLD_LIMITER_LEVERMORE_POMRANING, TY_AUTO);
+    ty_image* cda = fld_image(scene, c, surfaces, TY_FLD_LIMITER_NONE, TY_AUTO);
     printf("%s, mean ratio / relative RMSE:\n", c->path);
     if (other != NULL) compare(context, "path, another seed", other, truth);
     const ty_difference limited = compare(context, "fld", fld, truth);
@@ -75,29 +75,29 @@ static void check_case(ty_context* context, const scene_case* c) {
 }
 
 static void cube_scattering_evenly(void** state) {
-    check_case(*state, &(scene_case){"builtin:cube_g0", NULL, {NULL}, 48, 48, fewer(256, 2), 0.12, 0});
+    check_case(*state, &(scene_case){"builtin:cube_g0", NULL, {NULL}, 48, 48, fewer(256, 2), 0.12, 0, 0});
 }
 
 static void cube_scattering_forwards(void** state) {
-    check_case(*state, &(scene_case){"builtin:cube_g0.7", NULL, {NULL}, 48, 48, 256, 0.28, 0});
+    check_case(*state, &(scene_case){"builtin:cube_g0.7", NULL, {NULL}, 48, 48, 256, 0.28, 0, 0});
 }
 
 static void cloud_in_sunlight(void** state) {
-    check_case(*state, &(scene_case){"builtin:cloud_sun", NULL, {NULL}, 48, 48, fewer(256, 2), 0.15, 0.02});
+    check_case(*state, &(scene_case){"builtin:cloud_sun", NULL, {NULL}, 48, 48, fewer(256, 2), 0.15, 0.02, 0});
 }
 
 static void cloud_under_a_sky(void** state) {
-    check_case(*state, &(scene_case){"builtin:cloud_sky", NULL, {NULL}, 48, 48, 128, 0.03, 0});
+    check_case(*state, &(scene_case){"builtin:cloud_sky", NULL, {NULL}, 48, 48, 128, 0.03, 0, 0});
 }
 
 static void measured_cloud(void** state) {
     static const char data[] = "volumes/wdas_cloud_sixteenth.vdb";
-    check_case(*state, &(scene_case){"scenes/disney_cloud_sun.json", data, {DENSITY}, 48, 36, 128, 0.09, 0.075});
+    check_case(*state, &(scene_case){"scenes/disney_cloud_sun.json", data, {DENSITY}, 48, 36, 128, 0.09, 0.075, 0});
 }
 
 static void smoke(void** state) {
     static const char data[] = "volumes/plume/plume_0042.vdb";
-    check_case(*state, &(scene_case){"scenes/plume.json", data, {DENSITY}, 36, 48, 128, 0.14, 0});
+    check_case(*state, &(scene_case){"scenes/plume.json", data, {DENSITY}, 36, 48, 128, 0.14, 0, 0});
 }
 
 static void burning_smoke(void** state) {
@@ -105,14 +105,15 @@ static void burning_smoke(void** state) {
     static const char heat[] = "media[0].emission.temperature.file=\"%s\"";
     char path[1024], file[1200];
     snprintf(file, sizeof file, heat, data_path(data, path));
-    check_case(*state, &(scene_case){"scenes/plume_fire.json", data, {DENSITY, file}, 36, 48, fewer(256, 2), 0.4, 0});
+    check_case(*state,
+               &(scene_case){"scenes/plume_fire.json", data, {DENSITY, file}, 36, 48, fewer(256, 2), 0.4, 0, 0});
 }
 
 /* Bone and skin, a tenth as dense as the scene has them. */
 static void translucent_head(void** state) {
     static const char data[] = "volumes/headsq_ct_64x64x93_i16.nrrd";
     static const char* const thin = "media[0].sigma_t=500";
-    check_case(*state, &(scene_case){"scenes/ct_head.json", data, {DENSITY, thin}, 48, 48, fewer(256, 2), 0.16, 0});
+    check_case(*state, &(scene_case){"scenes/ct_head.json", data, {DENSITY, thin}, 48, 48, fewer(256, 2), 0.16, 0, 0});
 }
 
 int main(void) {

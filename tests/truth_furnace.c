@@ -30,26 +30,26 @@ static void check_all(ty_context* context, const char* what, furnace_body body, 
     }
 }
 
-static void test_box(void** state) {
+static void a_box_is_white(void** state) {
     check_all(*state, "box", FURNACE_BOX, 256);
 }
 
-static void test_sphere(void** state) {
+static void a_sphere_is_white(void** state) {
     check_all(*state, "sphere", FURNACE_SPHERE, 256);
 }
 
-static void test_plume(void** state) {
+static void a_plume_is_white(void** state) {
     check_all(*state, "plume", FURNACE_PLUME, 128);
 }
 
-static void test_overlapping_media(void** state) {
+static void overlapping_media_are_white(void** state) {
     if (in_full()) check_all(*state, "overlapping media", FURNACE_MANY, 0);
     check(*state, "overlapping media", FURNACE_MANY, 0.4, false, 256);
     check(*state, "overlapping media", FURNACE_MANY, 0.4, true, 256);
 }
 
 /* A white ball and a white board in the medium reflect what they get. */
-static void test_white_surfaces(void** state) {
+static void white_surfaces_are_white(void** state) {
     for (int map = 0; map < 2; ++map)
         for (int body = 0; body < 2; ++body) {
             ty_scene* scene = furnace_scene(*state, body == 0 ? FURNACE_BOX : FURNACE_MANY, 0.7, coloured, map != 0);
@@ -66,11 +66,9 @@ static void test_white_surfaces(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_box),
-        cmocka_unit_test(test_sphere),
-        cmocka_unit_test(test_plume),
-        cmocka_unit_test(test_overlapping_media),
-        cmocka_unit_test(test_white_surfaces),
+        cmocka_unit_test(a_box_is_white),           cmocka_unit_test(a_sphere_is_white),
+        cmocka_unit_test(a_plume_is_white),         cmocka_unit_test(overlapping_media_are_white),
+        cmocka_unit_test(white_surfaces_are_white),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

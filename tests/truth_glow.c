@@ -39,7 +39,7 @@ static void along_z(ty_scene* scene, int32_t spp, estimate out[3]) {
 
 /* ---- homogeneous: in closed form ---- */
 
-static void test_boxes(void** state) {
+static void boxes_emit_as_they_should(void** state) {
     static const double depths[] = {1e-7, 1e-6, 1e-5, 1e-3, 0.02, 0.05, 0.7, 5, 40};
     for (int i = 0; i < 9; ++i) {
         ty_scene* scene = new_scene(*state);
@@ -59,7 +59,7 @@ static void test_boxes(void** state) {
 
 /* Layers from z = 1 down to -1, as two boxes that overlap: each stretch glows by the mean of its media, weighted by
  * absorption. */
-static void test_overlap(void** state) {
+static void overlapping_media_add_their_emission(void** state) {
     ty_scene* scene = new_scene(*state);
     ty_medium_def near = glowing_cube(1, 0.8, 2), far = glowing_cube(1, 1.5, 0.5);
     near.box_min[2] = -0.25;
@@ -83,7 +83,7 @@ static double slab_flux(const void* user, double mu) {
     return -2 * mu * expm1(-*(const double*)user / mu);
 }
 
-static void test_floor(void** state) {
+static void emission_lights_the_floor(void** state) {
     static const double center[3] = {0, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
     ty_scene* scene = new_scene(*state);
     ty_medium_def slab = glowing_cube(1e4, 0.6, 3);
@@ -139,7 +139,7 @@ static double three(double z) {
 }
 
 /* Emission of a grid's density, behind homogeneous fog that absorbs. */
-static void test_uneven_density(void** state) {
+static void emission_follows_the_density(void** state) {
     ty_grid* grid = column_grid(*state, 24, uneven);
     ty_scene* scene = new_scene(*state);
     ty_medium_def cube = glowing_cube(0.5, 2.5, 3), fog = medium_cube(0.5, 0, 0.4, 0);
@@ -154,11 +154,11 @@ static void test_uneven_density(void** state) {
     const column c = {.sigma = 2.5, .emission = three, .grid = grid};
     assert_close("uneven density behind fog", found[0], exp(-0.4) * ty_integrate(column_glow, &c, 0, 1, 96), tolerance);
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* Colours in one medium whose grid varies: the mixture of channels must not tint what glows. */
-static void test_coloured_grid(void** state) {
+static void coloured_grids_emit_their_colours(void** state) {
     ty_grid* grid = column_grid(*state, 24, uneven);
     ty_scene* scene = new_scene(*state);
     ty_medium_def cube = glowing_cube(0.5, 1, 3);
@@ -173,7 +173,7 @@ static void test_coloured_grid(void** state) {
         assert_close("coloured grid", found[i], ty_integrate(column_glow, &c, 0, 1, 96), tolerance);
     }
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static double constant_half(double z) {
@@ -182,7 +182,7 @@ static double constant_half(double z) {
 }
 
 /* The same temperature everywhere: ty_blackbody times what a box absorbs. */
-static void test_even_temperature(void** state) {
+static void a_constant_temperature_emits_its_black_body(void** state) {
     static const double depths[] = {0.2, 3};
     for (int i = 0; i < 2; ++i) {
         ty_grid* grid = column_grid(*state, 8, constant_half);
@@ -201,7 +201,7 @@ static void test_even_temperature(void** state) {
         for (int c = 0; c < 3; ++c)
             assert_close("black body of 2000 K", found[c], -0.25 * (double)black[c] * expm1(-depths[i]), tolerance);
         ty_scene_destroy(scene);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
@@ -214,7 +214,7 @@ static double ramp_emission(double z) {
 }
 
 /* A ramp of temperature, plus emission of its own, in a density that varies as well. */
-static void test_temperature_ramp(void** state) {
+static void a_ramp_of_temperature_is_integrated(void** state) {
     ty_grid *density = column_grid(*state, 24, uneven), *temperature = column_grid(*state, 40, ramp);
     ty_scene* scene = new_scene(*state);
     ty_medium_def cube = glowing_cube(0.5, 2, 2);
@@ -230,8 +230,8 @@ static void test_temperature_ramp(void** state) {
     const column c = {.sigma = 2, .emission = ramp_emission, .grid = density};
     assert_close("ramp of temperature", found[0], ty_integrate(column_glow, &c, 0, 1, 96), tolerance);
     ty_scene_destroy(scene);
-    ty_grid_destroy(density);
-    ty_grid_destroy(temperature);
+    ty_grid_release(density);
+    ty_grid_release(temperature);
 }
 
 /* ---- an isothermal furnace: whatever it absorbs and scatters, everything looks alike ---- */
@@ -244,7 +244,7 @@ static ty_grid* noise_grid(ty_context* context, uint32_t seed) {
     def.kind = TY_NOISE_FBM;
     def.seed = seed;
     ty_grid* grid = NULL;
-    must(context, ty_grid_noise(context, &def, &grid));
+    must(context, ty_grid_create_noise(context, &def, &grid));
     return grid;
 }
 
@@ -270,12 +270,12 @@ static void check_isothermal(ty_context* context, const char* name, bool density
     commit(scene);
     assert_furnace(name, scene, warm, 24, 1024);
     ty_scene_destroy(scene);
-    ty_grid_destroy(body.density_grid);
-    for (int c = 0; c < 3; ++c) ty_grid_destroy(body.albedo_grid[c]);
-    ty_grid_destroy(body.g_grid);
+    ty_grid_release(body.density_grid);
+    for (int c = 0; c < 3; ++c) ty_grid_release(body.albedo_grid[c]);
+    ty_grid_release(body.g_grid);
 }
 
-static void test_isothermal(void** state) {
+static void an_isothermal_enclosure_is_black(void** state) {
     check_isothermal(*state, "isothermal, homogeneous", false, false, false);
     check_isothermal(*state, "isothermal, homogeneous, map", false, false, true);
     check_isothermal(*state, "isothermal, density", true, false, false);
@@ -285,14 +285,14 @@ static void test_isothermal(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_boxes),
-        cmocka_unit_test(test_overlap),
-        cmocka_unit_test(test_floor),
-        cmocka_unit_test(test_uneven_density),
-        cmocka_unit_test(test_coloured_grid),
-        cmocka_unit_test(test_even_temperature),
-        cmocka_unit_test(test_temperature_ramp),
-        cmocka_unit_test(test_isothermal),
+        cmocka_unit_test(boxes_emit_as_they_should),
+        cmocka_unit_test(overlapping_media_add_their_emission),
+        cmocka_unit_test(emission_lights_the_floor),
+        cmocka_unit_test(emission_follows_the_density),
+        cmocka_unit_test(coloured_grids_emit_their_colours),
+        cmocka_unit_test(a_constant_temperature_emits_its_black_body),
+        cmocka_unit_test(a_ramp_of_temperature_is_integrated),
+        cmocka_unit_test(an_isothermal_enclosure_is_black),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

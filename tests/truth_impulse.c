@@ -2,8 +2,8 @@
  * what must be conserved. Distances and cosines lie on bins and between them. */
 #include "checks.h"
 
-#include "cli/figures/impulse_rays.h"
-#include "cli/figures/point_transport.h"
+#include "figures/impulse_rays.h"
+#include "figures/point_transport.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -29,7 +29,7 @@ static void check(const char* name, ty_scene* scene, double x, double z, double 
     assert_close(name, irradiance_at(scene, x, z), expected, 0.003);
 }
 
-static void test_directional(void** state) {
+static void directional_light_is_right(void** state) {
     ty_scene* scene = board_scene(*state);
     ty_light_def light = light_of(TY_LIGHT_DIRECTIONAL, 5);
     set3(light.direction, 2, -3, 6);
@@ -40,7 +40,7 @@ static void test_directional(void** state) {
 }
 
 /* Two at once, so that choosing between lights is part of it. */
-static void test_points(void** state) {
+static void point_lights_are_right(void** state) {
     ty_scene* scene = board_scene(*state);
     ty_light_def light = light_of(TY_LIGHT_POINT, 5);
     set3(light.position, 1, 2, 0);
@@ -53,7 +53,7 @@ static void test_points(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_spot(void** state) {
+static void spot_lights_are_right(void** state) {
     ty_scene* scene = board_scene(*state);
     ty_light_def light = light_of(TY_LIGHT_SPOT, 5);
     set3(light.position, 0.3, 2, 0.4);
@@ -113,7 +113,7 @@ static ty_scene* area_scene(ty_context* context, bool light, const double corner
     return scene;
 }
 
-static void test_area(void** state) {
+static void area_lights_are_right(void** state) {
     static const double corner[3] = {-0.5, 0.8, -0.3}, u[3] = {1, 0.2, 0.1}, v[3] = {0.2, 0.1, 1.5};
     for (int light = 0; light < 2; ++light) {
         ty_scene *scene = area_scene(*state, light, corner, u, v), *turned = area_scene(*state, light, corner, v, u);
@@ -125,7 +125,7 @@ static void test_area(void** state) {
     }
 }
 
-static void test_panel(void** state) {
+static void emissive_panels_are_right(void** state) {
     static const double corner[3] = {-0.5, 0.6, -0.4}, u[3] = {1.2, 0, 0.1}, v[3] = {-0.2, 0, 0.9};
     static const double at[3][2] = {{0, 0}, {-0.5, -0.4}, {1.4, -0.6}};
     for (int light = 0; light < 2; ++light) {
@@ -140,7 +140,7 @@ static void test_panel(void** state) {
 }
 
 /* E = pi L (r / d)^2 cos, as long as all of the ball is above the board. */
-static void test_ball(void** state) {
+static void emissive_balls_are_right(void** state) {
     ty_scene* scene = board_scene(*state);
     const ty_shape_def ball = sphere_shape(0.5, 1.5, -0.5, 0.7, 0, 3);
     add_shape(scene, &ball);
@@ -151,7 +151,7 @@ static void test_ball(void** state) {
 }
 
 /* The six faces of a glowing box, of which the board sees five at most. */
-static void test_box(void** state) {
+static void emissive_boxes_are_right(void** state) {
     ty_scene* scene = board_scene(*state);
     ty_shape_def box = ty_default_shape_def();
     box.kind = TY_SHAPE_BOX;
@@ -170,7 +170,7 @@ static void test_box(void** state) {
 
 /* ---- environments ---- */
 
-static void test_constant_environment(void** state) {
+static void constant_environments_are_right(void** state) {
     ty_scene* scene = board_scene(*state);
     ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 3);
     light.scale = 0.5f;
@@ -191,7 +191,7 @@ static double bright_row(const void* user, double angle) {
 }
 
 /* A map that is dark but for one texel, which lights as much as its share of a whole bright row. */
-static void test_bright_texel(void** state) {
+static void a_bright_texel_is_sampled(void** state) {
     ty_image* map = NULL;
     must(*state, ty_image_create_rgb(*state, MAP_WIDTH, MAP_HEIGHT, &map));
     for (int c = 0; c < 3; ++c) ty_image_plane(map, c)[BRIGHT_ROW * MAP_WIDTH + 5] = 40;
@@ -212,7 +212,7 @@ static void test_bright_texel(void** state) {
 /* ---- together ---- */
 
 /* Forty lamps and spots under nine panels: what they bring adds up, however few of them a path looks at. */
-static void test_many(void** state) {
+static void many_lights_add_up(void** state) {
     static const double x = 0.3, z = -0.4, u[3] = {0.5, 0, 0}, v[3] = {0, 0, 0.5};
     ty_scene* scene = board_scene(*state);
     double expected = 0, place[4];
@@ -241,7 +241,7 @@ static void test_many(void** state) {
 }
 
 /* A sun and a lamp, both in fog, reach the board as exp(-depth) where they are points and beams. */
-static void test_through_fog(void** state) {
+static void lights_are_right_through_fog(void** state) {
     ty_scene* scene = board_scene(*state);
     ty_medium_def fog = medium_cube(4, 0, 0.3, 0);
     rgb(fog.sigma_a, 0.3, 0.6, 0.9);
@@ -265,12 +265,12 @@ static void test_through_fog(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_directional),  cmocka_unit_test(test_points),
-        cmocka_unit_test(test_spot),         cmocka_unit_test(test_area),
-        cmocka_unit_test(test_panel),        cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_box),          cmocka_unit_test(test_constant_environment),
-        cmocka_unit_test(test_bright_texel), cmocka_unit_test(test_many),
-        cmocka_unit_test(test_through_fog),
+        cmocka_unit_test(directional_light_is_right),   cmocka_unit_test(point_lights_are_right),
+        cmocka_unit_test(spot_lights_are_right),        cmocka_unit_test(area_lights_are_right),
+        cmocka_unit_test(emissive_panels_are_right),    cmocka_unit_test(emissive_balls_are_right),
+        cmocka_unit_test(emissive_boxes_are_right),     cmocka_unit_test(constant_environments_are_right),
+        cmocka_unit_test(a_bright_texel_is_sampled),    cmocka_unit_test(many_lights_add_up),
+        cmocka_unit_test(lights_are_right_through_fog),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

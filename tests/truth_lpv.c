@@ -16,6 +16,23 @@ typedef struct nearness {
     double shadowed_ratio, shadowed_rmse;
 } nearness;
 
+enum { ATRIUM, BOX_IN_FOG, SMOKE_IN_A_BOX, SPONZA, SCENES };
+
+/* The full method's pictures as measured; every bound of pictures is here. Mean ratios are held to ratio_margin, and to
+ * twice that in shadow, where blocks are few. RMSEs are held to 1 + rmse_margin times these: path tracing's noise is a
+ * part of them. */
+static const nearness measured[SCENES] = {
+    [ATRIUM] = {1.056, 0.111, 1.219, 0.236},
+    [BOX_IN_FOG] = {1.011, 0.126, 1.033, 0.157},
+    [SMOKE_IN_A_BOX] = {0.993, 0.187, 1.000, 0.204},
+    [SPONZA] = {0.940, 0.106, 1.001, 0.083},
+};
+static const double ratio_margin = 0.015, rmse_margin = 0.08;
+
+/* Fluence of scattered light about a point light in fog of 0.25, 1 and 4 per metre, over path tracing's, as measured.
+ */
+static const double fog_measured[3] = {1.174, 0.930, 0.929}, fog_margin = 0.015;
+
 /* Mean of a block's R, G and B. */
 static double block_light(const ty_image* image, int x, int y) {
     const float* planes[3];
@@ -54,7 +71,7 @@ static ty_image* lpv_image(const ty_scene* scene, const ty_lpv_def* def) {
     return image;
 }
 
-static void check_scene(ty_context* context, const scene_case* c) {
+static void check_scene(ty_context* context, const scene_case* c, const nearness* expected) {
     ty_scene* scene = read_case(context, c);
     ty_image *truth = path_image(scene, c, 0), *images[PARTS];
     ty_lpv_def def = ty_default_lpv_def();
@@ -76,19 +93,22 @@ static void check_scene(ty_context* context, const scene_case* c) {
     for (int i = 0; i < PARTS; ++i) ty_image_destroy(images[i]);
     ty_image_destroy(truth);
     ty_scene_destroy(scene);
-    assert_true(fabs(near[0].ratio - 1) <= 0.2);
-    assert_true(near[0].rmse <= c->rmse);
+    assert_true(fabs(near[0].ratio - expected->ratio) <= ratio_margin);
+    assert_true(fabs(near[0].shadowed_ratio - expected->shadowed_ratio) <= 2 * ratio_margin);
+    assert_true(near[0].rmse <= (1 + rmse_margin) * expected->rmse);
+    assert_true(near[0].shadowed_rmse <= (1 + rmse_margin) * expected->shadowed_rmse);
+    /* The paper's claim: light that media scatter onto surfaces and on is most of what simpler methods lack. */
     assert_true(near[0].rmse <= 0.5 * near[1].rmse && near[0].rmse <= 0.5 * near[2].rmse);
 }
 
 static void atrium(void** state) {
-    const scene_case c = {"builtin:atrium", NULL, {NULL}, 96, 54, fewer(256, 2), 0.5, 0};
-    check_scene(*state, &c);
+    const scene_case c = {"builtin:atrium", NULL, {NULL}, 96, 54, fewer(256, 2), 0, 0, 0};
+    check_scene(*state, &c, &measured[ATRIUM]);
 }
 
 static void box_in_fog(void** state) {
-    const scene_case c = {"builtin:fog_cornell", NULL, {NULL}, 60, 60, fewer(256, 2), 0.5, 0};
-    check_scene(*state, &c);
+    const scene_case c = {"builtin:fog_cornell", NULL, {NULL}, 60, 60, fewer(256, 2), 0, 0, 0};
+    check_scene(*state, &c, &measured[BOX_IN_FOG]);
 }
 
 /* A medium that is not the same everywhere, among surfaces. */
@@ -101,15 +121,16 @@ static void smoke_in_a_box(void** state) {
         60,
         60,
         256,
-        0.5,
+        0,
+        0,
         0};
-    check_scene(*state, &c);
+    check_scene(*state, &c, &measured[SMOKE_IN_A_BOX]);
 }
 
 static void sponza(void** state) {
     const scene_case c = {
-        "scenes/sponza_lamps.json", "scenes/sponza_atrium.glb", {"geometry[0].file=\"%s\""}, 96, 54, 256, 0.5, 0};
-    check_scene(*state, &c);
+        "scenes/sponza_lamps.json", "scenes/sponza_atrium.glb", {"geometry[0].file=\"%s\""}, 96, 54, 256, 0, 0, 0};
+    check_scene(*state, &c, &measured[SPONZA]);
 }
 
 /* ---- leaks ---- */
@@ -170,7 +191,7 @@ static void sealed_rooms_stay_dark(void** state) {
         ty_lpv_destroy(light);
         ty_scene_destroy(scene);
     }
-    assert_true(worst < 0.01);
+    assert_true(worst < 1e-5); /* measured: none */
 }
 
 /* ---- what must hold anywhere ---- */
@@ -203,12 +224,12 @@ static void fog_is_as_bright(void** state) {
             right += numbers[0][n] - numbers[1][n];
         }
         printf("a lamp in a cube of fog, %.2f/m: scattered light %.4f of path's\n", extinctions[i], sum / right);
-        worst = fmax(worst, fabs(sum / right - 1));
+        worst = fmax(worst, fabs(sum / right - fog_measured[i]));
         ty_lpv_destroy(light);
         ty_scene_destroy(scene);
     }
     for (int i = 0; i < 3; ++i) free(numbers[i]);
-    assert_true(worst <= 0.2);
+    assert_true(worst <= fog_margin);
 }
 
 int main(void) {

@@ -17,11 +17,11 @@ static ty_scene* cloud(ty_context* context, const float sigma_s[3], float g, con
     camera.fov_y = 34;
     set3f(medium.sigma_s, sigma_s[0], sigma_s[1], sigma_s[2]);
     set3f(medium.g, g, g, g);
-    check_result(context, ty_grid_noise(context, &noise, &medium.density_grid));
+    check_result(context, ty_grid_create_noise(context, &noise, &medium.density_grid));
     check_result(context, ty_scene_add_medium(scene, &medium));
     check_result(context, ty_scene_set_camera(scene, &camera));
     check_result(context, ty_scene_add_light(scene, light));
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     return scene;
 }
 
@@ -41,18 +41,16 @@ static ty_difference layer_difference(ty_context* context, const ty_image* image
                                       const char* layer, int32_t block) {
     ty_image* layers[2] = {NULL, NULL};
     ty_difference difference;
-    check_result(context, ty_image_layer(context, image, layer, &layers[0]));
-    check_result(context, ty_image_layer(context, truth, layer, &layers[1]));
+    check_result(context, ty_image_create_layer(context, image, layer, &layers[0]));
+    check_result(context, ty_image_create_layer(context, truth, layer, &layers[1]));
     check_result(context, ty_image_compare(context, layers[0], layers[1], block, &difference));
     print_message("%-14s %.5f %.4f\n", layer, difference.mean_ratio[3], difference.relative_rmse[3]);
     for (int i = 0; i < 2; ++i) ty_image_destroy(layers[i]);
     return difference;
 }
 
-static ty_single_light light_on_cells(const direct_case* made, ty_light_field* field) {
-    const bool beam = made->sources[0].kind == TY_SOURCE_BEAM;
-    ty_single_light light = {.kind = beam ? TY_SINGLE_BEAM : TY_SINGLE_LAMP,
-                             .toward = beam ? made->sources[0].direction : made->sources[0].position};
+static ty_light_fluence light_on_cells(const direct_case* made, ty_light_field* field) {
+    ty_light_fluence light = ty_light_fluence_of(&made->sources.items[0]);
     for (int c = 0; c < 3; ++c) light.fluence[c] = field->fluence[c];
     return light;
 }
@@ -69,7 +67,7 @@ static void single_scattering(void** state) {
         }
         direct_case made = direct_begin(cloud(*state, sigma_s, 0.6f, &def), 2 * VOXELS, 1, 1);
         ty_light_field* field = direct_light(&made, false);
-        const ty_single_light light = light_on_cells(&made, field);
+        const ty_light_fluence light = light_on_cells(&made, field);
         ty_march_def march = march_def(SIDE, SIDE);
         march.spp = 16;
         march.light_box = made.medium->box;
@@ -140,7 +138,7 @@ static void multiple_scattering(void** state) {
         march.spp = 16;
         march.field = &traced.field;
         march.aovs = TY_AOV_MULTIPLE;
-        if (guided == 0) march.guided = 0;
+        if (guided == 0) march.bilateral_sigma = 0;
         ty_image* image = march_image(made.scene, &march, NULL);
         multiple[guided] = layer_difference(*state, image, truth, "multiple", BLOCK);
         ty_image_destroy(image);

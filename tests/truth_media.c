@@ -32,7 +32,7 @@ static ty_image* cube_picture(ty_context* context, ty_grid* grid, double share, 
         medium.density_grid = grid;
         add_medium(scene, &medium);
     }
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     add_sun_and_sky(scene, slanting);
     return picture(scene, 1.5, 1, 3, 128, seed);
 }
@@ -60,7 +60,7 @@ static ty_grid* constant_vdb(ty_context* context) {
     ty_grid *grid = constant_grid(context, 24, TY_GRID_F32, 1), *placed = NULL;
     must(context, ty_vdb_write(context, grid, "density", "zip", "constant.vdb"));
     must(context, ty_vdb_read(context, "constant.vdb", "density", &placed));
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     assert_true(ty_grid_get_info(placed).placed);
     return placed;
 }
@@ -71,7 +71,7 @@ static void assert_same_and_destroy(const char* name, ty_image* a, ty_image* b) 
     ty_image_destroy(b);
 }
 
-static void test_box_or_grids(void** state) {
+static void a_box_and_its_grid_are_alike(void** state) {
     ty_context* context = *state;
     ty_grid* none = NULL;
     const struct {
@@ -85,7 +85,7 @@ static void test_box_or_grids(void** state) {
                                 cube_picture(context, none, 1, 1, 1));
 }
 
-static void test_halves_add_up(void** state) {
+static void halves_add_up(void** state) {
     ty_context* context = *state;
     ty_image* whole = cube_picture(context, NULL, 1, 1, 1);
     ty_image* halves = cube_picture(context, NULL, 0.5, 2, 20);
@@ -95,7 +95,7 @@ static void test_halves_add_up(void** state) {
     assert_same_and_destroy("two halves as grids", halves, whole);
 }
 
-static void test_box_and_grid_add_up(void** state) {
+static void box_and_grid_add_up(void** state) {
     static const double slanting[3] = {-1, -1.5, -1};
     ty_context* context = *state;
     ty_scene* scene = new_scene(context);
@@ -103,7 +103,7 @@ static void test_box_and_grid_add_up(void** state) {
     add_medium(scene, &medium);
     medium.density_grid = constant_grid(context, 8, TY_GRID_F32, 1);
     add_medium(scene, &medium);
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     add_sun_and_sky(scene, slanting);
     assert_same_and_destroy("half box, half grid", picture(scene, 1.5, 1, 3, 128, 30),
                             cube_picture(context, NULL, 1, 1, 1));
@@ -118,7 +118,7 @@ static ty_image* cloud_picture(ty_context* context, bool turned, uint64_t seed) 
     ty_medium_def medium = medium_cube(0.5, 12, 0.5, 0.6);
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 40;
-    must(context, ty_grid_noise(context, &noise, &medium.density_grid));
+    must(context, ty_grid_create_noise(context, &noise, &medium.density_grid));
     set3(medium.box_max, 0.3, 0.6, 0.7);
     if (turned) {
         medium.transform = turn;
@@ -127,7 +127,7 @@ static ty_image* cloud_picture(ty_context* context, bool turned, uint64_t seed) 
         ty_affine_point(&turn, up, up);
     }
     add_medium(scene, &medium);
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     add_sun_and_sky(scene, sun);
     ty_camera_def camera = ty_default_camera_def();
     memcpy(camera.position, eye, sizeof eye);
@@ -140,7 +140,7 @@ static ty_image* cloud_picture(ty_context* context, bool turned, uint64_t seed) 
     return image;
 }
 
-static void test_turning_everything(void** state) {
+static void turning_everything_changes_nothing(void** state) {
     assert_same_and_destroy("cloud turned with its camera", cloud_picture(*state, true, 2),
                             cloud_picture(*state, false, 1));
 }
@@ -168,9 +168,9 @@ static ty_image* scaled_picture(ty_context* context, double unit, double size, u
     return image;
 }
 
-static void test_scaling_the_world(void** state) {
+static void scaling_the_world_changes_nothing(void** state) {
     ty_context* context = *state;
-    ty_grid_destroy(constant_vdb(context));
+    ty_grid_release(constant_vdb(context));
     ty_image* original = scaled_picture(context, 1, 1, 1);
     ty_image* scaled = scaled_picture(context, 1, 10, 2);
     assert_same_channel("ten times as large", scaled, 0, original, 0, tolerance);
@@ -201,7 +201,7 @@ static double depth_at(const void* user, double t) {
 }
 
 /* Voxels are where they should be: transmittance along lines through an uneven grid that fills a box, or is placed. */
-static void test_voxels_are_in_place(void** state) {
+static void voxels_are_in_place(void** state) {
     enum { N = 5, LINES = 12 };
     static float values[N * N * N];
     for (int i = 0; i < N * N * N; ++i) values[i] = (float)((i * 37 % 11) * (i % 3 == 0)) / 4;
@@ -248,15 +248,18 @@ static void test_voxels_are_in_place(void** state) {
         assert_true(fabs(sum / expected_sum - 1) < 0.005);
         assert_true(dense || worst < 0.01);
         ty_scene_destroy(scene);
-        ty_grid_destroy(medium.density_grid);
+        ty_grid_release(medium.density_grid);
     }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_voxels_are_in_place), cmocka_unit_test(test_box_or_grids),
-        cmocka_unit_test(test_halves_add_up),       cmocka_unit_test(test_box_and_grid_add_up),
-        cmocka_unit_test(test_turning_everything),  cmocka_unit_test(test_scaling_the_world),
+        cmocka_unit_test(voxels_are_in_place),
+        cmocka_unit_test(a_box_and_its_grid_are_alike),
+        cmocka_unit_test(halves_add_up),
+        cmocka_unit_test(box_and_grid_add_up),
+        cmocka_unit_test(turning_everything_changes_nothing),
+        cmocka_unit_test(scaling_the_world_changes_nothing),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -85,7 +85,7 @@ static ty_scene* lit_scene(ty_context* context, body kind, bool meshed, bool fog
     return scene;
 }
 
-static void test_bodies(void** state) {
+static void meshes_are_their_bodies(void** state) {
     static const char* const names[] = {"quad", "box", "ball"};
     static const double from[3] = {-3, 0.3, 0.3}, way[3] = {1, 0.02, -0.1};
     for (int kind = QUAD; kind <= BALL; ++kind)
@@ -153,7 +153,7 @@ static ty_texture* texels_of(ty_context* context, const float* values, const flo
 }
 
 /* A coarse picture that glows: the sum over its texels. */
-static void test_glowing_texture(void** state) {
+static void emissive_textures_light_the_scene(void** state) {
     static const float values[12] = {5, 0, 2, 0, 0, 3, 0, 1, 0.5f, 0, 0, 8};
     made_mesh mesh = board_mesh(1, 0, 0);
     ty_mesh_def def = made_def(&mesh);
@@ -169,12 +169,12 @@ static void test_glowing_texture(void** state) {
                     rectangle_irradiance(1, i % 4 / 4.0, (i % 4 + 1) / 4.0, i / 4 / 3.0, (i / 4 + 1) / 3.0, 0.3, -0.4);
     assert_close("glowing picture", irradiance_at(scene, 0.3, -0.4), expected, 0.005);
     ty_scene_destroy(scene);
-    ty_texture_destroy(def.material.emission_texture);
+    ty_texture_release(def.material.emission_texture);
     made_free(&mesh);
 }
 
 /* One bright texel of very many is seen, whoever samples it. */
-static void test_lonely_texel(void** state) {
+static void a_lonely_texel_is_sampled(void** state) {
     enum { SIDE = 512, LONELY = 200 };
     float* values = calloc((size_t)SIDE * SIDE, sizeof *values);
     assert_non_null(values);
@@ -191,13 +191,13 @@ static void test_lonely_texel(void** state) {
     assert_close("lonely texel", seen_along(scene, under, up, 1), 7, 1e-5);
     assert_true(seen_along(scene, beside, up, 1).mean == 0);
     ty_scene_destroy(scene);
-    ty_texture_destroy(def.material.emission_texture);
+    ty_texture_release(def.material.emission_texture);
     made_free(&mesh);
     free(values);
 }
 
 /* Glowing boards light what is in front of them, or both sides. */
-static void test_sides(void** state) {
+static void boards_light_one_side_or_both(void** state) {
     static const double x[3] = {1, 0, 0}, y[3] = {0, 1, 0}, back[3] = {0, 0, -2}, front[3] = {0, 0, 2};
     static const double at[3] = {-1, -1, 0}, u[3] = {2, 0, 0}, v[3] = {0, 2, 0}, forth[3] = {0, 0, 1};
     made_mesh mesh = made_nothing();
@@ -240,7 +240,7 @@ static void test_sides(void** state) {
 /* ---- what surfaces reflect ---- */
 
 /* Texels and vertex colours of a floor under uniform light, and a texture placed by a map. */
-static void test_painted_floor(void** state) {
+static void textures_lie_where_they_should(void** state) {
     static const float values[4] = {0.2f, 0.9f, 0.5f, 0.7f};
     float colors[24];
     made_mesh mesh = board_mesh(0, 0, 0);
@@ -263,7 +263,7 @@ static void test_painted_floor(void** state) {
         assert_close("painted floor", seen_along(scene, from, up, 64), 3 * 0.8 * texel * color, 1e-4);
     }
     ty_scene_destroy(scene);
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_texture_release(def.material.albedo_texture);
     made_free(&mesh);
 }
 
@@ -283,7 +283,7 @@ static ty_material_def fence_material(ty_context* context, ty_alpha_mode mode, t
 }
 
 /* The mean over what the board shades of the sun from above; of many rays, as one ray always meets the same. */
-static void test_shadows(void** state) {
+static void alpha_shadows_are_right(void** state) {
     for (int mode = TY_ALPHA_MASK; mode <= TY_ALPHA_BLEND; ++mode) {
         enum { RAYS = 1 << 17 };
         made_mesh mesh = board_mesh(1, 0, 0);
@@ -311,13 +311,13 @@ static void test_shadows(void** state) {
         free(rays);
         free(radiance);
         ty_scene_destroy(scene);
-        ty_texture_destroy(texture);
+        ty_texture_release(texture);
         made_free(&mesh);
     }
 }
 
 /* What is not there does not glow: light sampling and rays that meet the board agree. */
-static void test_glowing_fences(void** state) {
+static void emissive_fences_are_right(void** state) {
     for (int mode = TY_ALPHA_MASK; mode <= TY_ALPHA_BLEND; ++mode) {
         made_mesh mesh = board_mesh(1, 0, 0);
         ty_mesh_def def = made_def(&mesh);
@@ -335,7 +335,7 @@ static void test_glowing_fences(void** state) {
         assert_close(mode == TY_ALPHA_MASK ? "glowing fence" : "glowing veil", irradiance_at(scene, 0.2, 0.3), expected,
                      0.005);
         ty_scene_destroy(scene);
-        ty_texture_destroy(texture);
+        ty_texture_release(texture);
         made_free(&mesh);
     }
 }
@@ -363,7 +363,7 @@ static double furnace_off(ty_context* context, const char* name, const made_mesh
 }
 
 /* Flat triangles keep all light, in niches as well. */
-static void test_flat_furnace(void** state) {
+static void flat_meshes_are_white(void** state) {
     static const double zero[3] = {0, 0, 0}, arm_low[3] = {0.1, -0.6, -0.6}, arm_high[3] = {0.9, 0, 0.9};
     made_mesh mesh = made_nothing();
     made_add_sphere(&mesh, zero, 0.6, 4);
@@ -375,7 +375,7 @@ static void test_flat_furnace(void** state) {
 
 /* Smoothed normals lose a little, the less the finer the mesh: light whose way is above the smooth horizon but below
  * that of the face. */
-static void test_smooth_furnace(void** state) {
+static void smooth_meshes_are_white(void** state) {
     static const double zero[3] = {0, 0, 0};
     static const int fineness[3] = {2, 6, 24};
     static const double most[3] = {0.1, 0.03, 0.005};
@@ -390,7 +390,7 @@ static void test_smooth_furnace(void** state) {
 }
 
 /* A closed room whose walls glow by 1 and reflect half: radiance 2 everywhere. */
-static void test_closed_room(void** state) {
+static void a_closed_room_is_white(void** state) {
     static const double room_low[3] = {-2, -1, -3}, room_high[3] = {1, 2, 2};
     made_mesh mesh = made_nothing();
     made_add_box(&mesh, room_low, room_high);
@@ -409,11 +409,11 @@ static void test_closed_room(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bodies),         cmocka_unit_test(test_glowing_texture),
-        cmocka_unit_test(test_lonely_texel),   cmocka_unit_test(test_sides),
-        cmocka_unit_test(test_painted_floor),  cmocka_unit_test(test_shadows),
-        cmocka_unit_test(test_glowing_fences), cmocka_unit_test(test_flat_furnace),
-        cmocka_unit_test(test_smooth_furnace), cmocka_unit_test(test_closed_room),
+        cmocka_unit_test(meshes_are_their_bodies),        cmocka_unit_test(emissive_textures_light_the_scene),
+        cmocka_unit_test(a_lonely_texel_is_sampled),      cmocka_unit_test(boards_light_one_side_or_both),
+        cmocka_unit_test(textures_lie_where_they_should), cmocka_unit_test(alpha_shadows_are_right),
+        cmocka_unit_test(emissive_fences_are_right),      cmocka_unit_test(flat_meshes_are_white),
+        cmocka_unit_test(smooth_meshes_are_white),        cmocka_unit_test(a_closed_room_is_white),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

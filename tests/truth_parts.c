@@ -44,7 +44,7 @@ static ty_scene* busy_scene(ty_context* context, double glow) {
     gray(fog.emission, glow);
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 24;
-    must(context, ty_grid_noise(context, &noise, &cloud.density_grid));
+    must(context, ty_grid_create_noise(context, &noise, &cloud.density_grid));
     made_mesh mesh = made_nothing();
     made_add_box(&mesh, low, high);
     ty_mesh_def box = made_def(&mesh);
@@ -62,14 +62,14 @@ static ty_scene* busy_scene(ty_context* context, double glow) {
     add_light(scene, &sky);
     set_camera(scene, 0.5, 1.5, 4, 40);
     commit(scene);
-    ty_grid_destroy(cloud.density_grid);
+    ty_grid_release(cloud.density_grid);
     made_free(&mesh);
     return scene;
 }
 
 /* Asking for channels changes no pixel; what scattered is part of the whole, and all of it where nothing else shines.
  */
-static void test_sums(void** state) {
+static void single_and_multiple_add_up(void** state) {
     ty_scene* scene = busy_scene(*state, 0.1);
     ty_image* image = render_aovs(scene, 64, 0, TY_AOV_ALL, NULL);
     ty_image* plain = render_aovs(scene, 64, 0, 0, NULL);
@@ -149,7 +149,7 @@ static void quarter_estimates(const ty_scene* scene, bool unscattered, int32_t s
 }
 
 /* Light that media neither scatter nor send, rendered alone, is what an ordinary render has of it. */
-static void test_unscattered(void** state) {
+static void unscattered_light_is_the_rest(void** state) {
     ty_scene *scene = busy_scene(*state, 0), *glowing = busy_scene(*state, 0.1);
     estimate expected[12], alone[12], dark[12];
     quarter_estimates(scene, false, 512, expected);
@@ -171,7 +171,7 @@ static double sunlit(double y, double sigma_s, double sigma_t, double g) {
     return 2 * sigma_s * henyey_greenstein(0, g) * exp(-sigma_t * (1 - y)) * -expm1(-2 * sigma_t) / sigma_t;
 }
 
-static void test_single(void** state) {
+static void single_scattering_has_its_closed_form(void** state) {
     ty_scene* scene = new_scene(*state);
     const ty_medium_def cube = medium_cube(1, 1, 0.5, 0.4);
     const ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 2);
@@ -196,7 +196,7 @@ static void test_single(void** state) {
 
 /* ---- transmittance and albedo ---- */
 
-static void test_transmittance(void** state) {
+static void transmittance_is_exact(void** state) {
     static const double sigma[3] = {0.3, 0.9, 2.5};
     for (int gridded = 0; gridded < 2; ++gridded) {
         ty_scene* scene = new_scene(*state);
@@ -228,19 +228,19 @@ static void test_transmittance(void** state) {
         }
         ty_image_destroy(image);
         ty_scene_destroy(scene);
-        ty_grid_destroy(cube.density_grid);
+        ty_grid_release(cube.density_grid);
     }
 }
 
 /* What neither passes nor scatters is absorbed: nothing, where the albedo is 1. */
-static void test_conservation(void** state) {
+static void albedo_conserves_energy(void** state) {
     for (int absorbing = 0; absorbing < 2; ++absorbing) {
         ty_scene* scene = new_scene(*state);
         ty_medium_def cloud = medium_cube(1, 2, absorbing ? 1 : 0, 0.4);
         ty_noise_def noise = ty_default_noise_def();
         noise.size[0] = noise.size[1] = noise.size[2] = 24;
         noise.kind = TY_NOISE_FBM;
-        must(*state, ty_grid_noise(*state, &noise, &cloud.density_grid));
+        must(*state, ty_grid_create_noise(*state, &noise, &cloud.density_grid));
         add_medium(scene, &cloud);
         set_camera(scene, 0.5, 1.5, 4, 25);
         commit(scene);
@@ -251,7 +251,7 @@ static void test_conservation(void** state) {
         assert_close("passed or scattered", sum, absorbing ? 1 - (1 - passes.mean) / 3 : 1, 0.004);
         ty_image_destroy(image);
         ty_scene_destroy(scene);
-        ty_grid_destroy(cloud.density_grid);
+        ty_grid_release(cloud.density_grid);
     }
 }
 
@@ -311,13 +311,13 @@ static void check_first_surface(ty_context* context, bool ball, bool meshed) {
     made_free(&mesh);
 }
 
-static void test_first_surface(void** state) {
+static void the_first_surface_is_told(void** state) {
     for (int kind = 0; kind < 4; ++kind) check_first_surface(*state, kind & 1, kind & 2);
 }
 
 /* ---- crops ---- */
 
-static void test_crops(void** state) {
+static void crops_are_parts_of_the_image(void** state) {
     static const int32_t crop[4] = {5, 3, 7, 9};
     ty_scene* scene = busy_scene(*state, 0.1);
     ty_image* whole = render_aovs(scene, 7, 0, TY_AOV_ALL, NULL);
@@ -374,7 +374,7 @@ static estimate room_mean(ty_context* context, int group, int32_t spp) {
     return mean;
 }
 
-static void test_lamp_room(void** state) {
+static void a_room_of_lights_adds_up(void** state) {
     estimate sum = {0, 0};
     for (int group = 0; group < GROUPS; ++group) {
         const estimate part = room_mean(*state, group, 512);
@@ -388,9 +388,10 @@ static void test_lamp_room(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sums),         cmocka_unit_test(test_single),        cmocka_unit_test(test_transmittance),
-        cmocka_unit_test(test_conservation), cmocka_unit_test(test_first_surface), cmocka_unit_test(test_crops),
-        cmocka_unit_test(test_lamp_room),    cmocka_unit_test(test_unscattered),
+        cmocka_unit_test(single_and_multiple_add_up), cmocka_unit_test(single_scattering_has_its_closed_form),
+        cmocka_unit_test(transmittance_is_exact),     cmocka_unit_test(albedo_conserves_energy),
+        cmocka_unit_test(the_first_surface_is_told),  cmocka_unit_test(crops_are_parts_of_the_image),
+        cmocka_unit_test(a_room_of_lights_adds_up),   cmocka_unit_test(unscattered_light_is_the_rest),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -37,11 +37,11 @@ static double dot_in_full(ty_vec a, ty_vec b) {
     return dot3(x, y) / sqrt(dot3(x, x) * dot3(y, y));
 }
 
-static void test_sampler(void** state) {
+static void samples_follow_the_phase_function(void** state) {
     (void)state;
     const ty_vec axis = ty_normalize(ty_vec_make(0.3f, -0.8f, 0.5f));
     ty_vec s, t;
-    ty_frame(axis, &s, &t);
+    ty_onb(axis, &s, &t);
     for (int i = 0; i < CASES; ++i) {
         const double g = anisotropies[i];
         /* At 0.99, a sixty-fourth of the light is within a few roundings of a float cosine: fewer samples do not see
@@ -92,7 +92,7 @@ static double backwards(const void* user, double x) {
     return 2 * pi * (double)ty_hg((float)(x * x - 1), (float)m->g) * pow(x * x - 1, m->power) * 2 * x;
 }
 
-static void test_normalised(void** state) {
+static void the_phase_function_is_normalised(void** state) {
     (void)state;
     for (int i = 0; i < CASES; ++i)
         for (int power = 0; power < 3; ++power) {
@@ -103,7 +103,7 @@ static void test_normalised(void** state) {
         }
 }
 
-static void test_formula(void** state) {
+static void the_phase_function_has_its_formula(void** state) {
     (void)state;
     for (int i = 0; i < CASES; ++i)
         for (double mu = -1; mu <= 1; mu += 1.0 / 64) {
@@ -115,9 +115,9 @@ static void test_formula(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sampler),
-        cmocka_unit_test(test_normalised),
-        cmocka_unit_test(test_formula),
+        cmocka_unit_test(samples_follow_the_phase_function),
+        cmocka_unit_test(the_phase_function_is_normalised),
+        cmocka_unit_test(the_phase_function_has_its_formula),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,20 @@
 /* Principal ordinates' fluence against path tracing's: Fig. 12, the unit cube in parallel light. */
 #include "truth_cube.h"
 
-static const double anisotropies[] = {0, 0.7, 0.96};
+/* Measured with an ordinate's cells and with fine ones: mean ratio and relative RMSE. The bounds are 0.015 about the
+ * ratio and 0.012 above the RMSE, which is as much as quick runs' truth is noisy (0.024 at g = 0.7, which is taken off
+ * in the square). A prototype with one beam and one diffusion solve has 0.99 / .08, 1.06 / .18 and 1.05 / .14. */
+typedef struct cube_case {
+    double g;
+    struct {
+        double ratio, rmse;
+    } measured[2];
+} cube_case;
+
+static const cube_case cases[] = {{0, {{1.014, 0.092}, {1.014, 0.092}}},
+                                  {0.7, {{1.054, 0.177}, {1.008, 0.144}}},
+                                  {0.96, {{1.042, 0.133}, {1.024, 0.134}}}};
+static const double ratio_margin = 0.015, rmse_margin = 0.012;
 
 static error measure(const ty_scene* scene, bool sharp, const truth* expected) {
     ty_context* context = ty_scene_context(scene);
@@ -20,23 +33,24 @@ static error measure(const ty_scene* scene, bool sharp, const truth* expected) {
     return result;
 }
 
-static void test_cube(void** state) {
+static void the_cube_is_as_bright_as_measured(void** state) {
     static truth expected;
     for (int i = 0; i < 3; ++i) {
-        ty_scene* scene = cube_in_light(*state, anisotropies[i]);
-        trace(scene, anisotropies[i], &expected);
+        const double g = cases[i].g;
+        ty_scene* scene = cube_in_light(*state, g);
+        trace(scene, g, &expected);
         for (int sharp = 0; sharp <= 1; ++sharp) {
             const error pop = measure(scene, sharp != 0, &expected);
-            printf("g %.2f, %s: %.4f / %.4f (mean ratio / relative RMSE; noise %.4f)\n", anisotropies[i],
+            printf("g %.2f, %s: %.4f / %.4f (mean ratio / relative RMSE; noise %.4f)\n", g,
                    sharp != 0 ? "fine cells" : "an ordinate's", pop.mean_ratio, pop.rmse, expected.noise);
-            assert_true(fabs(pop.mean_ratio - 1) <= 0.07);
-            assert_true(pop.rmse <= 0.2);
+            assert_true(fabs(pop.mean_ratio - cases[i].measured[sharp].ratio) <= ratio_margin);
+            assert_true(pop.rmse <= cases[i].measured[sharp].rmse + rmse_margin);
         }
         ty_scene_destroy(scene);
     }
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_cube)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_cube_is_as_bright_as_measured)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -40,7 +40,7 @@ static ty_image* scattered_part(ty_context* context, const ty_image* image) {
     for (int l = 0; l < 2; ++l) {
         ty_image* layer = NULL;
         const float* planes[3];
-        must(context, ty_image_layer(context, image, layers[l], &layer));
+        must(context, ty_image_create_layer(context, image, layers[l], &layer));
         assert_true(ty_image_rgb_planes(layer, planes));
         for (int c = 0; c < 3; ++c)
             for (int32_t i = 0; i < width * height; ++i) ty_image_plane(out, c)[i] += planes[c][i];
@@ -71,8 +71,11 @@ static ty_scene* lamp_in_a_ball(ty_context* context, double g) {
     return scene;
 }
 
+/* Mean ratio of the shells' and of fine cells' pictures, per g, as measured. They are held to it within 0.03: paths
+ * that meet the lamp make quick runs' truth noisy by 0.02. */
 static void lamps_shine_through(void** state) {
     static const double anisotropies[] = {0, 0.5, 0.9};
+    static const double measured[3][2] = {{0.924, 1.007}, {0.949, 0.993}, {1.044, 1.041}};
     const scene_case size = {.width = 48, .height = 48, .spp = fewer(256, 4)};
     double worst = 0;
     for (int i = 0; i < 3; i += in_full() ? 1 : 2) {
@@ -85,30 +88,42 @@ static void lamps_shine_through(void** state) {
             def.sharp = sharp != 0;
             ty_image* image = pop_image(scene, &def, &stats);
             const ty_difference d = compare(*state, sharp != 0 ? "fine cells" : "shells", image, truth);
-            for (int c = 0; c < 4; ++c) worst = fmax(worst, fabs(d.mean_ratio[c] - 1));
+            worst = fmax(worst, fabs(d.mean_ratio[3] - measured[i][sharp]));
             ty_image_destroy(image);
         }
         ty_image_destroy(truth);
         ty_scene_destroy(scene);
     }
-    assert_true(worst <= 0.1);
+    assert_true(worst <= 0.03);
 }
 
 /* ---- measured clouds and smoke ---- */
 
-/* How much brighter or darker all of a picture, or of its scattered light, may be. */
-static const double most_off = 0.1;
+/* Mean ratio and relative RMSE. */
+typedef struct nearness {
+    double ratio, rmse;
+} nearness;
+
+/* Of whole pictures and of their scattered light, as measured (docs/method/pop.md). The bounds are 0.015 about the
+ * ratio and 0.015 above the RMSE: quick runs' truth has twice to three times fewer samples, whose noise is in the RMSE.
+ */
+typedef struct measured {
+    nearness whole, scattered;
+} measured;
+
+static const double ratio_margin = 0.015, rmse_margin = 0.015;
 
 typedef struct images {
     ty_image *truth, *pop, *fld;
 } images;
 
-/* Whether pop's image is as bright as it should be, and nearer to the truth than fld's. */
-static bool is_nearer(ty_context* context, const images* i, const char* what) {
+/* Whether pop's image is as near to the truth as it was measured to be, and nearer than fld's. */
+static bool is_nearer(ty_context* context, const images* i, const char* what, nearness expected) {
     printf(" %s\n", what);
     const ty_difference of_pop = compare(context, "pop", i->pop, i->truth);
     const ty_difference of_fld = compare(context, "fld", i->fld, i->truth);
-    return fabs(of_pop.mean_ratio[3] - 1) <= most_off && of_pop.relative_rmse[3] < of_fld.relative_rmse[3];
+    return fabs(of_pop.mean_ratio[3] - expected.ratio) <= ratio_margin &&
+           of_pop.relative_rmse[3] <= expected.rmse + rmse_margin && of_pop.relative_rmse[3] < of_fld.relative_rmse[3];
 }
 
 static void free_images(images* i) {
@@ -117,7 +132,7 @@ static void free_images(images* i) {
     ty_image_destroy(i->fld);
 }
 
-static bool is_near(ty_context* context, const scene_case* c, const char* what) {
+static bool is_near(ty_context* context, const scene_case* c, const char* what, const measured* m) {
     ty_scene* scene = read_case(context, c);
     ty_pop_def def = pop_def(c->width, c->height);
     ty_pop_stats stats;
@@ -126,8 +141,8 @@ static bool is_near(ty_context* context, const scene_case* c, const char* what) 
     images scattered = {scattered_part(context, whole.truth), scattered_part(context, whole.pop),
                         scattered_part(context, whole.fld)};
     printf("%s, %s, %s, mean ratio / relative RMSE:\n", c->path, what, c->overrides[1]);
-    bool near = is_nearer(context, &whole, "as it is seen");
-    near = is_nearer(context, &scattered, "scattered light alone") && near;
+    bool near = is_nearer(context, &whole, "as it is seen", m->whole);
+    near = is_nearer(context, &scattered, "scattered light alone", m->scattered) && near;
     free_images(&whole);
     free_images(&scattered);
     ty_scene_destroy(scene);
@@ -138,9 +153,10 @@ static const char cloud[] = "volumes/wdas_cloud_sixteenth.vdb", plume[] = "volum
 static const char dawn[] = "hdri/kiara_1_dawn_1k.hdr";
 
 /* The sun alone, which path tracing takes more samples for, or a photographed sky: overrides for a scene whose first
- * light is an environment. sun_by: the g that quick runs have the sun by; they have the sky by the other. */
+ * light is an environment. sun_by: the g that quick runs have the sun by; they have the sky by the other. expected: by
+ * g, in the sun and under the sky. */
 static void check_lights(ty_context* context, const char* path, const char* data, int32_t width, int32_t height,
-                         int sun_by) {
+                         int sun_by, const measured expected[2][2]) {
     static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.75,-0.5,-0.1],\"irradiance\":3}";
     static const char bare[] = "geometry=[]"; /* surfaces would be in the light of both */
     static const double anisotropies[] = {0.7, 0.9};
@@ -149,20 +165,28 @@ static void check_lights(ty_context* context, const char* path, const char* data
     snprintf(sky, sizeof sky, "lights[0]={\"type\":\"environment\",\"file\":\"%s\"}", data_path(dawn, file));
     for (int i = 0; i < 2; ++i) {
         snprintf(g, sizeof g, ANISOTROPY, anisotropies[i]);
-        const scene_case cases[2] = {{path, data, {DENSITY, g, sun, bare}, width, height, fewer(768, 3), 0, 0},
-                                     {path, data, {DENSITY, g, sky, bare}, width, height, fewer(128, 2), 0, 0}};
-        if (in_full() || i == sun_by) near = is_near(context, &cases[0], "sun") && near;
-        if (in_full() || i != sun_by) near = is_near(context, &cases[1], "photographed sky") && near;
+        const scene_case cases[2] = {{path, data, {DENSITY, g, sun, bare}, width, height, fewer(768, 3), 0, 0, 0},
+                                     {path, data, {DENSITY, g, sky, bare}, width, height, fewer(128, 2), 0, 0, 0}};
+        if (in_full() || i == sun_by) near = is_near(context, &cases[0], "sun", &expected[i][0]) && near;
+        if (in_full() || i != sun_by) near = is_near(context, &cases[1], "photographed sky", &expected[i][1]) && near;
     }
     assert_true(near);
 }
 
 static void measured_cloud(void** state) {
-    check_lights(*state, "scenes/disney_cloud_sun.json", cloud, 48, 36, 0);
+    static const measured expected[2][2] = {
+        {{{0.994, 0.045}, {0.994, 0.045}}, {{1.016, 0.045}, {1.019, 0.073}}},
+        {{{1.088, 0.143}, {1.088, 0.143}}, {{1.037, 0.062}, {1.055, 0.105}}},
+    };
+    check_lights(*state, "scenes/disney_cloud_sun.json", cloud, 48, 36, 0, expected);
 }
 
 static void smoke(void** state) {
-    check_lights(*state, "scenes/plume.json", plume, 36, 48, 1);
+    static const measured expected[2][2] = {
+        {{{1.014, 0.078}, {1.014, 0.078}}, {{1.010, 0.021}, {1.031, 0.089}}},
+        {{{1.027, 0.179}, {1.027, 0.179}}, {{1.014, 0.026}, {1.057, 0.135}}},
+    };
+    check_lights(*state, "scenes/plume.json", plume, 36, 48, 1, expected);
 }
 
 /* ---- ordinates ---- */
@@ -170,7 +194,7 @@ static void smoke(void** state) {
 static ty_scene* cloud_at_dawn(ty_context* context, const char* g, scene_case* c) {
     char file[1024], sky[1200];
     snprintf(sky, sizeof sky, "lights[0].file=\"%s\"", data_path(dawn, file));
-    *c = (scene_case){"scenes/disney_cloud_dawn.json", cloud, {DENSITY, g, sky}, 48, 36, fewer(256, 2), 0, 0};
+    *c = (scene_case){"scenes/disney_cloud_dawn.json", cloud, {DENSITY, g, sky}, 48, 36, fewer(256, 2), 0, 0, 0};
     return read_case(context, c);
 }
 

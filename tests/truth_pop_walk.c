@@ -1,4 +1,4 @@
-/* The paper's walk from cell to cell against path tracing: how much too bright it is, shown openly. */
+/* The paper's walk from cell to cell against path tracing, by which it is too bright, and against a closed form. */
 #include "pop_grid_maker.h"
 
 #include <stdio.h>
@@ -34,7 +34,7 @@ static double traced(ty_context* context, double g) {
 }
 
 static double walked(ty_context* context, double g, ty_pop_mode mode, int32_t iterations) {
-    const ty_light_part light = parallel_light(0, -1, 0);
+    const ty_discrete_light light = parallel_light(0, -1, 0);
     pop_case made = pop_begin(cube_in_light(context, g), &light, mode, SIDE, iterations);
     pop_run(&made);
     double sum = 0;
@@ -44,22 +44,41 @@ static double walked(ty_context* context, double g, ty_pop_mode mode, int32_t it
     return sum / CELLS - (1 - exp(-4)) / 4;
 }
 
-/* Published: light is counted once for each cell that it came from, after as many iterations as there are cells along
- * the way; collided: once it has all gone, which takes so long because cells trap it. */
-static void test_ratios(void** state) {
+/* The published mode counts light once for each cell that it came from, after as many iterations as there are cells
+ * along the light; the collided mode ends when all light has left, which takes so long because cells trap it. A walk
+ * written apart from this library gave 4.6, 4.8, 4.2 and 3.6, 4.6, 1.19, to its noise of some per cent.
+ * The ratios below were measured here; they are held to 1.5 %, a margin for path tracing's noise at g = 0.96. */
+static void the_walk_is_too_bright_as_measured(void** state) {
     static const double anisotropies[3] = {0, 0.7, 0.96};
-    static const double published[3] = {4.6, 4.8, 4.2}, collided[3] = {3.6, 4.6, 1.19};
+    static const double published[3] = {4.83, 5.03, 4.28}, collided[3] = {3.57, 4.46, 1.20};
     for (int i = 0; i < 3; ++i) {
         const double g = anisotropies[i], truth = traced(*state, g);
         const double first = walked(*state, g, TY_POP_MODE_PUBLISHED, SIDE) / truth;
         const double second = walked(*state, g, TY_POP_MODE_COLLIDED, 1024) / truth;
         printf("g %.2f: published %.3f, collided %.3f times the fluence of path tracing\n", g, first, second);
-        assert_close(first, published[i], 0.1 * published[i]);
-        assert_close(second, collided[i], 0.1 * collided[i]);
+        assert_close(first, published[i], 0.015 * published[i]);
+        assert_close(second, collided[i], 0.015 * collided[i]);
     }
 }
 
+/* With g so near to 1 that nothing leaves its column, and no absorption, every cell of the published mode hands all of
+ * its light on: after SIDE iterations cell k holds the sum over i <= k of the uncollided light of cell i, the mean of
+ * exp(-sigma_s y) over it. */
+static void straight_light_adds_up(void** state) {
+    const double depth = 4.0 / SIDE;
+    double sum = 0, column = 0;
+    for (int k = 0; k < SIDE; ++k) {
+        column += exp(-depth * k) * (1 - exp(-depth)) / depth;
+        sum += column / SIDE;
+    }
+    const double expected = sum - (1 - exp(-4)) / 4;
+    const double found = walked(*state, 1 - 1e-7, TY_POP_MODE_PUBLISHED, SIDE);
+    printf("straight light: %.5f of %.5f\n", found, expected);
+    assert_close(found, expected, 1e-3 * expected);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_ratios)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(straight_light_adds_up),
+                                       cmocka_unit_test(the_walk_is_too_bright_as_measured)};
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

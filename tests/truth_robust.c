@@ -19,10 +19,10 @@ static ty_scene* nasty_scene(ty_context* context) {
     ty_medium_def cloud = medium_cube(2, 50, 0, 0.9);
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 24;
-    must(context, ty_grid_noise(context, &noise, &cloud.density_grid));
+    must(context, ty_grid_create_noise(context, &noise, &cloud.density_grid));
     rgb(cloud.sigma_s, 0.01, 1, 50);
     add_medium(scene, &cloud);
-    ty_grid_destroy(cloud.density_grid);
+    ty_grid_release(cloud.density_grid);
     static const double center[3] = {0, -1e-4, -2}, x[3] = {1, 0, 0}, z[3] = {0, 0, 1}, slant[3] = {0, 1e-3, 1};
     ty_shape_def floor_board = square_shape(center, z, x, 2, 1), ramp = square_shape(center, slant, x, 2, 0.9);
     const ty_shape_def ball = sphere_shape(-0.5, 0.2, -2, 0.3, 1, 50), speck = sphere_shape(0.2, 0, -1, 1e-4, 1, 1e6);
@@ -52,7 +52,7 @@ static ty_scene* nasty_scene(ty_context* context) {
     return scene;
 }
 
-static void test_threads_do_not_matter(void** state) {
+static void threads_do_not_matter(void** state) {
     (void)state;
     enum { W = 50, RAYS = 200, CELLS = 64 };
     static float pixels[6][W * W], first_pixels[6][W * W];
@@ -89,7 +89,7 @@ static void test_threads_do_not_matter(void** state) {
     }
 }
 
-static void test_seeds_matter(void** state) {
+static void seeds_matter(void** state) {
     ty_scene* scene = new_scene(*state);
     const ty_medium_def fog = medium_sphere(1.5, 2, 0.1, 0.3);
     const ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 1);
@@ -113,7 +113,7 @@ static void assert_finite_numbers(const double* values, int count) {
         if (!isfinite(values[i]) || values[i] < 0) fail_msg("number %d is %g", i, values[i]);
 }
 
-static void test_always_finite(void** state) {
+static void images_are_always_finite(void** state) {
     ty_scene* scene = nasty_scene(*state);
     for (uint64_t seed = 0; seed < 3; ++seed) {
         ty_image* image = render(scene, 64, 16, seed);
@@ -149,7 +149,7 @@ static void test_always_finite(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void test_nothing_is_black(void** state) {
+static void nothing_is_black(void** state) {
     ty_scene* scene = new_scene(*state);
     set_camera(scene, 0, 0, 5, 40);
     commit(scene);
@@ -161,14 +161,14 @@ static void test_nothing_is_black(void** state) {
 }
 
 /* A closed room that absorbs nothing, in thin smoke that does not scatter: paths are ended all the same. */
-static void test_white_rooms_come_to_an_end(void** state) {
+static void white_rooms_come_to_an_end(void** state) {
     ty_scene* scene = new_scene(*state);
     ty_medium_def smoke = medium_cube(1.1, 0, 1e-9, 0);
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 16;
-    must(*state, ty_grid_noise(*state, &noise, &smoke.density_grid));
+    must(*state, ty_grid_create_noise(*state, &noise, &smoke.density_grid));
     add_medium(scene, &smoke);
-    ty_grid_destroy(smoke.density_grid);
+    ty_grid_release(smoke.density_grid);
     ty_shape_def room = ty_default_shape_def();
     room.kind = TY_SHAPE_BOX;
     set3(room.origin, -1, -1, -1);
@@ -190,11 +190,9 @@ static void test_white_rooms_come_to_an_end(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_threads_do_not_matter),
-        cmocka_unit_test(test_seeds_matter),
-        cmocka_unit_test(test_always_finite),
-        cmocka_unit_test(test_nothing_is_black),
-        cmocka_unit_test(test_white_rooms_come_to_an_end),
+        cmocka_unit_test(threads_do_not_matter),      cmocka_unit_test(seeds_matter),
+        cmocka_unit_test(images_are_always_finite),   cmocka_unit_test(nothing_is_black),
+        cmocka_unit_test(white_rooms_come_to_an_end),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

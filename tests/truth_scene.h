@@ -17,6 +17,7 @@ typedef struct scene_case {
     int32_t width, height, spp;
     double rmse;    /* relative, at most */
     double quarter; /* the same of a quarter of the resolution against all of it; 0: not looked at */
+    double ratio;   /* of means, as measured; 0: not looked at */
 } scene_case;
 
 static inline ty_scene* read_case(ty_context* context, const scene_case* c) {

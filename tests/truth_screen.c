@@ -51,13 +51,15 @@ static void apply_energy(ty_context* context, double thickness, double g, ty_scr
         whole += lit ? -expm1(-thickness) : 0;
         planes[6 * pixels + i] = 1;
     }
-    const ty_screen_image image = {.width = SIDE,
-                                   .height = SIDE,
-                                   .color = {{planes, planes + pixels, planes + 2 * pixels}, 1, SIDE},
-                                   .distance = planes + 6 * pixels,
-                                   .distance_step = 1,
-                                   .distance_row = SIDE,
-                                   .out = {{planes + 3 * pixels, planes + 4 * pixels, planes + 5 * pixels}, 1, SIDE}};
+    ty_screen_image image = ty_default_screen_image();
+    image.width = SIDE;
+    image.height = SIDE;
+    image.distance = planes + 6 * pixels;
+    image.color.row = image.out.row = image.distance_row = SIDE;
+    for (int c = 0; c < 3; ++c) {
+        image.color.data[c] = planes + c * pixels;
+        image.out.data[c] = planes + (3 + c) * pixels;
+    }
     ty_screen_def def = ty_default_screen_def();
     gray(def.sigma_s, thickness);
     gray(def.g, g);

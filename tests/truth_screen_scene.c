@@ -92,9 +92,10 @@ static ty_image* render_screen(const ty_scene* scene, int32_t spp, uint64_t seed
     ty_context* context = ty_scene_context(scene);
     ty_image* image = render_surfaces(scene, spp, seed, true);
     float* distance = ty_image_plane(image, ty_image_find_channel(image, "depth.Z"));
-    ty_screen_image planes = {
-        .width = SIDE, .height = SIDE, .distance = distance, .distance_step = 1, .distance_row = SIDE};
-    planes.color.step = 1;
+    ty_screen_image planes = ty_default_screen_image();
+    planes.width = planes.height = SIDE;
+    planes.distance = distance;
+    planes.distance_row = SIDE;
     planes.color.row = SIDE;
     for (int c = 0; c < 3; ++c) planes.color.data[c] = ty_image_plane(image, c);
     planes.out = planes.color;
@@ -129,7 +130,7 @@ static bool same_pixels(const ty_image* a, const ty_image* b) {
     return true;
 }
 
-static void test_clear_air(void** state) {
+static void clear_air_changes_nothing(void** state) {
     const ty_medium_def clear = medium_cube(3.1, 0, 0, 0);
     ty_scene* scene = glowing_room(*state, &clear, 0.5, 1);
     ty_image *screen = render_screen(scene, 16, 2, BALANCED), *path = render_surfaces(scene, 16, 2, true);
@@ -140,7 +141,7 @@ static void test_clear_air(void** state) {
 }
 
 /* exp(-sigma_a D) is all there is, per channel; what is left is that D is a pixel's mean, where walls meet. */
-static void test_absorption(void** state) {
+static void absorption_is_exact(void** state) {
     ty_medium_def dark = medium_cube(3.1, 0, 0, 0);
     rgb(dark.sigma_a, 0.1, 0.3, 0.6);
     ty_scene* scene = empty_room(*state, &dark, 0, 1);
@@ -160,7 +161,7 @@ static void test_absorption(void** state) {
 
 /* Forward scattering, optical thickness 1 and 2 to the far wall. The truth itself is noisy: 3% and 6% in such blocks,
  * 4% in quick runs, which have the thinner one. */
-static void test_forward_fog(void** state) {
+static void forward_fog_is_near_path(void** state) {
     static const double sigma_s[] = {0.18, 0.36};
     for (int i = 0; i < (in_full() ? 2 : 1); ++i) {
         const ty_medium_def fog = medium_cube(3.1, sigma_s[i], 0, 0.9);
@@ -176,7 +177,7 @@ static void test_forward_fog(void** state) {
 }
 
 /* Isotropic fog: half of what it scatters never was in the picture. */
-static void test_light_from_behind(void** state) {
+static void isotropic_fog_lacks_half_of_its_light(void** state) {
     static const double behind[] = {0.1, 3};
     for (int i = 0; i < 2; ++i) {
         const ty_medium_def fog = medium_cube(3.1, 0.25, 0, 0);
@@ -195,7 +196,7 @@ static void test_light_from_behind(void** state) {
 }
 
 /* A sky above ground fog. */
-static void test_sky(void** state) {
+static void the_sky_is_far_away(void** state) {
     static const double g[] = {0, 0.5, 0.9};
     for (int i = 0; i < 3; i += in_full() ? 1 : 2) {
         ty_scene* scene = foggy_field(*state, 0.2, g[i]);
@@ -215,8 +216,9 @@ static void test_sky(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_clear_air),         cmocka_unit_test(test_absorption), cmocka_unit_test(test_forward_fog),
-        cmocka_unit_test(test_light_from_behind), cmocka_unit_test(test_sky),
+        cmocka_unit_test(clear_air_changes_nothing), cmocka_unit_test(absorption_is_exact),
+        cmocka_unit_test(forward_fog_is_near_path),  cmocka_unit_test(isotropic_fog_lacks_half_of_its_light),
+        cmocka_unit_test(the_sky_is_far_away),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

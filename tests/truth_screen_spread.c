@@ -88,7 +88,7 @@ static void check(ty_context* context, double thickness, double g, int32_t spp) 
     assert_true(root_mean_square(eighth) < 0.8 * root_mean_square(third));
 }
 
-static void test_small_emitters(void** state) {
+static void small_emitters_spread_as_measured(void** state) {
     check(*state, 1, 0.9, 256);
     check(*state, 2, 0.9, 256);
     check(*state, 1, 0.97, 256);
@@ -96,6 +96,6 @@ static void test_small_emitters(void** state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_small_emitters)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(small_emitters_spread_as_measured)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

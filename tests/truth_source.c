@@ -4,7 +4,7 @@
 static const double taus[] = {0.5, 1, 2, 4, 6};
 
 /* The quadrature has the limits it must have: no scattering, little scattering, diffusion far out, Grosjean between. */
-static void test_quadrature(void** state) {
+static void quadrature_is_exact(void** state) {
     (void)state;
     for (int i = 0; i < 5; ++i) {
         const double tau = taus[i];
@@ -29,7 +29,7 @@ static double shell(const void* user, double tau) {
     return tau * tau * transport_fluence(*(const double*)user, tau);
 }
 
-static void test_quadrature_conserves_energy(void** state) {
+static void quadrature_conserves_energy(void** state) {
     (void)state;
     for (double albedo = 0.1; albedo < 0.95; albedo += 0.2)
         assert_true(fabs(ty_integrate(shell, &albedo, 1e-9, 120, 400) * (1 - albedo) - 1) < 1e-4);
@@ -47,7 +47,7 @@ static const source_case source_cases[] = {
 };
 
 /* To within 2%; far from the source that takes minutes. */
-static void test_fluence(void** state) {
+static void fluence_is_that_of_transport(void** state) {
     const double farthest = in_full() ? 6 : 2;
     const int32_t effort = in_full() ? 8 : 1;
     for (size_t i = 0; i < sizeof source_cases / sizeof *source_cases; ++i) {
@@ -61,7 +61,7 @@ static void test_fluence(void** state) {
 }
 
 /* From a tenth of a mean free path on, for more albedos. */
-static void test_table(void** state) {
+static void the_table_holds_for_more_albedos(void** state) {
     static const double more_albedos[] = {0.3, 0.7, 0.8, 0.95, 0.99}, more_taus[] = {0.1, 0.2, 0.3, 0.7, 1.5, 3};
     if (!in_full()) skip();
     for (int a = 0; a < 5; ++a)
@@ -76,10 +76,10 @@ static void test_table(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quadrature),
-        cmocka_unit_test(test_quadrature_conserves_energy),
-        cmocka_unit_test(test_fluence),
-        cmocka_unit_test(test_table),
+        cmocka_unit_test(quadrature_is_exact),
+        cmocka_unit_test(quadrature_conserves_energy),
+        cmocka_unit_test(fluence_is_that_of_transport),
+        cmocka_unit_test(the_table_holds_for_more_albedos),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

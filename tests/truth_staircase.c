@@ -73,18 +73,23 @@ static void the_picture_is_framed_alike(void** state) {
     printf("correlation of log green: %.4f; moved by a block: %.4f %.4f %.4f %.4f\n", here,
            correlation(small, large, 1, 0), correlation(small, large, -1, 0), correlation(small, large, 0, 1),
            correlation(small, large, 0, -1));
-    assert_true(here > 0.8); /* varnish and gloss are not ours */
+    /* Measured: 0.841, varnish and gloss being absent here, and 0.032 to 0.041 less when moved by a block. The bounds
+     * are half of what moving takes: a frame that is half a block off fails. */
+    assert_true(here > 0.841 - 0.016);
     for (int32_t d = -1; d <= 1; d += 2) {
-        assert_true(correlation(small, large, d, 0) < here - 0.01);
-        assert_true(correlation(small, large, 0, d) < here - 0.01);
+        assert_true(correlation(small, large, d, 0) < here - 0.025);
+        assert_true(correlation(small, large, 0, d) < here - 0.025);
     }
     ty_image_destroy(image);
     ty_image_destroy(reference);
     ty_scene_destroy(scene);
 }
 
-/* Blue, which varnished wood hardly sends: what the wallpaper under the lamp gets is nearly all direct light. */
+/* Blue, which varnished wood hardly sends: the light on the wallpaper under the lamp is nearly all direct. Red and
+ * green are brighter than the author's by the gloss that is missing here. The bounds are 2 % about the ratios measured;
+ * the mean of 20,000 pixels at 48 samples has a noise of 0.2 %. */
 static void a_diffuse_wall_is_as_bright(void** state) {
+    static const double measured[3] = {1.226, 1.155, 1.092};
     ty_scene* scene = load_staircase(*state);
     if (scene == NULL) return;
     ty_image *image = NULL, *reference = load_reference(*state);
@@ -97,8 +102,7 @@ static void a_diffuse_wall_is_as_bright(void** state) {
     must(*state, ty_image_compare(*state, image, reference, 1, &difference));
     printf("wallpaper, ours / theirs: %.3f %.3f %.3f\n", difference.mean_ratio[0], difference.mean_ratio[1],
            difference.mean_ratio[2]);
-    assert_true(difference.mean_ratio[2] > 1.0 && difference.mean_ratio[2] < 1.11);
-    assert_true(difference.mean_ratio[0] > 1.0 && difference.mean_ratio[0] < 1.25);
+    for (int c = 0; c < 3; ++c) assert_true(fabs(difference.mean_ratio[c] / measured[c] - 1) <= 0.02);
     ty_image_destroy(image);
     ty_image_destroy(reference);
     ty_scene_destroy(scene);

@@ -1,5 +1,6 @@
-/* What holds of the calls of every method whose light is solved once and then seen from anywhere: arguments, progress,
- * cancelling, memory, threads, cameras. Not whether the light is right. */
+/* Tests of the calls of every method whose light is solved once and then seen from anywhere: arguments, progress,
+ * cancelling, memory, threads, cameras. They say nothing of the light itself. VOLUME_TESTS(&suite) is the list of them
+ * for cmocka. */
 #ifndef TY_TESTS_VOLUME_CALLS_H
 #define TY_TESTS_VOLUME_CALLS_H
 
@@ -7,11 +8,13 @@
 #include "fld_maker.h"
 
 #include <tyndall/dom.h>
+#include <tyndall/octaves.h>
 
 /* A def of any of them. */
 typedef union volume_def {
     ty_dom_def dom;
     ty_fld_def fld;
+    ty_octaves_def octaves;
     ty_pop_def pop;
 } volume_def;
 
@@ -31,7 +34,8 @@ typedef struct volume_calls {
     ty_result (*render)(const ty_scene* scene, const volume_def* def, ty_image** image);
     ty_result (*fluence)(const void* light, const double lower[3], const double upper[3], const int32_t size[3],
                          double* fluence);
-    void (*look_up)(const void* light, double numbers[VOLUME_NUMBERS]); /* all that calls tell of it on a few cells */
+    /* All that calls tell of it on a few cells; NULL: images are all there is. */
+    void (*look_up)(const void* light, double numbers[VOLUME_NUMBERS]);
     void (*destroy)(void* light);
 } volume_calls;
 
@@ -56,6 +60,21 @@ typedef struct volume_calls {
     static void call_destroy(void* light) {                                                                            \
         ty_##method##_destroy(light);                                                                                  \
     }
+
+/* Those fields of a method's volume_calls; the file has make_def, call_fluence and look_up_all. */
+#define VOLUME_CALLS_OF(method)                                                                                        \
+    .name = #method, .maker = "ty_default_" #method "_def", .make_def = make_def, .watch = watch_def,                  \
+    .solve = call_solve, .view = call_view, .render = call_render, .fluence = call_fluence, .look_up = look_up_all,    \
+    .destroy = call_destroy
+
+/* A method and the defs that it must refuse. */
+typedef struct volume_suite {
+    const volume_calls* calls;
+    const bad_field* bad_fields; /* that defs must not have */
+    size_t bad_count;
+} volume_suite;
+
+static const volume_suite suite; /* the file that includes this defines it */
 
 static inline void* solve_volume(const volume_calls* calls, const ty_scene* scene, const volume_def* def) {
     void* light = NULL;
@@ -83,16 +102,17 @@ static inline void refuse_def(const volume_calls* calls, const ty_scene* scene, 
     assert_error(context, words);
 }
 
-static inline void check_wrong_defs(const volume_calls* calls, ty_context* context, const bad_field* fields,
-                                    size_t count) {
+static inline void wrong_defs_are_refused(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     ty_scene* scene = foggy_scene(context);
     volume_def def;
     calls->make_def(&def, 0);
     void* light = solve_volume(calls, scene, &def);
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < suite.bad_count; ++i) {
         calls->make_def(&def, 0);
-        set_field(&def, &fields[i]);
-        refuse_def(calls, scene, light, &def, fields[i].words);
+        set_field(&def, &suite.bad_fields[i]);
+        refuse_def(calls, scene, light, &def, suite.bad_fields[i].words);
     }
     refuse_def(calls, scene, light, NULL, calls->maker);
     calls->destroy(light);
@@ -100,7 +120,9 @@ static inline void check_wrong_defs(const volume_calls* calls, ty_context* conte
     ty_scene_destroy(scene);
 }
 
-static inline void check_scenes_without_media(const volume_calls* calls, ty_context* context) {
+static inline void scenes_need_media(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     ty_scene* scene = make_scene(context);
     char words[64];
     volume_def def;
@@ -120,7 +142,9 @@ static inline void check_scenes_without_media(const volume_calls* calls, ty_cont
     ty_scene_destroy(scene);
 }
 
-static inline void check_cuts_of_boxes(const volume_calls* calls, ty_context* context) {
+static inline void cuts_of_boxes_are_checked(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, odd[3] = {0, NAN, 0};
     static const int32_t size[3] = {1, 1, 1}, none[3] = {1, 0, 1}, many[3] = {1, 1, 65537};
     static const struct {
@@ -160,7 +184,9 @@ static inline bool look_on(void* user, const ty_progress* progress) {
     return ++w->calls != w->stop_at;
 }
 
-static inline void check_progress(const volume_calls* calls, ty_context* context) {
+static inline void progress_runs_to_the_end(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     ty_scene* scene = foggy_scene(context);
     for (int variant = 0; variant < calls->variants; ++variant) {
         volume_watch w = {.calls = 0};
@@ -202,12 +228,12 @@ static inline bool stops(const volume_calls* calls, const ty_scene* scene, volum
     assert_int_equal(w.calls, stop);
     assert_null(image);
     assert_int_equal(memory->used, before);
-    assert_string_equal(ty_last_error(context), "");
+    assert_string_equal(ty_take_error(context), "");
     return true;
 }
 
 /* Whoever says no at any time gets nothing, and all memory back. */
-static inline void check_cancelling(const volume_calls* calls, int variant) {
+static inline void cancel_everywhere(const volume_calls* calls, int variant) {
     strict_memory memory = {.limit = (size_t)1 << 28, .until_refusal = -1};
     ty_context* context = strict_context(&memory);
     ty_scene* scene = calls->make_scene(context);
@@ -219,6 +245,12 @@ static inline void check_cancelling(const volume_calls* calls, int variant) {
     ty_scene_destroy(scene);
     ty_context_destroy(context);
     assert_int_equal(memory.used, 0);
+}
+
+static inline void callers_can_cancel_at_any_time(void** state) {
+    (void)state;
+    const volume_calls* calls = suite.calls;
+    for (int variant = 0; variant < calls->variants; ++variant) cancel_everywhere(calls, variant);
 }
 
 /* Whether memory that is refused after `count` allocations is missed; if so, nothing is handed out. */
@@ -241,7 +273,9 @@ static inline bool misses(const volume_calls* calls, const ty_scene* scene, cons
     return true;
 }
 
-static inline void check_refused_memory(const volume_calls* calls) {
+static inline void refused_memory_leaves_nothing(void** state) {
+    (void)state;
+    const volume_calls* calls = suite.calls;
     strict_memory memory = {.limit = (size_t)1 << 28, .until_refusal = -1};
     ty_context* context = strict_context(&memory);
     ty_scene* scene = calls->make_scene(context);
@@ -259,7 +293,9 @@ static inline void check_refused_memory(const volume_calls* calls) {
 /* ---- results ---- */
 
 /* Light that was solved once is seen from where the camera is moved to, as if it had been solved there. */
-static inline void check_cameras(const volume_calls* calls, ty_context* context) {
+static inline void cameras_move_without_solving_again(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     ty_scene* scene = foggy_scene(context);
     volume_def def;
     calls->make_def(&def, 0);
@@ -278,6 +314,27 @@ static inline void check_cameras(const volume_calls* calls, ty_context* context)
     ty_scene_destroy(scene);
 }
 
+/* Light does not refer to the scene that it was solved for: lookups work without it, and views of a scene like it. */
+static inline void check_lifetimes(const volume_calls* calls, ty_context* context) {
+    static double numbers[2][VOLUME_NUMBERS];
+    ty_image* images[2] = {NULL};
+    ty_scene* scene = foggy_scene(context);
+    volume_def def;
+    calls->make_def(&def, 0);
+    void* light = solve_volume(calls, scene, &def);
+    calls->look_up(light, numbers[0]);
+    check_result(context, calls->view(light, scene, &def, &images[0]));
+    ty_scene_destroy(scene);
+    calls->look_up(light, numbers[1]);
+    assert_memory_equal(numbers[0], numbers[1], sizeof numbers[0]);
+    scene = foggy_scene(context);
+    check_result(context, calls->view(light, scene, &def, &images[1]));
+    ty_scene_destroy(scene);
+    calls->destroy(light);
+    assert_true(same_images(images[0], images[1]));
+    for (int i = 0; i < 2; ++i) ty_image_destroy(images[i]);
+}
+
 /* As images, and on cells. */
 static inline void check_threads(const volume_calls* calls, const volume_def* def) {
     static const int32_t threads[] = {1, 2, 4};
@@ -289,14 +346,20 @@ static inline void check_threads(const volume_calls* calls, const volume_def* de
         ty_scene* scene = foggy_scene(contexts[i]);
         check_result(contexts[i], calls->render(scene, def, &images[i]));
         void* light = solve_volume(calls, scene, def);
-        calls->look_up(light, numbers[i > 0]);
+        if (calls->look_up != NULL) calls->look_up(light, numbers[i > 0]);
         calls->destroy(light);
         assert_true(same_images(images[i], images[0]));
-        if (i > 0) assert_memory_equal(numbers[1], numbers[0], sizeof numbers[0]);
+        if (i > 0 && calls->look_up != NULL) assert_memory_equal(numbers[1], numbers[0], sizeof numbers[0]);
         ty_scene_destroy(scene);
     }
     for (int i = 0; i < 3; ++i) ty_image_destroy(images[i]);
     for (int i = 0; i < 3; ++i) ty_context_destroy(contexts[i]);
 }
+
+/* For methods whose light does not depend on the camera, cameras_move_without_solving_again is one more. */
+#define VOLUME_TESTS                                                                                                   \
+    cmocka_unit_test(wrong_defs_are_refused), cmocka_unit_test(scenes_need_media),                                     \
+        cmocka_unit_test(cuts_of_boxes_are_checked), cmocka_unit_test(progress_runs_to_the_end),                       \
+        cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing)
 
 #endif

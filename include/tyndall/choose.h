@@ -1,63 +1,74 @@
-/* Tyndall: which method to trust with a scene. Apache-2.0.
- *
- * A look at what the camera sees, and rules that are in docs/method/auto.md with what they cost where they are wrong.
- */
+/// @file choose.h
+/// The choice of a method for a scene.
+///
+/// The choice follows rules over a few features of the camera's view. docs/method/auto.md lists the rules, and the cost
+/// of their wrong choices. Apache-2.0.
 #ifndef TYNDALL_CHOOSE_H
 #define TYNDALL_CHOOSE_H
 
 #include <tyndall/base.h>
-#include <tyndall/path.h>
+#include <tyndall/image.h>
 #include <tyndall/scene.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* What is asked for that path tracing alone can do. */
-enum {
-    TY_ASK_CROP = 1,    /* a part of the frame */
-    TY_ASK_TIME = 2,    /* the best within some seconds */
-    TY_ASK_ERROR = 4,   /* to go on until the error is below a bound */
-    TY_ASK_RESUME = 8,  /* to go on later */
-    TY_ASK_SAMPLES = 16 /* so many samples a pixel; other methods take them for surfaces alone */
-};
+/// Requests that path tracing alone can meet, as flags.
+typedef enum ty_ask {
+    TY_ASK_CROP = 1,    ///< A part of the frame.
+    TY_ASK_TIME = 2,    ///< The best image within a given time.
+    TY_ASK_ERROR = 4,   ///< A render that goes on until its error is below a bound.
+    TY_ASK_RESUME = 8,  ///< A render that can be resumed later.
+    TY_ASK_SAMPLES = 16 ///< A given number of samples per pixel; other methods apply it to surfaces alone.
+} ty_ask;
 
-/* What is asked of the picture. */
+/// The requests for a picture. Create it with ty_default_choose_def().
 typedef struct ty_choose_def {
-    uint32_t cookie; /* set by ty_default_choose_def; checked */
-    uint32_t asks;   /* TY_ASK_... together; default 0 */
-    uint32_t aovs;   /* TY_AOV_... together, the channels that are asked for; default 0 */
+    uint32_t cookie; ///< Set by ty_default_choose_def() and checked.
+    uint32_t bytes;  ///< Set by ty_default_choose_def() to the size of the structure, and checked.
+    uint32_t asks;   ///< Flags of ty_ask; default 0.
+    uint32_t aovs;   ///< Flags of ty_aov, the requested channels; default 0.
 } ty_choose_def;
 
-/* What a few hundred rays from the camera, and as many from what scatters in its view, find. 0 where there is none. */
-typedef struct ty_look {
-    double media;     /* fraction of the frame in which there are media */
-    double thickness; /* optical, along the ray that has most of it; mean of the channels */
-    double opacity;   /* fraction of the light from behind that media take, mean over the frame */
-    double g, albedo; /* of what scatters, weighted by what is seen of it; means of the channels */
-    double cell; /* optical thickness, where media first scatter, of a fortieth of the longest side of the box around
-                    them, about a cell of grid methods; mean over the view */
-    double surfaces; /* fraction of the frame in which there are surfaces */
-    double enclosed; /* of the directions around what scatters in view, the fraction in which there are surfaces no
-                        farther off than the media's box is long */
-    bool varies;     /* whether media differ from place to place */
-    bool glows;      /* whether media send light of their own */
-    bool inside;     /* whether the camera is in a medium */
-    uint32_t lights; /* 1 << TY_LIGHT_... for each kind; glowing surfaces count as area lights */
-} ty_look;
+/// Features of the camera's view, found by a few hundred rays from the camera and as many from the media in its view. A
+/// feature is 0 where there is nothing to measure it on.
+typedef struct ty_scene_features {
+    double media;     ///< Fraction of the frame with media.
+    double thickness; ///< Largest optical thickness along a ray; mean of the channels.
+    double opacity;   ///< Fraction of the light from behind that media remove; mean over the frame.
+    double g;         ///< Mean cosine of the scattering that the camera sees; mean of the channels.
+    double albedo;    ///< Albedo of the media that the camera sees; mean of the channels.
+    double cell; ///< Optical thickness, at the first scattering, of 1/40 of the longest side of the media's box, which
+                 ///< is about a cell of the grid methods; mean over the view.
+    double surfaces; ///< Fraction of the frame with surfaces.
+    double enclosed; ///< Fraction of the directions around scattering points that meet a surface within the length of
+                     ///< the media's box.
+    bool heterogeneous; ///< True: media are heterogeneous.
+    bool glows;         ///< True: media emit light.
+    bool inside;        ///< True: the camera is in a medium.
+    uint32_t lights;    ///< 1 << ty_light_kind for each kind of light; emitting surfaces count as area lights.
+} ty_scene_features;
 
-/* What is chosen. */
+/// A chosen method.
 typedef struct ty_choice {
-    const char* method; /* "path", "lpv" or "dom" */
-    char reason[256];   /* why, as one sentence without its full stop: "uneven media ..." */
-    ty_look look;       /* what was seen of the scene */
+    const char* method;         ///< "path", "lpv" or "dom".
+    char reason[256];           ///< The reason as one sentence without its full stop, such as "uneven media ...".
+    ty_scene_features features; ///< The features of the view.
 } ty_choice;
 
-/* Nothing but a picture. */
-TY_API ty_choose_def ty_default_choose_def(void);
+/// Sets the `bytes` bytes of a ty_choose_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_choose_def(void* def, size_t bytes);
+/// A definition without any request but a picture.
+static inline ty_choose_def ty_default_choose_def(void) {
+    ty_choose_def def;
+    ty_init_choose_def(&def, sizeof def);
+    return def;
+}
 
-/* Chooses for a committed scene, whose camera counts. What is chosen does not refuse the scene. It depends on nothing
- * but the scene and def. Errors: TY_ERROR_ARGUMENT (def, scene not committed), TY_ERROR_MEMORY. */
+/// Chooses a method for a committed scene as its camera sees it. The chosen method accepts the scene. The choice
+/// depends on the scene and the definition alone. Errors: TY_ERROR_ARGUMENT (definition, scene not committed),
+/// TY_ERROR_MEMORY.
 TY_API ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_choice* out);
 
 #ifdef __cplusplus

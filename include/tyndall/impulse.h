@@ -1,7 +1,9 @@
-/* Tyndall: impulse responses, what a homogeneous medium around a receiver makes of one emitter's light. Apache-2.0.
- *
- * After Dubouchet, Sloan, Jarosz, Nowrouzezahrai: Impulse Responses for Precomputing Light from Volumetric Media
- * (2019). docs/method/impulse.md explains what is tabled and how far it holds. */
+/// @file impulse.h
+/// Impulse responses: the light of one emitter that a homogeneous medium around a receiver scatters to it.
+///
+/// After Dubouchet, Sloan, Jarosz, Nowrouzezahrai: Impulse Responses for Precomputing Light from Volumetric Media
+/// (2019); section numbers are the paper's. docs/method/impulse.md explains the content of the tables and their limits.
+/// Apache-2.0.
 #ifndef TYNDALL_IMPULSE_H
 #define TYNDALL_IMPULSE_H
 
@@ -11,82 +13,96 @@
 extern "C" {
 #endif
 
-/* What sends light, and what it is measured by. */
+/// The kind of an emitter, which sets the unit of its colour.
 typedef enum ty_impulse_emitter {
-    TY_IMPULSE_POINT = 0,       /* color: intensity, W sr^-1; distance: to it */
-    TY_IMPULSE_DIRECTIONAL = 1, /* color: irradiance, W m^-2, where it enters; distance: to where it does */
-    TY_IMPULSE_AREA = 2         /* a small Lambertian surface; color: radiance times area, W sr^-1 m^-2 m^2; distance:
-                                   to it; cosine: between its normal and the way from it to the receiver, 0..1 */
+    TY_IMPULSE_POINT = 0,       ///< Colour: intensity, W sr^-1. Distance: to the point.
+    TY_IMPULSE_DIRECTIONAL = 1, ///< Colour: irradiance where the light enters the medium, W m^-2. Distance: to there.
+    TY_IMPULSE_AREA = 2         ///< A small Lambertian surface. Colour: radiance times area, W sr^-1. Distance: to it.
+                                ///< Cosine: between its normal and the direction from it to the receiver, 0..1.
 } ty_impulse_emitter;
 
+/// Sizes of the tables.
 enum {
-    TY_IMPULSE_TERMS = 11, /* zonal harmonics */
-    TY_IMPULSE_DISTANCES = 256,
-    TY_IMPULSE_ANGLES = 16,
-    TY_IMPULSE_BOUNCES_MAX = 64
+    TY_IMPULSE_TERMS = 11,      ///< Zonal harmonics.
+    TY_IMPULSE_DISTANCES = 256, ///< Bins of optical distance.
+    TY_IMPULSE_ANGLES = 16,     ///< Bins of the cosine at an area emitter.
+    TY_IMPULSE_BOUNCES_MAX = 64 ///< Largest number of scatterings.
 };
 
-/* What tables hold; made by ty_default_impulse_def. */
+/// The options of the tables. Create it with ty_default_impulse_def().
 typedef struct ty_impulse_def {
-    uint32_t cookie;         /* set by ty_default_impulse_def; checked */
-    int32_t bounces;         /* scatterings at most, 1..64; default 10 */
-    double range;            /* optical distance that tables go to, 1..100; default 20 */
-    const char* folder;      /* where tables are kept between runs; NULL (default): $XDG_CACHE_HOME/tyndall, or
-                                $HOME/.cache/tyndall; "": nowhere */
-    ty_progress_fn progress; /* default NULL */
-    void* progress_user;     /* passed on to progress; default NULL */
+    uint32_t cookie;    ///< Set by ty_default_impulse_def() and checked.
+    uint32_t bytes;     ///< Set by ty_default_impulse_def() to the size of the structure, and checked.
+    int32_t bounces;    ///< Largest number of scatterings, 1..64; default 10.
+    double range;       ///< Largest optical distance, 1..100; default 20.
+    const char* folder; ///< Folder in which tables are kept between runs. NULL (default): $XDG_CACHE_HOME/tyndall, or
+                        ///< $HOME/.cache/tyndall. "": tables are not kept.
+    ty_progress_fn progress; ///< Default NULL.
+    void* progress_user;     ///< Passed on to `progress`; default NULL.
 } ty_impulse_def;
 
-/* A def with every field at its default. */
-TY_API ty_impulse_def ty_default_impulse_def(void);
+/// Sets the `bytes` bytes of a ty_impulse_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_impulse_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_impulse_def ty_default_impulse_def(void) {
+    ty_impulse_def def;
+    ty_init_impulse_def(&def, sizeof def);
+    return def;
+}
 
-/* Tables of impulse responses; immutable. */
+/// Immutable tables of impulse responses.
 typedef struct ty_impulse ty_impulse;
 
-/* How tables came. */
+/// The origin of tables.
 typedef struct ty_impulse_stats {
-    bool built;      /* else they were read from the folder */
-    double seconds;  /* wall clock */
-    char path[1024]; /* of the file; "": none */
+    bool built;      ///< True: the tables were computed. False: they were read from the folder.
+    double seconds;  ///< Wall clock time, s.
+    char path[1024]; ///< Path of the file; "" without one.
 } ty_impulse_stats;
 
-/* Tables for all emitters, built in under a minute, or read from the folder when they are there, whole, and of this
- * version and def; else they are built and written. A folder that cannot be written to is a warning. stats may be NULL.
- * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED. */
+/// Creates the tables for all kinds of emitters. They are read from the folder if a complete file of this version and
+/// definition is there; otherwise they are computed in less than a minute and written to the folder. A folder that
+/// cannot be written is a warning. stats may be NULL. The tables depend on nothing but the context.
+/// Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED.
 TY_API ty_result ty_impulse_create(ty_context* context, const ty_impulse_def* def, ty_impulse** out,
                                    ty_impulse_stats* stats);
-/* Frees tables; NULL is allowed. */
+/// Destroys tables; NULL is allowed.
 TY_API void ty_impulse_destroy(ty_impulse* tables);
 
-/* What lies between an emitter and a receiver: means along the ray (Sec. 4.4). */
+/// The medium between an emitter and a receiver: means along the ray (Sec. 4.4).
 typedef struct ty_impulse_medium {
-    float sigma_t, sigma_s; /* 1/m */
-    float g;                /* clamped to -0.5..0.5 in single scattering, to -0.99..0.99 for similarity in the rest */
+    float sigma_t; ///< Extinction coefficient, 1/m.
+    float sigma_s; ///< Scattering coefficient, 1/m.
+    float g;       ///< Mean cosine; clamped to -0.5..0.5 in single scattering, and to -0.99..0.99 for the similarity
+                   ///< relation in multiple scattering.
 } ty_impulse_medium;
 
-/* Radiance that arrives at the receiver, W m^-2 sr^-1 per unit of the emitter's color, scattered at least once: in
- * zonal harmonics (orthonormal y_l^0) of the angle between where it comes from and an axis. */
+/// Radiance that arrives at the receiver after at least one scattering, W m^-2 sr^-1 per unit of the emitter's colour:
+/// coefficients of the orthonormal zonal harmonics y_l^0 in the angle between the direction to the light's origin (wi)
+/// and an axis.
 typedef struct ty_impulse_response {
-    float single[TY_IMPULSE_TERMS];   /* scattered once */
-    float multiple[TY_IMPULSE_TERMS]; /* and more often */
-    float shift; /* sine of the angle by which the axis leans from the direction to the emitter, in the plane of that
-                    and the emitter's normal, towards the side that the normal points to */
+    float single[TY_IMPULSE_TERMS];   ///< Light that scattered once.
+    float multiple[TY_IMPULSE_TERMS]; ///< Light that scattered more often.
+    float shift;                      ///< Sine of the angle between the axis and the direction to the emitter. The axis
+                 ///< leans in the plane of that direction and the emitter's normal, towards the side
+                 ///< that the normal points to.
 } ty_impulse_response;
 
-/* bounces: scatterings that count, 1..def.bounces; more are as many as there are. distance: m; optical ones below 0.001
- * go by what light near an emitter does, those below 1e-6 count as that, and beyond the range light falls as exp(-d)
- * does (scattered once) or its root. Tens of nanoseconds for ten bounces; from any number of threads. */
+/// Looks up a response. bounces: number of scatterings to count, 1..def.bounces; a larger number counts all.
+/// distance: m. Optical distances below 0.001 use the limit near an emitter, and those below 1e-6 count as 1e-6. Beyond
+/// the range of the tables, light falls as exp(-d) (single scattering) or exp(-d / 2) (multiple scattering). A lookup
+/// takes tens of nanoseconds for ten bounces. Any number of threads may call it at once.
 TY_API void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
                             float distance, float cosine, int32_t bounces, ty_impulse_response* out);
-/* One scattering's own coefficients as tabled, at sigma_t 1/m and albedo 1: what `tyndall figure impulse-tables` draws.
- * bounce: 1..def.bounces; angle: 0..15 of areas, for cosines 0, 0.02, 0.05, 0.09, 0.14, 0.2, 0.27, 0.35, 0.44, 0.53,
- * 0.62, 0.71, 0.79, 0.87, 0.94, 1, else 0; g: -1, 0 or 1 for -0.5, 0, 0.5 (bounce 1 alone). *distance is that of the
- * bin. Errors: TY_ERROR_ARGUMENT. */
+/// The tabulated coefficients of one order of scattering, at sigma_t = 1/m and albedo 1, as `tyndall figure
+/// impulse-tables` draws them. bounce: 1..def.bounces. angle: 0..15 for area emitters, for the cosines 0, 0.02, 0.05,
+/// 0.09, 0.14, 0.2, 0.27, 0.35, 0.44, 0.53, 0.62, 0.71, 0.79, 0.87, 0.94, 1; 0 otherwise. g: -1, 0 or 1 for -0.5, 0,
+/// 0.5 (bounce 1), 0 otherwise. `*distance` is the optical distance of the bin. Errors: TY_ERROR_ARGUMENT.
 TY_API ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, int32_t bounce, int32_t g,
                                 int32_t angle, int32_t bin, double* distance, float zonal[TY_IMPULSE_TERMS]);
 
-/* Irradiance of a response on a surface whose normal is at that cosine to the response's axis: the cosine double
- * product of Appendix A. */
+/// Irradiance of a response on a surface, W m^-2 per unit of the emitter's colour. cosine: between the surface's normal
+/// and the axis of the response. This is the cosine double product of Appendix A.
 TY_API float ty_impulse_irradiance(const float zonal[TY_IMPULSE_TERMS], float cosine);
 
 #ifdef __cplusplus

@@ -1,6 +1,8 @@
-/* Tyndall: the truth, unbiased volumetric path tracing. Apache-2.0.
- *
- * docs/method/path.md explains what is computed and how. The result does not depend on the number of threads. */
+/// @file path.h
+/// Unbiased volumetric path tracing, the reference of all other methods.
+///
+/// docs/method/path.md explains the method. Results do not depend on the number of threads. All functions only read the
+/// scene, which must be committed and stay as it is during the call. Apache-2.0.
 #ifndef TYNDALL_PATH_H
 #define TYNDALL_PATH_H
 
@@ -13,98 +15,91 @@
 extern "C" {
 #endif
 
-/* Channels beside R, G and B. All are means over a pixel's samples. */
-enum {
-    TY_AOV_VARIANCE = 1,      /* variance.R, .G, .B: of the pixel's mean */
-    TY_AOV_TRANSMITTANCE = 2, /* transmittance.R, .G, .B: of the media as far as the first surface */
-    TY_AOV_DEPTH = 4,         /* depth.Z: distance from the camera to the first surface along the ray, m; the mean over
-                                 the samples that hit one, 0 where none did */
-    TY_AOV_NORMAL = 8,        /* normal.X, .Y, .Z: of the first surface, facing the camera, unit length; 0 for none */
-    TY_AOV_ALBEDO = 16,       /* albedo.R, .G, .B: the fraction of the light that media scatter before the first
-                                 surface, so that (1 - transmittance - albedo) is absorbed and albedo /
-                                 (1 - transmittance) is the volume albedo that is seen */
-    TY_AOV_SINGLE = 32,       /* single.R, .G, .B: radiance scattered once by a medium and touched by nothing else */
-    TY_AOV_MULTIPLE = 64,     /* multiple.R, .G, .B: all other radiance that a medium scattered. What is left of
-                                 R, G, B after single and multiple never scattered: emission and surfaces */
-    TY_AOV_SAMPLES = 128,     /* samples.N: how many; they differ between pixels only in a partial result */
-    TY_AOV_ALL = 255
-};
-
-/* Takes the state of a render, bytes that only ty_path_def.resume understands; false cancels the work. Called from any
- * thread, but never twice at a time nor while the progress function runs; other threads go on meanwhile. */
+/// Receives the state of a render: bytes that ty_path_def.resume understands, valid during the call. A return value of
+/// false cancels the work. It is called from any thread, never twice at a time nor while the progress function runs;
+/// other threads go on meanwhile.
 typedef bool (*ty_path_state_fn)(void* user, const void* state, size_t size);
 
-/* How paths are traced; made by ty_default_path_def. */
+/// The options of path tracing. Create it with ty_default_path_def().
 typedef struct ty_path_def {
-    uint32_t cookie;       /* set by ty_default_path_def; checked */
-    int32_t spp;           /* samples per pixel (ray, cell) at most, 1..2^24; default 64 */
-    uint64_t seed;         /* any; images of different seeds are independent; default 0 */
-    int32_t max_depth;     /* scatterings and reflections at most; 0 (default) for unlimited with Russian roulette */
-    bool ignore_media;     /* everything as if the scene had no media, bit for bit; default false */
-    bool unscattered;      /* only light that no medium scattered or sent: lamps, the sky and surfaces, which reflect
-                              each other's light, all behind the media's extinction; R, G, B less single, multiple
-                              and what media send. The channels single and multiple are 0. Without media, or with
-                              ignore_media, it changes nothing; default false */
-    double seconds;        /* stop after this time, > 0; 0 (default): no bound */
-    double error;          /* stop when the estimated relative error (standard error of the pixels, root mean
-                              square, over the mean) is below this, > 0; 0 (default): no bound */
-    int32_t width, height; /* 0 (default): the camera's resolution. Both or neither */
-    uint32_t aovs;         /* images: TY_AOV_... together; default TY_AOV_VARIANCE */
-    int32_t crop[4];       /* images: x, y, width, height of the part of the frame to render; the pixels are those
-                              of the whole frame, bit for bit. Default 0: the whole frame */
-    /* Images: every state_seconds (and at the end) the state of the work is handed out; resume takes it up again.
-     * A resumed render gives the same image, bit for bit, as one that was never interrupted, with the same spp, seed,
-     * size, crop, aovs, max_depth, ignore_media, unscattered and scene, on a machine with the same instruction set
-     * (ty_path_stats.isa); spp may also be larger than before. Time that earlier runs took counts for seconds and in
-     * ty_path_stats. Memory: 56 bytes a pixel for the state, 216 with aovs other than variance and samples, and the
-     * same for the work itself. */
-    ty_path_state_fn state;  /* default NULL */
-    void* state_user;        /* passed on to state; default NULL */
-    double state_seconds;    /* default 60 */
-    const void* resume;      /* default NULL; errors: TY_ERROR_INPUT (damaged, or of another render, told how) */
-    size_t resume_size;      /* bytes; default 0 */
-    ty_progress_fn progress; /* default NULL */
-    void* progress_user;     /* default NULL */
+    uint32_t cookie;        ///< Set by ty_default_path_def() and checked.
+    uint32_t bytes;         ///< Set by ty_default_path_def() to the size of the structure, and checked.
+    int32_t spp;            ///< Largest number of samples per pixel, ray or cell, 1..2^24; default 64.
+    uint64_t seed;          ///< Any number; images of different seeds are independent; default 0.
+    int32_t max_depth;      ///< Largest number of scatterings and reflections; 0 (default): unlimited, with Russian
+                            ///< roulette.
+    bool ignore_media;      ///< True: the result is that of the scene without media, bit for bit; default false.
+    bool unscattered;       ///< True: the result holds light that no medium scattered or emitted. Lights, the sky and
+                            ///< surfaces, with reflections between these, are seen through the extinction of the media:
+                            ///< R, G, B less single, multiple and emission. The channels single and multiple are 0.
+                            ///< It changes nothing without media or with `ignore_media`; default false.
+    double seconds;         ///< Time after which the work stops, s, > 0; 0 (default): no bound.
+    double error;           ///< Relative error below which the work stops, > 0; 0 (default): no bound. The error is the
+                            ///< root mean square standard error of the pixels over their mean.
+    int32_t width;          ///< Image width, pixels; 0 (default): that of the camera. Set with `height`.
+    int32_t height;         ///< Image height, pixels; 0 (default): that of the camera.
+    uint32_t aovs;          ///< Images: flags of ty_aov; default TY_AOV_VARIANCE.
+    int32_t crop[4];        ///< Images: x, y, width, height of the part of the frame to render. Its pixels are those of
+                            ///< the whole frame, bit for bit. Default 0: the whole frame.
+    ty_path_state_fn state; ///< Images: receives the state of the work every `state_seconds` and at the end; default
+                            ///< NULL. It takes 56 bytes a pixel, 216 with aovs other than variance and samples, and the
+                            ///< work itself takes the same.
+    void* state_user;       ///< Passed on to `state`; default NULL.
+    double state_seconds;   ///< Time between two states, s; default 60.
+    const void* resume;     ///< Images: a state to go on from; default NULL. A resumed render gives the same image, bit
+                        ///< for bit, as an uninterrupted one, if spp, seed, size, crop, aovs, max_depth, ignore_media,
+                        ///< unscattered, the scene and the instruction set (ty_path_stats.isa) are the same; spp may
+                        ///< also be larger. The time of earlier runs counts for `seconds` and in ty_path_stats.
+                        ///< TY_ERROR_INPUT: the state is damaged, or belongs to another render.
+    size_t resume_size;      ///< Size of `resume`, bytes; default 0.
+    ty_progress_fn progress; ///< Default NULL.
+    void* progress_user;     ///< Passed on to `progress`; default NULL.
 } ty_path_def;
 
-/* A def with every field at its default. */
-TY_API ty_path_def ty_default_path_def(void);
+/// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_path_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_path_def ty_default_path_def(void) {
+    ty_path_def def;
+    ty_init_path_def(&def, sizeof def);
+    return def;
+}
 
-/* What a run did; with what runs did that it resumed. */
+/// Statistics of a render, including the runs that it resumed.
 typedef struct ty_path_stats {
-    double seconds;     /* wall clock */
-    double cpu_seconds; /* over all threads */
-    double spp;         /* mean samples per pixel */
-    double error;       /* estimated relative error, as in ty_path_def */
-    uint64_t paths;     /* paths traced */
-    uint64_t vertices;  /* scatterings and reflections */
-    const char* isa;    /* "x86-64", "x86-64-v3", "x86-64-v4" or "generic": which build of the kernel ran */
+    double seconds;     ///< Wall clock time, s.
+    double cpu_seconds; ///< Processor time over all threads, s.
+    double spp;         ///< Mean number of samples per pixel.
+    double error;       ///< Estimated relative error, as in ty_path_def.
+    uint64_t paths;     ///< Number of paths.
+    uint64_t vertices;  ///< Number of scatterings and reflections.
+    const char* isa;    ///< Instruction set of the kernel: "x86-64", "x86-64-v3", "x86-64-v4" or "generic".
 } ty_path_stats;
 
-/* Radiance through each pixel of the scene's camera: R, G, B, and what def->aovs asks for. On TY_CANCELLED *out is a
- * valid image with fewer samples. stats may be NULL.
- * Errors: TY_ERROR_ARGUMENT, TY_ERROR_INPUT (def->resume), TY_ERROR_MEMORY. */
+/// Renders radiance through the pixels of the scene's camera: R, G, B, and the channels of def->aovs. After
+/// TY_CANCELLED, `*out` is a valid image with fewer samples. stats may be NULL. The image does not refer to the scene.
+/// Errors: TY_ERROR_ARGUMENT, TY_ERROR_INPUT (def->resume), TY_ERROR_MEMORY.
 TY_API ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image** out, ty_path_stats* stats);
 
-/* Radiance arriving along given rays. rays: count x 6 doubles (origin, m; direction of view, any length);
- * radiance: count x 3, mean over def->spp samples; variance: count x 3, variance of that mean, or NULL. A ray meets a
- * surface with TY_ALPHA_BLEND either in all samples or in none.
- * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED leaves the outputs undefined. */
-TY_API ty_result ty_path_radiance(const ty_scene* scene, const ty_path_def* def, int64_t count, const double* rays,
+/// Estimates the radiance of all light, W m^-2 sr^-1, at points and along directions. rays: count x 6 numbers, a point
+/// (m) and the direction in which the light travels (any length). radiance: count x 3, means over def->spp samples.
+/// variance: count x 3, the variance of these means, or NULL. A camera that looks along w receives light of direction
+/// -w. A surface with TY_ALPHA_BLEND is met by all samples of a ray or by none.
+/// Errors: TY_ERROR_ARGUMENT (also for count < 1), TY_ERROR_MEMORY; TY_CANCELLED leaves the outputs undefined.
+TY_API ty_result ty_path_radiance(const ty_scene* scene, const ty_path_def* def, const double* rays, int64_t count,
                                   double* radiance, double* variance);
 
-/* Fluence (integral of radiance over all directions, W m^-2) averaged over each cell of a box of size[0] x size[1]
- * x size[2] cells from lower to upper (m): total, and uncollided light alone if uncollided is not NULL.
- * fluence, uncollided, variance (of the total; may be NULL): cells x 3, x fastest. A box without extent along an
- * axis (lower == upper) gives the fluence on that plane, line or point.
- * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED leaves the outputs undefined. */
+/// Estimates fluence, the integral of radiance over all directions (W m^-2), averaged over each cell of a box of
+/// size[0] x size[1] x size[2] cells from lower to upper (m). A box without extent along an axis gives the fluence on
+/// that plane, line or point. All outputs have cells x 3 numbers, x fastest. fluence: all light. uncollided: light that
+/// neither a medium nor a surface scattered; may be NULL. variance: variance of fluence; may be NULL. Errors:
+/// TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED leaves the outputs undefined.
 TY_API ty_result ty_path_fluence(const ty_scene* scene, const ty_path_def* def, const double lower[3],
                                  const double upper[3], const int32_t size[3], double* fluence, double* uncollided,
                                  double* variance);
 
-/* Transmittance exp(-optical depth) per channel of the media between two points, surfaces ignored: the mean of
- * def->spp ratio-tracked estimates (exact where media are homogeneous).
- * Errors: TY_ERROR_ARGUMENT. */
+/// Estimates the transmittance exp(-optical depth) of the media between two points (m), per channel, without surfaces:
+/// the mean of def->spp ratio-tracked estimates, exact where media are homogeneous. Errors: TY_ERROR_ARGUMENT.
 TY_API ty_result ty_path_transmittance(const ty_scene* scene, const ty_path_def* def, const double from[3],
                                        const double to[3], double transmittance[3]);
 

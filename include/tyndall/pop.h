@@ -1,149 +1,172 @@
-/* Tyndall: principal-ordinates propagation, anisotropic and heterogeneous media under environment and local lights.
- * Apache-2.0.
- *
- * After Elek, Ritschel, Dachsbacher, Seidel: Principal-Ordinates Propagation for Real-Time Rendering of Participating
- * Media (2014); equation numbers are the paper's. docs/method/pop.md explains what is computed, how far it holds, and
- * where it departs. The result does not depend on the number of threads. */
+/// @file pop.h
+/// Principal-ordinates propagation: anisotropic, heterogeneous media under environment and local lights.
+///
+/// After Elek, Ritschel, Dachsbacher, Seidel: Principal-Ordinates Propagation for Real-Time Rendering of Participating
+/// Media (2014); equation and section numbers are the paper's. docs/method/pop.md explains the method, its accuracy,
+/// and the departures from the paper. Results do not depend on the number of threads. Apache-2.0.
 #ifndef TYNDALL_POP_H
 #define TYNDALL_POP_H
 
 #include <tyndall/base.h>
 #include <tyndall/image.h>
-#include <tyndall/path.h>
 #include <tyndall/scene.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* How ordinates pass light on. */
+/// The propagation of light along ordinates.
 typedef enum ty_pop_mode {
-    TY_POP_MODE_SPLIT = 0, /* ours, in absolute units: each ordinate carries its light as far as scattering leaves it
-                              a direction, and hands the rest to flux-limited diffusion, one solve for all */
-    TY_POP_MODE_PUBLISHED = 1, /* the paper to the letter: each ordinate's cells pass their light on to their
-                                  neighbours, again and again */
-    TY_POP_MODE_COLLIDED = 2 /* the same, starting from light that scatters for the first time, with the exact decay of
-                                mean cosines, and uncollided light apart */
+    TY_POP_MODE_SPLIT = 0,     ///< In absolute units, and not in the paper: each ordinate carries its light as long as
+                               ///< scattering keeps its direction, and leaves the rest to one flux-limited diffusion.
+    TY_POP_MODE_PUBLISHED = 1, ///< The paper's: the cells of each ordinate pass their light to their neighbours, again
+                               ///< and again.
+    TY_POP_MODE_COLLIDED = 2   ///< The same, from light that scatters for the first time, with the exact decay of mean
+                               ///< cosines; uncollided light is treated apart.
 } ty_pop_mode;
 
+/// Sizes of grids and maps.
 enum {
-    TY_POP_CELLS_MAX = 128,
-    TY_POP_IMPORTANCE_WIDTH = 32, /* of the map of directions (Sec. 5.2), equirectangular as environments are */
-    TY_POP_IMPORTANCE_HEIGHT = 16
+    TY_POP_CELLS_MAX = 128,       ///< Largest number of cells along an axis of an ordinate's grid.
+    TY_POP_IMPORTANCE_WIDTH = 32, ///< Width of the equirectangular map of importance (Sec. 5.2), pixels.
+    TY_POP_IMPORTANCE_HEIGHT = 16 ///< Height of that map, pixels.
 };
 
-/* What to solve and how; made by ty_default_pop_def. */
+/// The options of a solve and of its images. Create it with ty_default_pop_def().
 typedef struct ty_pop_def {
-    uint32_t cookie;  /* set by ty_default_pop_def; checked */
-    ty_pop_mode mode; /* default TY_POP_MODE_SPLIT */
+    uint32_t cookie;  ///< Set by ty_default_pop_def() and checked.
+    uint32_t bytes;   ///< Set by ty_default_pop_def() to the size of the structure, and checked.
+    ty_pop_mode mode; ///< Default TY_POP_MODE_SPLIT.
 
-    int32_t resolution; /* cells of an ordinate's grid along each of its axes, 4..128; 0 (default): a third of the cells
-                           of `direct`, 32..48, modes published and collided 32 (the paper: 20); split mode has twice as
-                           many along the light */
-    int32_t merged; /* cells of the grid that all ordinates are brought together in, along the longest side of the box
-                       around all media, 4..512; 0 (default): one and a half of the resolution, but no more than 48 or
-                       the resolution; modes published and collided twice (Sec. 5.3) */
-    bool sharp;     /* whether directional, point and spot lights (the first eight of them) go through cells as fine
-                       as the medium's instead of grids of their own; default true; split mode alone */
-    int32_t direct; /* these cells along the longest side, 4..1024; 0 (default): as the finest voxels, but 256 at
-                       most; 64 where media have no voxels */
+    int32_t resolution; ///< Cells along each axis of an ordinate's grid, 4..128; mode split takes twice as many along
+                        ///< the light. TY_AUTO (default): a third of the cells of `direct`, 32..48; 32 in the other
+                        ///< modes (the paper: 20).
+    int32_t merged; ///< Cells of the grid that joins all ordinates, along the longest side of the box around all media,
+                    ///< 4..512. TY_AUTO (default): 1.5 times the resolution, at most 48 or the resolution; twice the
+                    ///< resolution in the other modes (Sec. 5.3).
+    bool sharp;     ///< True: the first eight directional, point and spot lights are propagated through cells as fine
+                    ///< as the medium's instead of grids of their own; default true; mode split.
+    int32_t direct; ///< Cells of these lights along the longest side, 4..1024. TY_AUTO (default): as fine as the finest
+                    ///< voxels, at most 256; 64 for media without voxels.
 
-    int32_t ordinates; /* N, per environment light, 1..4096; default 64 */
-    double prefilter; /* beta of Sec. 5.1, 0..16: a = (1 - w / N)^beta. Mode published: w / N is the share of the sphere
-                         that the ordinate stands for; else 1 - w / N is the mean cosine of its light, whatever its
-                         shape, which in an even environment is the same; so 1 (default) needs no tuning. Mode split:
-                         light that scatters is moreover no brighter than that of a disc of such a mean
-                         cosine. 0: none, a = 1 */
-    bool importance;  /* whether ordinates are chosen by what the camera sees of their light, too; default true */
-    float* history;   /* the importance of the frame before, TY_POP_IMPORTANCE_WIDTH x _HEIGHT, which a share of this
-                         one's is mixed with; replaced by this frame's. All 0: there was none. NULL (default): none */
+    int32_t ordinates; ///< N: ordinates per environment light, 1..4096; default 64.
+    double prefilter;  ///< beta of Sec. 5.1, 0..16: a = (1 - w / N)^beta. In mode published, w / N is the fraction of
+                       ///< the sphere that an ordinate stands for; otherwise 1 - w / N is the mean cosine of its light,
+    ///< whatever its shape, which is the same for a uniform environment and makes tuning unnecessary.
+    ///< In mode split, scattered light is also no brighter than that of a disc with that mean cosine.
+    ///< Default 1; 0: no prefiltering, a = 1.
+    bool importance; ///< True: the choice of ordinates also weighs how much of their light the camera sees; default
+                     ///< true.
+    float* history;  ///< In and out: the map of importance of the frame before, TY_POP_IMPORTANCE_WIDTH x _HEIGHT. A
+                     ///< fraction of it is mixed with this frame's map, which replaces it. All 0: there was no frame
+                     ///< before. NULL (default): no history.
 
-    int32_t surface_points; /* per area light and glowing sphere, 1..65536; default 16 */
-    int32_t vpls;           /* virtual point lights (Sec. 6) that surfaces are taken for, 0 (none)..4096; default 64 */
-    int32_t shadow_texels;  /* side of the reflective shadow maps that they are chosen from, 16..1024; default 128 */
-    double clamp; /* of a VPL's 1 / r^2: r is at least this part of the box's longest side, 0..1; default 0.05 */
+    int32_t surface_points;  ///< Points per area light and emitting sphere, 1..65536; default 16.
+    int32_t vpls;            ///< Number of virtual point lights (Sec. 6) that stand for reflecting surfaces, 0..4096;
+                             ///< default 64.
+    int32_t shadow_texels;   ///< Side of the reflective shadow maps from which these are chosen, 16..1024; default 128.
+    double vpl_min_distance; ///< Least distance r in 1 / r^2 of a virtual point light, as a fraction of the box's
+                             ///< longest side, 0..1; default 0.05.
 
-    bool keep_lobes; /* whether ordinates' light is kept, so that other cameras can see it, ty_pop_radiance works and
-                        ty_pop_fluence knows the uncollided light; default false */
+    bool keep_lobes; ///< True: the light of each ordinate is kept, which other camera positions, ty_pop_radiance()
+                     ///< and the uncollided light of ty_pop_fluence() need; default false.
 
-    /* Modes published and collided. */
-    int32_t iterations; /* M, 1..10000; 0 (default): as many as the resolution, or m' of Eq. 10 if that is more */
-    double residuum;    /* eps_a of Sec. 5.4: mean cosine below which light counts as isotropic and goes on in one grid
-                           for all ordinates, 0..1; default 0.1; 0: never */
-    int32_t residuum_iterations; /* at most, 1..10000; 0 (default): until a thousandth of what came in is left */
+    int32_t iterations; ///< M, modes published and collided, 1..10000. TY_AUTO (default): the resolution, or m' of Eq.
+                        ///< 10 if that is larger.
+    double residuum; ///< eps_a of Sec. 5.4, modes published and collided, 0..1: light with a smaller mean cosine counts
+                     ///< as isotropic and goes on in one grid for all ordinates; default 0.1; 0: never.
+    int32_t residuum_iterations; ///< Largest number of iterations in that grid, 1..10000; TY_AUTO (default): until a
+                                 ///< thousandth of the light is left.
 
-    /* Mode split: as in ty_fld_def, on the merged grid. */
-    double streaming; /* 0 (default): 0.5, and up to 0.8 by lamps within the media's box */
-    double tolerance; /* default 1e-2, which is 1e-3 of images at most */
+    double max_flux_fraction; ///< Largest ratio of flux to fluence in mode split, as in ty_fld_def. TY_AUTO (default):
+                              ///< 0.5, rising to 0.8 with lights inside the media's box.
+    double tolerance; ///< Tolerance of the diffusion in mode split, as in ty_fld_def; default 1e-2, which changes
+                      ///< images by 1e-3 at most.
 
-    uint64_t seed; /* of where ordinates, points and VPLs lie; default 0 */
+    uint64_t seed; ///< Seed of the positions of ordinates, points and virtual point lights; default 0.
 
-    /* Images. */
-    int32_t width, height;       /* 0 (default): the camera's resolution. Both or neither */
-    int32_t spp;                 /* rays per pixel, 1..64; default 1, through its middle */
-    double step;                 /* of the march, in voxels, 0.05..8; default 1 */
-    uint32_t aovs;               /* TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH; default 0 */
-    const ty_image* unscattered; /* as in ty_fld_def */
+    int32_t width;               ///< Image width, pixels; 0 (default): that of the camera. Set with `height`.
+    int32_t height;              ///< Image height, pixels; 0 (default): that of the camera.
+    int32_t spp;                 ///< Rays per pixel, 1..64; default 1, through its centre.
+    double step;                 ///< Step of the ray march, voxels, 0.05..8; default 1.
+    uint32_t aovs;               ///< Flags TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH; default 0.
+    const ty_image* unscattered; ///< Light of surfaces through the media, as in ty_fld_def; default NULL.
 
-    ty_progress_fn progress; /* default NULL */
-    void* progress_user;     /* passed on to progress; default NULL */
+    ty_progress_fn progress; ///< Default NULL.
+    void* progress_user;     ///< Passed on to `progress`; default NULL.
 } ty_pop_def;
 
-/* A def with every field at its default. */
-TY_API ty_pop_def ty_default_pop_def(void);
-/* What a scene file's render.pop asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
- * that are none of a setting's count as the first of them. */
-TY_API ty_pop_def ty_pop_def_of(const ty_pop_settings* settings);
+/// Sets the `bytes` bytes of a ty_pop_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_pop_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_pop_def ty_default_pop_def(void) {
+    ty_pop_def def;
+    ty_init_pop_def(&def, sizeof def);
+    return def;
+}
 
-/* What a solve, and a view after it, did. */
+/// Statistics of a solve and of an image.
 typedef struct ty_pop_stats {
-    int32_t ordinates;           /* grids: of environments, lights and VPLs together */
-    int32_t vpls;                /* of these */
-    int32_t size[3];             /* cells of an ordinate's grid */
-    int32_t merged_size[3];      /* cells */
-    int32_t planes;              /* 1: coefficients alike in all channels; 3 */
-    int32_t iterations;          /* of propagation; split mode: of diffusion, the most of any channel */
-    int32_t residuum_iterations; /* of isotropic light in one grid */
-    bool converged;              /* split mode: diffusion; else whether little enough was left */
-    double left;                 /* modes published and collided: light not yet propagated, of what came in */
-    double seconds;              /* all of it; its parts: */
-    double medium_seconds, importance_seconds, ordinate_seconds, vpl_seconds; /* what comes before light is passed on */
-    double direct_seconds;                                                    /* sharp lights */
-    double initial_seconds;              /* media on ordinates' grids, and light entering them */
-    double propagation_seconds;          /* passing light on; split mode: none */
-    double residuum_seconds;             /* isotropic light in one grid; split mode: diffusion */
-    double merge_seconds, march_seconds; /* bringing ordinates together in one grid; the image */
-    double bytes;                        /* of ordinates' grids */
-    const char* isa;                     /* which build of the kernels ran, as in ty_path_stats */
+    int32_t ordinates;           ///< Number of grids: of environments, lights and virtual point lights.
+    int32_t vpls;                ///< Number of these that are virtual point lights.
+    int32_t size[3];             ///< Cells of an ordinate's grid along its axes.
+    int32_t merged_size[3];      ///< Cells of the joint grid along x, y, z.
+    int32_t planes;              ///< 1: all channels have the same coefficients; 3.
+    int32_t iterations;          ///< Iterations of propagation; mode split: of diffusion, the largest of all channels.
+    int32_t residuum_iterations; ///< Iterations of isotropic light in one grid.
+    bool converged;              ///< True: diffusion converged (mode split), or little light was left (other modes).
+    double left;                 ///< Modes published and collided: fraction of the light that was not yet propagated.
+    double seconds;              ///< Wall clock time of the whole, s.
+    double medium_seconds;       ///< Time to sample the media, s.
+    double importance_seconds;   ///< Time to find the map of importance, s.
+    double ordinate_seconds;     ///< Time to choose ordinates, s.
+    double vpl_seconds;          ///< Time to find virtual point lights, s.
+    double direct_seconds;       ///< Time of the lights of `sharp`, s.
+    double initial_seconds;      ///< Time to sample media on the ordinates' grids, and the light that enters them, s.
+    double propagation_seconds;  ///< Time of propagation, s; mode split: 0.
+    double residuum_seconds;     ///< Time of isotropic light in one grid, s; mode split: of diffusion.
+    double merge_seconds;        ///< Time to join ordinates in one grid, s.
+    double march_seconds;        ///< Time of the image, s.
+    double bytes;                ///< Memory of the ordinates' grids.
+    const char* isa;             ///< Instruction set of the kernels, as in ty_path_stats.
 } ty_pop_stats;
 
-/* Light in a scene's media: solved once, seen from where the scene's camera was, or with keep_lobes from anywhere. */
+/// The light in a scene's media: solved once, and seen from the camera position of the solve, or with keep_lobes from
+/// any. It does not refer to the scene, which may be destroyed before it.
 typedef struct ty_pop ty_pop;
 
-/* As ty_fld_solve. Errors: TY_ERROR_ARGUMENT (def, a scene without media), TY_ERROR_MEMORY; TY_CANCELLED. */
+/// Samples the media of a committed scene and propagates the light of all lights through it. stats may be NULL. `*out`
+/// is destroyed with ty_pop_destroy(), and is NULL after an error.
+/// Errors: TY_ERROR_ARGUMENT (definition, a scene without media), TY_ERROR_MEMORY; TY_CANCELLED.
 TY_API ty_result ty_pop_solve(const ty_scene* scene, const ty_pop_def* def, ty_pop** out, ty_pop_stats* stats);
-/* Frees the light; NULL is allowed. */
+/// Destroys the light; NULL is allowed.
 TY_API void ty_pop_destroy(ty_pop* light);
 
-/* As ty_fld_view. Errors: TY_ERROR_ARGUMENT (a camera elsewhere, and lobes were not kept), TY_ERROR_MEMORY;
- * TY_CANCELLED. */
-TY_API ty_result ty_pop_view(ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
+/// Renders radiance through the pixels of the scene's camera: R, G, B and def->aovs. The scene must be the one that was
+/// solved, or one like it, except for its camera. Of def, the options of images and the seed count. Several threads may
+/// view one light at once; a camera position other than the solve's takes time and memory for a joint grid of its own.
+/// `*out` is NULL after an error.
+/// Errors: TY_ERROR_ARGUMENT (another camera position without keep_lobes), TY_ERROR_MEMORY; TY_CANCELLED.
+TY_API ty_result ty_pop_view(const ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
                              ty_pop_stats* stats);
-/* ty_pop_solve and ty_pop_view. */
+/// Solves and renders: ty_pop_solve(), then ty_pop_view().
 TY_API ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image** out, ty_pop_stats* stats);
 
-/* Fluence as ty_fld_fluence gives it, W m^-2, means over the cells of a box. uncollided: light that has not scattered;
- * NULL: not asked for, else lobes must have been kept. */
+/// Fluence, the integral of radiance over all directions (W m^-2), averaged over each cell of a box as by
+/// ty_path_fluence(); 0 outside of the box around the media. fluence: all light, cells x 3, x fastest. uncollided:
+/// light that did not scatter, cells x 3, for which lobes must have been kept, or NULL. Errors: TY_ERROR_ARGUMENT,
+/// TY_ERROR_MEMORY.
 TY_API ty_result ty_pop_fluence(const ty_pop* light, const double lower[3], const double upper[3],
                                 const int32_t size[3], double* fluence, double* uncollided);
 
-/* Radiance at a point, W m^-2 sr^-1, of light that travels along each of `count` unit vectors (x, y, z after one
- * another) and has scattered at least once: 3 a direction. Lobes must have been kept. Errors: TY_ERROR_ARGUMENT. */
-TY_API ty_result ty_pop_radiance(const ty_pop* light, const double point[3], const float* directions, int32_t count,
-                                 float* radiance);
+/// Radiance of light that scattered at least once, W m^-2 sr^-1, at points and along directions. rays: count x 6
+/// numbers, a point (m) and the direction in which the light travels (any length), as in ty_path_radiance(). radiance:
+/// count x 3, >= 0. Lobes must have been kept. Errors: TY_ERROR_ARGUMENT (also for count < 1).
+TY_API ty_result ty_pop_radiance(const ty_pop* light, const double* rays, int64_t count, double* radiance);
 
-/* How much the camera sees of light that comes from each direction (Sec. 5.2), relative to the mean of all: row by row,
- * TY_POP_IMPORTANCE_WIDTH x _HEIGHT. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+/// Stores the map of importance (Sec. 5.2): the fraction of the light from each direction that the camera sees,
+/// relative to the mean over all directions. map: TY_POP_IMPORTANCE_WIDTH x _HEIGHT, row by row. Errors:
+/// TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_pop_importance(const ty_scene* scene, const ty_pop_def* def, float* map);
 
 #ifdef __cplusplus

@@ -1,8 +1,12 @@
-/* Tyndall: what is lit: media, lights, surfaces, camera. Apache-2.0.
- *
- * Units: metres, W m^-2 (irradiance), W sr^-1 (intensity), W m^-2 sr^-1 (radiance), 1/m (coefficients);
- * colours are linear Rec.709. Directions are the way the light travels. Right-handed axes.
- * A scene is filled with add calls, then committed once; committed scenes may be rendered from any thread. */
+/// @file scene.h
+/// Scenes: media, lights, surfaces, a camera, and rays through them.
+///
+/// Units: metres, W m^-2 (irradiance), W sr^-1 (intensity), W m^-2 sr^-1 (radiance), 1/m (coefficients). Colours are
+/// linear Rec.709. Directions are those in which the light travels. Axes are right-handed.
+///
+/// A scene is filled by add calls, then committed. Committed scenes may be read from any thread. Add calls copy their
+/// definitions with all arrays and images, and take references to grids, shells and textures, so that the caller may
+/// free and release its own right after the call. Apache-2.0.
 #ifndef TYNDALL_SCENE_H
 #define TYNDALL_SCENE_H
 
@@ -14,467 +18,501 @@
 extern "C" {
 #endif
 
-/* Media, lights, surfaces and a camera. */
+/// Media, lights, surfaces and a camera.
 typedef struct ty_scene ty_scene;
 
-/* Which way is up. */
-typedef enum ty_axis { TY_AXIS_Y = 1, TY_AXIS_Z = 2 } ty_axis;
+/// The axis that points up.
+typedef enum ty_axis {
+    TY_AXIS_Y = 1, ///< y.
+    TY_AXIS_Z = 2  ///< z.
+} ty_axis;
 
-/* A pinhole camera; made by ty_default_camera_def. */
+/// A pinhole camera. Create it with ty_default_camera_def().
 typedef struct ty_camera_def {
-    uint32_t cookie;       /* set by ty_default_camera_def; checked */
-    double position[3];    /* m; default (0, 0, 5) */
-    double target[3];      /* m, not at position; default (0, 0, 0) */
-    double up[3];          /* not along the view; default (0, 1, 0) */
-    double fov_y;          /* full vertical angle, degrees, (0, 180); default 40 */
-    int32_t resolution[2]; /* width, height, 1..65536; default 800 x 600 */
-    double exposure;       /* stops, for display only; default 0 */
+    uint32_t cookie;       ///< Set by ty_default_camera_def() and checked.
+    uint32_t bytes;        ///< Set by ty_default_camera_def() to the size of the structure, and checked.
+    double position[3];    ///< m; default (0, 0, 5).
+    double target[3];      ///< A point in the middle of the view, m, not at `position`; default (0, 0, 0).
+    double up[3];          ///< A direction that points up in the image, not along the view; default (0, 1, 0).
+    double fov_y;          ///< Full vertical angle of view, degrees, (0, 180); default 40.
+    int32_t resolution[2]; ///< Width and height, pixels, 1..65536; default 800 x 600.
+    double exposure;       ///< Exposure for display alone, stops; default 0.
 } ty_camera_def;
 
-/* What shape a medium is bounded by. */
+/// The shape that bounds a medium.
 typedef enum ty_bounds_kind {
-    TY_BOUNDS_NONE = 0,
-    TY_BOUNDS_BOX = 1,
-    TY_BOUNDS_SPHERE = 2,
-    TY_BOUNDS_SHELL = 3
+    TY_BOUNDS_NONE = 0,   ///< No shape; for placed grids.
+    TY_BOUNDS_BOX = 1,    ///< A box along the axes.
+    TY_BOUNDS_SPHERE = 2, ///< A sphere.
+    TY_BOUNDS_SHELL = 3   ///< A closed mesh.
 } ty_bounds_kind;
 
-/* A closed triangle mesh that a medium fills. A point is inside where more surfaces lead out than in, so orientation
- * matters and shells may nest or overlap. */
-typedef struct ty_shell ty_shell;
+/// A closed triangle mesh that a medium fills. A shell is immutable and reference counted. A ray from a point inside
+/// leaves more surfaces than it enters, so orientation matters, and shells may nest or overlap.
+typedef struct ty_closed_mesh ty_closed_mesh;
 
-/* positions: 3 floats per vertex; indices: 3 per triangle, counter-clockwise seen from outside. Both are copied. Edges
- * that triangles do not pass as often one way as the other are counted in a warning: rays through such holes see the
- * medium end late or early. Of the places where a ray crosses the mesh the nearest 64 count.
- * Errors: TY_ERROR_ARGUMENT (no triangle, an index past the end, a position not finite), TY_ERROR_MEMORY. */
-TY_API ty_result ty_shell_create(ty_context* context, const float* positions, int64_t vertex_count,
-                                 const uint32_t* indices, int64_t triangle_count, ty_shell** out);
-/* Adds an owner, and returns the shell. NULL is allowed. */
-TY_API ty_shell* ty_shell_retain(ty_shell* shell);
-/* Removes an owner; the last one frees the shell. NULL is allowed. */
-TY_API void ty_shell_destroy(ty_shell* shell);
+/// Creates a shell with one reference. positions: 3 floats per vertex. indices: 3 per triangle, counter-clockwise seen
+/// from outside. Both are copied. A warning counts the edges that triangles do not pass equally often in both
+/// directions: rays through such holes see the medium end late or early. Of the crossings of a ray with the mesh the
+/// nearest 64 count. Errors: TY_ERROR_ARGUMENT (no triangle, an index past the end, a position that is not finite),
+/// TY_ERROR_MEMORY.
+TY_API ty_result ty_closed_mesh_create(ty_context* context, const float* positions, int64_t vertex_count,
+                                       const uint32_t* indices, int64_t triangle_count, ty_closed_mesh** out);
+/// Adds a reference and returns the shell; NULL is allowed.
+TY_API ty_closed_mesh* ty_closed_mesh_retain(ty_closed_mesh* shell);
+/// Drops a reference; the last one frees the shell. NULL is allowed.
+TY_API void ty_closed_mesh_release(ty_closed_mesh* shell);
 
-/* One point of a transfer function. Between points density and albedo are linear in the value; beyond the ends they
- * stay as they are there. */
+/// A point of a transfer function. Between points density and albedo are linear in the value; beyond the ends they are
+/// constant.
 typedef struct ty_transfer_point {
-    float value;     /* of the grid; each above the one before */
-    float density;   /* >= 0; takes the place of the grid's value */
-    float albedo[3]; /* 0..1; takes the place of sigma_s / (sigma_s + sigma_a) if the def says so */
+    float value;     ///< Value of the grid, above that of the point before.
+    float density;   ///< Density that replaces the value of the grid, >= 0.
+    float albedo[3]; ///< Single-scattering albedo, 0..1, if the medium's transfer_albedo is set.
 } ty_transfer_point;
 
+/// Largest number of points of a transfer function.
 enum { TY_TRANSFER_MAX = 256 };
 
-/* Participating medium. sigma(x) = density(x) * scale * coefficient, and zero outside the bounds. density is the
- * grid's trilinear value, or the transfer function of that value. Media may overlap: their coefficients add. */
+/// A participating medium: sigma(x) = density(x) * scale * coefficient, and 0 outside of the bounds. The density is the
+/// trilinear value of the grid, or the transfer function of that value. Media may overlap: their coefficients add up.
+/// Create it with ty_default_medium_def().
 typedef struct ty_medium_def {
-    uint32_t cookie;         /* set by ty_default_medium_def; checked */
-    const char* name;        /* default ""; copied */
-    ty_bounds_kind bounds;   /* what a homogeneous medium or an unplaced grid fills, and where a placed grid is cut;
-                                default TY_BOUNDS_NONE (allowed for placed grids only) */
-    double box_min[3];       /* m, before transform */
-    double box_max[3];       /* m, each above box_min */
-    double sphere_center[3]; /* m, before transform */
-    double sphere_radius;    /* m, > 0 */
-    ty_shell* shell;         /* TY_BOUNDS_SHELL, m, before transform; retained; default NULL */
-    ty_affine transform;     /* applied to bounds and grids; default identity */
-    ty_grid* density_grid;   /* retained; NULL (default): density is 1 everywhere within bounds */
-    float sigma_s[3];        /* scattering coefficient at density 1, 1/m, >= 0; default 0 */
-    float sigma_a[3];        /* absorption coefficient at density 1, 1/m, >= 0; default 0 */
-    float scale;             /* multiplies density, >= 0; default 1 */
-    float g[3];              /* Henyey-Greenstein mean cosine, (-1, 1); default 0 */
+    uint32_t cookie;         ///< Set by ty_default_medium_def() and checked.
+    uint32_t bytes;          ///< Set by ty_default_medium_def() to the size of the structure, and checked.
+    const char* name;        ///< Default "".
+    ty_bounds_kind bounds;   ///< The space that a homogeneous medium or an unplaced grid fills, and that cuts a placed
+                             ///< grid; default TY_BOUNDS_NONE (placed grids only).
+    double box_min[3];       ///< Lower corner of a box, before `transform`, m.
+    double box_max[3];       ///< Upper corner of a box, above `box_min`, before `transform`, m.
+    double sphere_center[3]; ///< Centre of a sphere, before `transform`, m.
+    double sphere_radius;    ///< Radius of a sphere, m, > 0.
+    ty_closed_mesh* shell;   ///< TY_BOUNDS_SHELL: the mesh, before `transform`, m; default NULL.
+    ty_affine transform;     ///< Map of bounds and grids into the scene; default identity.
+    ty_grid* density_grid;   ///< NULL (default): density is 1 within the bounds.
+    float sigma_s[3];        ///< Scattering coefficient at density 1, 1/m, >= 0; default 0.
+    float sigma_a[3];        ///< Absorption coefficient at density 1, 1/m, >= 0; default 0.
+    float scale;             ///< Factor of the density, >= 0; default 1.
+    float g[3];              ///< Mean cosine of the Henyey-Greenstein phase function, (-1, 1); default 0.
 
-    const ty_transfer_point* transfer; /* density_grid only; copied; default NULL */
-    int32_t transfer_count;            /* 0 (default), or 2..TY_TRANSFER_MAX */
-    bool transfer_albedo;              /* whether the points' albedo counts; default false */
+    const ty_transfer_point* transfer; ///< Transfer function of `density_grid`; default NULL.
+    int32_t transfer_count;            ///< Number of its points: 0 (default), or 2..TY_TRANSFER_MAX.
+    bool transfer_albedo;              ///< True: its points set the albedo; default false.
 
-    /* Fields, each retained, each placed like the density grid; default NULL. Outside a placed field its background
-     * holds. */
-    ty_grid* albedo_grid[3]; /* single-scattering albedo per channel, clamped to 0..1: splits sigma_s + sigma_a anew.
-                                All three or none; they may be one grid. Not together with transfer_albedo */
-    ty_grid* g_grid;         /* mean cosine for all channels, clamped to (-1, 1); takes the place of g */
+    ty_grid* albedo_grid[3]; ///< Single-scattering albedo per channel, clamped to 0..1, which splits sigma_s + sigma_a
+                             ///< anew; default NULL. All three or none; they may be one grid. Not with
+                             ///< `transfer_albedo`. This grid and the ones below are placed like the density grid;
+                             ///< outside of a placed grid its background holds.
+    ty_grid* g_grid;         ///< Mean cosine for all channels, clamped to (-1, 1), which replaces `g`; default NULL.
 
-    /* Emission: absorbing matter glows, sending absorption coefficient * emission per metre, W m^-3 sr^-1; a thick
-     * box of it has the radiance `emission`. */
-    float emission[3];         /* radiance, W m^-2 sr^-1, >= 0; default 0 */
-    ty_grid* temperature_grid; /* adds black-body radiance (ty_blackbody) times emission_scale; default NULL */
-    double kelvin[2];          /* temperature where the grid is 0 and where it is 1, linear in between and beyond;
-                                  default 0, 1: the grid holds kelvin */
-    float emission_scale;      /* of the black body, >= 0; default 1 */
+    float emission[3]; ///< Emitted radiance, W m^-2 sr^-1, >= 0; default 0. The medium emits absorption coefficient *
+                       ///< emission per metre, W m^-3 sr^-1, so that a thick box of it has the radiance `emission`.
+    ty_grid* temperature_grid; ///< Adds the radiance of a black body (ty_blackbody()) times `emission_scale` to
+                               ///< `emission`; default NULL.
+    double kelvin[2];          ///< Temperature where that grid is 0 and where it is 1, K, linear in between and beyond;
+                               ///< default 0, 1: the grid holds temperatures.
+    float emission_scale;      ///< Factor of the black body, >= 0; default 1.
 } ty_medium_def;
 
-/* Radiance of a black body at a temperature, seen as linear Rec.709: Planck's law weighted by the CIE 1931 colour
- * matching functions (so that 683 times its luminance is in cd m^-2), W m^-2 sr^-1. Channels below 0, of colours
- * outside Rec.709, are clipped (blue below 1900 K; luminance gains 1% by it at 1000 K and 15% at 800 K). 0 below 200 K;
- * above 100000 K as at 100000 K. */
+/// The radiance of a black body at a temperature in linear Rec.709, W m^-2 sr^-1: Planck's law weighted by the CIE 1931
+/// colour matching functions, so that 683 times its luminance is in cd m^-2. Negative channels, of colours outside
+/// Rec.709, are clipped: blue below 1900 K; luminance grows by 1% at 1000 K and by 15% at 800 K. The result is 0 below
+/// 200 K, and constant above 100000 K.
 TY_API void ty_blackbody(double kelvin, float radiance[3]);
 
-/* The fraction of each cell of a grid that lies within a medium's bounds, 0..1: what grid methods multiply its density
- * by. The box [lower, upper] (m) is cut into size[0] x size[1] x size[2] cells; the result is an unplaced float grid.
- * samples: rays along each cell's side, 1..64. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
-TY_API ty_result ty_medium_coverage(const ty_scene* scene, int32_t medium, const double lower[3], const double upper[3],
-                                    const int32_t size[3], int32_t samples, ty_grid** out);
+/// Creates a grid of the fraction, 0..1, of each cell that lies within a medium's bounds, by which grid methods
+/// multiply its density: an unplaced float grid of size[0] x size[1] x size[2] cells over the box [lower, upper] (m).
+/// samples: rays along the side of each cell, 1..64. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+TY_API ty_result ty_medium_create_coverage(const ty_scene* scene, int32_t medium, const double lower[3],
+                                           const double upper[3], const int32_t size[3], int32_t samples,
+                                           ty_grid** out);
 
-/* Media by name ("wholemilk": letters and digits count, case does not); docs/scene.md lists them with their sources. */
+/// The kind of a medium by name. Names compare by letters and digits, whatever the case ("wholemilk"); docs/scene.md
+/// lists them with their sources.
 typedef enum ty_preset_kind {
-    TY_PRESET_MEASURED = 0, /* a liquid or solid. The measurements give reduced scattering, so g is 0. May be diluted */
-    TY_PRESET_WATER = 1,    /* pure or natural water, with the g of its molecules and particles */
-    TY_PRESET_VISIBILITY = 2 /* fog and haze: needs a visibility */
+    TY_PRESET_MEASURED = 0,  ///< A liquid or solid, of which reduced scattering was measured, so that g is 0. It may be
+                             ///< diluted.
+    TY_PRESET_WATER = 1,     ///< Pure or natural water, with the g of its molecules and particles.
+    TY_PRESET_VISIBILITY = 2 ///< Fog and haze, which need a visibility.
 } ty_preset_kind;
 
-#define TY_VISIBILITY_MIN 1e-3 /* the least visibility of fog, m */
-#define TY_VISIBILITY_MAX 1e9  /* the greatest, m */
-#define TY_DILUTION_MAX 1e12   /* parts of a mixture that hold one part of a medium, at most */
+/// Smallest visibility of fog, m.
+#define TY_VISIBILITY_MIN 1e-3
+/// Largest visibility of fog, m.
+#define TY_VISIBILITY_MAX 1e9
+/// Largest number of parts of a mixture that hold one part of a medium.
+#define TY_DILUTION_MAX 1e12
 
-/* Sets sigma_s, sigma_a and g from a preset. Returns false, def untouched, if the name is unknown or needs a
- * visibility. */
+/// Sets sigma_s, sigma_a and g from a preset. Returns false, and leaves def as it is, if the name is unknown or needs a
+/// visibility.
 TY_API bool ty_medium_preset(const char* name, ty_medium_def* def);
-/* The same from a preset that takes a number. TY_PRESET_VISIBILITY: the distance in metres, TY_VISIBILITY_MIN ..
- * TY_VISIBILITY_MAX, at which 5% of the contrast in green light is left (meteorological optical range).
- * TY_PRESET_MEASURED: how many parts of the mixture with pure water hold one part of the medium, 1 .. TY_DILUTION_MAX.
- * Returns false, def untouched, for others and for numbers out of range. */
+/// Sets sigma_s, sigma_a and g from a preset with a number. TY_PRESET_VISIBILITY: the distance, TY_VISIBILITY_MIN ..
+/// TY_VISIBILITY_MAX m, at which 5% of the contrast in green light is left (meteorological optical range).
+/// TY_PRESET_MEASURED: the number of parts of the mixture with pure water that hold one part of the medium, 1 ..
+/// TY_DILUTION_MAX. Returns false, and leaves def as it is, for other presets and for numbers out of range.
 TY_API bool ty_medium_preset_with(const char* name, double number, ty_medium_def* def);
-/* How many presets there are. */
+/// Number of presets.
 TY_API int32_t ty_medium_preset_count(void);
-/* The index of a preset; -1 if there is none of the name. */
+/// Index of the preset with a name; -1 without one.
 TY_API int32_t ty_medium_preset_find(const char* name);
-/* The name of a preset as published ("Wholemilk"), in table order; NULL past the end. */
+/// Published name of a preset ("Wholemilk"), in the order of the table; NULL past the end.
 TY_API const char* ty_medium_preset_name(int32_t index);
-/* What a preset takes; index: 0 .. ty_medium_preset_count() - 1. */
+/// Kind of a preset. index: 0 .. ty_medium_preset_count() - 1.
 TY_API ty_preset_kind ty_medium_preset_kind(int32_t index);
 
-/* What light comes from, and which fields of ty_light_def say where and how much. */
+/// The kind of a light, and the fields of ty_light_def that it uses.
 typedef enum ty_light_kind {
-    TY_LIGHT_DIRECTIONAL = 0, /* direction, color = irradiance on a plane facing it */
-    TY_LIGHT_POINT = 1,       /* position, color = intensity */
-    TY_LIGHT_SPOT = 2,        /* position, direction, cone, penumbra, color = intensity on the axis */
-    TY_LIGHT_AREA = 3,        /* origin, u, v; emits on the u x v side; color = radiance */
-    TY_LIGHT_ENVIRONMENT = 4  /* image or constant; color = radiance (constant) */
+    TY_LIGHT_DIRECTIONAL = 0, ///< direction; color is the irradiance on a plane that faces it, W m^-2.
+    TY_LIGHT_POINT = 1,       ///< position; color is the intensity, W sr^-1.
+    TY_LIGHT_SPOT = 2,        ///< position, direction, cone, penumbra; color is the intensity on the axis, W sr^-1.
+    TY_LIGHT_AREA = 3,        ///< position, u, v; it emits on the side of u x v; color is the radiance, W m^-2 sr^-1.
+    TY_LIGHT_ENVIRONMENT = 4  ///< image, or a constant; color is the radiance of a constant, W m^-2 sr^-1.
 } ty_light_kind;
 
-/* A light; made by ty_default_light_def. */
+/// A light. Create it with ty_default_light_def().
 typedef struct ty_light_def {
-    uint32_t cookie;       /* set by ty_default_light_def; checked */
-    ty_light_kind kind;    /* default TY_LIGHT_DIRECTIONAL */
-    float color[3];        /* see ty_light_kind; >= 0, finite; default 1 */
-    double direction[3];   /* not zero; default (0, -1, 0) */
-    double position[3];    /* m; default 0. Area lights: the corner u and v start from */
-    double u[3], v[3];     /* m, area lights; default 0 */
-    double cone;           /* full outer angle, degrees, (0, 180]; default 40 */
-    double penumbra;       /* fraction of the half angle over which the spot fades, 0..1; default 0.15 */
-    const ty_image* image; /* environment: equirectangular RGB, seen from inside, not mirrored, centre along +x; copied.
-                              Default NULL: constant */
-    float scale;           /* environment: multiplies the image or color, >= 0; default 1 */
-    double rotation;       /* degrees about the up axis, counter-clockwise seen from above; default 0 */
+    uint32_t cookie;       ///< Set by ty_default_light_def() and checked.
+    uint32_t bytes;        ///< Set by ty_default_light_def() to the size of the structure, and checked.
+    ty_light_kind kind;    ///< Default TY_LIGHT_DIRECTIONAL.
+    float color[3];        ///< In the unit of ty_light_kind, >= 0, finite; default 1.
+    double direction[3];   ///< Direction in which the light travels, not zero; default (0, -1, 0).
+    double position[3];    ///< m; default 0. Area lights: the corner at which u and v begin.
+    double u[3];           ///< First edge of an area light, m; default 0.
+    double v[3];           ///< Second edge of an area light, m; default 0.
+    double cone;           ///< Full outer angle of a spot, degrees, (0, 180]; default 40.
+    double penumbra;       ///< Fraction of the half angle over which a spot fades, 0..1; default 0.15.
+    const ty_image* image; ///< Environment: equirectangular RGB, seen from inside, not mirrored, its centre along +x;
+                           ///< copied. Default NULL: constant.
+    float scale;           ///< Environment: factor of the image or color, >= 0; default 1.
+    double rotation; ///< Environment: rotation about the up axis, degrees, counter-clockwise seen from above; default
+                     ///< 0.
 } ty_light_def;
 
-/* A parallelogram, a box along the axes before its transform, or a sphere. */
-typedef enum ty_shape_kind { TY_SHAPE_QUAD = 0, TY_SHAPE_BOX = 1, TY_SHAPE_SPHERE = 2 } ty_shape_kind;
+/// The kind of a shape.
+typedef enum ty_shape_kind {
+    TY_SHAPE_QUAD = 0,  ///< A parallelogram.
+    TY_SHAPE_BOX = 1,   ///< A box, along the axes before its transform.
+    TY_SHAPE_SPHERE = 2 ///< A sphere.
+} ty_shape_kind;
 
-/* A Lambertian surface, reflecting on both sides, emitting on its front only (u x v, or outwards). */
+/// A Lambertian surface, which reflects on both sides and emits on its front (u x v, or outwards). Create it with
+/// ty_default_shape_def().
 typedef struct ty_shape_def {
-    uint32_t cookie;     /* set by ty_default_shape_def; checked */
-    ty_shape_kind kind;  /* default TY_SHAPE_QUAD */
-    double origin[3];    /* m; quad: corner; box: lower corner; sphere: centre */
-    double u[3], v[3];   /* m; quad: edges; box: u is the upper corner */
-    double radius;       /* m, sphere, > 0 */
-    ty_affine transform; /* default identity; spheres take rotation, translation and uniform scale only */
-    float albedo[3];     /* 0..1; default 0.5 */
-    float emission[3];   /* radiance, W m^-2 sr^-1, >= 0; default 0 */
+    uint32_t cookie;     ///< Set by ty_default_shape_def() and checked.
+    uint32_t bytes;      ///< Set by ty_default_shape_def() to the size of the structure, and checked.
+    ty_shape_kind kind;  ///< Default TY_SHAPE_QUAD.
+    double origin[3];    ///< Corner of a quad, lower corner of a box, or centre of a sphere, m.
+    double u[3];         ///< First edge of a quad, or upper corner of a box, m.
+    double v[3];         ///< Second edge of a quad, m.
+    double radius;       ///< Radius of a sphere, m, > 0.
+    ty_affine transform; ///< Default identity; spheres take rotation, translation and uniform scale only.
+    float albedo[3];     ///< 0..1; default 0.5.
+    float emission[3];   ///< Emitted radiance, W m^-2 sr^-1, >= 0; default 0.
 } ty_shape_def;
 
-/* Texels of a surface: colour and opacity. Row 0 is at v = 0 (the top, as glTF has it). */
+/// The colour and opacity of a surface. A texture is immutable and reference counted. Row 0 is at v = 0 (the top, as in
+/// glTF).
 typedef struct ty_texture ty_texture;
 
-/* What a texture is beyond 0..1. */
-typedef enum ty_wrap { TY_WRAP_REPEAT = 0, TY_WRAP_CLAMP = 1, TY_WRAP_MIRROR = 2 } ty_wrap;
+/// The continuation of a texture beyond 0..1.
+typedef enum ty_wrap {
+    TY_WRAP_REPEAT = 0, ///< It repeats.
+    TY_WRAP_CLAMP = 1,  ///< Its edge continues.
+    TY_WRAP_MIRROR = 2  ///< It repeats mirrored.
+} ty_wrap;
 
-/* What a texture is made of; made by ty_default_texture_def. */
+/// The content of a texture: rgba8 or image. Create it with ty_default_texture_def().
 typedef struct ty_texture_def {
-    uint32_t cookie;       /* set by ty_default_texture_def; checked */
-    int32_t width, height; /* 1..32768; of rgba8 */
-    const uint8_t* rgba8;  /* 4 bytes a texel, colour coded as sRGB, alpha linear; copied. Exactly one of rgba8 and */
-    const ty_image* image; /* image is given: linear R, G, B, or one channel, and A if there is one; copied */
-    ty_wrap wrap[2];       /* along u and v; default TY_WRAP_REPEAT */
-    bool nearest;          /* default false: bilinear */
+    uint32_t cookie;       ///< Set by ty_default_texture_def() and checked.
+    uint32_t bytes;        ///< Set by ty_default_texture_def() to the size of the structure, and checked.
+    int32_t width;         ///< Width of rgba8, texels, 1..32768.
+    int32_t height;        ///< Height of rgba8, texels, 1..32768.
+    const uint8_t* rgba8;  ///< 4 bytes per texel: colour in sRGB, linear alpha; copied. Exactly one of rgba8 and image
+                           ///< is set.
+    const ty_image* image; ///< Linear R, G, B, or one channel, and A if there is one; copied.
+    ty_wrap wrap[2];       ///< Along u and v; default TY_WRAP_REPEAT.
+    bool nearest;          ///< True: lookups take the nearest texel; default false: bilinear.
 } ty_texture_def;
 
-/* A def with every field at its default. */
-TY_API ty_texture_def ty_default_texture_def(void);
-/* Makes a texture with one owner. Colours are clamped to [0, 1e15], not finite ones count as 0. Errors:
- * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+/// Sets the `bytes` bytes of a ty_texture_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_texture_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_texture_def ty_default_texture_def(void) {
+    ty_texture_def def;
+    ty_init_texture_def(&def, sizeof def);
+    return def;
+}
+/// Creates a texture with one reference. Colours are clamped to [0, 1e15], and those that are not finite count as 0.
+/// Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_texture_create(ty_context* context, const ty_texture_def* def, ty_texture** out);
-/* Adds an owner, and returns the texture. NULL is allowed. */
+/// Adds a reference and returns the texture; NULL is allowed.
 TY_API ty_texture* ty_texture_retain(ty_texture* texture);
-/* Removes an owner; the last one frees the texture. NULL is allowed. */
-TY_API void ty_texture_destroy(ty_texture* texture);
-/* Linear colour and alpha at (u, v). */
+/// Drops a reference; the last one frees the texture. NULL is allowed.
+TY_API void ty_texture_release(ty_texture* texture);
+/// Stores linear colour and alpha at (u, v).
 TY_API void ty_texture_sample(const ty_texture* texture, double u, double v, float rgba[4]);
 
-/* What alpha does. */
+/// The effect of alpha.
 typedef enum ty_alpha_mode {
-    TY_ALPHA_OPAQUE = 0, /* alpha is not looked at */
-    TY_ALPHA_MASK = 1,   /* there is a surface where alpha >= cutoff */
-    TY_ALPHA_BLEND = 2   /* alpha is the fraction of rays that meet the surface; the same ray always meets the same */
+    TY_ALPHA_OPAQUE = 0, ///< None.
+    TY_ALPHA_MASK = 1,   ///< The surface exists where alpha >= cutoff.
+    TY_ALPHA_BLEND = 2   ///< Alpha is the fraction of rays that meet the surface; the same ray always meets the same.
 } ty_alpha_mode;
 
-/* A Lambertian surface. Colours multiply: factor, texture, and for albedo the vertex colour. */
+/// A Lambertian material. Factor, texture, and for albedo the colour of vertices are multiplied. Create it with
+/// ty_default_material_def().
 typedef struct ty_material_def {
-    uint32_t cookie;              /* set by ty_default_material_def; checked */
-    float albedo[3];              /* 0..1; default 0.5 */
-    float alpha;                  /* 0..1; default 1 */
-    ty_texture* albedo_texture;   /* its alpha multiplies alpha; retained; default NULL */
-    int32_t albedo_uv;            /* which texture coordinates, 0 or 1; default 0 */
-    float albedo_map[6];          /* u' = m[0] u + m[1] v + m[2], v' = m[3] u + m[4] v + m[5]; default identity */
-    float emission[3];            /* radiance, W m^-2 sr^-1, >= 0; default 0 */
-    ty_texture* emission_texture; /* retained; default NULL */
-    int32_t emission_uv;          /* default 0 */
-    float emission_map[6];        /* default identity */
-    bool double_sided;            /* emits on both sides, else on the front; reflects on both anyway; default false */
-    ty_alpha_mode alpha_mode;     /* default TY_ALPHA_OPAQUE */
-    float alpha_cutoff;           /* 0..1; default 0.5 */
+    uint32_t cookie;              ///< Set by ty_default_material_def() and checked.
+    uint32_t bytes;               ///< Set by ty_default_material_def() to the size of the structure, and checked.
+    float albedo[3];              ///< 0..1; default 0.5.
+    float alpha;                  ///< 0..1; default 1.
+    ty_texture* albedo_texture;   ///< Its alpha multiplies `alpha`; default NULL.
+    int32_t albedo_uv;            ///< Texture coordinates for it, 0 or 1; default 0.
+    float albedo_map[6];          ///< u' = m[0] u + m[1] v + m[2], v' = m[3] u + m[4] v + m[5]; default identity.
+    float emission[3];            ///< Emitted radiance, W m^-2 sr^-1, >= 0; default 0.
+    ty_texture* emission_texture; ///< Default NULL.
+    int32_t emission_uv;          ///< Texture coordinates for it, 0 or 1; default 0.
+    float emission_map[6];        ///< As albedo_map; default identity.
+    bool double_sided;        ///< True: both sides emit, instead of the front; both reflect in any case; default false.
+    ty_alpha_mode alpha_mode; ///< Default TY_ALPHA_OPAQUE.
+    float alpha_cutoff;       ///< 0..1; default 0.5.
 } ty_material_def;
 
-/* Where a mesh was read from, for reports and for writing to a copy of it (ty_mesh_file_write_colors). */
+/// The origin of a mesh in a file, for reports and for ty_mesh_file_write_colors().
 typedef struct ty_mesh_origin {
-    const char* file;     /* its path; NULL (default): none. Copied, as is */
-    const char* name;     /* of the mesh there, or of its node; NULL (default) or "": none */
-    int32_t node;         /* of glTF, as are the others; -1 (default): not known */
-    int32_t primitive;    /* of the node's mesh */
-    int64_t first_vertex; /* vertices from this one of the primitive's positions are the mesh's */
-    int64_t vertex_total; /* positions that the primitive has */
+    const char* file;     ///< Path of the file; NULL (default): none.
+    const char* name;     ///< Name of the mesh in it, or of its node; NULL (default) or "": none.
+    int32_t node;         ///< Node in a glTF file, as the fields below; -1 (default): unknown.
+    int32_t primitive;    ///< Primitive of the node's mesh.
+    int64_t first_vertex; ///< First of the primitive's positions that belong to the mesh.
+    int64_t vertex_total; ///< Number of positions of the primitive.
 } ty_mesh_origin;
 
-/* Triangles, counter-clockwise seen from the front. All arrays are copied. */
+/// Triangles, counter-clockwise seen from the front. Create it with ty_default_mesh_def().
 typedef struct ty_mesh_def {
-    uint32_t cookie;          /* set by ty_default_mesh_def; checked */
-    int64_t vertex_count;     /* 1..2^31 - 1 */
-    int64_t triangle_count;   /* 1..2^31 - 1 */
-    const float* positions;   /* 3 per vertex, m, before transform */
-    const float* normals;     /* 3 per vertex, or NULL (default): flat triangles. Smoothed surfaces lose what they would
-                                 send behind their triangles: a white ball of 288 triangles 0.2%, of 4608 0.02% */
-    const float* uv[2];       /* 2 per vertex, or NULL (default): 0 */
-    const float* colors;      /* 4 per vertex: linear R, G, B and alpha, 0..1; or NULL (default): 1 */
-    const uint32_t* indices;  /* 3 per triangle */
-    ty_affine transform;      /* default identity */
-    ty_material_def material; /* of all triangles; default as by ty_default_material_def */
-    ty_mesh_origin origin;    /* default: none */
+    uint32_t cookie;        ///< Set by ty_default_mesh_def() and checked.
+    uint32_t bytes;         ///< Set by ty_default_mesh_def() to the size of the structure, and checked.
+    int64_t vertex_count;   ///< 1..2^31 - 1.
+    int64_t triangle_count; ///< 1..2^31 - 1.
+    const float* positions; ///< 3 per vertex, m, before `transform`.
+    const float* normals; ///< 3 per vertex, or NULL (default): flat triangles. A smooth surface loses the light that it
+                          ///< would send behind its triangles: a white ball of 288 triangles 0.2%, of 4608 0.02%.
+    const float* uv[2];   ///< 2 per vertex, or NULL (default): 0.
+    const float* colors;  ///< 4 per vertex: linear R, G, B and alpha, 0..1; or NULL (default): 1.
+    const uint32_t* indices;  ///< 3 per triangle.
+    ty_affine transform;      ///< Default identity.
+    ty_material_def material; ///< Material of all triangles; default that of ty_default_material_def().
+    ty_mesh_origin origin;    ///< Default: none.
 } ty_mesh_def;
 
-/* Sky seen from the ground: sunlight scattered once in a spherical Rayleigh + Mie + ozone atmosphere (as Nishita et
- * al. 1993 set it up), and further times as if isotropically (Hillaire 2020); absolute radiance per channel for a given
- * solar irradiance. */
+/// The sky seen from the ground: sunlight in a spherical atmosphere with Rayleigh and Mie scattering and ozone,
+/// scattered once (Nishita et al. 1993), and further times as if isotropically (Hillaire 2020). Radiance is absolute,
+/// per channel for a given solar irradiance. Create it with ty_default_sky_def().
 typedef struct ty_sky_def {
-    uint32_t cookie;         /* set by ty_default_sky_def; checked */
-    double sun_direction[3]; /* the way sunlight travels, not zero; default (-0.5, -0.6, -0.4) */
-    float solar[3];          /* irradiance above the atmosphere, W m^-2 per channel; default (1.00, 1.00, 1.00) * 1.5 */
-    double haze;             /* aerosol amount, 0 (clear) .. 10; default 1 */
-    float ground[3];         /* ground albedo, seen below the horizon; 0..1; default 0.2 */
-    ty_axis up_axis;         /* default TY_AXIS_Y */
-    int32_t width;           /* of the equirectangular image, even, 16..8192; default 512; height is half */
+    uint32_t cookie;         ///< Set by ty_default_sky_def() and checked.
+    uint32_t bytes;          ///< Set by ty_default_sky_def() to the size of the structure, and checked.
+    double sun_direction[3]; ///< Direction in which sunlight travels, not zero; default (-0.5, -0.6, -0.4).
+    float solar[3];          ///< Irradiance above the atmosphere per channel, W m^-2; default (1.00, 1.00, 1.00) * 1.5.
+    double haze;             ///< Amount of aerosol, 0 (clear) .. 10; default 1.
+    float ground[3];         ///< Albedo of the ground, which is seen below the horizon, 0..1; default 0.2.
+    ty_axis up_axis;         ///< Default TY_AXIS_Y.
+    int32_t width; ///< Width of the equirectangular image, even, 16..8192; default 512; the height is half of it.
 } ty_sky_def;
 
-/* A def with every field at its default. */
-TY_API ty_camera_def ty_default_camera_def(void);
-/* A def with every field at its default. */
-TY_API ty_medium_def ty_default_medium_def(void);
-/* A def with every field at its default. */
-TY_API ty_light_def ty_default_light_def(void);
-/* A def with every field at its default. */
-TY_API ty_shape_def ty_default_shape_def(void);
-/* A def with every field at its default. */
-TY_API ty_material_def ty_default_material_def(void);
-/* A def with every field at its default. */
-TY_API ty_mesh_def ty_default_mesh_def(void);
-/* A def with every field at its default. */
-TY_API ty_sky_def ty_default_sky_def(void);
+/// Sets the `bytes` bytes of a ty_camera_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_camera_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_camera_def ty_default_camera_def(void) {
+    ty_camera_def def;
+    ty_init_camera_def(&def, sizeof def);
+    return def;
+}
+/// Sets the `bytes` bytes of a ty_medium_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_medium_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_medium_def ty_default_medium_def(void) {
+    ty_medium_def def;
+    ty_init_medium_def(&def, sizeof def);
+    return def;
+}
+/// Sets the `bytes` bytes of a ty_light_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_light_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_light_def ty_default_light_def(void) {
+    ty_light_def def;
+    ty_init_light_def(&def, sizeof def);
+    return def;
+}
+/// Sets the `bytes` bytes of a ty_shape_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_shape_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_shape_def ty_default_shape_def(void) {
+    ty_shape_def def;
+    ty_init_shape_def(&def, sizeof def);
+    return def;
+}
+/// Sets the `bytes` bytes of a ty_material_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_material_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_material_def ty_default_material_def(void) {
+    ty_material_def def;
+    ty_init_material_def(&def, sizeof def);
+    return def;
+}
+/// Sets the `bytes` bytes of a ty_mesh_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_mesh_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_mesh_def ty_default_mesh_def(void) {
+    ty_mesh_def def;
+    ty_init_mesh_def(&def, sizeof def);
+    return def;
+}
+/// Sets the `bytes` bytes of a ty_sky_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_sky_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_sky_def ty_default_sky_def(void) {
+    ty_sky_def def;
+    ty_init_sky_def(&def, sizeof def);
+    return def;
+}
 
-/* Makes the sky image (R, G, B) for an environment light, and the sun's irradiance at the ground, W m^-2.
- * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
-TY_API ty_result ty_sky_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]);
+/// Creates the image of a sky (R, G, B) for an environment light, and stores the irradiance of the sun at the ground,
+/// W m^-2. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+TY_API ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_image** out,
+                                     float sun_irradiance[3]);
 
-/* An empty scene. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+/// Creates an empty scene. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out);
-/* Frees a scene; NULL is allowed. */
+/// Destroys a scene; NULL is allowed. Light that was solved for the scene, images, caches and atlases may outlive it;
+/// the arrays of ty_scene_get_mesh() and the names of ty_scene_get_medium() may not.
 TY_API void ty_scene_destroy(ty_scene* scene);
 
-/* Sets the camera. This and the calls below copy their defs. Errors: TY_ERROR_ARGUMENT (with the field and its range),
- * TY_ERROR_MEMORY. */
+/// Sets the camera, which needs no commit. Errors: TY_ERROR_ARGUMENT (the message has the field and its range).
 TY_API ty_result ty_scene_set_camera(ty_scene* scene, const ty_camera_def* def);
-/* Adds a medium; its coefficients add to those of others at the same place. Errors as above. */
+/// Adds a medium. Errors: TY_ERROR_ARGUMENT (the message has the field and its range), TY_ERROR_MEMORY.
 TY_API ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def);
-/* Adds a light. Errors as above. */
+/// Adds a light. Errors: as ty_scene_add_medium().
 TY_API ty_result ty_scene_add_light(ty_scene* scene, const ty_light_def* def);
-/* Adds a surface. Errors as above. */
+/// Adds a shape. Errors: as ty_scene_add_medium().
 TY_API ty_result ty_scene_add_shape(ty_scene* scene, const ty_shape_def* def);
-/* Adds a mesh. Errors as above. */
+/// Adds a mesh. Errors: as ty_scene_add_medium().
 TY_API ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def);
 
-/* Builds what rendering needs: ray tracing structures, majorants, light tables. Further add calls need another
- * commit. Errors: TY_ERROR_MEMORY, TY_ERROR_INTERNAL. */
+/// Builds ray tracing structures, majorants and tables of lights, which rendering needs. It must be called again after
+/// further add calls, and not while another thread reads the scene. Errors: TY_ERROR_MEMORY, TY_ERROR_INTERNAL.
 TY_API ty_result ty_scene_commit(ty_scene* scene);
 
-/* The context that the scene was made with. */
+/// The context of a scene.
 TY_API ty_context* ty_scene_context(const ty_scene* scene);
-/* The axis that points up. */
+/// The axis that points up.
 TY_API ty_axis ty_scene_up_axis(const ty_scene* scene);
-/* The camera, or the default one where none was set. */
-TY_API ty_camera_def ty_scene_camera(const ty_scene* scene);
+/// Stores the camera in the `bytes` bytes of a ty_camera_def; ty_scene_camera() calls it.
+TY_API void ty_scene_copy_camera(const ty_scene* scene, void* out, size_t bytes);
+/// The camera, or the default one if none was set.
+static inline ty_camera_def ty_scene_camera(const ty_scene* scene) {
+    ty_camera_def camera;
+    ty_scene_copy_camera(scene, &camera, sizeof camera);
+    return camera;
+}
 
-/* What a method is asked for under its own name in `render`. */
-typedef struct ty_path_settings {
-    int32_t max_depth; /* scatterings and reflections at most; 0 (default) for unlimited */
-} ty_path_settings;
-
-/* ty_screen_def in words. */
-typedef struct ty_screen_settings {
-    char variant[16]; /* "scatter" (default), "gather", "naive", "published" or "reference" */
-    char spread[16];  /* of variant "scatter" and "reference": "small_angle" (default) or "gaussian" (the paper's) */
-    int32_t filter;   /* taps, 2, 4 (default) or 6 */
-    int32_t levels;   /* of the pyramid, 1..15; 0 (default): as many as are needed */
-    char environment[16]; /* what light from outside the picture counts: "around" (default): the mean radiance that
-                             arrives at the camera from all directions, without media; "lights": that of environment
-                             lights alone; "none" */
-    bool balance;         /* whether it is put in only for what the picture's own light loses to backward scattering
-                             (ty_screen_balance), default, or in full; without "none" full is far too bright */
-} ty_screen_settings;
-
-/* ty_fld_def in words; 0 for what it calls its own choice. */
-typedef struct ty_fld_settings {
-    char limiter[24];  /* "levermore_pomraning" (default), "sum", "max", "kershaw", "larsen" or "none" */
-    char boundary[16]; /* "marshak" (default) or "dirichlet" (the paper's) */
-    char solver[16];   /* "multigrid" (default), "sor" (the paper's) or "sor_float" */
-    char beam[16];     /* "reduced" (default) or "published" */
-    double larsen_power, streaming, relaxation, tolerance, sigma_eps, ratio, step; /* as in ty_fld_def */
-    int32_t resolution, iterations, environment_beams, surface_points;             /* as in ty_fld_def */
-    int32_t spp;                                                                   /* rays per pixel */
-} ty_fld_settings;
-
-/* ty_pop_def in words; 0 for what it calls its own choice. */
-typedef struct ty_pop_settings {
-    char mode[16];                               /* "split" (default), "published" (the paper's) or "collided" */
-    int32_t resolution, merged, direct;          /* as in ty_pop_def, as are all below */
-    bool sharp;                                  /* as in ty_pop_def */
-    int32_t ordinates;                           /* as in ty_pop_def */
-    double prefilter;                            /* as in ty_pop_def */
-    bool importance;                             /* as in ty_pop_def */
-    int32_t surface_points, vpls, shadow_texels; /* as in ty_pop_def */
-    double clamp;                                /* as in ty_pop_def */
-    int32_t iterations, residuum_iterations;     /* as in ty_pop_def */
-    double residuum, streaming, tolerance, step; /* as in ty_pop_def */
-    int32_t spp;                                 /* rays per pixel */
-} ty_pop_settings;
-
-/* ty_lpv_def in words; 0 for what it calls its own choice. */
-typedef struct ty_lpv_settings {
-    char mode[16];  /* "links" (default) or "published" (the paper's) */
-    char parts[16]; /* what takes part: "all" (default), or as in the paper's Fig. 5 "shadow_map", "plain",
-                       "plain_march", "single" or "both" */
-    char place[16]; /* of the lattice: "scene" (default) or "camera" */
-    int32_t resolution, cascades, bands;   /* as in ty_lpv_def */
-    double extent;                         /* m */
-    double window;                         /* -1: its own choice */
-    int32_t iterations;                    /* as in ty_lpv_def */
-    double tolerance;                      /* as in ty_lpv_def */
-    int32_t map_side, samples, block_side; /* as in ty_lpv_def */
-    int32_t shadow_side;                   /* as in ty_lpv_def */
-    bool shadow_rays, half;                /* as in ty_lpv_def */
-    double step;                           /* as in ty_lpv_def */
-    int32_t spp;                           /* rays per pixel */
-} ty_lpv_settings;
-
-/* ty_dom_def in words; 0 for what it calls its own choice. */
-typedef struct ty_dom_settings {
-    char acceleration[16];                                          /* "diffusion" (default) or "none" */
-    int32_t resolution, direct, directions, last_directions, bands; /* as in ty_dom_def */
-    double tolerance;                                               /* as in ty_dom_def */
-    int32_t iterations, environment_beams, surface_points;          /* as in ty_dom_def */
-    double step;                                                    /* as in ty_dom_def */
-    int32_t spp;                                                    /* rays per pixel */
-} ty_dom_settings;
-
-/* What `render` in a scene file asked for; defaults when a scene was built by calls. */
+/// The method of a scene, and the options that all methods share; ty_scene_set_option() sets the options of one method.
 typedef struct ty_render_settings {
-    char method[16]; /* "auto" (default; ty_choose_method), "path", "screen", "fld", "cda" (fld without limiter), "pop",
-                        "lpv" or "dom" */
-    int32_t spp;     /* samples per pixel, 1..2^24; default 64 */
-    uint64_t seed;   /* default 0 */
-    ty_path_settings path;     /* of method path, as below of others */
-    ty_screen_settings screen; /* of method screen */
-    ty_fld_settings fld;       /* of methods fld and cda */
-    ty_pop_settings pop;       /* of method pop */
-    ty_lpv_settings lpv;       /* of method lpv */
-    ty_dom_settings dom;       /* of method dom */
+    char method[16]; ///< "auto" (default; ty_choose_method()), or the name of a method (ty_method_name()).
+    int32_t spp;     ///< Samples per pixel, 1..2^24; default 64.
+    uint64_t seed;   ///< Default 0.
 } ty_render_settings;
 
-/* What the scene asks for. */
+/// The settings of a scene.
 TY_API ty_render_settings ty_scene_render_settings(const ty_scene* scene);
-/* Sets what the scene asks for; checked where it is used. */
+/// Sets the settings of a scene, which are checked by the calls that use them.
 TY_API void ty_scene_set_render_settings(ty_scene* scene, const ty_render_settings* settings);
 
-/* A hash of the scene's content (file text after overrides, and the bytes of every file it names); 0 when the
- * scene was built by calls. */
+/// Sets one option of a method, as `render.METHOD.KEY` in a scene file does: ty_scene_set_option(scene, "dom",
+/// "directions", "48"). value: a number, "true", "false", "auto" or a word; NULL removes the option. Keys and values
+/// are checked by the calls that use them (ty_method_options()).
+/// Errors: TY_ERROR_ARGUMENT (a text that is too long), TY_ERROR_MEMORY.
+TY_API ty_result ty_scene_set_option(ty_scene* scene, const char* method, const char* key, const char* value);
+/// The value of an option that was set, valid until the next option is set; NULL if it was not set.
+TY_API const char* ty_scene_get_option(const ty_scene* scene, const char* method, const char* key);
+
+/// A hash of the content of a scene file: its text after overrides, and the bytes of every file that it names. Equal
+/// hashes tell that results belong to the same scene: ty_path_def.resume refuses the state of another one. 0 for a
+/// scene that was built by calls.
 TY_API uint64_t ty_scene_hash(const ty_scene* scene);
-/* Sets that hash. */
-TY_API void ty_scene_set_hash(ty_scene* scene, uint64_t hash);
 
-/* Where the camera comes from, for reports: "" (default) or the camera of a file that a scene file named. Copied, cut
- * to 255 bytes. */
+/// The mesh file that a scene file takes its camera from, in words, for reports; "" for a camera of its own. Valid as
+/// long as the scene.
 TY_API const char* ty_scene_camera_source(const ty_scene* scene);
-/* Sets that text. */
-TY_API void ty_scene_set_camera_source(ty_scene* scene, const char* source);
 
-/* Counts and memory, for reports. */
+/// Counts and memory of a scene.
 typedef struct ty_scene_info {
-    int32_t media, lights, shapes, meshes; /* how many were added */
-    int64_t triangles;                     /* of meshes */
-    int64_t textures;                      /* of meshes */
-    int64_t emitters;          /* lights that are sampled: lights, and quads, spheres and triangles that glow */
-    bool bounded;              /* whether anything has a place */
-    double lower[3], upper[3]; /* box around media and surfaces, m */
-    size_t bytes;              /* memory of grids, textures, tables and ray tracing structures */
-    size_t texture_bytes;      /* the part of it that textures take */
+    int32_t media;        ///< Number of media.
+    int32_t lights;       ///< Number of lights.
+    int32_t shapes;       ///< Number of shapes.
+    int32_t meshes;       ///< Number of meshes.
+    int64_t triangles;    ///< Number of triangles of meshes.
+    int64_t textures;     ///< Number of textures of meshes.
+    int64_t emitters;     ///< Number of sampled lights: lights, and quads, spheres and triangles that emit.
+    bool bounded;         ///< True: the box below is not empty.
+    double lower[3];      ///< Lower corner of the box around media and surfaces, m.
+    double upper[3];      ///< Upper corner of that box, m.
+    size_t bytes;         ///< Memory of grids, textures, tables and ray tracing structures.
+    size_t texture_bytes; ///< Part of it that textures take.
 } ty_scene_info;
 
-/* Counts and memory of a scene; those of a committed one are complete. */
+/// Counts and memory of a scene, which are complete once it is committed.
 TY_API ty_scene_info ty_scene_get_info(const ty_scene* scene);
-/* One medium as added, with its grid (not retained for the caller); TY_ERROR_ARGUMENT past the end. */
-TY_API ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_def* out);
-/* Radiance of the environment lights together, mean over all directions, W m^-2 sr^-1; 0 without any. */
+/// Stores a medium in the `bytes` bytes of a ty_medium_def; ty_scene_get_medium() calls it.
+TY_API ty_result ty_scene_copy_medium(const ty_scene* scene, int32_t index, void* out, size_t bytes);
+/// Stores a medium as it was added. Its name, arrays, grids and shell belong to the scene; no reference is added.
+/// Errors: TY_ERROR_ARGUMENT (an index past the end).
+static inline ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_def* out) {
+    return ty_scene_copy_medium(scene, index, out, sizeof *out);
+}
+/// Stores the radiance of all environment lights together, mean over all directions, W m^-2 sr^-1; 0 without one.
 TY_API void ty_scene_environment(const ty_scene* scene, float radiance[3]);
-/* One mesh as it stands in the world (its transform is the identity); the arrays are the scene's own and last as long
- * as it; textures are not retained for the caller. TY_ERROR_ARGUMENT past the end. */
-TY_API ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out);
+/// Stores a mesh in the `bytes` bytes of a ty_mesh_def; ty_scene_get_mesh() calls it.
+TY_API ty_result ty_scene_copy_mesh(const ty_scene* scene, int32_t index, void* out, size_t bytes);
+/// Stores a mesh in the coordinates of the scene, with an identity transform. Its arrays and textures belong to the
+/// scene; no reference is added. Errors: TY_ERROR_ARGUMENT (an index past the end).
+static inline ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out) {
+    return ty_scene_copy_mesh(scene, index, out, sizeof *out);
+}
 
-/* ---- Rays ---- */
-
-/* A ray of light or sight. */
+/// A ray.
 typedef struct ty_ray {
-    float origin[3];    /* m, finite */
-    float direction[3]; /* unit */
-    float far;          /* how far the ray goes, m, > 0; infinity is allowed */
+    float origin[3];    ///< m, finite.
+    float direction[3]; ///< Unit.
+    float far;          ///< Length, m, > 0; infinity is allowed.
 } ty_ray;
 
-/* What a ray meets first. */
+/// The first surface that a ray meets.
 typedef struct ty_ray_hit {
-    float distance;    /* from the origin, m; the ray's far where it meets nothing */
-    int32_t surface;   /* shapes as they were added, then area lights, then meshes; -1: the ray meets nothing, and what
-                          follows is 0 */
-    int32_t part;      /* which side of a box (-x, +x, -y, ...), which triangle of a mesh; else 0 */
-    float b1, b2;      /* of triangles: weights of the second and third corner */
-    float position[3]; /* m, on the surface to rounding, however long the ray was */
-    float normal[3];   /* unit, of the flat face or the sphere, on its front */
-    float margin;      /* m; a ray that starts this far off the surface, along its normal, does not meet it again */
+    float distance;    ///< Distance from the origin, m; the ray's `far` without a surface.
+    int32_t surface;   ///< Shapes in the order of their addition, then area lights, then meshes; -1 without a surface,
+                       ///< and the fields below are 0.
+    int32_t part;      ///< Side of a box (-x, +x, -y, ...), or triangle of a mesh; else 0.
+    float b1;          ///< Triangles: weight of the second corner.
+    float b2;          ///< Triangles: weight of the third corner.
+    float position[3]; ///< m; exact to rounding, however long the ray.
+    float normal[3];   ///< Unit normal of the flat face or the sphere, on its front.
+    float margin;      ///< Distance along the normal, m, at which a new ray does not meet the surface again.
 } ty_ray_hit;
 
-/* What each of many rays meets first in a committed scene, over the context's threads: hits[i] belongs to rays[i].
- * coherent: whether neighbours in the array go nearly the same way (a camera's pixels in small tiles, rays to one
- * lamp): they then travel in packets of sixteen, which is quicker; rays that scatter go one by one. What
- * is met does not depend on it, but for rounding. Surfaces with alpha are met or not as the ray itself decides.
- * Errors: TY_ERROR_ARGUMENT (scene not committed, count negative). */
-TY_API ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, bool coherent,
+/// The coherence of neighbouring rays in an array. It changes results by rounding at most.
+typedef enum ty_ray_order {
+    TY_RAYS_INCOHERENT = 0, ///< Rays are traced one by one.
+    TY_RAYS_COHERENT = 1 ///< Neighbours are nearly parallel or share an end (a camera's pixels in small tiles, rays to
+                         ///< one light), and are traced in packets of sixteen, which is faster.
+} ty_ray_order;
+
+/// Finds the first surface of a committed scene on each of many rays, on the threads of the context: hits[i] belongs to
+/// rays[i]. A surface with alpha is met or not, as a function of the ray alone.
+/// Errors: TY_ERROR_ARGUMENT (scene not committed, negative count).
+TY_API ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, ty_ray_order order,
                                 ty_ray_hit* hits);
-/* Whether each ray meets anything at all, which is quicker to find out. Errors as ty_scene_trace. */
-TY_API ty_result ty_scene_trace_shadows(const ty_scene* scene, const ty_ray* rays, int64_t count, bool coherent,
+/// Tells whether each ray meets any surface, which is faster. Errors: as ty_scene_trace().
+TY_API ty_result ty_scene_trace_shadows(const ty_scene* scene, const ty_ray* rays, int64_t count, ty_ray_order order,
                                         bool* shadowed);
 
 #ifdef __cplusplus

@@ -1,4 +1,5 @@
-/* Tyndall: light in fog, smoke, clouds, milk and water. Apache-2.0. The whole public face. */
+/// @file tyndall.h
+/// All public headers of Tyndall, a library for light in fog, smoke, clouds, milk and water. Apache-2.0.
 #ifndef TYNDALL_TYNDALL_H
 #define TYNDALL_TYNDALL_H
 
@@ -11,8 +12,10 @@
 #include <tyndall/image.h>
 #include <tyndall/impulse.h>
 #include <tyndall/io.h>
-#include <tyndall/light_map.h>
+#include <tyndall/rsm.h>
 #include <tyndall/lpv.h>
+#include <tyndall/method.h>
+#include <tyndall/octaves.h>
 #include <tyndall/path.h>
 #include <tyndall/pop.h>
 #include <tyndall/scene.h>

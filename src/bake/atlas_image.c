@@ -1,12 +1,12 @@
-/* Lightmaps: from light at texels to an image. */
+/* Lightmaps: conversion of light at texels to an image. */
 #include "bake/atlas.h"
 
 #include "base/context.h"
 
 #include <math.h>
 
-/* More rays than this that meet the back of surfaces: a texel within walls. */
-static const float blocked_most = 0.5f;
+/* Fraction of rays hitting back faces above which a texel lies inside a wall. */
+static const float max_blocked = 0.5f;
 
 enum {
     SUM = 0,
@@ -27,36 +27,36 @@ typedef struct finisher {
     const ty_atlas* atlas;
     const ty_bake_light* light;
     ty_image* image;
-    float* work[TY_ATLAS_PLANES]; /* channels, in work */
+    float* work[TY_ATLAS_PLANES]; /* channel planes in progress */
     float* channels[TY_ATLAS_CHANNELS];
     bool* valid;
     int32_t* source;
 } finisher;
 
-/* Until the end, R, G and B hold the integral of radiance, and L1 the vector irradiance: sums of light, which may be
+/* Until the last step R, G and B hold the fluence and L1 the vector irradiance: both are linear in light and may be
  * averaged. */
 static void assign_planes(finisher* job) {
     for (int i = 0; i < TY_ATLAS_CHANNELS; ++i) job->channels[i] = ty_image_plane(job->image, i);
     for (int i = 0; i < 3 * TY_BAKE_LAYERS; ++i) job->work[TY_ATLAS_LAYERS + i] = job->channels[LAYERS + i];
-    for (int i = 0; i < 9; ++i) job->work[TY_ATLAS_TOWARD + i] = job->channels[L1 + i];
+    for (int i = 0; i < 9; ++i) job->work[TY_ATLAS_VECTOR_IRRADIANCE + i] = job->channels[L1 + i];
     for (int i = 0; i < 3; ++i) job->work[TY_ATLAS_FLUENCE + i] = job->channels[SUM + i];
 }
 
-/* The light that a receiver got, in the order of the planes in work. */
-static void planes_of(const ty_bake_light* light, float values[TY_ATLAS_PLANES]) {
+/* The light of one receiver, in the order of the planes in progress. */
+static void planes_from_light(const ty_bake_light* light, float values[TY_ATLAS_PLANES]) {
     for (int i = 0; i < TY_ATLAS_PLANES; ++i) values[i] = 0;
     for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer)
         for (int c = 0; c < 3; ++c) {
             values[TY_ATLAS_LAYERS + 3 * layer + c] = light->irradiance[layer][c];
             for (int axis = 0; axis < 3; ++axis)
-                values[TY_ATLAS_TOWARD + 3 * c + axis] += light->toward[layer][c][axis];
+                values[TY_ATLAS_VECTOR_IRRADIANCE + 3 * c + axis] += light->vector_irradiance[layer][c][axis];
         }
     for (int c = 0; c < 3; ++c) values[TY_ATLAS_FLUENCE + c] = light->fluence[c];
 }
 
 enum { BLOCK = 4096 };
 
-static void take_light(void* user, int64_t index, int32_t worker) {
+static void load_light(void* user, int64_t index, int32_t worker) {
     (void)worker;
     finisher* job = user;
     const int64_t end = (index + 1) * BLOCK < job->atlas->count ? (index + 1) * BLOCK : job->atlas->count;
@@ -64,8 +64,8 @@ static void take_light(void* user, int64_t index, int32_t worker) {
         const ty_bake_light* light = &job->light[i];
         const int32_t texel = job->atlas->texels[i];
         float values[TY_ATLAS_PLANES];
-        planes_of(light, values);
-        bool valid = light->samples > 0 && light->blocked <= blocked_most;
+        planes_from_light(light, values);
+        bool valid = light->samples > 0 && light->blocked <= max_blocked;
         for (int plane = 0; plane < TY_ATLAS_PLANES; ++plane) {
             const bool finite = isfinite(values[plane]);
             valid &= finite;
@@ -79,7 +79,7 @@ static void take_light(void* user, int64_t index, int32_t worker) {
     }
 }
 
-/* Texels around charts, but for those that seams have filled. Sources are texels that stay as they are. */
+/* Fills the texels around charts, except those that seams have filled. Source texels stay unchanged. */
 static void pad_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     finisher* job = user;
@@ -91,21 +91,21 @@ static void pad_row(void* user, int64_t index, int32_t worker) {
     }
 }
 
-/* Light becomes what the channels are named for. */
+/* Converts the planes in progress to the named channels. */
 static void finish_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     finisher* job = user;
     const size_t width = (size_t)job->atlas->width;
     for (size_t texel = (size_t)index * width; texel < ((size_t)index + 1) * width; ++texel)
         for (int c = 0; c < 3; ++c) {
-            float* toward[3];
+            float* vector[3];
             float square = 0, sum = 0;
             for (int axis = 0; axis < 3; ++axis) {
-                toward[axis] = &job->channels[L1 + 3 * c + axis][texel];
-                square += *toward[axis] * *toward[axis];
+                vector[axis] = &job->channels[L1 + 3 * c + axis][texel];
+                square += *vector[axis] * *vector[axis];
             }
-            const float whole = fmaxf(job->channels[SUM + c][texel], sqrtf(square));
-            for (int axis = 0; axis < 3; ++axis) *toward[axis] = whole > 0 ? *toward[axis] / whole : 0.0f;
+            const float norm = fmaxf(job->channels[SUM + c][texel], sqrtf(square));
+            for (int axis = 0; axis < 3; ++axis) *vector[axis] = norm > 0 ? *vector[axis] / norm : 0.0f;
             for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer) sum += job->channels[LAYERS + 3 * layer + c][texel];
             job->channels[SUM + c][texel] = sum;
         }
@@ -113,8 +113,8 @@ static void finish_row(void* user, int64_t index, int32_t worker) {
 
 static ty_result finish(finisher* job) {
     const ty_atlas* atlas = job->atlas;
-    ty_parallel_for(atlas->context, (atlas->count + BLOCK - 1) / BLOCK, take_light, job);
-    ty_result result = ty_atlas_mend(atlas, job->valid, job->work);
+    ty_parallel_for(atlas->context, (atlas->count + BLOCK - 1) / BLOCK, load_light, job);
+    ty_result result = ty_atlas_inpaint(atlas, job->valid, job->work);
     if (result == TY_OK) result = ty_atlas_pad(atlas, atlas->padding, job->source);
     if (result == TY_OK) result = ty_atlas_close_seams(atlas, job->source, job->work);
     if (result != TY_OK) return result;
@@ -123,7 +123,7 @@ static ty_result finish(finisher* job) {
     return TY_OK;
 }
 
-ty_result ty_atlas_image(const ty_atlas* atlas, const ty_bake_light* light, ty_image** out) {
+ty_result ty_atlas_create_image(const ty_atlas* atlas, const ty_bake_light* light, ty_image** out) {
     finisher job = {.atlas = atlas, .light = light};
     ty_result result =
         ty_image_create(atlas->context, atlas->width, atlas->height, TY_ATLAS_CHANNELS, channel_names, &job.image);

@@ -1,4 +1,4 @@
-/* Entry points: light on surfaces and at probes. */
+/* Entry points: light on surfaces, at probes and in media. */
 #include "bake/gather.h"
 
 #include "base/context.h"
@@ -19,7 +19,7 @@ ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const 
                 for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer) {
                     light[i].irradiance[layer][c] = (float)ty_bake_mean(&run, i, layer, c, 0);
                     for (int a = 0; a < 3; ++a)
-                        light[i].toward[layer][c][a] = (float)ty_bake_mean(&run, i, layer, c, 1 + a);
+                        light[i].vector_irradiance[layer][c][a] = (float)ty_bake_mean(&run, i, layer, c, 1 + a);
                 }
             }
         }
@@ -29,7 +29,7 @@ ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const 
     return result;
 }
 
-static void take_probe(const ty_bake_run* run, int64_t i, ty_bake_probe* out) {
+static void write_probe(const ty_bake_run* run, int64_t i, ty_bake_probe* out) {
     out->samples = run->sums[i].count;
     out->blocked = out->samples > 0 ? (float)(run->sums[i].blocked / out->samples) : 0;
     for (int c = 0; c < 3; ++c) {
@@ -50,10 +50,19 @@ ty_result ty_bake_probes(const ty_scene* scene, const ty_bake_def* def, const fl
     ty_result result = ty_bake_run_begin(&run, scene, def, receivers, count, TY_BAKE_SH_TERMS);
     if (result == TY_OK) {
         result = ty_bake_sample(&run);
-        for (int64_t i = 0; i < count; ++i) take_probe(&run, i, &probes[i]);
+        for (int64_t i = 0; i < count; ++i) write_probe(&run, i, &probes[i]);
         if (stats != NULL) *stats = run.stats;
     }
     ty_bake_run_end(&run);
     ty_free_array(context, receivers, (size_t)count, sizeof *receivers);
+    return result;
+}
+
+ty_result ty_bake_cache_create(const ty_scene* scene, const ty_bake_def* def, ty_bake_cache** out) {
+    ty_bake_run run;
+    *out = NULL;
+    ty_result result = ty_bake_run_prepare(&run, scene, def);
+    if (result == TY_OK) result = ty_bake_cache_make(&run, scene, out);
+    ty_bake_run_end(&run);
     return result;
 }

@@ -1,74 +1,86 @@
-/* Light in cells of the media: what it is kept in, and what its driver hands to its kernel, which is built once per
+/* Light cache of the media: its storage, and the request from its driver to its kernel, which is built once per
  * instruction set. */
 #ifndef TY_BAKE_CACHE_H
 #define TY_BAKE_CACHE_H
 
+#include "base/dispatch.h"
 #include "method/path/kernel.h"
 
 #include <tyndall/bake.h>
 
 enum { TY_CACHE_CELLS_MAX = 512 };
 
-/* Light that arrives in a cell: straight from lights, and the rest. Floats of each: the mean radiance over all
- * directions, red, green and blue. Where media do not scatter evenly, the unit vector to where most comes from, and how
- * far all of it comes from there, 0..1; by channel, where media are not gray. */
-enum { TY_CACHE_EVEN = 3, TY_CACHE_GRAY = 7, TY_CACHE_COLORED = 9 };
-enum { TY_CACHE_ONCE = 0, TY_CACHE_REST = 1, TY_CACHE_KINDS = 2 };
+/* Light arriving in a cell, split into direct light and all other light. Each kind stores the mean radiance over all
+ * directions in red, green and blue; for anisotropic media also the unit vector of its mean direction of incidence and
+ * the length of the mean direction, 0..1, per channel where media are not gray. */
+enum { TY_CACHE_ISOTROPIC = 3, TY_CACHE_GRAY = 7, TY_CACHE_COLORED = 9 };
+enum { TY_CACHE_DIRECT = 0, TY_CACHE_INDIRECT = 1, TY_CACHE_KINDS = 2 };
 
-/* What is known of light on surfaces in a cell that media scattered (once and never touched by anything else, and
- * other), apart for surfaces that face along each of six axes: the mean of walks from points on them. Floats: the mean
- * place and normal; per kind and channel irradiance and vector irradiance; per channel the variance of all irradiance;
- * how many walks that is the mean of. */
-enum { TY_WALL_SINGLE = 0, TY_WALL_MULTIPLE = 1, TY_WALL_KINDS = 2, TY_WALL_TERMS = 4, TY_WALL_WAYS = 6 };
-enum { TY_WALL_PLACE = 0, TY_WALL_NORMAL = 3, TY_WALL_LIGHT = 6 };
-enum { TY_WALL_LIGHTS = TY_WALL_KINDS * 3 * TY_WALL_TERMS, TY_WALL_VARIANCE = TY_WALL_LIGHT + TY_WALL_LIGHTS };
-enum { TY_WALL_WALKS = TY_WALL_VARIANCE + 3, TY_WALL_FLOATS = TY_WALL_WALKS + 1 };
+/* A surfel: light scattered by media (once and otherwise untouched, and all other) on the surfaces in a cell, one
+ * record per dominant normal axis, averaged over paths from surface points. Floats: mean position and normal;
+ * irradiance and vector irradiance per kind and channel; variance of the total irradiance per channel; number of paths
+ * in the mean. */
+enum { TY_SURFEL_SINGLE = 0, TY_SURFEL_MULTIPLE = 1, TY_SURFEL_KINDS = 2, TY_SURFEL_TERMS = 4, TY_SURFEL_AXES = 6 };
+enum { TY_SURFEL_POSITION = 0, TY_SURFEL_NORMAL = 3, TY_SURFEL_IRRADIANCE = 6 };
+enum {
+    TY_SURFEL_IRRADIANCE_FLOATS = TY_SURFEL_KINDS * 3 * TY_SURFEL_TERMS,
+    TY_SURFEL_VARIANCE = TY_SURFEL_IRRADIANCE + TY_SURFEL_IRRADIANCE_FLOATS
+};
+enum { TY_SURFEL_PATHS = TY_SURFEL_VARIANCE + 3, TY_SURFEL_FLOATS = TY_SURFEL_PATHS + 1 };
 
-/* A cell that surfaces cut has two sides: what its middle sees, and the rest, of which one point is the anchor. What is
- * known of a cell: the light on either side (bits of known), and whether who looks there has to see an anchor first. */
-enum { TY_CACHE_SIDES = 2, TY_CACHE_CUT = 1 << TY_CACHE_SIDES };
+/* A cell intersected by surfaces has two sides: the region visible from its center, and the rest, represented by one
+ * anchor point. Flags of a cell: one bit per side with known light, and one bit that requires a visibility test to an
+ * anchor before a lookup. */
+enum { TY_CACHE_SIDES = 2, TY_CACHE_TEST_VISIBILITY = 1 << TY_CACHE_SIDES };
 
 typedef struct ty_cache_view {
     float lower[3], per_metre;
     int32_t size[3];
-    int32_t floats;       /* per kind of light: TY_CACHE_... */
-    float* light;         /* of the first side, cell by cell, both kinds */
-    float* other;         /* of the other */
-    float* anchor;        /* per cell the anchors of both sides, 3 floats each */
-    const uint8_t* known; /* per cell */
-    const uint8_t* ways;  /* per cell, bits of the ways that surfaces in it face; NULL: not known yet */
-    const int32_t* first; /* per cell, which is the first of its walls, one per bit */
-    float* walls;         /* TY_WALL_FLOATS each */
+    int32_t floats;              /* per kind of light: TY_CACHE_ISOTROPIC, _GRAY or _COLORED */
+    float* light;                /* of the first side, cell by cell, both kinds */
+    float* second_light;         /* of the second side */
+    float* anchor;               /* per cell the anchor positions of both sides, 3 floats each */
+    const uint8_t* flags;        /* per cell */
+    const uint8_t* surfel_axes;  /* per cell, bits of the normal axes of its surfels; NULL: not known yet */
+    const int32_t* first_surfel; /* per cell, the index of the first of its surfels, one per bit */
+    float* surfels;              /* TY_SURFEL_FLOATS each */
 } ty_cache_view;
 
 struct ty_bake_cache {
     ty_context* context;
     ty_cache_view view;
-    uint8_t* known; /* view's */
-    uint8_t* ways;  /* view's */
-    int32_t* first; /* view's */
-    size_t cells, walls;
+    uint8_t* flags;        /* view's */
+    uint8_t* surfel_axes;  /* view's */
+    int32_t* first_surfel; /* view's */
+    size_t cells, surfels;
     ty_bake_cache_info info;
 };
+
+struct ty_bake_run;
+
+/* True if a medium is identical in all channels. */
+bool ty_bake_is_gray(const ty_medium_view* medium);
+/* Creates the light cache of a prepared run. */
+ty_result ty_bake_cache_make(const struct ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out);
+/* After filling: marks the cells that need visibility tests, and fills cells without known light from their neighbours.
+ * Errors: TY_ERROR_MEMORY. */
+ty_result ty_cache_find_visibility(ty_bake_cache* cache, const ty_accel* mesh);
 
 typedef struct ty_cache_request {
     ty_path_request path; /* scene and random numbers */
     ty_cache_view view;
-    const int32_t* cells;               /* those that are filled */
+    const int32_t* cells;               /* indices of the cells to fill */
     uint32_t paths;                     /* per cell */
-    _Atomic uint8_t* met;               /* per cell, bits of the ways that surfaces in it were found to face */
-    const struct ty_bake_request* bake; /* of walls: what walks look at */
+    _Atomic uint8_t* surface_axes;      /* per cell, bits of the normal axes of the surfaces that paths hit in it */
+    const struct ty_bake_request* bake; /* for surfels: the request of the baker */
 } ty_cache_request;
 
-/* Fills cells[begin..end), what is known but TY_CACHE_CUT of light from other cells; returns rays. */
-#define TY_CACHE_KERNEL(name) uint64_t name(const ty_cache_request* request, int64_t begin, int64_t end, uint8_t* known)
+/* Fills cells[begin..end) and their flags except TY_CACHE_TEST_VISIBILITY, which depends on other cells; returns the
+ * number of rays. */
+#define TY_CACHE_KERNEL(name) uint64_t name(const ty_cache_request* request, int64_t begin, int64_t end, uint8_t* flags)
 typedef TY_CACHE_KERNEL((*ty_cache_kernel));
-TY_CACHE_KERNEL(ty_cache_kernel_v1);
-TY_CACHE_KERNEL(ty_cache_kernel_v3);
-TY_CACHE_KERNEL(ty_cache_kernel_v4);
-/* Fills the walls of cells[begin..end), once light in all cells is known. */
-TY_CACHE_KERNEL(ty_wall_kernel_v1);
-TY_CACHE_KERNEL(ty_wall_kernel_v3);
-TY_CACHE_KERNEL(ty_wall_kernel_v4);
+TY_DECLARE_KERNEL_FUNCTION(TY_CACHE_KERNEL, ty_cache_kernel);
+/* Fills the surfels of cells[begin..end), once the light of all cells is known. */
+TY_DECLARE_KERNEL_FUNCTION(TY_CACHE_KERNEL, ty_surfel_kernel);
 
 #endif

@@ -1,174 +1,177 @@
-/* Light of media that is known in cells, as it arrives at receivers: paths over surfaces know nothing of it, and rays
- * of its own gather it. docs/bake.md explains it. */
+/* Light of media whose scattered light is cached, as it arrives at receivers: paths over surfaces ignore it, and
+ * separate rays gather it. docs/bake.md explains the method. */
 #ifndef TY_BAKE_CACHED_K_H
 #define TY_BAKE_CACHED_K_H
 
-#include "bake/cache_look.k.h"
+#include "bake/cache_lookup.k.h"
 #include "bake/gather.k.h"
 
-/* What the media along one ray scatter back to where it began: light straight from lights, and other. */
+/* Radiance that the media along a ray scatter back to its origin: once-scattered light, and all other. */
 typedef struct ty_cached_fog {
-    float once[3], rest[3];
+    float direct[3], indirect[3];
 } ty_cached_fog;
 
-/* Places where light in cells is looked up: along a receiver's ray; along the first ray of a walk for a cell's
- * surfaces, which many receivers share, and along its others. */
-enum { TY_FOG_PLACES = 4, TY_WALK_PLACES = 16, TY_WALK_PLACES_ON = 4 };
+/* Number of cache lookups: along a receiver's ray; along the first ray of a surfel's path, which many receivers share,
+ * and along its other rays. */
+enum { TY_FOG_RAY_SAMPLES = 4, TY_SURFEL_RAY_SAMPLES = 16, TY_SURFEL_BOUNCE_SAMPLES = 4 };
 
-/* What a point of the media sends, in the place of all of them; times share. */
-TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, float share, ty_cached_fog* fog) {
+/* Adds the scattered radiance of one sample point, scaled by the sample weight. */
+TY_FN void ty_cached_add_fog(ty_gather* g, const ty_fog_point* point, float weight_of_sample, ty_cached_fog* fog) {
     const ty_bake_request* request = g->request;
-    float weight[3], albedo[3], turn[3], once[3], rest[3];
-    const ty_vec at = ty_gather_fog_place(g, point, weight, albedo);
-    const float* light = ty_cache_look(&request->cache, request->path.scene->mesh, at, &g->path.random);
-    ty_medium_g(point->medium, at, turn);
-    ty_cache_scatter(&request->cache, light, g->path.direction, turn, once);
-    ty_cache_scatter(&request->cache, light + request->cache.floats, g->path.direction, turn, rest);
+    float weight[3], albedo[3], g_medium[3], direct[3], indirect[3];
+    const ty_vec at = ty_gather_fog_position(g, point, weight, albedo);
+    const float* light = ty_cache_lookup(&request->cache, request->path.scene->mesh, at, &g->path.random);
+    ty_medium_g(point->medium, at, g_medium);
+    ty_cache_scatter(&request->cache, light, g->path.direction, g_medium, direct);
+    ty_cache_scatter(&request->cache, light + request->cache.floats, g->path.direction, g_medium, indirect);
     for (int c = 0; c < 3; ++c) {
-        fog->once[c] += share * weight[c] * albedo[c] * once[c];
-        fog->rest[c] += share * weight[c] * albedo[c] * rest[c];
+        fog->direct[c] += weight_of_sample * weight[c] * albedo[c] * direct[c];
+        fog->indirect[c] += weight_of_sample * weight[c] * albedo[c] * indirect[c];
     }
 }
 
-/* The path's ray to its end (false where it meets no surface), and the media on it, at places that u picks. */
-TY_FN bool ty_cached_trace(ty_gather* g, float u, int32_t places, ty_encounter* end, ty_segment* segment,
+/* Traces the path's ray to its end (false: it hits no surface) and samples the media along it at `count` stratified
+ * points, offset by u. */
+TY_FN bool ty_cached_trace(ty_gather* g, float u, int32_t count, ty_intersection* end, ty_segment* segment,
                            ty_cached_fog* fog) {
     ty_fog_point point = ty_fog_point_begin(u, &g->path.random);
     segment->point = &point;
     const bool hit = ty_gather_find_end(g, end, segment);
     memset(fog, 0, sizeof *fog);
-    for (int32_t i = 0; i < places && point.medium != NULL; ++i) {
-        point.u = (u + (float)i) / (float)places;
-        ty_cached_fog_at(g, &point, 1.0f / (float)places, fog);
+    for (int32_t i = 0; i < count && point.medium != NULL; ++i) {
+        point.u = (u + (float)i) / (float)count;
+        ty_cached_add_fog(g, &point, 1.0f / (float)count, fog);
     }
     return hit;
 }
 
-/* Light that media scattered and the surface at *start reflects. It is known where walls are (looks); else the path
- * goes on from there. */
-TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks, float out[3]) {
+/* Light scattered by media and reflected by the surface at *start. It is looked up where surfels exist (use_surfels);
+ * elsewhere the path continues. */
+TY_FN void ty_cached_follow(ty_gather* g, const ty_intersection* start, bool use_surfels, float out[3]) {
     const ty_bake_request* request = g->request;
     ty_path* path = &g->path;
-    const int32_t most = path->request->max_depth;
-    ty_encounter end = *start;
+    const int32_t max_depth = path->request->max_depth;
+    ty_intersection end = *start;
     ty_segment segment;
     ty_cached_fog fog;
     for (int c = 0; c < 3; ++c) {
         path->beta[c] = 1.0f;
         out[c] = 0.0f;
     }
-    path->survival = 1.0f;
+    path->rr_throughput = 1.0f;
     path->depth = 0;
-    while (ty_max3(end.point.albedo) > 0.0f && (most == 0 || path->depth < most)) {
-        path->origin = ty_hit_leave(&end.hit, end.point.facing);
-        path->normal = end.point.normal;
+    while (ty_max3(end.point.albedo) > 0.0f && (max_depth == 0 || path->depth < max_depth)) {
+        path->origin = ty_hit_leave(&end.hit, end.point.ng);
+        path->normal = end.point.ns;
         ++path->depth;
         for (int c = 0; c < 3; ++c) path->beta[c] *= end.point.albedo[c];
         const float before = ty_sum3(path->beta);
-        const float* wall = looks ? ty_cache_look_wall(&request->cache, request->path.scene->mesh, path->origin,
-                                                       path->normal, &path->random)
-                                  : NULL;
-        if (wall != NULL) {
-            const float *single = wall + TY_WALL_LIGHT, *multiple = single + TY_WALL_MULTIPLE * 3 * TY_WALL_TERMS;
+        const float* surfel = use_surfels ? ty_cache_lookup_surfel(&request->cache, request->path.scene->mesh,
+                                                                   path->origin, path->normal, &path->random)
+                                          : NULL;
+        if (surfel != NULL) {
+            const float *single = surfel + TY_SURFEL_IRRADIANCE,
+                        *multiple = single + TY_SURFEL_MULTIPLE * 3 * TY_SURFEL_TERMS;
             for (int c = 0; c < 3; ++c)
-                out[c] += path->beta[c] * (1.0f / TY_PI) * (single[c * TY_WALL_TERMS] + multiple[c * TY_WALL_TERMS]);
+                out[c] +=
+                    path->beta[c] * (1.0f / TY_PI) * (single[c * TY_SURFEL_TERMS] + multiple[c * TY_SURFEL_TERMS]);
             return;
         }
-        path->survival *= ty_max3(end.point.albedo);
-        ty_path_turn(path);
-        if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
-        const bool hit =
-            ty_cached_trace(g, ty_random_next(&path->random), looks ? 1 : TY_WALK_PLACES_ON, &end, &segment, &fog);
+        path->rr_throughput *= ty_max3(end.point.albedo);
+        ty_path_sample_cosine_hemisphere(path);
+        if (!(ty_dot(end.point.ng, path->direction) > 0.0f)) return;
+        const bool hit = ty_cached_trace(g, ty_sobol_next(&path->random), use_surfels ? 1 : TY_SURFEL_BOUNCE_SAMPLES,
+                                         &end, &segment, &fog);
         for (int c = 0; c < 3; ++c) {
-            out[c] += path->beta[c] * (fog.once[c] + fog.rest[c]);
+            out[c] += path->beta[c] * (fog.direct[c] + fog.indirect[c]);
             path->beta[c] *= segment.transmittance[c];
         }
         if (!hit || !ty_path_survives(path, before)) return;
     }
 }
 
-/* Radiance that media scattered, along the path's ray: once and never touched by anything else, and other. */
-TY_FN void ty_cached_walk(ty_gather* g, bool looks, float single[3], float multiple[3]) {
-    ty_encounter end;
+/* Radiance scattered by media along the path's ray: scattered once and not reflected, and all other. */
+TY_FN void ty_cached_radiance(ty_gather* g, bool use_surfels, float single[3], float multiple[3]) {
+    ty_intersection end;
     ty_segment segment;
     ty_cached_fog fog;
     float reflected[3] = {0.0f, 0.0f, 0.0f};
-    const bool hit = ty_cached_trace(g, ty_random_next(&g->path.random), looks ? TY_FOG_PLACES : TY_WALK_PLACES, &end,
-                                     &segment, &fog);
-    if (hit) ty_cached_follow(g, &end, looks, reflected);
+    const bool hit = ty_cached_trace(g, ty_sobol_next(&g->path.random),
+                                     use_surfels ? TY_FOG_RAY_SAMPLES : TY_SURFEL_RAY_SAMPLES, &end, &segment, &fog);
+    if (hit) ty_cached_follow(g, &end, use_surfels, reflected);
     for (int c = 0; c < 3; ++c) {
-        single[c] = fog.once[c];
-        multiple[c] = fog.rest[c] + segment.transmittance[c] * reflected[c];
+        single[c] = fog.direct[c];
+        multiple[c] = fog.indirect[c] + segment.transmittance[c] * reflected[c];
     }
 }
 
 /* ---- at receivers ---- */
 
-/* Numbers of a receiver's fog rays are apart from those of its paths. */
+/* Separates the random numbers of a receiver's gather rays from those of its paths. */
 #define TY_FOG_ITEM 0x8000000000000000u
 
-/* What cells near a receiver know of its light counts as so many of its fog rays as they are made of. */
-TY_FN void ty_cached_borrow(ty_gather* g) {
+/* The surfels near a receiver form a prior that counts as the number of gather rays with equal noise. */
+TY_FN void ty_cached_load_prior(ty_gather* g) {
     const ty_bake_request* request = g->request;
     ty_bake_sums* sums = g->sums;
-    float light[TY_WALL_LIGHTS], variance[3];
+    float light[TY_SURFEL_IRRADIANCE_FLOATS], variance[3];
     if (request->terms == TY_BAKE_SH_TERMS) return;
-    const ty_mesh* mesh = request->path.scene->mesh;
-    const float walks = ty_cache_mean_wall(&request->cache, mesh, g->from, g->normal, light, variance);
-    if (!(walks > 0.0f)) return;
-    sums->borrowed = (double)walks;
-    for (int c = 0; c < 3; ++c) sums->borrowed_variance[c] = (double)variance[c];
-    for (int kind = 0; kind < TY_WALL_KINDS; ++kind)
+    const ty_accel* mesh = request->path.scene->mesh;
+    const float prior_rays = ty_cache_mean_surfel(&request->cache, mesh, g->origin, g->normal, light, variance);
+    if (!(prior_rays > 0.0f)) return;
+    sums->prior_rays = (double)prior_rays;
+    for (int c = 0; c < 3; ++c) sums->prior_variance[c] = (double)variance[c];
+    for (int kind = 0; kind < TY_SURFEL_KINDS; ++kind)
         for (int c = 0; c < 3; ++c)
-            ty_gather_keep(g, kind == TY_WALL_SINGLE ? TY_BAKE_SINGLE : TY_BAKE_MULTIPLE, c, walks,
-                           light + (kind * 3 + c) * TY_WALL_TERMS);
+            ty_gather_add(g, kind == TY_SURFEL_SINGLE ? TY_BAKE_SINGLE : TY_BAKE_MULTIPLE, c, prior_rays,
+                          light + (kind * 3 + c) * TY_SURFEL_TERMS);
 }
 
-/* One ray of a receiver that gathers what media scattered. */
-TY_FN void ty_cached_ask(ty_gather* g, uint64_t item, uint32_t number) {
+/* One gather ray of a receiver: radiance scattered by media. */
+TY_FN void ty_cached_gather_ray(ty_gather* g, uint64_t item, uint32_t number) {
     const ty_bake_request* request = g->request;
     const bool probe = request->terms == TY_BAKE_SH_TERMS;
     ty_path* path = &g->path;
     ty_bake_sums* sums = g->sums;
     float basis[TY_BAKE_TERMS_MAX], single[3], multiple[3];
     ty_path_begin(path, &request->path, item | TY_FOG_ITEM, number);
-    path->origin = g->from;
+    path->origin = g->origin;
     path->normal = g->normal;
     for (int c = 0; c < 3; ++c) g->sample[c] = 0.0f;
     if (probe)
-        ty_path_turn_anywhere(path);
+        ty_path_sample_sphere(path);
     else
-        ty_path_turn(path);
+        ty_path_sample_cosine_hemisphere(path);
     if (probe || ty_dot(g->face, path->direction) > 0.0f) {
         const float weight = 1.0f / path->pdf;
         ty_gather_basis(g, path->direction, basis);
-        ty_cached_walk(g, true, single, multiple);
+        ty_cached_radiance(g, true, single, multiple);
         for (int c = 0; c < 3; ++c) {
             single[c] *= weight;
             multiple[c] *= weight;
         }
-        ty_gather_keep_all(g, TY_BAKE_SINGLE, single, basis);
-        ty_gather_keep_all(g, TY_BAKE_MULTIPLE, multiple, basis);
+        ty_gather_add_rgb(g, TY_BAKE_SINGLE, single, basis);
+        ty_gather_add_rgb(g, TY_BAKE_MULTIPLE, multiple, basis);
     }
     for (int c = 0; c < 3; ++c) {
         sums->fog_mean[c] += (double)g->sample[c];
         sums->fog_square[c] += (double)g->sample[c] * (double)g->sample[c];
     }
-    ++sums->asked;
+    ++sums->gather_rays;
 }
 
-/* Fog rays of a receiver after so many paths: as many where cells know little. What they know else is as good as many
- * rays, which only long bakes better. */
+/* Gather rays of a receiver after the given number of paths. Where the cache is uninformed there is one per path; where
+ * it is informed the prior is already as good as many rays, and extra rays only pay off in long bakes. */
 TY_FN uint32_t ty_cached_rays(const ty_gather* g, uint32_t paths) {
-    if (g->sums->borrowed < TY_FOG_LEAST) return paths;
-    return paths > TY_FOG_ENOUGH ? (paths - TY_FOG_ENOUGH) / g->request->fog_every : 0;
+    if (g->sums->prior_rays < TY_FOG_MIN_PRIOR_RAYS) return paths;
+    return paths > TY_FOG_PRIOR_PATHS ? (paths - TY_FOG_PRIOR_PATHS) / g->request->fog_every : 0;
 }
 
-/* What goes with a receiver's paths [first, first + count). */
+/* Gathers scattered light along with a receiver's paths [first, first + count). */
 TY_FN void ty_cached_gather(ty_gather* g, uint64_t item, uint32_t first, uint32_t count) {
-    if (first == 0) ty_cached_borrow(g);
+    if (first == 0) ty_cached_load_prior(g);
     const uint32_t end = ty_cached_rays(g, first + count);
-    for (uint32_t i = ty_cached_rays(g, first); i < end; ++i) ty_cached_ask(g, item, i);
+    for (uint32_t i = ty_cached_rays(g, first); i < end; ++i) ty_cached_gather_ray(g, item, i);
 }
 
 #endif

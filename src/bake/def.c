@@ -1,22 +1,34 @@
 /* Options and their checks. */
 #include "bake/gather.h"
+#include "option/option.h"
 
-#include "base/context.h"
-#include "scene/check.h"
+static const char* const methods[] = {"cache", "impulse", "attenuation", "surfaces", "path", NULL};
 
-ty_bake_def ty_default_bake_def(void) {
-    return (ty_bake_def){.cookie = TY_DEF_COOKIE, .spp = 64, .scatterings = 10, .back_scattering = true};
+static const ty_option options[] = {
+    {TY_OPTION_FIELD(ty_bake_def, method), .type = TY_OPTION_WORD, .words = methods,
+     .doc = "Method for light that media scatter."},
+    {TY_OPTION_FIELD(ty_bake_def, spp), .type = TY_OPTION_INT, .min = 1, .max = 1 << 20, .preset = 64,
+     .doc = "Paths per receiver at most."},
+    {TY_OPTION_FIELD(ty_bake_def, error), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9,
+     .doc = "Standard error, relative to its irradiance, at which a receiver is done; 0 means no bound."},
+    {TY_OPTION_FIELD(ty_bake_def, bounces), .type = TY_OPTION_INT, .min = 0, .max = INT32_MAX,
+     .doc = "Reflections and scatterings at most; 0 means no bound but Russian roulette."},
+    {TY_OPTION_FIELD(ty_bake_def, scatterings), .type = TY_OPTION_INT, .min = 1, .max = TY_IMPULSE_BOUNCES_MAX,
+     .preset = 10, .doc = "Scatterings between two surfaces, or a light and a surface, at most."},
+    {TY_OPTION_FIELD(ty_bake_def, back_scattering), .type = TY_OPTION_BOOL, .preset = 1,
+     .doc = "Counts light that surfaces behind a receiver send into the medium."},
+    {TY_OPTION_FIELD(ty_bake_def, cells), .type = TY_OPTION_INT, .min = 1, .max = TY_CACHE_CELLS_MAX, .preset = 32,
+     .unit = "cells", .doc = "Cells of a cache along the longest side of its box."},
+    {TY_OPTION_FIELD(ty_bake_def, cell_paths), .type = TY_OPTION_INT, .min = 1, .max = 1 << 20, .preset = 64,
+     .doc = "Paths per cell of a cache."},
+};
+
+static const ty_option_table table = TY_OPTION_TABLE("bake", ty_bake_def, "ty_default_bake_def", options);
+
+void ty_init_bake_def(void* def, size_t bytes) {
+    ty_options_init(&table, def, bytes);
 }
 
-ty_result ty_bake_check(ty_context* context, const ty_bake_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_bake_def");
-    if (result == TY_OK) result = ty_check_number(context, "bake.method", (double)def->method, 0, TY_BAKE_PATH);
-    if (result == TY_OK) result = ty_check_number(context, "bake.spp", def->spp, 1, 1 << 20);
-    if (result == TY_OK) result = ty_check_number(context, "bake.error", def->error, 0, 1e9);
-    if (result == TY_OK) result = ty_check_number(context, "bake.bounces", def->bounces, 0, INT32_MAX);
-    if (result == TY_OK)
-        result = ty_check_number(context, "bake.scatterings", def->scatterings, 1, TY_IMPULSE_BOUNCES_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "bake.cells", def->cells, 0, TY_CACHE_CELLS_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "bake.cell_paths", def->cell_paths, 0, 1 << 20);
-    return result;
+ty_result ty_bake_take_def(ty_context* context, const ty_bake_def* def, ty_bake_def* own) {
+    return ty_options_take(context, &table, def, own);
 }

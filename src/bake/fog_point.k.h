@@ -1,75 +1,82 @@
-/* One point of the media along a ray, found by chance, in the place of all of them. */
+/* One random sample point of the media along a ray, which represents all of them. */
 #ifndef TY_BAKE_FOG_POINT_K_H
 #define TY_BAKE_FOG_POINT_K_H
 
-#include "method/path/flight.k.h"
+#include "method/path/collision.k.h"
 
-/* Chosen among the pieces of a ray that are offered one after the other, by how much of the light that comes from there
- * they stop. */
+/* Reservoir sampling over the pieces of a ray in order, each weighted by the probability that the ray collides in it.
+ */
 typedef struct ty_fog_point {
-    float u;                                /* random, in [0, 1): where in the piece */
-    ty_random* random;                      /* which piece */
-    float all;                              /* of all pieces: what they stop, mean of the channels */
-    TY_GLOBAL const ty_medium_view* medium; /* the chosen piece's; NULL: there is none */
+    float u;                                /* uniform in [0, 1): position in the piece */
+    ty_sampler* random;                     /* selects the piece */
+    float total;                            /* collision probability summed over all pieces, channel mean */
+    TY_GLOBAL const ty_medium_view* medium; /* medium of the chosen piece; NULL: none */
     float enter, leave;                     /* m along the ray */
-    float matter, passing[3];               /* of the piece; up to it, by its medium alone */
-    TY_GLOBAL const ty_medium_view* last;   /* whose pieces are on offer, and what it leaves of light so far */
-    float left[3];
+    float optical_length,
+        transmitted[3]; /* of the piece, in metres at density 1; transmittance up to it by its own medium */
+    TY_GLOBAL const ty_medium_view* current; /* medium of the latest piece, and its transmittance so far */
+    float remaining[3];
 } ty_fog_point;
 
-TY_FN ty_fog_point ty_fog_point_begin(float u, ty_random* random) {
+TY_FN ty_fog_point ty_fog_point_begin(float u, ty_sampler* random) {
     ty_fog_point point;
     point.random = random;
     point.u = u;
-    point.all = 0.0f;
-    point.medium = point.last = NULL;
+    point.total = 0.0f;
+    point.medium = point.current = NULL;
     return point;
 }
 
-TY_FN void ty_fog_point_offer(ty_fog_point* point, TY_GLOBAL const ty_medium_view* medium, float matter, float enter,
-                              float leave) {
-    float stopped[3], stops = 0.0f;
-    if (point->last != medium) {
-        point->last = medium;
-        for (int c = 0; c < 3; ++c) point->left[c] = 1.0f;
+TY_FN void ty_fog_point_add_piece(ty_fog_point* point, TY_GLOBAL const ty_medium_view* medium, float optical_length,
+                                  float enter, float leave) {
+    float collided[3], collision = 0.0f;
+    if (point->current != medium) {
+        point->current = medium;
+        for (int c = 0; c < 3; ++c) point->remaining[c] = 1.0f;
     }
     for (int c = 0; c < 3; ++c) {
-        stopped[c] = c > 0 && medium->gray != 0 ? stopped[0] : point->left[c] * ty_stopped(medium->sigma_t[c] * matter);
-        stops += (1.0f / 3.0f) * stopped[c];
+        collided[c] = c > 0 && medium->gray != 0
+                          ? collided[0]
+                          : point->remaining[c] * ty_collision_probability(medium->sigma_t[c] * optical_length);
+        collision += (1.0f / 3.0f) * collided[c];
     }
-    point->all += stops;
-    if (stops > 0.0f && (point->medium == NULL || ty_random_white(point->random) * point->all < stops)) {
+    point->total += collision;
+    if (collision > 0.0f && (point->medium == NULL || ty_rng_uniform(point->random) * point->total < collision)) {
         point->medium = medium;
-        point->matter = matter;
+        point->optical_length = optical_length;
         point->enter = enter;
         point->leave = leave;
-        for (int c = 0; c < 3; ++c) point->passing[c] = point->left[c];
+        for (int c = 0; c < 3; ++c) point->transmitted[c] = point->remaining[c];
     }
-    for (int c = 0; c < 3; ++c) point->left[c] -= stopped[c];
+    for (int c = 0; c < 3; ++c) point->remaining[c] -= collided[c];
 }
 
-/* How far along the ray the point is. weight: what the media stop of light from there and beyond, in its place; by its
- * own medium alone. left: what that leaves of light from there. */
-TY_FN float ty_fog_point_place(const ty_fog_point* point, float weight[3], float left[3]) {
+/* Samples the distance of the point along the ray. weight: sample weight per channel, an unbiased estimate of the
+ * collision probability along the ray; left: transmittance up to the point; both by its own medium alone. */
+TY_FN float ty_fog_point_sample_distance(const ty_fog_point* point, float weight[3], float left[3]) {
     const float* sigma_t = point->medium->sigma_t;
     const bool gray = point->medium->gray != 0;
-    /* A channel by its share of what the piece stops, then as that channel stops it: no channel's weight is ever more
-     * than thrice all's. */
-    float u = point->u, share[3], sum = 0.0f, total = 0.0f;
+    /* One channel is chosen in proportion to its collision probability in the piece and then sampled exponentially, so
+     * the weight of a channel never exceeds three times the total. */
+    float u = point->u, chance[3], chance_sum = 0.0f, weight_sum = 0.0f;
     int32_t channel = 0;
     if (!gray) {
-        for (int c = 0; c < 3; ++c) sum += share[c] = point->passing[c] * ty_stopped(sigma_t[c] * point->matter);
-        channel = ty_pick(share, 3, sum, &u);
+        for (int c = 0; c < 3; ++c)
+            chance_sum += chance[c] =
+                point->transmitted[c] * ty_collision_probability(sigma_t[c] * point->optical_length);
+        channel = ty_sample_discrete(chance, 3, chance_sum, &u);
     }
-    const float depth = sigma_t[channel] * point->matter;
-    const float part = depth > 0.0f ? ty_minf(1.0f, ty_stopping_depth(u * ty_stopped(depth)) / depth) : u;
+    const float depth = sigma_t[channel] * point->optical_length;
+    const float fraction =
+        depth > 0.0f ? ty_minf(1.0f, ty_sample_collision_depth(u * ty_collision_probability(depth)) / depth) : u;
     for (int c = 0; c < 3; ++c) {
-        left[c] = c > 0 && gray ? left[0] : point->passing[c] * ty_expf(-sigma_t[c] * point->matter * part);
-        total += weight[c] = sigma_t[c] * left[c];
+        left[c] =
+            c > 0 && gray ? left[0] : point->transmitted[c] * ty_expf(-sigma_t[c] * point->optical_length * fraction);
+        weight_sum += weight[c] = sigma_t[c] * left[c];
     }
     for (int c = 0; c < 3; ++c)
-        weight[c] = gray ? point->all : total > 0.0f ? 3.0f * point->all * weight[c] / total : 0.0f;
-    return ty_lerpf(point->enter, point->leave, part);
+        weight[c] = gray ? point->total : weight_sum > 0.0f ? 3.0f * point->total * weight[c] / weight_sum : 0.0f;
+    return ty_lerpf(point->enter, point->leave, fraction);
 }
 
 #endif

@@ -1,33 +1,24 @@
-/* Sampling receivers in passes, with progress, a bound on error, and cancelling. */
+/* Sampling of receivers in passes, with progress, an error bound and cancellation. */
 #include "bake/gather.h"
 
 #include "base/context.h"
-#include "base/isa.h"
+#include "base/progress.h"
 #include "scene/check.h"
 #include "scene/scene.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Samples of the first pass; receivers that one thread takes at a time, and of all between two looks at progress. */
+/* Samples of the first pass; receivers per parallel block; receivers per progress report at first. */
 enum { PASS_FIRST = 16, BLOCK = 8, CHUNK_FIRST = 64 };
-/* Paths per ray that gathers what media scattered, beside light in cells: by default, and with a bound on error. */
+/* Paths per gather ray beside the light cache: by default, and with an error bound. */
 enum { FOG_EVERY = 32, FOG_EVERY_BOUND = 4 };
 
 static const double chunk_seconds = 0.1;
 
-static ty_bake_kernel choose_kernel(void) {
-#if TY_ISA_X86
-    static const ty_bake_kernel kernels[TY_ISA_COUNT] = {ty_bake_kernel_v1, ty_bake_kernel_v3, ty_bake_kernel_v4};
-    return kernels[ty_best_isa()];
-#else
-    return ty_bake_kernel_v1;
-#endif
-}
-
 /* ---- media ---- */
 
-static bool has_matter(const ty_medium_view* medium) {
+static bool has_density(const ty_medium_view* medium) {
     if (!(medium->sigma_t_max > 0)) return false;
     if (medium->has_grid == 0) return true;
     const int32_t* bricks = medium->grid.bricks;
@@ -37,17 +28,8 @@ static bool has_matter(const ty_medium_view* medium) {
     return false;
 }
 
-static bool same(const float v[3]) {
-    return v[0] == v[1] && v[0] == v[2];
-}
-
-bool ty_bake_is_gray(const ty_medium_view* medium) {
-    return medium->gray != 0 && medium->gray_g != 0 && same(medium->sigma_s) && medium->albedo_fields < 3 &&
-           medium->transfer_albedo == 0;
-}
-
-/* Media without matter must change nothing, not even what light is looked at: they are left out. */
-static ty_result take_media(ty_bake_run* run, const ty_scene_view* scene) {
+/* Media of zero density are left out, so that they change nothing, not even the random choice of lights. */
+static ty_result select_media(ty_bake_run* run, const ty_scene_view* scene) {
     if (run->def->method == TY_BAKE_SURFACES || scene->medium_count == 0) return TY_OK;
     run->media_size = (size_t)scene->medium_count;
     run->media = ty_alloc_array(run->context, run->media_size, sizeof *run->media, false);
@@ -55,7 +37,7 @@ static ty_result take_media(ty_bake_run* run, const ty_scene_view* scene) {
     int32_t count = 0;
     run->request.gray = 1;
     for (int32_t i = 0; i < scene->medium_count; ++i) {
-        if (!has_matter(&scene->media[i])) continue;
+        if (!has_density(&scene->media[i])) continue;
         run->media[count++] = scene->media[i];
         if (!ty_bake_is_gray(&scene->media[i])) run->request.gray = 0;
     }
@@ -64,24 +46,7 @@ static ty_result take_media(ty_bake_run* run, const ty_scene_view* scene) {
     return TY_OK;
 }
 
-static ty_result take_tables(ty_bake_run* run) {
-    const ty_bake_def* def = run->def;
-    if (def->method != TY_BAKE_IMPULSE || run->path.view.medium_count == 0) return TY_OK;
-    run->request.tables = def->tables;
-    if (def->tables != NULL) return TY_OK;
-    ty_impulse_def impulse = ty_default_impulse_def();
-    ty_impulse_stats stats;
-    if (def->scatterings > impulse.bounces) impulse.bounces = def->scatterings;
-    impulse.progress = def->progress;
-    impulse.progress_user = def->progress_user;
-    const ty_result result = ty_impulse_create(run->context, &impulse, &run->tables, &stats);
-    if (result != TY_OK) return result;
-    run->request.tables = run->tables;
-    run->stats.table_seconds = stats.seconds;
-    return TY_OK;
-}
-
-static ty_result take_cache(ty_bake_run* run, const ty_scene* scene) {
+static ty_result attach_cache(ty_bake_run* run, const ty_scene* scene) {
     const ty_bake_def* def = run->def;
     if (def->method != TY_BAKE_CACHE || run->path.view.medium_count == 0) return TY_OK;
     if (def->cache == NULL) {
@@ -90,14 +55,14 @@ static ty_result take_cache(ty_bake_run* run, const ty_scene* scene) {
         run->stats.cache_seconds = run->cache->info.seconds;
     }
     run->request.cache = (def->cache != NULL ? def->cache : run->cache)->view;
-    /* A bound on error is to be reached soon, whatever has more noise. */
+    /* An error bound should be met soon, whichever term is noisiest. */
     run->request.fog_every = def->error > 0 ? FOG_EVERY_BOUND : FOG_EVERY;
     for (int32_t i = 0; i < run->path.view.medium_count; ++i)
-        if (run->media[i].emits != 0) run->request.glows = 1;
+        if (run->media[i].emits != 0) run->request.media_emit = 1;
     return TY_OK;
 }
 
-/* ---- a run ---- */
+/* ---- setup and results of a run ---- */
 
 static ty_result check_receivers(const ty_bake_run* run, const ty_bake_receiver* receivers, int64_t count) {
     if (count < 0 || (count > 0 && receivers == NULL))
@@ -113,7 +78,7 @@ static ty_result check_receivers(const ty_bake_run* run, const ty_bake_receiver*
     return TY_OK;
 }
 
-/* Lights are chosen as if there were no media, whatever the method, so that media without matter change nothing. */
+/* Light selection ignores media, whatever the method, so that media of zero density change nothing. */
 static ty_result begin_path(ty_bake_run* run, const ty_scene* scene) {
     ty_path_def path = ty_default_path_def();
     path.ignore_media = true;
@@ -130,10 +95,10 @@ static ty_result begin_path(ty_bake_run* run, const ty_scene* scene) {
 ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def) {
     memset(run, 0, sizeof *run);
     run->context = ty_scene_context(scene);
-    run->def = def;
-    ty_result result = ty_bake_check(run->context, def);
+    ty_result result = ty_bake_take_def(run->context, def, &run->known);
+    def = run->def = &run->known;
     if (result == TY_OK) result = begin_path(run, scene);
-    if (result == TY_OK) result = take_media(run, ty_scene_get_view(scene));
+    if (result == TY_OK) result = select_media(run, ty_scene_get_view(scene));
     if (result != TY_OK) return result;
     run->request.path = run->path.request;
     if (def->method == TY_BAKE_PATH || def->method == TY_BAKE_CACHE) run->request.path.max_run = def->scatterings;
@@ -144,8 +109,8 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
                             const ty_bake_receiver* receivers, int64_t count, int32_t terms) {
     ty_result result = ty_bake_run_prepare(run, scene, def);
     if (result == TY_OK) result = check_receivers(run, receivers, count);
-    if (result == TY_OK) result = take_tables(run);
-    if (result == TY_OK) result = take_cache(run, scene);
+    if (result == TY_OK) result = ty_bake_impulse_take_tables(run);
+    if (result == TY_OK) result = attach_cache(run, scene);
     if (result != TY_OK) return result;
     run->count = count;
     ty_bake_request* request = &run->request;
@@ -154,7 +119,7 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
     request->back_scattering = def->back_scattering;
     request->receivers = receivers;
     request->terms = terms;
-    run->kernel = choose_kernel();
+    run->kernel = TY_BEST_KERNELS(ty_bake_kernel);
     const size_t size = (size_t)(TY_BAKE_LAYERS * 3 * terms);
     run->sums = ty_alloc_array(run->context, (size_t)count, sizeof *run->sums, true);
     run->light = ty_alloc_array(run->context, (size_t)count, size * sizeof *run->light, true);
@@ -166,17 +131,16 @@ void ty_bake_run_end(ty_bake_run* run) {
     if (run->light != NULL) ty_free_array(run->context, run->light, (size_t)run->count, size * sizeof *run->light);
     if (run->sums != NULL) ty_free_array(run->context, run->sums, (size_t)run->count, sizeof *run->sums);
     if (run->media != NULL) ty_free_array(run->context, run->media, run->media_size, sizeof *run->media);
-    ty_bake_senders_free(run);
-    ty_impulse_destroy(run->tables);
+    ty_bake_impulse_end(run);
     ty_bake_cache_destroy(run->cache);
     if (run->path.items != NULL) ty_path_run_end(&run->path);
 }
 
-/* Light in cells has rays of its own for what media scattered. */
+/* The light cache estimates scattered light from gather rays and the prior. */
 static double samples_of(const ty_bake_run* run, int64_t receiver, int layer) {
     const ty_bake_sums* sums = &run->sums[receiver];
     const bool fog = run->request.cache.light != NULL && (layer == TY_BAKE_SINGLE || layer == TY_BAKE_MULTIPLE);
-    return fog ? sums->asked + sums->borrowed : sums->count;
+    return fog ? sums->gather_rays + sums->prior_rays : sums->count;
 }
 
 double ty_bake_mean(const ty_bake_run* run, int64_t receiver, int layer, int channel, int term) {
@@ -186,17 +150,17 @@ double ty_bake_mean(const ty_bake_run* run, int64_t receiver, int layer, int cha
     return samples > 0 ? run->light[at + (size_t)term] / samples : 0;
 }
 
-/* Of a mean of n samples, by their sum and that of their squares. */
+/* Variance of a mean of n samples from their sum and sum of squares. */
 static double variance_of(double sum, double square, int32_t n) {
     return n < 2 ? square : fmax(0, (square - sum * sum / n) / (n - 1)) / n;
 }
 
 double ty_bake_variance(const ty_bake_sums* sums, int channel) {
     if (sums->count < 2) return 0;
-    const double rays = sums->asked + sums->borrowed, own = rays > 0 ? sums->asked / rays : 0;
+    const double rays = sums->gather_rays + sums->prior_rays, gathered = rays > 0 ? sums->gather_rays / rays : 0;
     return variance_of(sums->mean[channel], sums->square[channel], sums->count) +
-           own * own * variance_of(sums->fog_mean[channel], sums->fog_square[channel], sums->asked) +
-           (1 - own) * (1 - own) * sums->borrowed_variance[channel];
+           gathered * gathered * variance_of(sums->fog_mean[channel], sums->fog_square[channel], sums->gather_rays) +
+           (1 - gathered) * (1 - gathered) * sums->prior_variance[channel];
 }
 
 /* ---- passes ---- */
@@ -215,19 +179,14 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
     p->run->kernel(&p->run->request, begin, end, p->first, p->count, p->run->sums, p->run->light);
 }
 
-static bool tell(const ty_bake_run* run, double fraction, double seconds, uint64_t done) {
-    const ty_progress progress = {
-        .stage = "bake",
-        .fraction = fmin(1, fraction),
-        .seconds = seconds,
-        .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
-        .done = done,
-        .total = (uint64_t)run->def->spp,
-    };
+static bool report(const ty_bake_run* run, double fraction, double seconds, uint64_t done) {
+    ty_progress progress = ty_progress_at("bake", fmin(1, fraction), seconds);
+    progress.done = done;
+    progress.total = (uint64_t)run->def->spp;
     return run->def->progress == NULL || run->def->progress(run->def->progress_user, &progress);
 }
 
-/* One pass over all receivers, in chunks of a tenth of a second. */
+/* One pass over all receivers, in chunks of about 0.1 s. */
 static ty_result sample_pass(ty_bake_run* run, uint32_t first, uint32_t count, double begun) {
     int64_t chunk = CHUNK_FIRST;
     for (int64_t at = 0; at < run->count;) {
@@ -239,7 +198,7 @@ static ty_result sample_pass(ty_bake_run* run, uint32_t first, uint32_t count, d
         if (now - start < 0.5 * chunk_seconds) chunk *= 2;
         if (now - start > 2 * chunk_seconds && chunk > CHUNK_FIRST) chunk /= 2;
         const double samples = first + (double)count * (double)at / (double)run->count;
-        if (!tell(run, samples / run->def->spp, now - begun, first)) return TY_CANCELLED;
+        if (!report(run, samples / run->def->spp, now - begun, first)) return TY_CANCELLED;
     }
     return TY_OK;
 }
@@ -251,7 +210,7 @@ static double brightness(const ty_bake_run* run, int64_t receiver) {
     return sum / 3;
 }
 
-/* Ends receivers that are precise enough; true when all are. */
+/* Marks converged receivers as done; true if all are. */
 static bool end_receivers(ty_bake_run* run) {
     if (!(run->def->error > 0)) return false;
     double mean = 0;
@@ -271,9 +230,10 @@ ty_result ty_bake_sample(ty_bake_run* run) {
     const double begun = ty_wall_seconds();
     const uint32_t spp = (uint32_t)run->def->spp;
     const bool fog = run->def->method == TY_BAKE_IMPULSE && run->path.view.medium_count > 0;
-    ty_result result = fog ? ty_bake_senders_make(run) : TY_OK;
+    ty_result result = fog ? ty_bake_impulse_begin(run) : TY_OK;
     for (uint32_t done = 0; done < spp && result == TY_OK;) {
-        const uint32_t most = done > 0 ? done : PASS_FIRST, count = spp - done < most ? spp - done : most;
+        const uint32_t max_count = done > 0 ? done : PASS_FIRST,
+                       count = spp - done < max_count ? spp - done : max_count;
         result = sample_pass(run, done, count, begun);
         done += count;
         if (result == TY_OK && end_receivers(run)) break;

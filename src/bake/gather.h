@@ -1,4 +1,4 @@
-/* Sampling receivers: what surfaces and probes share. */
+/* Sampling of receivers: state shared by surfaces and probes. */
 #ifndef TY_BAKE_GATHER_H
 #define TY_BAKE_GATHER_H
 
@@ -7,16 +7,13 @@
 
 typedef struct ty_bake_run {
     ty_context* context;
-    const ty_bake_def* def;
-    ty_path_run path;      /* the scene as surfaces alone see it, lights and all; then with its media */
-    ty_medium_view* media; /* those with any matter; media_size of them */
+    const ty_bake_def* def; /* = &known */
+    ty_bake_def known;      /* copy of the caller's def in the library's own size */
+    ty_path_run path;       /* the scene without media, including its lights; then with its media */
+    ty_medium_view* media;  /* media of non-zero density; media_size of them allocated */
     size_t media_size;
-    ty_impulse* tables;   /* made here; NULL: the caller's */
-    ty_bake_cache* cache; /* the same */
-    ty_senders senders;   /* sender_size of them at most */
-    size_t sender_size;
-    ty_impulse_sum* merged; /* rows of request.merged */
-    size_t merged_size;
+    ty_bake_cache* cache; /* created by the run; NULL: the caller's */
+    ty_bake_impulse_run impulse;
     ty_bake_request request;
     ty_bake_kernel kernel;
     int64_t count;
@@ -25,30 +22,20 @@ typedef struct ty_bake_run {
     ty_bake_stats stats;
 } ty_bake_run;
 
-ty_result ty_bake_check(ty_context* context, const ty_bake_def* def);
-/* Checks def and looks at the scene: what comes before a cache. Whatever it returns, ty_bake_run_end is to follow. */
+/* Copies a caller's def to own, in the library's own size, and checks it. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_bake_take_def(ty_context* context, const ty_bake_def* def, ty_bake_def* own);
+/* Checks def and prepares the scene, as needed for a cache. Call ty_bake_run_end whatever it returns. */
 ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def);
-/* Whether a medium does the same to all channels. */
-bool ty_bake_is_gray(const ty_medium_view* medium);
-/* The light in the media of a prepared run. */
-ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out);
-/* Once all cells are filled: which of them see each other, and what is known where nothing was found. Errors:
- * TY_ERROR_MEMORY. */
-ty_result ty_cache_part(ty_bake_cache* cache, const ty_mesh* mesh);
-/* Checks def and receivers and takes memory. Whatever it returns, ty_bake_run_end is to follow. */
+/* Checks def and receivers and allocates memory. Call ty_bake_run_end whatever it returns. */
 ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def,
                             const ty_bake_receiver* receivers, int64_t count, int32_t terms);
-/* Samples all receivers until they are done. TY_OK or TY_CANCELLED; sums and light are valid either way. */
+/* Samples all receivers until they are done. Returns TY_OK or TY_CANCELLED; sums and light are valid either way. */
 ty_result ty_bake_sample(ty_bake_run* run);
 void ty_bake_run_end(ty_bake_run* run);
 
-/* Finds what sends light into media. ty_bake_senders_free is to follow, whatever it returns. */
-ty_result ty_bake_senders_make(ty_bake_run* run);
-void ty_bake_senders_free(ty_bake_run* run);
-
-/* The mean of a receiver's samples. */
+/* Mean of a receiver's samples. */
 double ty_bake_mean(const ty_bake_run* run, int64_t receiver, int layer, int channel, int term);
-/* Of that, all layers' first term; 0 from fewer than two. */
+/* Variance of that mean, for the first term summed over layers; 0 with fewer than two samples. */
 double ty_bake_variance(const ty_bake_sums* sums, int channel);
 
 #endif

@@ -1,4 +1,4 @@
-/* Images of light at vertices and probes. */
+/* Images of baked light at vertices and probes. */
 #include "base/context.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@ static float finite_or_zero(float value) {
     return isfinite(value) ? value : 0;
 }
 
-/* Channels of an image in the making: names, then planes in the same order. */
+/* Channels of an image being assembled: names, then planes in the same order. */
 typedef struct channel_list {
     char (*names)[NAME_SIZE];
     const char** pointers;
@@ -63,27 +63,27 @@ static void list_light_channels(channel_list* list) {
     add_colors(list, "variance.");
 }
 
-/* The vector irradiance over the integral of radiance, which is at least as long. */
-static void put_direction(const ty_bake_light* light, int c, float out[3]) {
-    float toward[3] = {0, 0, 0}, square = 0;
+/* The vector irradiance divided by the fluence, which bounds its length. */
+static void write_direction(const ty_bake_light* light, int c, float out[3]) {
+    float vector[3] = {0, 0, 0}, square = 0;
     for (int axis = 0; axis < 3; ++axis) {
         for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer)
-            toward[axis] += finite_or_zero(light->toward[layer][c][axis]);
-        square += toward[axis] * toward[axis];
+            vector[axis] += finite_or_zero(light->vector_irradiance[layer][c][axis]);
+        square += vector[axis] * vector[axis];
     }
-    const float whole = fmaxf(finite_or_zero(light->fluence[c]), sqrtf(square));
-    for (int axis = 0; axis < 3; ++axis) out[axis] = whole > 0 ? toward[axis] / whole : 0;
+    const float norm = fmaxf(finite_or_zero(light->fluence[c]), sqrtf(square));
+    for (int axis = 0; axis < 3; ++axis) out[axis] = norm > 0 ? vector[axis] / norm : 0;
 }
 
 static void light_values(const ty_bake_light* light, float values[LIGHT_CHANNELS]) {
     for (int c = 0; c < 3; ++c) {
         values[c] = 0;
         for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer) {
-            const float one = finite_or_zero(light->irradiance[layer][c]);
-            values[3 + 3 * layer + c] = one;
-            values[c] += one;
+            const float irradiance = finite_or_zero(light->irradiance[layer][c]);
+            values[3 + 3 * layer + c] = irradiance;
+            values[c] += irradiance;
         }
-        put_direction(light, c, values + 3 + 3 * TY_BAKE_LAYERS + 3 * c);
+        write_direction(light, c, values + 3 + 3 * TY_BAKE_LAYERS + 3 * c);
         values[LIGHT_CHANNELS - 3 + c] = finite_or_zero(light->variance[c]);
     }
     values[LIGHT_CHANNELS - 4] = (float)light->samples;
@@ -95,12 +95,12 @@ static ty_result check_size(ty_context* context, int64_t width, int64_t height) 
                    (long long)height);
 }
 
-ty_result ty_bake_light_image(ty_context* context, const ty_bake_light* light, int64_t count, int32_t width,
-                              ty_image** out) {
+ty_result ty_bake_create_light_image(ty_context* context, const ty_bake_light* light, int64_t count, int32_t width,
+                                     ty_image** out) {
     const int64_t height = width > 0 ? (count + width - 1) / width : 0;
     ty_result result = check_size(context, width, height);
     if (result == TY_OK && (light == NULL || out == NULL))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_bake_light_image: light or out is NULL");
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_bake_create_light_image: light or out is NULL");
     if (result != TY_OK) return result;
     channel_list list;
     ty_image* image = NULL;
@@ -144,9 +144,9 @@ void ty_bake_probe_sum(const ty_bake_probe* probe, float sh[3][TY_BAKE_SH_TERMS]
         }
 }
 
-/* In the order of the channels. */
-static void put_probe(const ty_bake_probe* probe, int32_t terms, ty_image* image, int64_t pixel) {
-    static const float mean_of_first = 0.28209479f; /* a constant radiance over its first term */
+/* Writes one probe in the order of the channels. */
+static void write_probe(const ty_bake_probe* probe, int32_t terms, ty_image* image, int64_t pixel) {
+    static const float mean_of_first = 0.28209479f; /* ratio of a constant radiance to its first coefficient */
     float sum[3][TY_BAKE_SH_TERMS];
     int32_t at = 0;
     ty_bake_probe_sum(probe, sum);
@@ -160,11 +160,11 @@ static void put_probe(const ty_bake_probe* probe, int32_t terms, ty_image* image
     for (int c = 0; c < 3; ++c) ty_image_plane(image, at++)[pixel] = finite_or_zero(probe->variance[c]);
 }
 
-ty_result ty_bake_probe_image(ty_context* context, const ty_bake_probe* probes, const int32_t size[3], int32_t terms,
-                              ty_image** out) {
+ty_result ty_bake_create_probe_image(ty_context* context, const ty_bake_probe* probes, const int32_t size[3],
+                                     int32_t terms, ty_image** out) {
     if (probes == NULL || out == NULL || (terms != 9 && terms != TY_BAKE_SH_TERMS))
         return ty_fail(context, TY_ERROR_ARGUMENT,
-                       "ty_bake_probe_image: probes or out is NULL, or terms are neither 9 nor 25");
+                       "ty_bake_create_probe_image: probes or out is NULL, or terms are neither 9 nor 25");
     const int64_t height = (int64_t)size[1] * size[2];
     ty_result result = size[1] < 1 || size[2] < 1 ? check_size(context, 0, 0) : check_size(context, size[0], height);
     if (result != TY_OK) return result;
@@ -175,7 +175,7 @@ ty_result ty_bake_probe_image(ty_context* context, const ty_bake_probe* probes, 
         list_probe_channels(&list, terms);
         result = ty_image_create(context, size[0], (int32_t)height, list.count, list.pointers, &image);
     }
-    for (int64_t i = 0; i < size[0] * height && result == TY_OK; ++i) put_probe(&probes[i], terms, image, i);
+    for (int64_t i = 0; i < size[0] * height && result == TY_OK; ++i) write_probe(&probes[i], terms, image, i);
     close_list(context, &list);
     if (result == TY_OK) *out = image;
     return result;

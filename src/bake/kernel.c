@@ -2,29 +2,24 @@
 #include "bake/cached.k.h"
 
 #include "base/float_mode.h"
+#include "bake/sample.k.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
-static void begin_receiver(ty_gather* g, const ty_bake_receiver* receiver, ty_bake_sums* sums, float* chances) {
-    ty_gather_stand(g, receiver);
+static void begin_receiver(ty_gather* g, const ty_bake_receiver* receiver, ty_bake_sums* sums, float* emitter_cdf) {
+    ty_gather_set_receiver(g, receiver);
     g->rays = 0;
     g->sums = sums;
-    if (!ty_gather_scatters(g)) return;
-    g->off = ty_gather_off(g);
-    ty_gather_weigh_senders(g, chances);
-    g->chances = chances;
+    ty_impulse_begin(g, emitter_cdf);
 }
 
-TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
+TY_BAKE_KERNEL(TY_KERNEL_NAME(ty_bake_kernel)) {
     const unsigned thread_state = ty_flush_denormals();
     ty_gather g = {.request = request};
     const bool cached = request->cache.light != NULL;
-    float chances[TY_SENDERS_MAX];
+    float emitter_cdf[TY_VIRTUAL_EMITTERS_MAX];
     for (int64_t item = begin; item < end; ++item) {
         ty_bake_sums* sum = &sums[item];
         if (sum->done != 0) continue;
-        begin_receiver(&g, &request->receivers[item], sum, chances);
+        begin_receiver(&g, &request->receivers[item], sum, emitter_cdf);
         g.light = light + item * (TY_BAKE_LAYERS * 3) * request->terms;
         for (uint32_t i = first; i < first + count; ++i) {
             for (int c = 0; c < 3; ++c) g.sample[c] = 0.0f;

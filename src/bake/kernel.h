@@ -1,63 +1,55 @@
-/* What the baker's driver hands to its kernel, which is built once per instruction set. */
+/* The request from the baker's driver to its kernel, which is built once per instruction set. */
 #ifndef TY_BAKE_KERNEL_H
 #define TY_BAKE_KERNEL_H
 
+#include "base/dispatch.h"
 #include "bake/cache.h"
-#include "bake/senders.h"
-#include "method/impulse/look.h"
+#include "bake/impulse/impulse.h"
 
 enum {
-    TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and the vector irradiance's x, y, z */
+    TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and x, y, z of the vector irradiance */
     TY_BAKE_TERMS_MAX = TY_BAKE_SH_TERMS,
-    /* TY_BAKE_CACHE: rays that gather what media scattered are as many as paths where cells know less of it than so
-     * many would tell; else there is none for the first paths, and then one for fog_every more. */
-    TY_FOG_LEAST = 16,
-    TY_FOG_ENOUGH = 64
+    /* TY_BAKE_CACHE: one gather ray per path where the prior counts for fewer rays than TY_FOG_MIN_PRIOR_RAYS; else
+       none for the first TY_FOG_PRIOR_PATHS paths, and then one per fog_every paths. */
+    TY_FOG_MIN_PRIOR_RAYS = 16,
+    TY_FOG_PRIOR_PATHS = 64
 };
 
 typedef struct ty_bake_request {
-    ty_path_request path; /* scene, random numbers, bounds; media without matter are left out of the scene */
+    ty_path_request path; /* scene, random numbers, bounds; media of zero density are left out of the scene */
     int32_t method;       /* ty_bake_method */
     int32_t scatterings;
     int32_t back_scattering;
-    int32_t gray; /* whether media do the same to all channels */
-    const ty_impulse* tables;
+    int32_t gray;        /* 1: media are identical in all channels */
     ty_cache_view cache; /* TY_BAKE_CACHE; light NULL: no media */
-    int32_t glows;       /* TY_BAKE_CACHE: whether media send light of their own, which paths look for */
+    int32_t media_emit;  /* TY_BAKE_CACHE: 1: some medium emits, and paths sample its emission */
     const ty_bake_receiver* receivers;
-    int32_t terms; /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS: receivers are probes */
-    /* TY_BAKE_IMPULSE */
-    ty_impulse_merged merged[3]; /* per channel, of media that have one albedo and g; rows NULL: they have not */
-    float most[3];               /* times as bright as a bounce is the next at most, in the tables' unlimited medium */
-    const ty_senders* senders;
-    uint32_t fog_every; /* one in so many samples asks what media make of emitters: a power of two; of TY_BAKE_CACHE,
-                           paths per ray that gathers what media scattered */
-    int32_t fog_alone;  /* whether only light counts that media scattered */
+    int32_t terms;      /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS for probes */
+    uint32_t fog_every; /* TY_BAKE_IMPULSE: samples per lookup of the tables, a power of two; TY_BAKE_CACHE: paths per
+                           gather ray */
+    ty_bake_impulse impulse;
 } ty_bake_request;
 
 /* Sums over a receiver's samples. */
 typedef struct ty_bake_sums {
-    double mean[3], square[3]; /* of what variance is told of */
-    double blocked;            /* rays that met the back of a surface */
-    /* The same of what media make of emitters, over the samples that ask, or of fog rays: it is not in mean and square.
-     */
+    double mean[3], square[3]; /* sums of the sampled irradiance and its square */
+    double blocked;            /* rays that hit back faces */
+    /* Sums of scattered light and its square, over table lookups or gather rays; not included in mean and square. */
     double fog_mean[3], fog_square[3];
-    double borrowed; /* TY_BAKE_CACHE: fog rays that what cells know counts as; its variance, as a mean */
-    double borrowed_variance[3];
+    double prior_rays; /* TY_BAKE_CACHE: gather rays that the prior counts for, and the variance of its mean */
+    double prior_variance[3];
     uint64_t paths, rays;
-    int32_t count; /* samples */
-    int32_t asked; /* TY_BAKE_IMPULSE: of which so many asked what media make of emitters; TY_BAKE_CACHE: fog rays */
+    int32_t count;       /* samples */
+    int32_t gather_rays; /* TY_BAKE_IMPULSE: samples with a lookup of the tables; TY_BAKE_CACHE: gather rays */
     int32_t done;
 } ty_bake_sums;
 
-/* Adds samples [first, first + count) of receivers [begin, end) to sums and to light, both of all receivers. light:
+/* Adds samples [first, first + count) of receivers [begin, end) to sums and light, which cover all receivers. light:
  * layers x 3 channels x terms each. */
 #define TY_BAKE_KERNEL(name)                                                                                           \
     void name(const ty_bake_request* request, int64_t begin, int64_t end, uint32_t first, uint32_t count,              \
               ty_bake_sums* sums, double* light)
 typedef TY_BAKE_KERNEL((*ty_bake_kernel));
-TY_BAKE_KERNEL(ty_bake_kernel_v1);
-TY_BAKE_KERNEL(ty_bake_kernel_v3);
-TY_BAKE_KERNEL(ty_bake_kernel_v4);
+TY_DECLARE_KERNEL_FUNCTION(TY_BAKE_KERNEL, ty_bake_kernel);
 
 #endif

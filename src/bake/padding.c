@@ -1,4 +1,4 @@
-/* The nearest texel that counts, exactly: first along columns, then along rows over what columns found. */
+/* Exact nearest valid texel: a scan along columns, then along rows over the column results. */
 #include "base/context.h"
 #include "bake/atlas.h"
 
@@ -7,7 +7,7 @@ enum { NONE = 127, COLUMNS = 64 };
 typedef struct padder {
     const ty_atlas* atlas;
     int32_t reach;
-    int8_t* up; /* per texel: rows to the nearest texel of its column that counts */
+    int8_t* up; /* per texel: signed rows to the nearest valid texel of its column */
     int32_t* source;
 } padder;
 
@@ -22,7 +22,7 @@ static void scan_columns(const padder* work, int32_t low, int32_t high, bool dow
             const size_t last = down ? texel - width : texel + width;
             if (found != 0 && row > 0 && work->up[last] != NONE) found = work->up[last] + (down ? -1 : 1);
             if (found > work->reach || found < -work->reach) found = NONE;
-            /* the second scan keeps what the first found if that is no farther */
+            /* the second scan keeps the result of the first if it is no farther */
             const int32_t first = down ? NONE : work->up[texel];
             work->up[texel] = (int8_t)(first != NONE && -first <= found ? first : found);
         }
@@ -44,16 +44,16 @@ static void pad_row(void* user, int64_t index, int32_t worker) {
     const int32_t width = work->atlas->width;
     const int8_t* up = work->up + (size_t)index * (size_t)width;
     for (int32_t x = 0; x < width; ++x) {
-        int32_t least = INT32_MAX, source = -1;
-        for (int32_t away = 0; away <= work->reach && away * away < least; ++away)
-            for (int32_t side = x - away;; side = x + away) {
+        int32_t min_square = INT32_MAX, source = -1;
+        for (int32_t offset = 0; offset <= work->reach && offset * offset < min_square; ++offset)
+            for (int32_t side = x - offset;; side = x + offset) {
                 const int32_t rows = side >= 0 && side < width ? up[side] : NONE;
-                const int32_t square = away * away + rows * rows;
-                if (rows != NONE && square < least) {
-                    least = square;
+                const int32_t square = offset * offset + rows * rows;
+                if (rows != NONE && square < min_square) {
+                    min_square = square;
                     source = ((int32_t)index + rows) * width + side;
                 }
-                if (side == x + away) break;
+                if (side == x + offset) break;
             }
         work->source[(size_t)index * (size_t)width + (size_t)x] = source;
     }

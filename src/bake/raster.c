@@ -1,23 +1,22 @@
-/* Triangles of a map of light: which texels they touch, and how much of each they cover. */
+/* Rasterisation of a lightmap: the texels that triangles touch, and their covered fractions. */
 #include "base/context.h"
 #include "bake/atlas.h"
 #include "scene/surface.k.h"
 
 #include <math.h>
 
-/* Texels are given out in bands of rows; each band meets all its triangles in order. */
+/* Texels are processed in bands of rows; each band visits all its triangles in order. */
 enum { BAND = 32 };
 
-/* A triangle covers a middle by a margin when it is this far from all edges, texels: more than rounding of
- * coordinates. */
-static const double strictly = 0.01;
-/* And at all when it is not farther out than this, so that no middle on an edge that triangles share is missed. */
-static const double barely = -1e-6;
-/* What a triangle must cover of a texel, or of its own area if that is less: charts drawn along texels' edges touch
- * their neighbours by rounding. */
-static const double touch = 1e-4;
-/* Off edges by this, texels. */
-static const double off_edges = 1.0 / 16;
+/* Margin in texels by which a center must be inside all edges, above the rounding of coordinates. */
+static const double covers_margin = 0.01;
+/* Tolerance in texels for covering a center, so that no center on a shared edge is missed. */
+static const double covers_tolerance = -1e-6;
+/* Minimum covered fraction of a texel, or of the triangle's own area if that is smaller: charts drawn along texel edges
+ * touch their neighbours by rounding. */
+static const double min_coverage = 1e-4;
+/* Distance of sample points from edges, texels. */
+static const double edge_distance = 1.0 / 16;
 
 enum { CLIPPED_MAX = 8 };
 
@@ -26,18 +25,18 @@ typedef struct polygon {
     double at[CLIPPED_MAX][2];
 } polygon;
 
-/* The part of a polygon with sign * (coordinate - limit) <= 0. */
+/* Clips a polygon to sign * (coordinate - limit) <= 0. */
 static polygon clip(const polygon* in, int axis, double limit, double sign) {
     polygon out = {.count = 0};
     for (int i = 0; i < in->count; ++i) {
         const double *a = in->at[i], *b = in->at[(i + 1) % in->count];
-        const double of_a = sign * (a[axis] - limit), of_b = sign * (b[axis] - limit);
-        if (of_a <= 0) {
+        const double side_a = sign * (a[axis] - limit), side_b = sign * (b[axis] - limit);
+        if (side_a <= 0) {
             out.at[out.count][0] = a[0];
             out.at[out.count++][1] = a[1];
         }
-        if ((of_a < 0 && of_b > 0) || (of_a > 0 && of_b < 0)) {
-            const double t = of_a / (of_a - of_b);
+        if ((side_a < 0 && side_b > 0) || (side_a > 0 && side_b < 0)) {
+            const double t = side_a / (side_a - side_b);
             out.at[out.count][1 - axis] = a[1 - axis] + t * (b[1 - axis] - a[1 - axis]);
             out.at[out.count++][axis] = limit;
         }
@@ -58,24 +57,24 @@ static double area_left_of(const polygon* p, double x) {
     return area_of(&left);
 }
 
-/* Twice the area, positive or negative by orientation. */
+/* Twice the signed area. */
 static double twice_area(const double corners[3][2]) {
     return (corners[1][0] - corners[0][0]) * (corners[2][1] - corners[0][1]) -
            (corners[2][0] - corners[0][0]) * (corners[1][1] - corners[0][1]);
 }
 
-/* How far inside the edge opposite to a corner a point is. */
-static double inside_by(const double corners[3][2], double twice, int corner, const double point[2]) {
+/* Signed distance of a point from the edge opposite to a corner, positive inside. */
+static double edge_side(const double corners[3][2], double twice, int corner, const double point[2]) {
     const double *a = corners[(corner + 1) % 3], *b = corners[(corner + 2) % 3];
     const double along[2] = {b[0] - a[0], b[1] - a[1]};
     const double cross = along[0] * (point[1] - a[1]) - along[1] * (point[0] - a[0]);
     return (twice < 0 ? -cross : cross) / hypot(along[0], along[1]);
 }
 
-static double inside_all(const double corners[3][2], double twice, const double point[2]) {
-    double least = INFINITY;
-    for (int corner = 0; corner < 3; ++corner) least = fmin(least, inside_by(corners, twice, corner, point));
-    return least;
+static double min_edge_side(const double corners[3][2], double twice, const double point[2]) {
+    double minimum = INFINITY;
+    for (int corner = 0; corner < 3; ++corner) minimum = fmin(minimum, edge_side(corners, twice, corner, point));
+    return minimum;
 }
 
 static ty_vec position_of(const ty_mesh_def* mesh, size_t triangle, double b1, double b2) {
@@ -104,7 +103,7 @@ bool ty_atlas_triangle(const ty_mesh_def* mesh, size_t triangle, int32_t width, 
     return fabs(twice_area(corners)) > 1e-12 && area > 0;
 }
 
-/* Weights of the second and third corner. */
+/* Barycentric coordinates of the second and third corner. */
 static void weights_of(const double corners[3][2], const double point[2], double* b1, double* b2) {
     const double twice = twice_area(corners);
     const double p[2] = {point[0] - corners[0][0], point[1] - corners[0][1]};
@@ -115,7 +114,7 @@ static void weights_of(const double corners[3][2], const double point[2], double
 }
 
 static void nearest_on_edges(const double corners[3][2], const double point[2], double out[2]) {
-    double least = INFINITY;
+    double minimum = INFINITY;
     for (int i = 0; i < 3; ++i) {
         const double *a = corners[i], *b = corners[(i + 1) % 3];
         const double along[2] = {b[0] - a[0], b[1] - a[1]};
@@ -124,29 +123,29 @@ static void nearest_on_edges(const double corners[3][2], const double point[2], 
         t = fmin(fmax(t, 0), 1);
         const double at[2] = {a[0] + t * along[0], a[1] + t * along[1]};
         const double distance = hypot(at[0] - point[0], at[1] - point[1]);
-        if (!(distance < least)) continue;
-        least = distance;
+        if (!(distance < minimum)) continue;
+        minimum = distance;
         out[0] = at[0];
         out[1] = at[1];
     }
 }
 
-void ty_atlas_place(const double corners[3][2], const double middle[2], double* b1, double* b2) {
+void ty_atlas_texel_point(const double corners[3][2], const double center[2], double* b1, double* b2) {
     const double twice = twice_area(corners);
-    double at[2] = {middle[0], middle[1]};
-    if (inside_all(corners, twice, at) < 0) nearest_on_edges(corners, middle, at);
-    if (inside_all(corners, twice, at) < off_edges) {
-        /* towards the middle of the inscribed circle */
-        double center[2] = {0, 0}, around = 0;
+    double at[2] = {center[0], center[1]};
+    if (min_edge_side(corners, twice, at) < 0) nearest_on_edges(corners, center, at);
+    if (min_edge_side(corners, twice, at) < edge_distance) {
+        /* towards the center of the inscribed circle */
+        double incenter[2] = {0, 0}, perimeter = 0;
         for (int i = 0; i < 3; ++i) {
             const double *a = corners[(i + 1) % 3], *b = corners[(i + 2) % 3];
             const double length = hypot(b[0] - a[0], b[1] - a[1]);
-            for (int axis = 0; axis < 2; ++axis) center[axis] += length * corners[i][axis];
-            around += length;
+            for (int axis = 0; axis < 2; ++axis) incenter[axis] += length * corners[i][axis];
+            perimeter += length;
         }
-        const double way[2] = {center[0] / around - at[0], center[1] / around - at[1]};
-        const double part = fmin(off_edges / fmax(hypot(way[0], way[1]), 1e-30), 0.5);
-        for (int axis = 0; axis < 2; ++axis) at[axis] += part * way[axis];
+        const double to_center[2] = {incenter[0] / perimeter - at[0], incenter[1] / perimeter - at[1]};
+        const double fraction = fmin(edge_distance / fmax(hypot(to_center[0], to_center[1]), 1e-30), 0.5);
+        for (int axis = 0; axis < 2; ++axis) at[axis] += fraction * to_center[axis];
     }
     weights_of(corners, at, b1, b2);
 }
@@ -156,7 +155,7 @@ void ty_atlas_place(const double corners[3][2], const double middle[2], double* 
 typedef struct raster_job {
     const ty_mesh_def* mesh;
     int32_t width, height;
-    int16_t* rows; /* per triangle: first and last row; the first is higher where there is none */
+    int16_t* rows; /* per triangle: first and last row; first > last: none */
     ty_texel* texels;
     ty_raster* bands;
 } raster_job;
@@ -178,8 +177,8 @@ static void find_rows(void* user, int64_t index, int32_t worker) {
     }
 }
 
-/* Whether two triangles that cover a texel's middle are apart there, or show it from two sides. */
-static bool apart(const raster_job* job, size_t first, size_t second, const double middle[2]) {
+/* True if two triangles that cover a texel center are separate there or face opposite ways. */
+static bool are_separate(const raster_job* job, size_t first, size_t second, const double center[2]) {
     ty_vec at[2], normal[2];
     float area = 0;
     double extent = 0;
@@ -187,7 +186,7 @@ static bool apart(const raster_job* job, size_t first, size_t second, const doub
         const size_t triangle = i == 0 ? first : second;
         double corners[3][2], b1, b2;
         ty_atlas_triangle(job->mesh, triangle, job->width, job->height, corners);
-        weights_of(corners, middle, &b1, &b2);
+        weights_of(corners, center, &b1, &b2);
         at[i] = position_of(job->mesh, triangle, b1, b2);
         normal[i] = normal_of(job->mesh, triangle, &area);
         extent = fmax(extent, sqrt((double)area / (0.5 * fabs(twice_area(corners)))));
@@ -196,18 +195,18 @@ static bool apart(const raster_job* job, size_t first, size_t second, const doub
     return sqrt((double)ty_dot(between, between)) > 0.5 * extent || ty_dot(normal[0], normal[1]) < 0;
 }
 
-static void claim_texel(const raster_job* job, size_t triangle, const double middle[2], double inside, double area,
+static void cover_texel(const raster_job* job, size_t triangle, const double center[2], double inside, double area,
                         ty_texel* texel, ty_raster* counts) {
-    float claim = (float)fmin(area, 1);
-    if (inside >= barely) claim += 1;
-    if (inside > strictly) {
-        claim += 1;
-        if (texel->claim < 2)
-            ++counts->middles;
-        else if (apart(job, (size_t)texel->triangle, triangle, middle))
+    float rank = (float)fmin(area, 1);
+    if (inside >= covers_tolerance) rank += 1;
+    if (inside > covers_margin) {
+        rank += 1;
+        if (texel->rank < 2)
+            ++counts->centers;
+        else if (are_separate(job, (size_t)texel->triangle, triangle, center))
             ++counts->overlaps;
     }
-    if (claim > texel->claim) *texel = (ty_texel){.triangle = (int32_t)triangle, .claim = claim};
+    if (rank > texel->rank) *texel = (ty_texel){.triangle = (int32_t)triangle, .rank = rank};
 }
 
 static void draw_row(const raster_job* job, size_t triangle, const double corners[3][2], int32_t y, ty_raster* counts) {
@@ -223,14 +222,14 @@ static void draw_row(const raster_job* job, size_t triangle, const double corner
         high = fmax(high, row.at[i][0]);
     }
     const int32_t first = (int32_t)fmax(floor(low), 0), last = (int32_t)fmin(floor(high), job->width - 1);
-    const double twice = twice_area(corners), least = touch * fmin(0.5 * fabs(twice), 1);
+    const double twice = twice_area(corners), minimum = min_coverage * fmin(0.5 * fabs(twice), 1);
     double before = area_left_of(&row, first);
     for (int32_t x = first; x <= last; ++x) {
         const double until = area_left_of(&row, x + 1), area = until - before;
-        const double middle[2] = {x + 0.5, y + 0.5};
+        const double center[2] = {x + 0.5, y + 0.5};
         before = until;
-        if (area > least)
-            claim_texel(job, triangle, middle, inside_all(corners, twice, middle), area,
+        if (area > minimum)
+            cover_texel(job, triangle, center, min_edge_side(corners, twice, center), area,
                         &job->texels[(size_t)y * (size_t)job->width + (size_t)x], counts);
     }
 }
@@ -241,13 +240,13 @@ static void draw_band(void* user, int64_t index, int32_t worker) {
     const int32_t low = (int32_t)index * BAND, high = low + BAND < job->height ? low + BAND : job->height;
     ty_raster counts = {0};
     for (size_t i = (size_t)low * (size_t)job->width; i < (size_t)high * (size_t)job->width; ++i)
-        job->texels[i] = (ty_texel){.triangle = -1, .claim = 0};
+        job->texels[i] = (ty_texel){.triangle = -1, .rank = 0};
     for (int64_t t = 0; t < job->mesh->triangle_count; ++t) {
-        const int32_t from = job->rows[2 * t], to = job->rows[2 * t + 1];
-        if (from > to || from >= high || to < low) continue;
+        const int32_t first_row = job->rows[2 * t], last_row = job->rows[2 * t + 1];
+        if (first_row > last_row || first_row >= high || last_row < low) continue;
         double corners[3][2];
         ty_atlas_triangle(job->mesh, (size_t)t, job->width, job->height, corners);
-        for (int32_t y = from > low ? from : low; y < high && y <= to; ++y)
+        for (int32_t y = first_row > low ? first_row : low; y < high && y <= last_row; ++y)
             draw_row(job, (size_t)t, corners, y, &counts);
     }
     job->bands[index] = counts;
@@ -266,7 +265,7 @@ ty_result ty_atlas_rasterise(ty_context* context, const ty_mesh_def* mesh, int32
         ty_parallel_for(context, (int64_t)bands, draw_band, &job);
     }
     for (size_t i = 0; ready && i < bands; ++i) {
-        out->middles += job.bands[i].middles;
+        out->centers += job.bands[i].centers;
         out->overlaps += job.bands[i].overlaps;
     }
     ty_free_array(context, job.rows, rows, sizeof *job.rows);

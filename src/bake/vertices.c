@@ -1,19 +1,19 @@
-/* Where the vertices of a mesh gather light. */
+/* Receivers at the vertices of a mesh. */
 #include "base/context.h"
 #include "base/vector.k.h"
-#include "scene/mesh.h"
+#include "scene/accel.h"
 #include "scene/surface.k.h"
 
 #include <tyndall/bake.h>
 
-/* How much of the way to the middle of its triangle a vertex stands from the corner. */
+/* Fraction of the distance from a vertex to the center of its triangle by which its receiver is inset. */
 static const float inset = 0.01f;
 
 /* The largest triangle around a vertex. */
-typedef struct home {
-    float area;      /* twice it; 0: none */
-    uint32_t corner; /* of all corners of the mesh */
-} home;
+typedef struct largest_triangle {
+    float area;      /* twice the area; 0: none */
+    uint32_t corner; /* index among all corners of the mesh */
+} largest_triangle;
 
 static ty_vec load(const float* values, size_t index) {
     return ty_vec_load(values + 3 * index);
@@ -30,20 +30,21 @@ static ty_vec triangle_edges(const ty_mesh_def* mesh, size_t triangle, ty_vec co
     return ty_cross(ty_sub(corners[1], corners[0]), ty_sub(corners[2], corners[0]));
 }
 
-/* Finds every vertex' largest triangle, and sums their normals by area. */
-static void visit_triangles(const ty_mesh_def* mesh, home* homes, ty_bake_receiver* receivers) {
+/* Finds the largest triangle of every vertex, and sums area-weighted normals. */
+static void visit_triangles(const ty_mesh_def* mesh, largest_triangle* largest, ty_bake_receiver* receivers) {
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i) {
         ty_vec corners[3];
         const size_t vertex = mesh->indices[i];
-        const ty_vec across = triangle_edges(mesh, i / 3, corners);
-        const float area = sqrtf(ty_dot(across, across));
+        const ty_vec cross = triangle_edges(mesh, i / 3, corners);
+        const float area = sqrtf(ty_dot(cross, cross));
         if (!(area > 0) || !isfinite(area)) continue;
-        store(ty_add(ty_vec_load(receivers[vertex].normal), across), receivers[vertex].normal);
-        if (area > homes[vertex].area) homes[vertex] = (home){area, (uint32_t)i};
+        store(ty_add(ty_vec_load(receivers[vertex].normal), cross), receivers[vertex].normal);
+        if (area > largest[vertex].area) largest[vertex] = (largest_triangle){area, (uint32_t)i};
     }
 }
 
-/* The mesh's own normal, the mean of its triangles', or the face's, whichever is there and looks to the front. */
+/* The mesh's own normal, the mean normal of its triangles, or the face normal: the first that exists and lies on the
+ * front side. */
 static ty_vec choose_normal(const ty_mesh_def* mesh, size_t vertex, ty_vec mean, ty_vec face) {
     const ty_vec given = mesh->normals == NULL ? mean : load(mesh->normals, vertex);
     const float length = sqrtf(ty_dot(given, given));
@@ -51,7 +52,8 @@ static ty_vec choose_normal(const ty_mesh_def* mesh, size_t vertex, ty_vec mean,
     return ty_scale(given, 1 / length);
 }
 
-static void place_vertex(const ty_mesh_def* mesh, size_t vertex, const home* at, ty_bake_receiver* receiver) {
+static void make_receiver(const ty_mesh_def* mesh, size_t vertex, const largest_triangle* at,
+                          ty_bake_receiver* receiver) {
     const ty_vec mean = ty_vec_load(receiver->normal);
     *receiver = (ty_bake_receiver){.position = {0}};
     store(load(mesh->positions, vertex), receiver->position);
@@ -60,13 +62,13 @@ static void place_vertex(const ty_mesh_def* mesh, size_t vertex, const home* at,
         return;
     }
     ty_vec corners[3];
-    const ty_vec across = triangle_edges(mesh, at->corner / 3, corners), corner = corners[at->corner % 3];
-    const ty_vec middle = ty_scale(ty_add(corners[0], ty_add(corners[1], corners[2])), 1.0f / 3);
-    const ty_vec face = ty_scale(across, 1 / at->area);
-    store(ty_mad(corner, ty_sub(middle, corner), inset), receiver->position);
+    const ty_vec cross = triangle_edges(mesh, at->corner / 3, corners), corner = corners[at->corner % 3];
+    const ty_vec center = ty_scale(ty_add(corners[0], ty_add(corners[1], corners[2])), 1.0f / 3);
+    const ty_vec face = ty_scale(cross, 1 / at->area);
+    store(ty_mad(corner, ty_sub(center, corner), inset), receiver->position);
     store(choose_normal(mesh, vertex, mean, face), receiver->normal);
     store(face, receiver->face);
-    receiver->margin = ty_mesh_triangle_margin(face, corners[0], corners[1], corners[2]);
+    receiver->margin = ty_accel_ray_epsilon(face, corners[0], corners[1], corners[2]);
 }
 
 ty_result ty_bake_vertices(const ty_scene* scene, int32_t mesh, ty_bake_receiver* receivers) {
@@ -78,11 +80,11 @@ ty_result ty_bake_vertices(const ty_scene* scene, int32_t mesh, ty_bake_receiver
         result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_bake_vertices: receivers is NULL");
     if (result != TY_OK) return result;
     const size_t count = (size_t)def.vertex_count;
-    home* homes = ty_alloc_array(context, count, sizeof *homes, true);
-    if (homes == NULL) return TY_ERROR_MEMORY;
+    largest_triangle* largest = ty_alloc_array(context, count, sizeof *largest, true);
+    if (largest == NULL) return TY_ERROR_MEMORY;
     for (size_t i = 0; i < count; ++i) receivers[i] = (ty_bake_receiver){.margin = 0};
-    visit_triangles(&def, homes, receivers);
-    for (size_t i = 0; i < count; ++i) place_vertex(&def, i, &homes[i], &receivers[i]);
-    ty_free_array(context, homes, count, sizeof *homes);
+    visit_triangles(&def, largest, receivers);
+    for (size_t i = 0; i < count; ++i) make_receiver(&def, i, &largest[i], &receivers[i]);
+    ty_free_array(context, largest, count, sizeof *largest);
     return TY_OK;
 }

@@ -53,11 +53,11 @@ ty_affine ty_affine_compose(const double translate[3], const double rotate_deg[3
     for (int axis = 0; axis < 3; ++axis) {
         const double angle = rotate_deg[axis] * 0.017453292519943295769;
         const int a = (axis + 1) % 3, b = (axis + 2) % 3;
-        ty_affine turn = ty_affine_identity();
-        turn.m[5 * a] = turn.m[5 * b] = cos(angle);
-        turn.m[4 * b + a] = sin(angle);
-        turn.m[4 * a + b] = -sin(angle);
-        result = ty_affine_multiply(&turn, &result);
+        ty_affine rotation = ty_affine_identity();
+        rotation.m[5 * a] = rotation.m[5 * b] = cos(angle);
+        rotation.m[4 * b + a] = sin(angle);
+        rotation.m[4 * a + b] = -sin(angle);
+        result = ty_affine_multiply(&rotation, &result);
     }
     for (int r = 0; r < 3; ++r) result.m[4 * r + 3] = translate[r];
     return result;

@@ -1,5 +1,5 @@
-/* Memory handed out piece by piece from one block. Without a base it only counts, so that the code that lays memory out
- * also says how much that takes. */
+/* Arena allocation from a single block. Without a base it only counts, so that the layout code also computes the size.
+ */
 #ifndef TY_BASE_ARENA_H
 #define TY_BASE_ARENA_H
 
@@ -10,11 +10,11 @@ typedef struct ty_arena {
     size_t used;
 } ty_arena;
 
-/* A piece aligned to 64 bytes; NULL without a base. */
+/* Allocates bytes aligned to 64; NULL without a base. */
 static inline void* ty_arena_take(ty_arena* arena, size_t bytes) {
-    void* place = arena->base != NULL ? arena->base + arena->used : NULL;
+    void* address = arena->base != NULL ? arena->base + arena->used : NULL;
     arena->used += (bytes + 63) / 64 * 64;
-    return place;
+    return address;
 }
 
 #endif

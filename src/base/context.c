@@ -1,7 +1,8 @@
 /* Contexts: errors, logging, memory, clocks. */
 #define _GNU_SOURCE
 #include "base/context.h"
-#include "base/parallel.h"
+#include "base/thread_errors.h"
+#include "base/thread_pool.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -15,8 +16,8 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64 };
-/* Bytes of a large page, and from which size on arrays are rounded up to whole ones. */
+enum { ALIGNMENT = 64 };
+/* Bytes of a large page, and minimum array size for rounding to whole large pages. */
 enum { LARGE_PAGE = 1 << 21, LARGE = 1 << 22 };
 
 static const double mebibyte = 1048576;
@@ -24,30 +25,38 @@ static const double mebibyte = 1048576;
 struct ty_context {
     ty_context_def def;
     int32_t threads;
-    pthread_mutex_t lock; /* guards message and the log callback */
-    char message[MESSAGE_SIZE];
+    uint64_t number;       /* no two contexts of a process share one; from 1 on */
+    pthread_mutex_t lock;  /* of the log callback */
     double machine_memory; /* bytes */
-    _Atomic size_t taken;  /* bytes of arrays that were not given back yet */
-    ty_team team;          /* all threads but the caller's */
-    ty_team_member members[];
+    _Atomic size_t taken;  /* bytes of allocated arrays */
+    ty_thread_pool pool;   /* all threads but the caller's */
+    ty_pool_thread pool_threads[];
 };
 
 const char* ty_result_name(ty_result result) {
     switch (result) {
-#define TY_RESULT_NAME(code, name, text)                                                                               \
-    case name: return #name;
-        TY_RESULT_LIST(TY_RESULT_NAME)
-#undef TY_RESULT_NAME
+    case TY_OK: return "TY_OK";
+    case TY_CANCELLED: return "TY_CANCELLED";
+    case TY_ERROR_ARGUMENT: return "TY_ERROR_ARGUMENT";
+    case TY_ERROR_INPUT: return "TY_ERROR_INPUT";
+    case TY_ERROR_FILE: return "TY_ERROR_FILE";
+    case TY_ERROR_MEMORY: return "TY_ERROR_MEMORY";
+    case TY_ERROR_UNSUPPORTED: return "TY_ERROR_UNSUPPORTED";
+    case TY_ERROR_INTERNAL: return "TY_ERROR_INTERNAL";
     }
     return "unknown";
 }
 
 const char* ty_result_text(ty_result result) {
     switch (result) {
-#define TY_RESULT_TEXT(code, name, text)                                                                               \
-    case name: return text;
-        TY_RESULT_LIST(TY_RESULT_TEXT)
-#undef TY_RESULT_TEXT
+    case TY_OK: return "done";
+    case TY_CANCELLED: return "cancelled by the progress callback";
+    case TY_ERROR_ARGUMENT: return "an argument of the call is wrong";
+    case TY_ERROR_INPUT: return "the content of a file is wrong";
+    case TY_ERROR_FILE: return "a file cannot be opened, read or written";
+    case TY_ERROR_MEMORY: return "not enough memory";
+    case TY_ERROR_UNSUPPORTED: return "not available in this build or on this machine";
+    case TY_ERROR_INTERNAL: return "a library below failed unexpectedly";
     }
     return "unknown";
 }
@@ -60,8 +69,46 @@ static size_t round_up(size_t size, size_t to) {
     return (size + to - 1) / to * to;
 }
 
-/* Large arrays are on large pages where the system has them: the first touch of each small one costs as much as working
- * through it. */
+void ty_mark_def(void* def, size_t bytes) {
+    const ty_def_head head = {TY_DEF_COOKIE, (uint32_t)bytes};
+    memcpy(def, &head, sizeof head);
+}
+
+void ty_init_def(void* def, size_t bytes, const void* defaults, size_t size) {
+    memset(def, 0, bytes);
+    memcpy(def, defaults, bytes < size ? bytes : size);
+    ty_mark_def(def, bytes);
+}
+
+ty_result ty_check_def(ty_context* context, const void* def, const char* default_function) {
+    ty_def_head head = {0, 0};
+    if (def != NULL) memcpy(&head, def, sizeof head);
+    if (head.cookie == TY_DEF_COOKIE && head.bytes >= sizeof head) return TY_OK;
+    return ty_fail(context, TY_ERROR_ARGUMENT, "a def was not made by %s()", default_function);
+}
+
+size_t ty_def_bytes(const void* def) {
+    ty_def_head head;
+    memcpy(&head, def, sizeof head);
+    return head.bytes;
+}
+
+ty_result ty_take_def(ty_context* context, const void* def, const char* default_function, void* own, size_t size) {
+    const ty_result result = ty_check_def(context, def, default_function);
+    if (result != TY_OK) return result;
+    const size_t bytes = ty_def_bytes(def);
+    if (bytes > size)
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "a def of %s() has %zu bytes, and this library knows %zu: the program was compiled against a "
+                       "newer version",
+                       default_function, bytes, size);
+    memcpy(own, def, bytes);
+    ty_mark_def(own, size);
+    return TY_OK;
+}
+
+/* Large arrays use large pages where available: the first touch of small pages costs as much as the computation on
+ * them. */
 static void* default_alloc(void* user, size_t size) {
     (void)user;
 #ifdef MADV_HUGEPAGE
@@ -87,36 +134,52 @@ static int32_t available_processors(void) {
     return count < 1 ? 1 : count > TY_THREADS_MAX ? TY_THREADS_MAX : count;
 }
 
-/* Bytes of physical memory; infinite where the system does not tell. */
+/* Bytes of physical memory; infinite if unknown. */
 static double physical_memory(void) {
     const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
     return pages > 0 && page > 0 ? (double)pages * (double)page : INFINITY;
 }
 
-ty_context_def ty_default_context_def(void) {
-    return (ty_context_def){.cookie = TY_DEF_COOKIE};
+void ty_init_context_def(void* def, size_t bytes) {
+    const ty_context_def own = {.threads = TY_AUTO};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
+/* The number of contexts that were made in this process. */
+static _Atomic uint64_t contexts_made;
+
 static size_t context_size(int32_t threads) {
-    return sizeof(ty_context) + (size_t)(threads - 1) * sizeof(ty_team_member);
+    return sizeof(ty_context) + (size_t)(threads - 1) * sizeof(ty_pool_thread);
+}
+
+static ty_result check_context_def(const ty_context_def* def) {
+    if (def->threads != TY_AUTO && (def->threads < 1 || def->threads > TY_THREADS_MAX))
+        return ty_fail(NULL, TY_ERROR_ARGUMENT,
+                       "context: threads: %d is outside [1, %d]; write TY_AUTO for one per processor", def->threads,
+                       TY_THREADS_MAX);
+    if ((def->alloc == NULL) != (def->free == NULL))
+        return ty_fail(NULL, TY_ERROR_ARGUMENT, "context: one of alloc and free is given without the other");
+    return TY_OK;
 }
 
 ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
-    if (out == NULL || def == NULL || def->cookie != TY_DEF_COOKIE || def->threads < 0 ||
-        def->threads > TY_THREADS_MAX || (def->alloc == NULL) != (def->free == NULL))
-        return TY_ERROR_ARGUMENT;
-    ty_context_def copy = *def;
+    if (out == NULL) return ty_fail(NULL, TY_ERROR_ARGUMENT, "ty_context_create: out is NULL");
+    ty_context_def copy = ty_default_context_def();
+    ty_result result = ty_take_def(NULL, def, "ty_default_context_def", &copy, sizeof copy);
+    if (result == TY_OK) result = check_context_def(&copy);
+    if (result != TY_OK) return result;
     if (copy.alloc == NULL) {
         copy.alloc = default_alloc;
         copy.free = default_free;
     }
     const int32_t processors = available_processors(), threads = copy.threads > 0 ? copy.threads : processors;
     ty_context* context = copy.alloc(copy.alloc_user, context_size(threads));
-    if (context == NULL) return TY_ERROR_MEMORY;
+    if (context == NULL) return ty_fail(NULL, TY_ERROR_MEMORY, "not enough memory for a context");
     memset(context, 0, context_size(threads));
+    context->number = 1 + atomic_fetch_add(&contexts_made, 1);
     context->def = copy;
     context->threads = threads;
-    ty_team_create(&context->team, context->members, threads - 1, threads <= processors);
+    ty_thread_pool_create(&context->pool, context->pool_threads, threads - 1, threads <= processors);
     context->machine_memory = physical_memory();
     atomic_init(&context->taken, 0);
     pthread_mutex_init(&context->lock, NULL);
@@ -126,67 +189,62 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
 
 void ty_context_destroy(ty_context* context) {
     if (context == NULL) return;
-    ty_team_destroy(&context->team);
+    ty_thread_pool_destroy(&context->pool);
     pthread_mutex_destroy(&context->lock);
     const ty_context_def def = context->def;
     def.free(def.alloc_user, context, context_size(context->threads));
 }
 
-const char* ty_last_error(const ty_context* context) {
-    return context == NULL ? "" : context->message;
+/* Messages of calls that had no context are kept under 0. */
+static uint64_t number_of(const ty_context* context) {
+    return context != NULL ? context->number : 0;
 }
 
-void ty_clear_error(ty_context* context) {
-    if (context == NULL) return;
-    pthread_mutex_lock(&context->lock);
-    context->message[0] = '\0';
-    pthread_mutex_unlock(&context->lock);
+const char* ty_take_error(ty_context* context) {
+    return ty_errors_take(number_of(context));
+}
+
+bool ty_has_error(const ty_context* context) {
+    return ty_errors_has(number_of(context));
 }
 
 int32_t ty_context_threads(const ty_context* context) {
     return context->threads;
 }
 
-void ty_parallel_for(ty_context* context, int64_t count, ty_parallel_fn body, void* user) {
-    ty_loop loop = {.body = body, .user = user, .count = count};
-    atomic_init(&loop.next, 0);
-    ty_team_run(&context->team, &loop);
+ty_thread_pool* ty_context_pool(ty_context* context) {
+    return &context->pool;
 }
 
-ty_result ty_fail(ty_context* context, ty_result result, const char* format, ...) {
-    if (context == NULL) return result;
-    char text[MESSAGE_SIZE];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    pthread_mutex_lock(&context->lock);
-    if (context->message[0] == '\0') memcpy(context->message, text, sizeof text);
-    if (context->def.log != NULL) context->def.log(context->def.log_user, TY_LOG_ERROR, text);
-    pthread_mutex_unlock(&context->lock);
-    return result;
-}
-
-void ty_log(ty_context* context, ty_log_level level, const char* format, ...) {
-    if (context->def.log == NULL) return;
-    char text[MESSAGE_SIZE];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
+static void log_line(ty_context* context, ty_log_level level, const char* text) {
+    if (context == NULL || context->def.log == NULL) return;
     pthread_mutex_lock(&context->lock);
     context->def.log(context->def.log_user, level, text);
     pthread_mutex_unlock(&context->lock);
 }
 
-ty_result ty_check_def(ty_context* context, const void* def, const char* default_function) {
-    uint32_t cookie = 0;
-    if (def != NULL) memcpy(&cookie, def, sizeof cookie);
-    if (cookie == TY_DEF_COOKIE) return TY_OK;
-    return ty_fail(context, TY_ERROR_ARGUMENT, "a def was not made by %s()", default_function);
+ty_result ty_fail(ty_context* context, ty_result result, const char* format, ...) {
+    char text[TY_MESSAGE_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    ty_errors_keep(number_of(context), text);
+    log_line(context, TY_LOG_ERROR, text);
+    return result;
 }
 
-/* More than the machine has would be promised, and the process killed when it uses what it was promised. */
+void ty_log(ty_context* context, ty_log_level level, const char* format, ...) {
+    if (context->def.log == NULL) return;
+    char text[TY_MESSAGE_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    log_line(context, level, text);
+}
+
+/* The system overcommits memory and kills the process on use; larger requests are rejected here. */
 static bool machine_has(const ty_context* context, double bytes) {
     return bytes + (double)atomic_load(&context->taken) <= context->machine_memory;
 }
@@ -211,10 +269,10 @@ static void clear_part(void* user, int64_t index, int32_t worker) {
     memset(all->begin + begin, 0, left < CLEARED_AT_ONCE ? left : CLEARED_AT_ONCE);
 }
 
-/* By all threads: the system makes pages when they are written to. */
+/* Clears memory on all threads: pages are mapped on first write. */
 static void clear(ty_context* context, void* begin, size_t size) {
     clearing all = {begin, size};
-    ty_parallel_for(context, (int64_t)((size + CLEARED_AT_ONCE - 1) / CLEARED_AT_ONCE), clear_part, &all);
+    ty_thread_pool_run(&context->pool, (int64_t)((size + CLEARED_AT_ONCE - 1) / CLEARED_AT_ONCE), clear_part, &all);
 }
 
 void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, bool zero) {

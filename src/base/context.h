@@ -1,4 +1,4 @@
-/* The context's insides and how every room reports errors and takes memory. */
+/* Context internals: error reports and memory for all modules. */
 #ifndef TY_BASE_CONTEXT_H
 #define TY_BASE_CONTEXT_H
 
@@ -6,32 +6,53 @@
 
 enum { TY_THREADS_MAX = 1024 };
 
-/* Every def made by its ty_default_*_def starts with this. */
+/* First member of every def made by its ty_default_*_def. */
 #define TY_DEF_COOKIE 0x74796466u
 
-/* Formats a message, keeps it if it is the first, logs it as an error, and returns result:
+/* First members of every def. */
+typedef struct ty_def_head {
+    uint32_t cookie, bytes;
+} ty_def_head;
+
+/* Formats a message, stores it for ty_take_error unless the calling thread has an unread message of this context, logs
+ * it as an error, and returns result. Without a context the message is stored for ty_take_error(NULL):
  * return ty_fail(context, TY_ERROR_INPUT, "%s: ...", path); */
 ty_result ty_fail(ty_context* context, ty_result result, const char* format, ...) __attribute__((format(printf, 3, 4)));
+/* Tells whether the calling thread has a message of this context that was not read. */
+bool ty_has_error(const ty_context* context);
 /* Logs a line without failing. */
 void ty_log(ty_context* context, ty_log_level level, const char* format, ...) __attribute__((format(printf, 3, 4)));
 
+/* Sets cookie and size of a caller's def. */
+void ty_mark_def(void* def, size_t bytes);
+/* Copies the library's defaults, of size bytes, into a caller's def of `bytes`, which may be smaller: that of a program
+ * that was compiled against an older definition. */
+void ty_init_def(void* def, size_t bytes, const void* defaults, size_t size);
 /* Fails with TY_ERROR_ARGUMENT when def is NULL or was not made by its default function. */
 ty_result ty_check_def(ty_context* context, const void* def, const char* default_function);
+/* The size of a def that ty_check_def passes. */
+size_t ty_def_bytes(const void* def);
+/* Copies a caller's def over own, which holds the library's defaults and is of size bytes. Fails with
+ * TY_ERROR_ARGUMENT when def is NULL, was not made by its default function or is larger than the library's. */
+ty_result ty_take_def(ty_context* context, const void* def, const char* default_function, void* own, size_t size);
 
-/* Memory aligned to 64 bytes from the context's allocator. ty_alloc_array checks the product for overflow and that the
- * context's arrays together fit the machine's memory, keeps a message on failure and may be asked for zeros; a count of
- * 0 gives a valid pointer. */
+/* Memory aligned to 64 bytes from the context's allocator. ty_alloc_array checks the product for overflow and the total
+ * of the context's arrays against the machine's memory, stores a message on failure and clears the array on request; a
+ * count of 0 gives a valid pointer. */
 void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, bool zero);
 void ty_free_array(ty_context* context, void* pointer, size_t count, size_t element_size);
-/* Fails with TY_ERROR_MEMORY when several arrays that belong together, bytes in all, will not fit: before the first is
- * taken, and naming what they are for. */
+/* Fails with TY_ERROR_MEMORY if a group of arrays, `bytes` in total, does not fit; called before the first allocation,
+ * with the purpose for the message. */
 ty_result ty_check_memory(ty_context* context, double bytes, const char* what);
-/* A copy of text (NULL counts as ""); freed with ty_free_text. */
+/* Copy of text (NULL counts as ""); freed with ty_free_text. */
 char* ty_copy_text(ty_context* context, const char* text);
 void ty_free_text(ty_context* context, char* text);
 
-/* Grows *items to hold count + 1 elements (capacity doubles); false, with a message, when memory is short. */
+/* Grows *items to hold count + 1 elements (capacity doubles); false, with a message, on allocation failure. */
 bool ty_grow_array(ty_context* context, void** items, size_t* capacity, size_t count, size_t element_size);
+
+/* The context's threads, for ty_parallel_for. */
+struct ty_thread_pool* ty_context_pool(ty_context* context);
 
 /* Seconds of a monotonic clock, and processor seconds of the whole process. */
 double ty_wall_seconds(void);

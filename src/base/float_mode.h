@@ -1,5 +1,5 @@
-/* Denormals off for the calling thread: sums and products of almost nothing otherwise take a hundred times as long, and
- * Embree asks for it. */
+/* Flushes denormals to zero on the calling thread: arithmetic on denormals is about a hundred times slower, and Embree
+ * requires it. */
 #ifndef TY_BASE_FLOAT_MODE_H
 #define TY_BASE_FLOAT_MODE_H
 
@@ -7,7 +7,7 @@
 #include <immintrin.h>
 #endif
 
-/* Returns the state to give back. */
+/* Returns the previous state, for restoring. */
 static inline unsigned ty_flush_denormals(void) {
 #if defined(__SSE2__)
     const unsigned state = _mm_getcsr();

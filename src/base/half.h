@@ -1,4 +1,4 @@
-/* IEEE half floats as 16-bit words, in plain integer arithmetic so that every build rounds alike. */
+/* IEEE half floats as 16-bit words, in integer arithmetic, so that all builds round identically. */
 #ifndef TY_BASE_HALF_H
 #define TY_BASE_HALF_H
 
@@ -6,10 +6,10 @@
 
 TY_FN float ty_half_to_float(uint16_t half) {
     const uint32_t sign = (uint32_t)(half & 0x8000u) << 16;
-    const uint32_t rest = (uint32_t)(half & 0x7fffu) << 13;
+    const uint32_t magnitude_bits = (uint32_t)(half & 0x7fffu) << 13;
     /* Multiplying by 2^112 moves the exponent bias from 15 to 127 and normalises subnormals on the way. */
-    const float scaled = ty_float_from_bits(rest) * 0x1p112f;
-    const uint32_t bits = (half & 0x7c00u) == 0x7c00u ? rest | 0x7f800000u : ty_bits_from_float(scaled);
+    const float scaled = ty_float_from_bits(magnitude_bits) * 0x1p112f;
+    const uint32_t bits = (half & 0x7c00u) == 0x7c00u ? magnitude_bits | 0x7f800000u : ty_bits_from_float(scaled);
     return ty_float_from_bits(bits | sign);
 }
 

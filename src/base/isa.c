@@ -1,6 +1,10 @@
 #include "base/isa.h"
 
-ty_isa ty_best_isa(void) {
+#include <stdatomic.h>
+
+static _Atomic int forced_isa = TY_ISA_COUNT;
+
+static ty_isa processor_isa(void) {
 #if TY_ISA_X86
     __builtin_cpu_init();
     const int v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
@@ -10,6 +14,15 @@ ty_isa ty_best_isa(void) {
     if (v3) return TY_ISA_V3;
 #endif
     return TY_ISA_V1;
+}
+
+ty_isa ty_best_isa(void) {
+    const ty_isa best = processor_isa(), forced = (ty_isa)atomic_load(&forced_isa);
+    return forced < best ? forced : best;
+}
+
+void ty_force_isa(ty_isa isa) {
+    atomic_store(&forced_isa, (int)isa);
 }
 
 const char* ty_isa_name(ty_isa isa) {

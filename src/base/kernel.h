@@ -1,6 +1,6 @@
-/* What kernels (*.k.h) are written with: one C subset for this machine's compilers, OpenCL C 1.2 and CUDA.
+/* Language of the kernels (*.k.h): a C subset for this machine's compilers, OpenCL C 1.2 and CUDA.
  *
- * TY_FN marks a function of a kernel, TY_GLOBAL a pointer to memory that a launcher handed in. */
+ * TY_FN marks a kernel function, TY_GLOBAL a pointer to memory passed in by a launcher. */
 #ifndef TY_BASE_KERNEL_H
 #define TY_BASE_KERNEL_H
 
@@ -70,10 +70,9 @@ TY_FN float ty_expf(float x) {
     return p * ty_float_from_bits((uint32_t)((int32_t)k + 127) << 23);
 }
 
-/* e^-x for x in [0, 87], exact at 0, to (2 + x) ulp: what rounding x costs anyway. Half the work of ty_expf, and
- * without choices: 2^-x' is split at the nearest whole number by adding 1.5 * 2^23, whose last bits then are the
- * exponent. */
-TY_FN float ty_exp_minus(float x) {
+/* e^-x for x in [0, 87], exact at 0, to (2 + x) ulp, which is the error from rounding x. Half the work of ty_expf, and
+ * branch-free: 2^-x' is split at the nearest integer by adding 1.5 * 2^23, whose low bits then hold the exponent. */
+TY_FN float ty_exp_neg(float x) {
     const float shifted = 12582912.0f - x * 1.44269504f;
     const float r = -(shifted - 12582912.0f) - x * 1.44269504f;
     float p = 1.3276472e-3f;
@@ -85,7 +84,7 @@ TY_FN float ty_exp_minus(float x) {
     return ty_float_from_bits(ty_bits_from_float(p) + (ty_bits_from_float(shifted) << 23));
 }
 
-/* The natural logarithm to 2 ulp for normal x > 0. */
+/* Natural logarithm to 2 ulp for normal x > 0. */
 TY_FN float ty_logf(float x) {
     const uint32_t bits = ty_bits_from_float(x);
     const uint32_t shifted = bits - 0x3f3504f3u; /* sqrt(1/2) */
@@ -108,7 +107,7 @@ TY_FN float ty_logf(float x) {
 }
 
 /* Sine and cosine of 2 pi u, u in [0, 1], to 1.2e-7. */
-TY_FN void ty_sincos_turn(float u, float* sine, float* cosine) {
+TY_FN void ty_sincos_2pi(float u, float* sine, float* cosine) {
     const float quarter = floorf(u * 4.0f + 0.5f);
     const float x = (u * 4.0f - quarter) * 1.57079633f;
     const float square = x * x;

@@ -1,8 +1,8 @@
-/* Integrals of smooth functions. */
+/* Numerical integration of smooth functions. */
 #ifndef TY_BASE_QUADRATURE_H
 #define TY_BASE_QUADRATURE_H
 
-/* The integral of f(user, x) from a to b: Gauss-Legendre, eight points in each of `panels` equal parts. */
+/* Integral of f(user, x) from a to b: Gauss-Legendre with eight points in each of `panels` equal intervals. */
 static inline double ty_integrate(double (*f)(const void* user, double x), const void* user, double a, double b,
                                   int panels) {
     static const double node[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
@@ -10,9 +10,9 @@ static inline double ty_integrate(double (*f)(const void* user, double x), const
     double sum = 0;
     const double half = (b - a) / (2 * panels);
     for (int panel = 0; panel < panels; ++panel) {
-        const double middle = a + (2 * panel + 1) * half;
+        const double center = a + (2 * panel + 1) * half;
         for (int i = 0; i < 4; ++i)
-            sum += weight[i] * (f(user, middle - half * node[i]) + f(user, middle + half * node[i]));
+            sum += weight[i] * (f(user, center - half * node[i]) + f(user, center + half * node[i]));
     }
     return sum * half;
 }

@@ -1,9 +1,9 @@
-/* Random numbers as functions of (seed, item, sample, dimension): no state survives a sample, so results do not
- * depend on who computes what when.
+/* Random numbers as functions of (seed, item, sample, dimension): no state outlives a sample, so results are
+ * independent of scheduling.
  *
  * The first TY_SOBOL_DIMENSIONS numbers of a sample are Owen-scrambled Sobol points, independently scrambled per item
- * and dimension (hash-based scrambling: Laine and Karras 2011, Burley 2020); the rest, and everything that loops an
- * unknown number of times, is white noise from a counter-based generator (splitmix64: Steele et al. 2014). */
+ * and dimension (hash-based scrambling: Laine and Karras 2011, Burley 2020); the rest, and loops of unknown length, use
+ * white noise from a counter-based generator (splitmix64: Steele et al. 2014). */
 #ifndef TY_BASE_RANDOM_K_H
 #define TY_BASE_RANDOM_K_H
 
@@ -16,17 +16,17 @@ typedef struct ty_sobol {
     uint32_t matrix[TY_SOBOL_DIMENSIONS][TY_SOBOL_BITS];
 } ty_sobol;
 
-/* From the primitive polynomials and initial numbers of Joe and Kuo 2008 (new-joe-kuo-6), dimensions 1 to 16. */
+/* Primitive polynomials and initial numbers of Joe and Kuo 2008 (new-joe-kuo-6), dimensions 1 to 16. */
 void ty_sobol_matrices(ty_sobol* out);
 
-typedef struct ty_random {
+typedef struct ty_sampler {
     TY_GLOBAL const ty_sobol* sobol;
-    uint64_t key;      /* of the white noise of this sample */
-    uint64_t counter;  /* white numbers drawn */
+    uint64_t key;      /* of this sample's white noise */
+    uint64_t counter;  /* number of white noise values drawn */
     uint32_t scramble; /* of this item's Sobol points */
     uint32_t sample;
-    int32_t dimension; /* Sobol numbers drawn */
-} ty_random;
+    int32_t dimension; /* number of Sobol values drawn */
+} ty_sampler;
 
 TY_FN uint64_t ty_mix64(uint64_t x) {
     x ^= x >> 30;
@@ -51,7 +51,8 @@ TY_FN uint32_t ty_reverse_bits(uint32_t x) {
     return __builtin_bswap32(x);
 }
 
-/* A random permutation of the binary tree over x's bits: each bit is flipped as the bits above it say. */
+/* Owen scrambling: each bit is flipped depending on the bits above it, a random permutation of the binary tree over x.
+ */
 TY_FN uint32_t ty_owen_scramble(uint32_t x, uint32_t seed) {
     x = ty_reverse_bits(x);
     x ^= x * 0x3d20adeau;
@@ -62,8 +63,8 @@ TY_FN uint32_t ty_owen_scramble(uint32_t x, uint32_t seed) {
     return ty_reverse_bits(x);
 }
 
-TY_FN ty_random ty_random_begin(TY_GLOBAL const ty_sobol* sobol, uint64_t seed, uint64_t item, uint32_t sample) {
-    ty_random random;
+TY_FN ty_sampler ty_sampler_begin(TY_GLOBAL const ty_sobol* sobol, uint64_t seed, uint64_t item, uint32_t sample) {
+    ty_sampler random;
     const uint64_t base = ty_mix64(seed + 0x9e3779b97f4a7c15u) ^ ty_mix64(item + 0xd1b54a32d192ed03u);
     random.sobol = sobol;
     random.key = ty_mix64(base + sample);
@@ -74,7 +75,7 @@ TY_FN ty_random ty_random_begin(TY_GLOBAL const ty_sobol* sobol, uint64_t seed, 
     return random;
 }
 
-TY_FN uint64_t ty_random_bits(ty_random* random) {
+TY_FN uint64_t ty_rng_bits(ty_sampler* random) {
     return ty_mix64(random->key + 0x9e3779b97f4a7c15u * ++random->counter);
 }
 
@@ -84,13 +85,13 @@ TY_FN float ty_unit_float(uint32_t bits) {
 }
 
 /* White noise in [0, 1). */
-TY_FN float ty_random_white(ty_random* random) {
-    return ty_unit_float((uint32_t)(ty_random_bits(random) >> 32));
+TY_FN float ty_rng_uniform(ty_sampler* random) {
+    return ty_unit_float((uint32_t)(ty_rng_bits(random) >> 32));
 }
 
-/* The next well-distributed number in [0, 1); white once the Sobol dimensions are used up. */
-TY_FN float ty_random_next(ty_random* random) {
-    if (random->dimension >= TY_SOBOL_DIMENSIONS) return ty_random_white(random);
+/* Next low-discrepancy number in [0, 1); white noise after the Sobol dimensions. */
+TY_FN float ty_sobol_next(ty_sampler* random) {
+    if (random->dimension >= TY_SOBOL_DIMENSIONS) return ty_rng_uniform(random);
     TY_GLOBAL const uint32_t* matrix = random->sobol->matrix[random->dimension];
     uint32_t point = 0;
     for (uint32_t rest = random->sample; rest != 0; rest &= rest - 1) point ^= matrix[__builtin_ctz(rest)];

@@ -4,7 +4,7 @@
 
 #include "base/vector.k.h"
 
-/* What light on its way through cells takes; and at most. */
+/* Bands and terms of light propagating through cells; and the maximum. */
 enum { TY_SH_BANDS = 3, TY_SH_TERMS = 9, TY_SH_BANDS_MAX = 5, TY_SH_TERMS_MAX = 25 };
 
 /* Y_0; factors of Y_1 to Y_4, by order. */
@@ -36,7 +36,7 @@ TY_FN void ty_sh_at(ty_vec w, int32_t bands, float y[TY_SH_TERMS]) {
     y[8] = 0.5f * TY_SH_2 * (w.x * w.x - w.y * w.y);
 }
 
-/* All of them, five bands. */
+/* All five bands. */
 TY_FN void ty_sh_all(ty_vec w, float y[TY_SH_TERMS_MAX]) {
     ty_sh_at(w, TY_SH_BANDS, y);
     const float x2 = w.x * w.x, y2 = w.y * w.y, z2 = w.z * w.z;
@@ -58,13 +58,13 @@ TY_FN void ty_sh_all(ty_vec w, float y[TY_SH_TERMS_MAX]) {
     y[24] = TY_SH_44 * (x2 * (x2 - 3.0f * y2) - y2 * (3.0f * x2 - y2));
 }
 
-/* max(0, cosine) about a vector: what band l of ty_sh_at is to be multiplied by (Ramamoorthi and Hanrahan 2001). Its
- * integral is pi. */
+/* Convolution factor of band l for max(0, cosine) about a vector (Ramamoorthi and Hanrahan 2001). The cosine's integral
+ * is pi. */
 TY_FN float ty_sh_cosine(int32_t l) {
     return l == 0 ? TY_PI : l == 1 ? TY_PI * 2.0f / 3.0f : TY_PI / 4.0f;
 }
 
-/* The band of a term. */
+/* Band of a term. */
 TY_FN int32_t ty_sh_band(int32_t term) {
     return term == 0 ? 0 : term < 4 ? 1 : term < 9 ? 2 : term < 16 ? 3 : 4;
 }

@@ -1,4 +1,4 @@
-/* The Sobol sequence's direction numbers. */
+/* Direction numbers of the Sobol sequence. */
 #include "base/random.k.h"
 
 typedef struct polynomial {

@@ -49,8 +49,8 @@ TY_FN ty_vec ty_normalize(ty_vec a) {
     return ty_scale(a, 1.0f / sqrtf(ty_dot(a, a)));
 }
 
-/* Two unit vectors that make a right-handed frame with unit n (Duff et al. 2017). */
-TY_FN void ty_frame(ty_vec n, ty_vec* s, ty_vec* t) {
+/* Two unit vectors that complete unit n to a right-handed orthonormal basis (Duff et al. 2017). */
+TY_FN void ty_onb(ty_vec n, ty_vec* s, ty_vec* t) {
     const float sign = n.z < 0.0f ? -1.0f : 1.0f;
     const float a = -1.0f / (sign + n.z);
     const float b = n.x * n.y * a;
@@ -58,12 +58,12 @@ TY_FN void ty_frame(ty_vec n, ty_vec* s, ty_vec* t) {
     *t = ty_vec_make(b, sign + n.y * n.y * a, -n.y);
 }
 
-/* The unit direction at cosine mu and azimuth turn (0..1) about unit axis. */
+/* Unit direction at cosine mu and azimuth `turn` (in turns, 0..1) about unit axis. */
 TY_FN ty_vec ty_direction_about(ty_vec axis, float mu, float turn) {
     ty_vec s, t;
     float sine, cosine;
-    ty_frame(axis, &s, &t);
-    ty_sincos_turn(turn, &sine, &cosine);
+    ty_onb(axis, &s, &t);
+    ty_sincos_2pi(turn, &sine, &cosine);
     const float radius = sqrtf(ty_maxf(0.0f, 1.0f - mu * mu));
     return ty_mad(ty_mad(ty_scale(axis, mu), s, radius * cosine), t, radius * sine);
 }

@@ -1,35 +1,38 @@
-/* Which method a scene is rendered by: rules in the order of docs/method/auto.md. */
+/* Choice of the method for a scene: rules in the order of docs/method/auto.md. */
 #include "base/context.h"
-#include "choose/look.h"
+#include "choose/features.h"
 #include "image/march.h"
 #include "scene/scene.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* What rules ask of a look, found by `tyndall figure auto-choice`. */
-static const double faint = 2e-3;        /* opacity below which media do not count */
-static const double enclosed_most = 0.5; /* of what scatters; above it, surfaces and media light each other */
-static const double surfaces_most = 0.3; /* of the frame; above it, the paths that others take for surfaces count */
-static const double seldom = 4;          /* scatterings below which paths are cheap */
-static const double cell_most = 10;      /* mean free paths of a cell, times 1 - g */
-static const double ahead = 0.65;        /* g from which cells do not tell well where light of surfaces goes */
-static const double needle = 0.94;       /* g from which no method but path tracing knows where light comes from */
+/* Thresholds of the rules on scene features, measured by `tyndall figure auto-choice`. */
+static const double min_opacity = 2e-3; /* opacity below which media are negligible */
+static const double max_enclosed =
+    0.5; /* fraction of the scattered light; above it, surfaces and media light each other */
+static const double max_surfaces =
+    0.3; /* fraction of the frame; above it, path tracing's treatment of surfaces matters */
+static const double few_scatterings = 4;  /* number of scatterings below which paths are cheap */
+static const double max_cell = 10;        /* cell size in reduced mean free paths */
+static const double g_directional = 0.65; /* g from which cells resolve the directions of light from surfaces poorly */
+static const double g_path_only = 0.94;   /* g from which only path tracing resolves the directions of light */
 
 enum { LPV_LIGHTS = 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT };
 
-ty_choose_def ty_default_choose_def(void) {
-    return (ty_choose_def){.cookie = TY_DEF_COOKIE};
+void ty_init_choose_def(void* def, size_t bytes) {
+    const ty_choose_def own = {0};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
-/* ---- words ---- */
+/* ---- reason text ---- */
 
 static void append(char* text, size_t size, const char* more) {
     const size_t used = strlen(text);
     snprintf(text + used, size - used, "%s", more);
 }
 
-/* "the sun, lamps and an environment" */
+/* For example "the sun, lamps and an environment". */
 static void name_lights(uint32_t lights, char* out, size_t size) {
     static const struct {
         uint32_t kinds;
@@ -50,35 +53,36 @@ static void name_lights(uint32_t lights, char* out, size_t size) {
     }
 }
 
-/* "media of optical thickness 40, g 0.85, lit by the sun" */
-static void describe(const ty_look* look, char* out, size_t size) {
+/* For example "media of optical thickness 40, g 0.85, lit by the sun". */
+static void describe(const ty_scene_features* features, char* out, size_t size) {
     char lights[80];
-    name_lights(look->lights, lights, sizeof lights);
-    snprintf(out, size, "%s media of optical thickness up to %.2g, g %.2g%s%s%s", look->varies ? "uneven" : "even",
-             look->thickness, look->g, lights[0] != '\0' ? ", lit by " : "", lights, look->glows ? ", that glow" : "");
+    name_lights(features->lights, lights, sizeof lights);
+    snprintf(out, size, "%s media of optical thickness up to %.2g, g %.2g%s%s%s",
+             features->heterogeneous ? "uneven" : "even", features->thickness, features->g,
+             lights[0] != '\0' ? ", lit by " : "", lights, features->glows ? ", that glow" : "");
 }
 
 static void set(ty_choice* out, const char* method, const char* because) {
     char media[160];
     out->method = method;
-    describe(&out->look, media, sizeof media);
+    describe(&out->features, media, sizeof media);
     snprintf(out->reason, sizeof out->reason, "%s; %s", media, because);
 }
 
 /* ---- rules ---- */
 
-typedef struct asked {
+typedef struct request {
     uint32_t ask;
     const char* words;
-} asked;
+} request;
 
-/* Whether only path tracing does what is asked. */
+/* True if only path tracing supports the request. */
 static bool asks_path(const ty_choose_def* def, ty_choice* out) {
-    static const asked asks[] = {{TY_ASK_RESUME, "it alone can go on later"},
-                                 {TY_ASK_ERROR, "it alone goes on until an error is reached"},
-                                 {TY_ASK_TIME, "it alone makes the best of a time"},
-                                 {TY_ASK_CROP, "it alone renders a part of the frame"},
-                                 {TY_ASK_SAMPLES, "samples per pixel are asked for"}};
+    static const request asks[] = {{TY_ASK_RESUME, "it alone can go on later"},
+                                   {TY_ASK_ERROR, "it alone goes on until an error is reached"},
+                                   {TY_ASK_TIME, "it alone makes the best of a time"},
+                                   {TY_ASK_CROP, "it alone renders a part of the frame"},
+                                   {TY_ASK_SAMPLES, "samples per pixel are asked for"}};
     for (size_t i = 0; i < sizeof asks / sizeof asks[0]; ++i)
         if ((def->asks & asks[i].ask) != 0) {
             snprintf(out->reason, sizeof out->reason, "%s", asks[i].words);
@@ -89,49 +93,51 @@ static bool asks_path(const ty_choose_def* def, ty_choice* out) {
     return true;
 }
 
-/* How often light scatters before it is absorbed or leaves, about, turns that are nearly none not counted. */
-static double scatterings(const ty_look* look) {
-    const double reduced = look->thickness * (1 - look->g);
-    return 1 / (1 / (1 + reduced) + 1 - look->albedo);
+/* Estimated number of scatterings before absorption or escape, by the reduced optical thickness. */
+static double scatterings(const ty_scene_features* features) {
+    const double reduced = features->thickness * (1 - features->g);
+    return 1 / (1 / (1 + reduced) + 1 - features->albedo);
 }
 
-/* Whether surfaces are much of the frame and paths cheap, which others take for surfaces, too. Where surfaces are also
- * all the light there is, paths are noisier than cells, which know that light from everywhere at once. */
-static bool suits_paths(const ty_look* look) {
-    const bool lit_by_surfaces = look->lights == 1 << TY_LIGHT_AREA && look->g < ahead;
-    return look->surfaces > surfaces_most && scatterings(look) < seldom && !lit_by_surfaces;
+/* True if surfaces cover much of the frame and paths are cheap; the faster methods trace paths for surfaces as well.
+ * If area lights are the only light, paths are noisier than cells, which gather that light from all directions at
+ * once. */
+static bool suits_paths(const ty_scene_features* features) {
+    const bool lit_by_surfaces = features->lights == 1 << TY_LIGHT_AREA && features->g < g_directional;
+    return features->surfaces > max_surfaces && scatterings(features) < few_scatterings && !lit_by_surfaces;
 }
 
-static const char* why_ordinates(const ty_look* look) {
-    if (!(look->surfaces > 0)) return "no surfaces";
-    if (!(scatterings(look) < seldom)) return "light scatters more than paths are cheap for";
-    return look->surfaces > surfaces_most ? "glowing surfaces are all the light" : "few surfaces";
+static const char* ordinates_reason(const ty_scene_features* features) {
+    if (!(features->surfaces > 0)) return "no surfaces";
+    if (!(scatterings(features) < few_scatterings)) return "light scatters more than paths are cheap for";
+    return features->surfaces > max_surfaces ? "glowing surfaces are all the light" : "few surfaces";
 }
 
-static void choose_by_look(ty_choice* out) {
-    const ty_look* look = &out->look;
-    if (look->opacity < faint)
+static void choose_by_features(ty_choice* out) {
+    const ty_scene_features* features = &out->features;
+    if (features->opacity < min_opacity)
         snprintf(out->reason, sizeof out->reason, "no media are in view");
-    else if (look->enclosed > enclosed_most && (look->lights & ~(uint32_t)LPV_LIGHTS) == 0)
+    else if (features->enclosed > max_enclosed && (features->lights & ~(uint32_t)LPV_LIGHTS) == 0)
         set(out, "lpv", "surfaces all around, which lamps or the sun light");
-    else if (look->cell * (1 - look->g) > cell_most)
+    else if (features->cell * (1 - features->g) > max_cell)
         set(out, "path", "too dense for the cells of faster methods");
-    else if (suits_paths(look))
+    else if (suits_paths(features))
         set(out, "path", "much of the frame is surfaces, and light scatters seldom");
-    else if (look->g > needle && scatterings(look) < seldom)
+    else if (features->g > g_path_only && scatterings(features) < few_scatterings)
         set(out, "path", "light goes nearly straight on");
     else
-        set(out, "dom", why_ordinates(look));
+        set(out, "dom", ordinates_reason(features));
 }
 
 ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_check_def(context, def, "ty_default_choose_def");
+    ty_choose_def own = ty_default_choose_def();
+    ty_result result = ty_take_def(context, def, "ty_default_choose_def", &own, sizeof own);
     if (result == TY_OK && ty_scene_get_view(scene) == NULL) result = TY_ERROR_ARGUMENT;
     ty_choice choice = {.method = "path"};
-    if (result == TY_OK) result = ty_look_at(scene, &choice.look);
+    if (result == TY_OK) result = ty_scene_features_find(scene, &choice.features);
     if (result != TY_OK) return result;
-    if (!asks_path(def, &choice)) choose_by_look(&choice);
+    if (!asks_path(&own, &choice)) choose_by_features(&choice);
     *out = choice;
     return TY_OK;
 }

@@ -1,9 +1,9 @@
 /* --aov: the channels beside R, G and B. */
 #include "cli/aovs.h"
 #include "cli/options.h"
+#include "image/image.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { WORDS_MAX = 16 };
@@ -61,43 +61,9 @@ static bool is_even(const float* plane, size_t count) {
     return true;
 }
 
-/* A copy of the image without one of its channels; metadata stays behind. */
-static ty_result copy_without(ty_context* context, const ty_image* image, int32_t left_out, ty_image** out) {
-    const int32_t width = ty_image_width(image), height = ty_image_height(image);
-    const int32_t count = ty_image_channel_count(image);
-    const char** names = calloc((size_t)count, sizeof *names);
-    if (names == NULL) return TY_ERROR_MEMORY;
-    int32_t kept = 0;
-    for (int32_t i = 0; i < count; ++i)
-        if (i != left_out) names[kept++] = ty_image_channel_name(image, i);
-    ty_result result = ty_image_create(context, width, height, kept, names, out);
-    free(names);
-    int32_t frame[4];
-    ty_image_get_frame(image, frame);
-    if (result == TY_OK) result = ty_image_set_frame(*out, frame[0], frame[1], frame[2], frame[3]);
-    for (int32_t i = 0; result == TY_OK && i < kept; ++i)
-        memcpy(ty_image_plane(*out, i), ty_image_plane_const(image, i < left_out ? i : i + 1),
-               sizeof(float) * (size_t)width * (size_t)height);
-    return result;
-}
-
-ty_result cli_drop_channel(ty_context* context, ty_image** image, const char* name) {
-    const int32_t channel = ty_image_find_channel(*image, name);
-    if (channel < 0) return TY_OK;
-    ty_image* rest = NULL;
-    const ty_result result = copy_without(context, *image, channel, &rest);
-    if (result != TY_OK) {
-        ty_image_destroy(rest);
-        return result;
-    }
-    ty_image_destroy(*image);
-    *image = rest;
-    return TY_OK;
-}
-
 ty_result cli_drop_even_samples(ty_context* context, ty_image** image) {
     const int32_t channel = ty_image_find_channel(*image, "samples.N");
     const size_t pixels = (size_t)ty_image_width(*image) * (size_t)ty_image_height(*image);
     if (channel < 0 || !is_even(ty_image_plane_const(*image, channel), pixels)) return TY_OK;
-    return cli_drop_channel(context, image, "samples.N");
+    return ty_image_drop_channel(context, image, "samples.N");
 }

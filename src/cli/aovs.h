@@ -9,18 +9,16 @@ typedef struct cli_aov_word {
     uint32_t aovs;
 } cli_aov_word;
 
-/* "one,another" as the flags of those words together: CLI_GO, or CLI_USAGE after a message. */
+/* Parses "one,another" into the OR of the words' flags: CLI_GO, or CLI_USAGE after a message. */
 int cli_parse_aov_words(const char* command, const char* text, const cli_aov_word* words, int count, uint32_t* aovs);
 
-/* "depth,normal" or "all" as TY_AOV_...: CLI_GO, or CLI_USAGE after a message. */
+/* Parses "depth,normal" or "all" into TY_AOV_... flags: CLI_GO, or CLI_USAGE after a message. */
 int cli_parse_aovs(const char* command, const char* text, uint32_t* aovs);
 
-/* The name of one of these channels that is not among the known ones, or NULL. */
+/* The name of the first unknown channel, or NULL. */
 const char* cli_aov_outside(uint32_t aovs, uint32_t known);
 
-/* Takes a channel out of an image, if it has it. */
-ty_result cli_drop_channel(ty_context* context, ty_image** image, const char* name);
-/* Takes samples.N out of an image when it says the same everywhere. */
+/* Removes the channel samples.N from an image where it is constant. */
 ty_result cli_drop_even_samples(ty_context* context, ty_image** image);
 
 #endif

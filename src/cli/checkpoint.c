@@ -21,7 +21,7 @@ int cli_checkpoint_open(cli_checkpoint* checkpoint, cli_session* session, const 
 }
 
 void cli_checkpoint_close(cli_checkpoint* checkpoint) {
-    ty_bytes_free(checkpoint->session->context, checkpoint->bytes, checkpoint->size);
+    ty_bytes_destroy(checkpoint->session->context, checkpoint->bytes, checkpoint->size);
     free(checkpoint->path);
 }
 
@@ -29,9 +29,8 @@ bool cli_checkpoint_write(void* user, const void* state, size_t size) {
     cli_checkpoint* checkpoint = user;
     cli_session* session = checkpoint->session;
     if (ty_bytes_write(session->context, checkpoint->path, state, size) == TY_OK) return true;
-    if (!checkpoint->warned && !session->common.quiet)
-        cli_progress_warn(&session->progress, ty_last_error(session->context));
+    const char* message = ty_take_error(session->context);
+    if (!checkpoint->warned && !session->common.quiet) cli_progress_warn(&session->progress, message);
     checkpoint->warned = true;
-    ty_clear_error(session->context);
     return true;
 }

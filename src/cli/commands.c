@@ -1,4 +1,4 @@
-/* The commands there are. */
+/* The table of commands. */
 #include "cli/commands.h"
 #include "cli/options.h"
 
@@ -6,17 +6,17 @@
 #include <string.h>
 
 const cli_command cli_commands[CLI_COMMAND_COUNT] = {
-    {"render", "render a scene to an image", cli_render},
-    {"info", "what a scene, volume, image or mesh holds", cli_info},
-    {"diff", "how an image differs from another", cli_diff},
-    {"merge", "renderings of one scene to a better or larger one", cli_merge},
-    {"compare", "methods or images with a reference", cli_compare},
-    {"screen", "fog and water over an image with distances", cli_screen},
-    {"convert", "a volume or an image as another kind of file", cli_convert},
-    {"figure", "figures and tables of papers", cli_figure},
-    {"bake", "light on meshes and at points, kept", cli_bake},
-    {"bench", "measure speed", cli_bench},
-    {"help", "what a command does, and manual pages", cli_help},
+    {"render", "render a scene to an image", cli_render, false},
+    {"info", "what a scene, volume, image or mesh holds", cli_info, false},
+    {"diff", "how an image differs from another", cli_diff, false},
+    {"merge", "renderings of one scene to a better or larger one", cli_merge, false},
+    {"compare", "methods or images with a reference", cli_compare, false},
+    {"screen", "fog and water over an image with distances", cli_screen, false},
+    {"convert", "a volume or an image as another kind of file", cli_convert, false},
+    {"figure", "figures and tables of papers", cli_figure, true},
+    {"bake", "precomputed light on meshes and at points", cli_bake, false},
+    {"bench", "measure speed", cli_bench, true},
+    {"help", "what a command does, and manual pages", cli_help, false},
 };
 
 const cli_command* cli_find_command(const char* asker, const char* name) {

@@ -2,6 +2,8 @@
 #ifndef TY_CLI_COMMANDS_H
 #define TY_CLI_COMMANDS_H
 
+#include <stdbool.h>
+
 int cli_render(int count, char** arguments);
 int cli_info(int count, char** arguments);
 int cli_diff(int count, char** arguments);
@@ -18,15 +20,18 @@ typedef struct cli_command {
     const char* name;
     const char* summary;
     int (*run)(int count, char** arguments);
+    bool is_tool; /* a separate program, which replaces this process */
 } cli_command;
 
 enum { CLI_COMMAND_COUNT = 11 };
 extern const cli_command cli_commands[CLI_COMMAND_COUNT];
 
-/* NULL, after a message that lists them, if there is none of that name. asker: the command that wants to know, or "".
- */
+/* The command of a name; NULL, after a message that lists all commands, if there is none. asker: the name of the
+ * calling command for the message, or "". */
 const cli_command* cli_find_command(const char* asker, const char* name);
-/* What `tyndall --help` prints. */
+/* True if the program of a command that is a tool is installed. */
+bool cli_has_tool(const char* command);
+/* Prints the text of `tyndall --help`. */
 int cli_print_overview(void);
 
 #endif

@@ -1,9 +1,9 @@
-/* What completes the command line in a shell, from the tables that options are parsed by. */
+/* Shell completion of the command line, generated from the tables of options. */
 #include "cli/manual.h"
 
 #include <tyndall/base.h>
 
-/* What can stand for an option's value, or with name NULL for an argument. */
+/* The candidates for an option's value, or with name NULL for an argument. */
 typedef enum values { VALUES_NONE, VALUES_FILES, VALUES_WORDS } values;
 
 static values print_choices(FILE* file, const char* choices) {
@@ -18,7 +18,7 @@ static values print_values(FILE* file, const cli_syntax* syntax, const cli_optio
     return words ? VALUES_WORDS : VALUES_FILES;
 }
 
-/* A case of the shell function that _tyndall asks: what may follow an option. */
+/* A case of the shell function behind _tyndall: the candidates after an option. */
 static void print_option(FILE* file, const cli_syntax* syntax, const cli_option* option) {
     if (option->kind == CLI_FLAG || option->help == NULL) return;
     fputs("    ", file);

@@ -1,4 +1,4 @@
-/* tyndall convert: a volume or an image into a file of another kind, told by the extensions. */
+/* tyndall convert: conversion of a volume or an image to another file format, chosen by the extensions. */
 #include "cli/convert.h"
 #include "cli/commands.h"
 #include "cli/raw_options.h"
@@ -27,7 +27,7 @@ static int choose_codec(const char** codec, const char* const* known, const char
     return cli_usage_error("convert", "%s: the codec '%s' is not one of %s", output, *codec, list);
 }
 
-/* The codec that goes with the output's extension, the first of each when none is given. */
+/* The codec of the output's extension; the default is the first codec of each format. */
 static int check_codec(const char** codec, const char* output) {
     static const char* const vdb[] = {"zip", "blosc", "none", NULL};
     static const char* const nanovdb[] = {"zip", "none", NULL};
@@ -42,7 +42,7 @@ static ty_result write_volume(ty_context* context, const ty_grid* grid, const ch
                               const char* output) {
     if (cli_has_extension(output, ".vdb")) return ty_vdb_write(context, grid, name, codec, output);
     if (cli_has_extension(output, ".nvdb")) return ty_nanovdb_write(context, grid, name, codec, output);
-    return ty_nrrd_write(context, grid, strcmp(codec, "gzip") == 0, output);
+    return ty_nrrd_write(context, grid, strcmp(codec, "gzip") == 0 ? TY_NRRD_CODEC_GZIP : TY_NRRD_CODEC_RAW, output);
 }
 
 static int convert_volume(cli_session* session, const ty_volume_def* def, const char* codec, const char* input,
@@ -53,7 +53,7 @@ static int convert_volume(cli_session* session, const ty_volume_def* def, const 
     ty_result result = ty_volume_read(session->context, input, def, &grid);
     if (result != TY_OK) return cli_fail_reading(session, result);
     result = write_volume(session->context, grid, def->grid, codec, output);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
 
@@ -76,8 +76,8 @@ int cli_convert(int count, char** arguments) {
         {"raw-size", 0, CLI_TEXT, "X,Y,Z", "voxels of a raw file", &raw_size, 0, 0, NULL},
         {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
          NULL},
-        {"raw-spacing", 0, CLI_TEXT, "X,Y,Z", "units between voxels of a raw file (default: no place)", &raw_spacing, 0,
-         0, NULL},
+        {"raw-spacing", 0, CLI_TEXT, "X,Y,Z", "units between voxels of a raw file (default: no position)", &raw_spacing,
+         0, 0, NULL},
         {"big-endian", 0, CLI_FLAG, NULL, "of a raw file", &def.raw_big_endian, 0, 0, NULL},
         {"layer", 0, CLI_TEXT, "NAME", "layer of an EXR (default: all channels)", &image.layer, 0, 0, NULL},
         {"channel", 0, CLI_TEXT, "NAME", "of an image, for --bits 16 (default: the first)", &image.channel, 0, 0, NULL},

@@ -1,14 +1,14 @@
-/* What tyndall convert makes of images. */
+/* Image conversion of tyndall convert. */
 #ifndef TY_CLI_CONVERT_H
 #define TY_CLI_CONVERT_H
 
 #include "cli/session.h"
 
 typedef struct convert_image_options {
-    const char *layer, *channel; /* NULL: all, the first */
+    const char *layer, *channel; /* NULL: all layers, and the first of them for formats with one */
     double exposure, scale;
     int curve;    /* 0 none, 1 filmic */
-    int32_t bits; /* of a PNG: 8 (also when 0) or 16 */
+    int32_t bits; /* bits of a PNG: 8 (also for 0) or 16 */
 } convert_image_options;
 
 /* Returns an exit status. */

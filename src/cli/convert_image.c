@@ -1,4 +1,4 @@
-/* tyndall convert, images. */
+/* tyndall convert: images. */
 #include "cli/convert.h"
 
 static int write_png16(cli_session* session, const ty_image* image, const convert_image_options* options,
@@ -18,7 +18,7 @@ static int write_image(cli_session* session, const ty_image* image, const conver
     const ty_result result =
         cli_has_extension(output, ".exr")
             ? ty_image_write_exr(session->context, image, output)
-            : ty_image_write_png(session->context, image, options->exposure, options->curve != 0, output);
+            : ty_image_write_png(session->context, image, options->exposure, (ty_tone_curve)options->curve, output);
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
 
@@ -32,14 +32,14 @@ static int check_options(const convert_image_options* options, const char* outpu
     return CLI_GO;
 }
 
-/* With --bits 16 samples stay as they are, so that depth survives. */
+/* With --bits 16 samples are not tone mapped, so that depth survives. */
 static ty_result read_image(cli_session* session, const convert_image_options* options, const char* input,
                             ty_image** out) {
     ty_result result = options->bits == 16 ? ty_image_read_raw(session->context, input, out)
                                            : ty_image_read(session->context, input, out);
     if (result != TY_OK || options->layer == NULL) return result;
     ty_image* layer = NULL;
-    result = ty_image_layer(session->context, *out, options->layer, &layer);
+    result = ty_image_create_layer(session->context, *out, options->layer, &layer);
     ty_image_destroy(*out);
     *out = layer;
     return result;

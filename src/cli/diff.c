@@ -1,4 +1,4 @@
-/* tyndall diff: how an image differs from a reference. */
+/* tyndall diff: the difference of an image from a reference. */
 #include "cli/commands.h"
 #include "cli/difference.h"
 #include "cli/session.h"
@@ -28,7 +28,7 @@ static int diff_images(cli_session* session, const char* const paths[2], ty_imag
     const ty_result result = ty_image_compare(session->context, a, b, block, &difference);
     if (result != TY_OK)
         return cli_fail(result == TY_ERROR_ARGUMENT ? CLI_USAGE : CLI_FAILED, "%s and %s: %s", paths[0], paths[1],
-                        ty_last_error(session->context));
+                        ty_take_error(session->context));
     if (json)
         print_difference_json(&difference);
     else

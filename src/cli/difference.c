@@ -1,4 +1,4 @@
-/* How images differ, as JSON and as heat maps. */
+/* Differences of images as JSON and as heat maps. */
 #include "cli/difference.h"
 
 #include <math.h>
@@ -14,8 +14,8 @@ void cli_difference_json(json_writer* json, const ty_difference* difference) {
         json_number(json, "rel_mse", difference->rel_mse[i]);
         json_close_object(json);
     }
-    json_integer(json, "differing", difference->differing);
-    json_integer(json, "not_finite", difference->not_finite);
+    json_int(json, "differing", difference->differing);
+    json_int(json, "not_finite", difference->not_finite);
 }
 
 static int32_t larger(int32_t a, int32_t b) {
@@ -26,7 +26,7 @@ static int32_t smaller(int32_t a, int32_t b) {
     return a < b ? a : b;
 }
 
-/* R + G + B of an image at a place of its frame. */
+/* R + G + B of an image at a pixel of its frame. */
 typedef struct brightness {
     const float* planes[3];
     int32_t x, y, width, height;
@@ -44,7 +44,7 @@ static double brightness_at(const brightness* b, int32_t x, int32_t y) {
     return (double)b->planes[0][i] + (double)b->planes[1][i] + (double)b->planes[2][i];
 }
 
-/* The mean of what is finite from (x0, y0) on over the size of an image. */
+/* The mean of the finite values over the size of an image, from (x0, y0) on. */
 static double mean_brightness(const brightness* b, int32_t x0, int32_t y0, const ty_image* size) {
     const double count = (double)ty_image_width(size) * (double)ty_image_height(size);
     double mean = 0;
@@ -56,7 +56,7 @@ static double mean_brightness(const brightness* b, int32_t x0, int32_t y0, const
     return mean;
 }
 
-/* (x0, y0): the frame's pixel that is the map's first. */
+/* (x0, y0): the frame pixel of the map's first pixel. */
 static void fill_heat_map(ty_image* map, const brightness* a, const brightness* b, int32_t x0, int32_t y0) {
     const int32_t width = ty_image_width(map), height = ty_image_height(map);
     const double mean = mean_brightness(b, x0, y0, map);
@@ -83,7 +83,7 @@ ty_result cli_write_heat_map(ty_context* context, const ty_image* a, const ty_im
     ty_result result = ty_image_create_rgb(context, x1 - x0, y1 - y0, &map);
     if (result == TY_OK) {
         fill_heat_map(map, &pa, &pb, x0, y0);
-        result = ty_image_write_png(context, map, 0, false, path);
+        result = ty_image_write_png(context, map, 0, TY_TONE_CLIP, path);
     }
     ty_image_destroy(map);
     return result;

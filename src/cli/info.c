@@ -1,4 +1,4 @@
-/* tyndall info: what a file holds, and media by name. */
+/* tyndall info: the contents of a file, and media by name. */
 #include "cli/info.h"
 #include "cli/commands.h"
 #include "cli/raw_options.h"
@@ -48,7 +48,7 @@ static void print_grids_json(const char* path, const ty_vdb_entry* entries, int3
         json_open_object(&json, NULL);
         json_text(&json, "name", entry->name);
         json_text(&json, "type", entry->type);
-        json_integer(&json, "active_voxels", entry->active_voxels);
+        json_int(&json, "active_voxels", entry->active_voxels);
         json_numbers(&json, "lower", (const double[]){entry->lower[0], entry->lower[1], entry->lower[2]}, 3);
         json_numbers(&json, "upper", (const double[]){entry->upper[0], entry->upper[1], entry->upper[2]}, 3);
         json_numbers(&json, "voxel_size", entry->voxel_size, 3);
@@ -103,7 +103,7 @@ static void print_dense_json(const ty_grid_info* info, int32_t components, const
     json_text(&json, "kind", "volume");
     json_text(&json, "file", path);
     json_numbers(&json, "size", (const double[]){info->size[0], info->size[1], info->size[2]}, 3);
-    json_integer(&json, "components", components);
+    json_int(&json, "components", components);
     json_text(&json, "type", info->type == TY_GRID_F16 ? "half" : "float");
     json_number(&json, "dense_bytes", (double)info->bytes);
     json_number(&json, "min", (double)info->min);
@@ -122,7 +122,7 @@ static int info_dense(cli_session* session, const char* path, const ty_volume_de
     if (result == TY_OK) result = ty_volume_read(session->context, path, def, &grid);
     if (result != TY_OK) return cli_fail_reading(session, result);
     const ty_grid_info info = ty_grid_get_info(grid);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     if (json)
         print_dense_json(&info, components, path);
     else
@@ -131,7 +131,7 @@ static int info_dense(cli_session* session, const char* path, const ty_volume_de
 }
 
 typedef struct channel_summary {
-    double min, max, mean; /* of the finite values */
+    double min, max, mean; /* statistics of the finite values */
     int64_t nan, infinite;
 } channel_summary;
 
@@ -188,8 +188,8 @@ static void print_image_json(const ty_image* image, const char* path) {
     json_open_object(&json, NULL);
     json_text(&json, "kind", "image");
     json_text(&json, "file", path);
-    json_integer(&json, "width", width);
-    json_integer(&json, "height", height);
+    json_int(&json, "width", width);
+    json_int(&json, "height", height);
     json_numbers(&json, "frame", (const double[]){frame[0], frame[1], frame[2], frame[3]}, 4);
     json_open_array(&json, "channels");
     for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
@@ -199,8 +199,8 @@ static void print_image_json(const ty_image* image, const char* path) {
         json_number(&json, "min", summary.min);
         json_number(&json, "mean", summary.mean);
         json_number(&json, "max", summary.max);
-        json_integer(&json, "nan", summary.nan);
-        json_integer(&json, "inf", summary.infinite);
+        json_int(&json, "nan", summary.nan);
+        json_int(&json, "inf", summary.infinite);
         json_close_object(&json);
     }
     json_close_array(&json);
@@ -227,7 +227,7 @@ int cli_info_image(cli_session* session, const char* path, bool json) {
 
 typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_NRRD, FILE_IMAGE, FILE_MESH } file_kind;
 
-/* Told by the first bytes; JSON, which begins with a brace after blanks, and OBJ by the extension. */
+/* Detection by the first bytes; JSON by a brace after blanks, OBJ by the extension. */
 static file_kind kind_of(const char* path, const unsigned char* head, size_t size) {
     static const struct {
         const char* magic;
@@ -248,7 +248,8 @@ static file_kind kind_of(const char* path, const unsigned char* head, size_t siz
 
 enum { HEAD_SIZE = 256 };
 
-/* The first bytes of a regular file: CLI_GO, or a status after a message. A pipe would have to be waited for. */
+/* Reads the first bytes of a regular file: CLI_GO, or a status after a message. A pipe is refused because reading could
+ * block. */
 static int read_head(const char* path, unsigned char head[HEAD_SIZE], size_t* size) {
     struct stat status;
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))

@@ -1,4 +1,4 @@
-/* The kinds of files tyndall info tells about; each prints to stdout and returns an exit status. */
+/* The file types of tyndall info; each function prints to stdout and returns an exit status. */
 #ifndef TY_CLI_INFO_H
 #define TY_CLI_INFO_H
 
@@ -8,10 +8,10 @@ int cli_info_scene(cli_session* session, const char* path, const cli_list* overr
 int cli_info_volume(cli_session* session, const char* path, bool json);
 int cli_info_image(cli_session* session, const char* path, bool json);
 int cli_info_mesh(cli_session* session, const char* path, bool json);
-/* What a medium in words (ty_medium_parse) is made of; NULL: all that have a name. */
+/* Prints the coefficients of a medium in words (ty_medium_parse); NULL: all named media. */
 int cli_info_media(cli_session* session, const char* medium, bool json);
 
-/* "(1, 2, 3)" between label and after. */
+/* Prints "(1, 2, 3)" between label and after. */
 void cli_print_vector(const char* label, const double v[3], const char* after);
 
 #endif

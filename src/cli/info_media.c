@@ -2,7 +2,7 @@
 #include "cli/info.h"
 #include "cli/text.h"
 
-/* What media that need a visibility are shown at, m. */
+/* The visibility for printing media that need one, m. */
 #define SHOWN_VISIBILITY 1000.0
 
 enum { NAME_WIDTH = 28 };
@@ -29,7 +29,7 @@ static void json_rgb(json_writer* json, const char* name, const float rgb[3]) {
     json_numbers(json, name, (const double[]){(double)rgb[0], (double)rgb[1], (double)rgb[2]}, 3);
 }
 
-/* Leaves the object open. */
+/* The object stays open. */
 static void json_medium(json_writer* json, const char* name, const ty_medium_def* medium) {
     json_open_object(json, NULL);
     json_text(json, "name", name);

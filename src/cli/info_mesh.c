@@ -69,13 +69,13 @@ static void print_mesh_json(const mesh_summary* mesh) {
     json_open_object(&json, NULL);
     json_text(&json, "kind", "mesh");
     json_text(&json, "file", mesh->path);
-    json_integer(&json, "meshes", mesh->scene.meshes);
-    json_integer(&json, "triangles", mesh->scene.triangles);
+    json_int(&json, "meshes", mesh->scene.meshes);
+    json_int(&json, "triangles", mesh->scene.triangles);
     json_entries(&json, mesh, "materials", false);
-    json_integer(&json, "textures", mesh->scene.textures);
-    json_integer(&json, "texture_bytes", (int64_t)mesh->scene.texture_bytes);
-    json_integer(&json, "lights", mesh->scene.lights);
-    json_integer(&json, "emitters", mesh->scene.emitters);
+    json_int(&json, "textures", mesh->scene.textures);
+    json_int(&json, "texture_bytes", (int64_t)mesh->scene.texture_bytes);
+    json_int(&json, "lights", mesh->scene.lights);
+    json_int(&json, "emitters", mesh->scene.emitters);
     json_entries(&json, mesh, "cameras", true);
     if (mesh->scene.bounded) {
         json_open_array(&json, "bounds");
@@ -83,7 +83,7 @@ static void print_mesh_json(const mesh_summary* mesh) {
         json_numbers(&json, NULL, mesh->scene.upper, 3);
         json_close_array(&json);
     }
-    json_integer(&json, "bytes", (int64_t)mesh->scene.bytes);
+    json_int(&json, "bytes", (int64_t)mesh->scene.bytes);
     json_close_object(&json);
 }
 

@@ -143,7 +143,7 @@ static void json_grid(json_writer* json, const char* name, const ty_grid* grid) 
     json_number(json, "min", decimal(info.min));
     json_number(json, "max", decimal(info.max));
     json_number(json, "mean", info.mean);
-    json_integer(json, "bytes", (int64_t)info.bytes);
+    json_int(json, "bytes", (int64_t)info.bytes);
     json_close_object(json);
 }
 
@@ -217,7 +217,7 @@ static void print_scene_json(const ty_scene* scene, const char* path) {
     json_text(&json, "up_axis", ty_scene_up_axis(scene) == TY_AXIS_Z ? "z" : "y");
     json_open_object(&json, "render");
     json_text(&json, "method", settings.method);
-    json_integer(&json, "spp", settings.spp);
+    json_int(&json, "spp", settings.spp);
     json_unsigned(&json, "seed", settings.seed);
     json_close_object(&json);
     json_open_object(&json, "camera");
@@ -235,20 +235,20 @@ static void print_scene_json(const ty_scene* scene, const char* path) {
         if (ty_scene_get_medium(scene, i, &medium) == TY_OK) json_medium(&json, &medium);
     }
     json_close_array(&json);
-    json_integer(&json, "lights", info.lights);
-    json_integer(&json, "shapes", info.shapes);
-    json_integer(&json, "meshes", info.meshes);
-    json_integer(&json, "triangles", info.triangles);
-    json_integer(&json, "textures", info.textures);
-    json_integer(&json, "texture_bytes", (int64_t)info.texture_bytes);
-    json_integer(&json, "emitters", info.emitters);
+    json_int(&json, "lights", info.lights);
+    json_int(&json, "shapes", info.shapes);
+    json_int(&json, "meshes", info.meshes);
+    json_int(&json, "triangles", info.triangles);
+    json_int(&json, "textures", info.textures);
+    json_int(&json, "texture_bytes", (int64_t)info.texture_bytes);
+    json_int(&json, "emitters", info.emitters);
     if (info.bounded) {
         json_open_array(&json, "bounds");
         json_numbers(&json, NULL, info.lower, 3);
         json_numbers(&json, NULL, info.upper, 3);
         json_close_array(&json);
     }
-    json_integer(&json, "bytes", (int64_t)info.bytes);
+    json_int(&json, "bytes", (int64_t)info.bytes);
     json_close_object(&json);
 }
 

@@ -9,6 +9,10 @@ json_writer json_begin(FILE* file) {
     return (json_writer){.file = file};
 }
 
+json_writer json_begin_plain(FILE* file) {
+    return (json_writer){.file = file, .plain = true};
+}
+
 static void write_text(FILE* file, const char* text) {
     fputc('"', file);
     for (const unsigned char* c = (const unsigned char*)text; *c != '\0'; ++c) {
@@ -22,9 +26,14 @@ static void write_text(FILE* file, const char* text) {
     fputc('"', file);
 }
 
-static void write_number(FILE* file, double value) {
+static void write_number(const json_writer* json, double value) {
+    FILE* const file = json->file;
     if (!isfinite(value)) {
         fputs("null", file);
+        return;
+    }
+    if (json->plain) {
+        fprintf(file, fabs(value) >= 1e5 && fabs(value) < 1e15 ? "%.0f" : "%.5g", value);
         return;
     }
     char text[40];
@@ -39,8 +48,24 @@ static void end_line(json_writer* json) {
     fprintf(json->file, "\n%*s", 2 * json->depth, "");
 }
 
-/* Everything before a value: comma, line, name. */
-static void start_value(json_writer* json, const char* name) {
+/* A line of YAML: indentation, the name of a member or the dash of an element. */
+static void start_plain(json_writer* json, const char* name) {
+    const bool first = json->depth <= 1 && !json->filled[json->depth];
+    if (!first && !json->dashed) fprintf(json->file, "\n%*s", 2 * (json->depth - 1), "");
+    json->filled[json->depth] = true;
+    json->dashed = false;
+    if (name != NULL)
+        fprintf(json->file, "%s:", name);
+    else if (json->depth > 0)
+        fputs("- ", json->file);
+}
+
+/* Writes the prefix of a value, an object or an array: comma, line, name. */
+static void start_member(json_writer* json, const char* name) {
+    if (json->plain) {
+        start_plain(json, name);
+        return;
+    }
     if (json->depth > 0) {
         if (json->filled[json->depth]) fputc(',', json->file);
         json->filled[json->depth] = true;
@@ -52,9 +77,16 @@ static void start_value(json_writer* json, const char* name) {
     }
 }
 
+/* Writes the prefix of a number or a string. */
+static void start_value(json_writer* json, const char* name) {
+    start_member(json, name);
+    if (json->plain && name != NULL) fputc(' ', json->file);
+}
+
 static void open_bracket(json_writer* json, const char* name, char bracket) {
-    start_value(json, name);
-    fputc(bracket, json->file);
+    start_member(json, name);
+    json->dashed = json->plain && name == NULL && json->depth > 0;
+    if (!json->plain) fputc(bracket, json->file);
     if (json->depth + 1 < JSON_DEPTH_MAX) ++json->depth;
     json->filled[json->depth] = false;
 }
@@ -62,8 +94,8 @@ static void open_bracket(json_writer* json, const char* name, char bracket) {
 static void close_bracket(json_writer* json, char bracket) {
     const bool filled = json->filled[json->depth];
     --json->depth;
-    if (filled) end_line(json);
-    fputc(bracket, json->file);
+    if (filled && !json->plain) end_line(json);
+    if (!json->plain) fputc(bracket, json->file);
     if (json->depth == 0) fputc('\n', json->file);
 }
 
@@ -90,10 +122,10 @@ void json_text(json_writer* json, const char* name, const char* value) {
 
 void json_number(json_writer* json, const char* name, double value) {
     start_value(json, name);
-    write_number(json->file, value);
+    write_number(json, value);
 }
 
-void json_integer(json_writer* json, const char* name, int64_t value) {
+void json_int(json_writer* json, const char* name, int64_t value) {
     start_value(json, name);
     fprintf(json->file, "%" PRId64, value);
 }
@@ -113,7 +145,7 @@ void json_numbers(json_writer* json, const char* name, const double* values, int
     fputc('[', json->file);
     for (int i = 0; i < count; ++i) {
         if (i > 0) fputs(", ", json->file);
-        write_number(json->file, values[i]);
+        write_number(json, values[i]);
     }
     fputc(']', json->file);
 }

@@ -1,8 +1,8 @@
 /* tyndall: the command line tool. */
 #include "cli/commands.h"
 #include "cli/options.h"
+#include "cli/session.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -24,10 +24,5 @@ static int run(int count, char** arguments) {
 }
 
 int main(int count, char** arguments) {
-    const int status = run(count, arguments);
-    if (fflush(stdout) != 0 && status == CLI_DONE) {
-        fprintf(stderr, "tyndall: the result cannot be printed: %s\n", strerror(errno));
-        return CLI_FAILED;
-    }
-    return status;
+    return cli_finish(run(count, arguments));
 }

@@ -1,4 +1,4 @@
-/* What --help prints and manual pages hold: as text, as roff, as Markdown. */
+/* The texts of --help and of manual pages, as plain text, roff and Markdown. */
 #include "cli/manual.h"
 #include "cli/text.h"
 
@@ -11,7 +11,7 @@ const char* const cli_exit_statuses =
     "0: done. 1: failed while running. 2: wrong usage or input. 130: interrupted; a valid partial result was written "
     "where there can be one.";
 
-/* Text in which nothing is roff's: a dash stays the dash that options are typed with. */
+/* Escapes text for roff: a dash stays the ASCII dash that options are typed with. */
 static void print_roff(FILE* file, const char* text) {
     if (*text == '.' || *text == '\'') fputs("\\&", file);
     for (; *text != '\0'; ++text) {
@@ -35,7 +35,7 @@ static void print_markdown(FILE* file, const char* text) {
     }
 }
 
-/* Calls print for every line of text, without its end. */
+/* Calls print for every line of text, without its newline. */
 static void for_lines(const char* text, void (*print)(void* user, const char* line), void* user) {
     char line[1024];
     while (*text != '\0') {
@@ -46,7 +46,7 @@ static void for_lines(const char* text, void (*print)(void* user, const char* li
     }
 }
 
-/* Where texts go, and whether lines are kept as they are just now. */
+/* The destination of texts, and the flag for preformatted lines. */
 typedef struct text_state {
     FILE* file;
     bool verbatim;
@@ -180,7 +180,7 @@ static void print_man(FILE* file, const cli_syntax* syntax) {
     fputs(".SH SEE ALSO\n.BR tyndall (1)\n", file);
 }
 
-/* What all commands share is on the page once, and not here. */
+/* The common options appear once on the page, and not here. */
 static void print_section(FILE* file, const cli_syntax* syntax) {
     fprintf(file, "\n## tyndall %s\n\n", syntax->command);
     print_markdown(file, syntax->summary);
@@ -212,12 +212,12 @@ int cli_write_page(const char* path, cli_print_fn print, const void* user) {
     const ty_context_def def = ty_default_context_def();
     ty_context* context = NULL;
     if (path == NULL) {
-        print(NULL, stdout, user); // whether it arrived is seen where the program ends
+        print(NULL, stdout, user); // the end of the program checks stdout for errors
         return CLI_DONE;
     }
     ty_result result = ty_context_create(&def, &context);
     if (result == TY_OK) result = cli_write_text_file(context, path, print, user);
-    if (result != TY_OK) cli_print_message(context != NULL ? ty_last_error(context) : ty_result_text(result));
+    if (result != TY_OK) cli_print_message(ty_take_error(context));
     ty_context_destroy(context);
     return result == TY_OK ? CLI_DONE : CLI_FAILED;
 }

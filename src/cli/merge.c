@@ -1,11 +1,11 @@
-/* tyndall merge: renderings of one scene to a better or larger one. */
+/* tyndall merge: combining renderings of one scene into a less noisy or larger one. */
 #include "cli/commands.h"
 #include "cli/merge_images.h"
 #include "cli/session.h"
 
 static int write_merged(cli_session* session, const ty_image* image, const char* output, double exposure, int count) {
     const ty_result result = cli_has_extension(output, ".png")
-                                 ? ty_image_write_png(session->context, image, exposure, true, output)
+                                 ? ty_image_write_png(session->context, image, exposure, TY_TONE_FILMIC, output)
                                  : ty_image_write_exr(session->context, image, output);
     if (result != TY_OK) return cli_fail_running(session, result);
     if (!session->common.quiet)
@@ -14,7 +14,7 @@ static int write_merged(cli_session* session, const ty_image* image, const char*
     return CLI_DONE;
 }
 
-static int merge_pieces(cli_session* session, cli_piece* pieces, int count, const char* output, double exposure) {
+static int merge_inputs(cli_session* session, cli_piece* pieces, int count, const char* output, double exposure) {
     char message[CLI_MESSAGE_SIZE];
     ty_image* merged = NULL;
     const ty_result result = cli_merge_images(session->context, count, pieces, &merged, message);
@@ -38,7 +38,7 @@ static int merge_files(cli_session* session, const cli_arguments* given, const c
             ++read;
         }
     }
-    if (status == CLI_GO) status = merge_pieces(session, pieces, read, output, exposure);
+    if (status == CLI_GO) status = merge_inputs(session, pieces, read, output, exposure);
     for (int i = 0; i < read; ++i) ty_image_destroy(images[i]);
     return status;
 }

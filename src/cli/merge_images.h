@@ -11,10 +11,10 @@ typedef struct cli_piece {
     const ty_image* image;
 } cli_piece;
 
-/* Pixels weigh what samples.N says, or tyndall.spp where there is no such channel. Channels are weighted means, of
- * depth.Z over the pieces that see a surface; variance.* are the variances of such means; normals have unit length.
- * Where weights differ between pixels of the result, it has samples.N. Its metadata adds up what the pieces took.
- * On failure message is one sentence, and the result is TY_ERROR_INPUT when pieces do not belong together. */
+/* The weight of a pixel is samples.N, or tyndall.spp without such a channel. Channels are weighted means, depth.Z over
+ * the inputs that hit a surface; variance.* are the variances of such means; normals have unit length. The result has
+ * samples.N where weights differ between its pixels. Its metadata holds the summed costs of the inputs. On failure
+ * message is one sentence, and the result is TY_ERROR_INPUT when inputs do not belong together. */
 ty_result cli_merge_images(ty_context* context, int count, const cli_piece* pieces, ty_image** out,
                            char message[CLI_MESSAGE_SIZE]);
 

@@ -1,4 +1,4 @@
-/* The seeds an image was made of. */
+/* The random seeds of an image. */
 #include "cli/merge_seeds.h"
 #include "cli/options.h"
 

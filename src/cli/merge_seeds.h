@@ -1,4 +1,4 @@
-/* The seeds an image was made of: a number, or several with ", " between them. */
+/* The random seeds of an image: a number, or several separated by ", ". */
 #ifndef TY_CLI_MERGE_SEEDS_H
 #define TY_CLI_MERGE_SEEDS_H
 
@@ -11,11 +11,11 @@ typedef struct cli_seeds {
     size_t count, capacity;
 } cli_seeds;
 
-/* Adds the seeds in text that are not there yet; false when text is no such list or memory is short. */
+/* Adds the seeds of a text to a list without duplicates; false when the text is no list of seeds or memory is short. */
 bool cli_seeds_add(cli_seeds* seeds, const char* text);
-/* Finds a seed that two lists share. */
+/* Finds a seed common to two lists. */
 bool cli_seeds_shared(const cli_seeds* a, const cli_seeds* b, uint64_t* seed);
-/* As text, to be freed; NULL when memory is short. */
+/* The list as text; the caller frees it. NULL when memory is short. */
 char* cli_seeds_text(const cli_seeds* seeds);
 void cli_seeds_free(cli_seeds* seeds);
 

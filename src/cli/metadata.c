@@ -1,4 +1,4 @@
-/* What the command line keeps in the metadata of images, and reads back. */
+/* Metadata of images that the command line writes and reads. */
 #include "cli/metadata.h"
 #include "cli/options.h"
 

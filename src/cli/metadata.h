@@ -1,4 +1,4 @@
-/* What the command line keeps in the metadata of images, and reads back. */
+/* Metadata of images that the command line writes and reads. */
 #ifndef TY_CLI_METADATA_H
 #define TY_CLI_METADATA_H
 
@@ -7,7 +7,7 @@
 /* The full vertical angle of view of the frame, degrees. */
 extern const char* const cli_fov_key;
 
-/* A number in an image's metadata; false if there is none under this key, and then *out stays as it is. */
+/* Reads a number from an image's metadata; false, with *out unchanged, if the key is missing. */
 bool cli_metadata_number(const ty_image* image, const char* key, double* out);
 
 #endif

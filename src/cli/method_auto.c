@@ -1,7 +1,8 @@
-/* The method that the library chooses for a scene; path tracing where that one does not take it after all. */
+/* Method auto: the library's choice for a scene, with path tracing as the fallback where the chosen method refuses it.
+ */
 #include "cli/methods.h"
 
-/* One line on stderr. */
+/* Prints one line on stderr. */
 static void say(cli_session* session, const cli_report* report) {
     if (session->common.quiet) return;
     cli_progress_clear(&session->progress);
@@ -25,24 +26,23 @@ static ty_result choose(cli_session* session, const ty_scene* scene, const cli_r
     return TY_OK;
 }
 
-/* Whether path tracing may do what another method did not. */
+/* True if path tracing can be the fallback for another method's error. */
 static bool is_refusal(ty_result result) {
     return result == TY_ERROR_ARGUMENT || result == TY_ERROR_UNSUPPORTED || result == TY_ERROR_MEMORY;
 }
 
-static ty_result render(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
-                        cli_report* report) {
+ty_result cli_render_auto(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
+                          cli_report* report) {
     ty_result result = choose(session, scene, request, report);
     if (result != TY_OK) return result;
-    const cli_method* method = cli_find_method(session->command, report->method);
-    result = method->render(session, scene, request, out, report);
-    if (!is_refusal(result) || method == &cli_method_path) return result;
-    report->method = cli_method_path.name;
-    snprintf(report->choice, sizeof report->choice, "%s refused: %s", method->name, ty_last_error(session->context));
-    ty_clear_error(session->context);
+    const ty_method* method = cli_find_method(session->command, report->method);
+    result = cli_render_method(session, scene, method, request, out, report);
+    if (!is_refusal(result) || method == &ty_method_path) return result;
+    report->method = ty_method_path.name;
+    snprintf(report->choice, sizeof report->choice, "%s refused: %s", method->name, ty_take_error(session->context));
     say(session, report);
-    return cli_method_path.render(session, scene, request, out, report);
+    return cli_render_method(session, scene, &ty_method_path, request, out, report);
 }
 
-const cli_method cli_method_auto = {
-    .name = "auto", .summary = "the method that suits the scene", .aovs = TY_AOV_ALL, .crops = true, .render = render};
+const ty_method cli_method_auto = {
+    .name = "auto", .summary = "the method that suits the scene", .aovs = TY_AOV_ALL, .crops = true};

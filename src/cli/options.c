@@ -15,23 +15,6 @@
 
 enum { WORD_MAX = 64, CANDIDATES_MAX = 64 };
 
-void cli_common_options(cli_common* common, cli_option options[CLI_COMMON_COUNT]) {
-    const cli_option table[CLI_COMMON_COUNT] = {
-        {"threads", 0, CLI_INT, "N", "threads to use (default 0: one per processor)", &common->threads, 0, 1024, NULL},
-        {"seed", 0, CLI_SEED, "N", "seed of the random numbers (default: the scene's, or 0)", &common->seed, 0, 0,
-         &common->seed_given},
-        {"stats", 0, CLI_TEXT, "FILE.json", "write what the run did and took", &common->stats, 0, 0, NULL},
-        {"progress", 0, CLI_CHOICE, "auto|plain|json|none", "how progress is shown on stderr", &common->progress, 0, 0,
-         NULL},
-        {"quiet", 'q', CLI_FLAG, NULL, "no progress, warnings or closing lines", &common->quiet, 0, 0, NULL},
-        {"help", 'h', CLI_FLAG, NULL, "this text", &common->help, 0, 0, NULL},
-        {"version", 0, CLI_FLAG, NULL, "the version", &common->version, 0, 0, NULL},
-        {"help-as", 0, CLI_CHOICE, "text|man|markdown|completion", NULL, &common->help_as, 0, 0, NULL},
-        {"help-to", 0, CLI_TEXT, "FILE", NULL, &common->help_to, 0, 0, NULL},
-    };
-    memcpy(options, table, sizeof table);
-}
-
 int cli_usage_error(const char* command, const char* format, ...) {
     char text[1024], line[1152];
     va_list arguments;
@@ -130,7 +113,7 @@ static bool parse_size(const char* text, int32_t out[2]) {
     return true;
 }
 
-/* "10,20,64x48": x, y, width, height. */
+/* Parses "10,20,64x48": x, y, width, height. */
 static bool parse_crop(const char* text, int32_t out[4]) {
     for (int i = 0; i < 2; ++i) {
         char number[8];
@@ -214,7 +197,7 @@ static int store_value(const char* command, const cli_option* option, const char
     return CLI_GO;
 }
 
-/* The options of a command and the common ones, as one table. */
+/* A table of the options of a command and the common options. */
 typedef struct table {
     const cli_option* own;
     int own_count;
@@ -255,7 +238,7 @@ static int unknown_option(const char* command, const table* all, const char* nam
     return cli_usage_error(command, "unknown option --%s", word);
 }
 
-/* One option at arguments[*index], and its value there or in the argument after it. */
+/* Parses one option at arguments[*index], with its value there or in the next argument. */
 static int parse_option(const char* command, const table* all, int count, char** arguments, int* index) {
     const char* text = arguments[*index];
     const cli_option* option = NULL;

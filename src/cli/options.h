@@ -1,4 +1,4 @@
-/* One option parser for all commands: tables say what there is, and --help is made from the same tables. */
+/* The option parser of all commands: tables define the options, and --help is generated from the same tables. */
 #ifndef TY_CLI_OPTIONS_H
 #define TY_CLI_OPTIONS_H
 
@@ -17,7 +17,7 @@ typedef struct cli_list {
     int32_t count;
 } cli_list;
 
-/* What a value looks like and what the target points to. */
+/* The syntax of a value and the type of its target. */
 typedef enum cli_kind {
     CLI_FLAG,   /* no value; bool */
     CLI_TEXT,   /* const char* */
@@ -27,7 +27,7 @@ typedef enum cli_kind {
     CLI_REAL,   /* double in [lower, upper] */
     CLI_SIZE,   /* int32_t[2], "800x600", each in 1..65536 */
     CLI_CROP,   /* int32_t[4], "10,20,64x48": x, y, width, height */
-    CLI_CHOICE, /* int: which word of `value`, "auto|plain|none" */
+    CLI_CHOICE, /* int: index of a word of `value`, "auto|plain|none" */
 } cli_kind;
 
 typedef struct cli_option {
@@ -43,7 +43,7 @@ typedef struct cli_option {
 
 typedef enum cli_progress_mode { CLI_AUTO = 0, CLI_PLAIN = 1, CLI_JSON = 2, CLI_NONE = 3 } cli_progress_mode;
 
-/* How --help tells what a command does. */
+/* The output format of --help. */
 typedef enum cli_help_form {
     CLI_HELP_TEXT = 0,
     CLI_HELP_MAN = 1,
@@ -60,11 +60,11 @@ typedef struct cli_common {
     int progress;      /* cli_progress_mode */
     bool quiet, help, version;
     int help_as;         /* cli_help_form: for `tyndall help`, and not listed */
-    const char* help_to; /* a file that it writes instead of stdout; NULL: stdout. Not listed either */
+    const char* help_to; /* output file of --help; NULL: stdout. Not listed either */
 } cli_common;
 
-/* For completion: prints words, a blank after each, that may stand for the value of an option, or with option NULL for
- * an argument. False: there are none, and it may be a file. */
+/* Completion: prints the candidate words for the value of an option, or with option NULL for an argument, each followed
+ * by a blank. False: no candidates; the value can be a file. */
 typedef bool (*cli_words_fn)(FILE* file, const char* option);
 
 typedef struct cli_syntax {
@@ -78,7 +78,7 @@ typedef struct cli_syntax {
     cli_words_fn print_words; /* NULL: none */
 } cli_syntax;
 
-/* What one command line says; cli_parse sets everything. */
+/* A parsed command line; cli_parse sets all fields. */
 typedef struct cli_arguments {
     cli_common common;
     const char* positional[CLI_POSITIONAL_MAX];
@@ -89,16 +89,16 @@ typedef struct cli_arguments {
  * print to stdout and give CLI_DONE. */
 int cli_parse(const cli_syntax* syntax, int count, char** arguments, cli_arguments* out);
 
-/* Reports wrong usage of a command (printf-like) and returns CLI_USAGE. */
+/* Prints a usage error of a command (printf-like) and returns CLI_USAGE. */
 int cli_usage_error(const char* command, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Numbers as options take them: decimal, finite, nothing before or after. */
+/* Number parsing of options: decimal, finite, without leading or trailing characters. */
 bool cli_parse_real(const char* text, double* out);
 bool cli_parse_seed(const char* text, uint64_t* out);
 
 enum { CLI_COMMON_COUNT = 9 };
 
-/* The options all commands share; values go to *common. Those that --help does not list have no help. */
+/* The common options of all commands; values go to *common. Options without help text are not listed by --help. */
 void cli_common_options(cli_common* common, cli_option options[CLI_COMMON_COUNT]);
 
 /* The word nearest to text (edit distance at most a third of its length, at least 1), or NULL. */

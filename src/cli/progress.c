@@ -1,4 +1,4 @@
-/* Showing progress, and noticing that the user wants to stop. */
+/* Display of progress, and interruption by the user. */
 #define _GNU_SOURCE
 #include "cli/progress.h"
 #include "cli/text.h"
@@ -71,7 +71,7 @@ static void format_line(const ty_progress* report, char* out, size_t size) {
         snprintf(samples, sizeof samples, " %" PRIu64 " of %" PRIu64 " spp,", report->done, report->total);
     else
         snprintf(samples, sizeof samples, " %" PRIu64 " spp,", report->done);
-    if (report->done == 0 && report->total == 0) samples[0] = '\0'; /* work that is not counted in samples */
+    if (report->done == 0 && report->total == 0) samples[0] = '\0'; /* work without a count of samples */
     snprintf(out, size, "%s: %3.0f%%,%s %s gone, %s left", report->stage, 100 * report->fraction, samples, elapsed,
              remaining);
 }
@@ -83,7 +83,8 @@ static void report_json(const ty_progress* report) {
             report->stage, report->fraction, report->seconds, report->remaining, report->done, report->total);
 }
 
-/* Lines that stay: at the start of a stage, then at least two seconds and two percent (JSON: half a second) apart. */
+/* Permanent lines: one at the start of a stage, then at least two seconds and two percent (JSON: half a second) apart.
+ */
 static bool line_is_due(cli_progress* progress, const ty_progress* report) {
     const bool json = progress->mode == CLI_JSON;
     const bool new_stage = strncmp(progress->stage, report->stage, sizeof progress->stage - 1) != 0;

@@ -1,4 +1,4 @@
-/* Progress on stderr: one line that updates on a terminal, now and then a line elsewhere, or JSON lines. */
+/* Progress on stderr: one updating line on a terminal, occasional lines elsewhere, or JSON lines. */
 #ifndef TY_CLI_PROGRESS_H
 #define TY_CLI_PROGRESS_H
 
@@ -10,23 +10,24 @@
 
 typedef struct cli_progress {
     cli_progress_mode mode;             /* never CLI_AUTO */
-    bool updating;                      /* one line, overwritten */
-    bool line_open;                     /* that line is on screen */
-    double last_seconds, last_fraction; /* of the last line of CLI_PLAIN and CLI_JSON */
+    bool updating;                      /* one updating line */
+    bool line_open;                     /* the updating line is on screen */
+    double last_seconds, last_fraction; /* time of the last line of CLI_PLAIN and CLI_JSON */
     char stage[32];
 } cli_progress;
 
 cli_progress cli_progress_begin(const cli_common* common);
 /* A ty_progress_fn; user is the cli_progress. Returns false once the user has interrupted. */
 bool cli_progress_report(void* user, const ty_progress* report);
-/* The beginning of one of several steps that take unequal times: a line on its own, unless progress is off. */
+/* Prints the start of one of several steps of unequal duration as a separate line, unless progress is off. */
 void cli_progress_step(cli_progress* progress, const char* stage, int index, int count, double seconds);
-/* Takes the updating line off the screen, so that other text can follow. */
+/* Erases the updating line before other text. */
 void cli_progress_clear(cli_progress* progress);
-/* A warning of the library, as a line of its own. */
+/* Prints a warning of the library as a separate line. */
 void cli_progress_warn(cli_progress* progress, const char* text);
 
-/* SIGINT and SIGTERM ask the running work to stop; a second one ends the program at once with 130. */
+/* Installs handlers: SIGINT and SIGTERM cancel the running work; a second signal ends the program at once with status
+ * 130. */
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 

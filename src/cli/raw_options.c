@@ -1,4 +1,4 @@
-/* The options that tell what a raw volume is. */
+/* Options for the layout of a raw volume. */
 #include "cli/raw_options.h"
 #include "cli/options.h"
 
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* "A,B,C" as numbers in (0, upper]. */
+/* Parses "A,B,C" into numbers in (0, upper]. */
 static bool parse_triple(const char* text, double upper, double out[3]) {
     for (int a = 0; a < 3; ++a) {
         char* end;

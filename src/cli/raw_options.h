@@ -1,4 +1,4 @@
-/* The options that tell what a raw volume is. */
+/* Options for the layout of a raw volume. */
 #ifndef TY_CLI_RAW_OPTIONS_H
 #define TY_CLI_RAW_OPTIONS_H
 

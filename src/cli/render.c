@@ -1,7 +1,8 @@
-/* tyndall render: a scene to an image. */
+/* tyndall render: renders a scene to an image. */
 #include "cli/aovs.h"
 #include "cli/checkpoint.h"
 #include "cli/commands.h"
+#include "cli/method_help.h"
 #include "cli/methods.h"
 #include "cli/report.h"
 #include "cli/session.h"
@@ -26,80 +27,35 @@ static ty_result write_images(cli_session* session, const render_options* option
     for (int i = 0; i < 2; ++i) {
         if (paths[i] == NULL) continue;
         const ty_result result = cli_has_extension(paths[i], ".png")
-                                     ? ty_image_write_png(session->context, image, exposure, true, paths[i])
+                                     ? ty_image_write_png(session->context, image, exposure, TY_TONE_FILMIC, paths[i])
                                      : ty_image_write_exr(session->context, image, paths[i]);
         if (result != TY_OK) return result;
     }
     return TY_OK;
 }
 
-static void print_fld_line(const cli_report* report) {
-    const ty_fld_stats* fld = &report->fld;
-    const int32_t* fine = fld->direct_size;
-    const int32_t* coarse = fld->diffusion_size;
-    printf("%s: %dx%d, %dx%dx%d cells of direct light, %dx%dx%d of diffusion%s, %.2f s (medium %.2f, direct %.2f, "
-           "solve %.2f, "
-           "march %.2f)\n",
-           report->method, report->width, report->height, fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2],
-           fld->converged ? "" : ", not converged", report->own_seconds, fld->medium_seconds, fld->direct_seconds,
-           fld->solve_seconds, fld->march_seconds);
-}
-
-static void print_pop_line(const cli_report* report) {
-    const ty_pop_stats* pop = &report->pop;
-    const int32_t *own = pop->size, *merged = pop->merged_size;
-    printf("%s: %dx%d, %d ordinates of %dx%dx%d cells, %dx%dx%d merged%s, %.2f s (before the march %.3f, march %.3f)\n",
-           report->method, report->width, report->height, pop->ordinates, own[0], own[1], own[2], merged[0], merged[1],
-           merged[2], pop->converged ? "" : ", not converged", report->own_seconds, pop->seconds - pop->march_seconds,
-           pop->march_seconds);
-}
-
-static void print_lpv_line(const cli_report* report) {
-    const ty_lpv_stats* lpv = &report->lpv;
-    const int32_t* cells = lpv->size[0];
-    printf("%s: %dx%d, %dx%dx%d cells of %.3g m, %d iterations, %.3f s (injection %.3f, propagation %.3f, "
-           "image %.3f)\n",
-           report->method, report->width, report->height, cells[0], cells[1], cells[2], lpv->cell[0], lpv->iterations,
-           report->own_seconds, cli_lpv_injection_seconds(lpv), cli_lpv_propagation_seconds(lpv),
-           cli_lpv_image_seconds(lpv));
-}
-
-static void print_dom_line(const cli_report* report) {
-    const ty_dom_stats* dom = &report->dom;
-    const int32_t *fine = dom->direct_size, *coarse = dom->size;
-    int32_t sweeps = 0;
-    for (int32_t plane = 0; plane < dom->planes; ++plane) sweeps += dom->sweeps[plane];
-    printf("%s: %dx%d, %dx%dx%d cells of direct light, %dx%dx%d of %d ordinates, %d sweeps%s, %.2f s (before the march "
-           "%.3f, march %.3f)\n",
-           report->method, report->width, report->height, fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2],
-           dom->directions, sweeps, dom->converged ? "" : ", not converged", report->own_seconds,
-           dom->seconds - dom->march_seconds, dom->march_seconds);
-}
-
-static void print_surfaces_line(const cli_report* report) {
-    if (report->path.seconds > report->own_seconds)
-        printf("surfaces: %.4g spp of path, %.2f s\n", report->path.spp, report->path.seconds - report->own_seconds);
-}
-
 static void print_path_line(const cli_report* report) {
+    const ty_path_stats* path = &report->run.path;
     printf("%s: %dx%d, %.4g spp, relative error %.3g%%, %.1f s (%.3g Mpaths/s)%s%s\n", report->method, report->width,
-           report->height, report->path.spp, 100 * report->path.error, report->path.seconds,
-           report->path.seconds > 0 ? 1e-6 * (double)report->path.paths / report->path.seconds : 0.0,
-           report->resumed ? ", resumed" : "", report->complete ? "" : ", interrupted");
+           report->height, path->spp, 100 * path->error, path->seconds,
+           path->seconds > 0 ? 1e-6 * (double)path->paths / path->seconds : 0.0, report->resumed ? ", resumed" : "",
+           report->complete ? "" : ", interrupted");
+}
+
+static void print_method_lines(const cli_report* report) {
+    const ty_method_run* run = &report->run;
+    char text[256];
+    report->ran->describe(run, text, sizeof text);
+    printf("%s: %dx%d, %s\n", report->method, report->width, report->height, text);
+    if (run->path.seconds > run->own_seconds)
+        printf("surfaces: %.4g spp of path, %.2f s\n", run->path.spp, run->path.seconds - run->own_seconds);
 }
 
 static void print_closing_lines(const render_options* options, const cli_report* report) {
-    if (report->fld.isa != NULL)
-        print_fld_line(report);
-    else if (report->pop.isa != NULL)
-        print_pop_line(report);
-    else if (report->lpv.isa != NULL)
-        print_lpv_line(report);
-    else if (report->dom.isa != NULL)
-        print_dom_line(report);
+    if (report->ran->describe != NULL)
+        print_method_lines(report);
     else
         print_path_line(report);
-    if (report->fld.isa != NULL || report->pop.isa != NULL || report->dom.isa != NULL) print_surfaces_line(report);
     printf("wrote %s\n", options->output);
     if (options->png != NULL) printf("wrote %s\n", options->png);
 }
@@ -125,14 +81,14 @@ static cli_request make_request(const render_options* options, const cli_session
     return request;
 }
 
-/* Wrong input can only be the state, whose message does not know its file. */
+/* TY_ERROR_INPUT can only come from the resume state, whose message lacks the file name. */
 static int fail_rendering(cli_session* session, ty_result result, const cli_checkpoint* checkpoint) {
     if (result != TY_ERROR_INPUT || checkpoint->bytes == NULL) return cli_fail_running(session, result);
     cli_progress_clear(&session->progress);
-    return cli_fail(CLI_USAGE, "%s: %s; remove it to begin anew", checkpoint->path, ty_last_error(session->context));
+    return cli_fail(CLI_USAGE, "%s: %s; remove it to begin anew", checkpoint->path, ty_take_error(session->context));
 }
 
-/* Writes a finished or partial image; the exit status. */
+/* Writes a finished or partial image; returns the exit status. */
 static int write_result(cli_session* session, const render_options* options, const cli_report* report, ty_image** image,
                         double exposure) {
     ty_result result = (options->aovs & TY_AOV_SAMPLES) == 0 ? cli_drop_even_samples(session->context, image) : TY_OK;
@@ -143,11 +99,11 @@ static int write_result(cli_session* session, const render_options* options, con
     return report->complete ? CLI_DONE : CLI_INTERRUPTED;
 }
 
-/* Renders and writes the scene; the exit status. */
+/* Renders and writes the scene; returns the exit status. */
 static int render_scene(cli_session* session, const ty_scene* scene, const render_options* options,
                         cli_checkpoint* checkpoint, cli_report* report) {
     const ty_render_settings settings = ty_scene_render_settings(scene);
-    const cli_method* method = cli_find_method("render", options->method != NULL ? options->method : settings.method);
+    const ty_method* method = cli_find_method("render", options->method != NULL ? options->method : settings.method);
     if (method == NULL) return CLI_USAGE;
     const cli_request request = make_request(options, session, &settings, checkpoint);
     const int possible = cli_check_request(session, scene, method, &request);
@@ -159,7 +115,7 @@ static int render_scene(cli_session* session, const ty_scene* scene, const rende
     snprintf(report->scene, sizeof report->scene, "%016" PRIx64, ty_scene_hash(scene));
     report->resumed = options->resume && checkpoint->bytes != NULL;
     ty_image* image = NULL;
-    const ty_result result = method->render(session, scene, &request, &image, report);
+    const ty_result result = cli_render_method(session, scene, method, &request, &image, report);
     cli_progress_clear(&session->progress);
     if (image == NULL) return fail_rendering(session, result, checkpoint);
     report->complete = result == TY_OK;
@@ -192,7 +148,7 @@ static int load_and_render(cli_session* session, const char* path, const render_
     return cli_session_close(session, status);
 }
 
-/* What can be known to be wrong before any work. */
+/* Checks of options that need no file. */
 static int check_options(render_options* options) {
     if (options->output == NULL) return cli_usage_error("render", "where to? Give -o OUT.exr or -o OUT.png");
     const bool png = cli_has_extension(options->output, ".png");
@@ -210,20 +166,25 @@ static int check_options(render_options* options) {
 }
 
 static bool print_words(FILE* file, const char* option) {
-    if (option == NULL || strcmp(option, "method") != 0) return false;
+    if (option == NULL) return false;
+    if (strcmp(option, "define") == 0) {
+        cli_print_option_keys(file);
+        return true;
+    }
+    if (strcmp(option, "method") != 0) return false;
     fprintf(file, "%s ", cli_method_auto.name);
-    for (int i = 0; cli_method_at(i) != NULL; ++i) fprintf(file, "%s ", cli_method_at(i)->name);
+    for (int i = 0; ty_methods[i] != NULL; ++i) fprintf(file, "%s ", ty_methods[i]->name);
     return true;
 }
 
 int cli_render(int count, char** arguments) {
     render_options options = {.checkpoint = 60};
+    char methods[160];
+    cli_name_methods_in("(default: that of the scene, or auto)", methods, sizeof methods);
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
-        {"method", 0, CLI_TEXT, "NAME",
-         "auto, path, screen, fld, cda, pop, lpv or dom (default: what the scene says, or auto)", &options.method, 0, 0,
-         NULL},
+        {"method", 0, CLI_TEXT, "NAME", methods, &options.method, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
          &options.spp_given},
         {"time", 0, CLI_REAL, "SECONDS", "stop after this time; without --spp nothing else does", &options.time, 1e-3,
@@ -247,7 +208,8 @@ int cli_render(int count, char** arguments) {
         "render",
         "SCENE -o OUT.exr|OUT.png [options]",
         "Renders a scene to an image.",
-        "SCENE is a JSON file, or builtin:NAME. Interrupting (Ctrl-C) writes what there is and exits with 130.\n\n"
+        "SCENE is a JSON file, or builtin:NAME. Interrupting (Ctrl-C) writes what there is and exits with 130.\n"
+        "-D render.METHOD.KEY=VALUE sets an option of a method; 'tyndall help --options METHOD' lists them.\n\n"
         "Method auto, which scenes have that name none, looks at media, lights and surfaces, and says on stderr what\n"
         "it chose and why. --time, --error, --resume and --crop ask for path, which alone can do that; so does --spp,\n"
         "but for --method auto: other methods take it for surfaces.\n\n"

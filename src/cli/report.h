@@ -1,8 +1,9 @@
-/* What a rendering did, for --stats and an image's metadata. */
+/* Measurements of a rendering, for --stats and an image's metadata. */
 #ifndef TY_CLI_REPORT_H
 #define TY_CLI_REPORT_H
 
 #include "cli/json.h"
+#include "method/method.h"
 
 #include <tyndall/tyndall.h>
 
@@ -10,25 +11,25 @@ typedef struct cli_report {
     char scene[17]; /* hash */
     size_t scene_bytes;
     const char* method;
-    char choice[256];       /* why method auto chose it; "": nothing was to be chosen */
-    ty_path_stats path;     /* seconds: of everything, also of what is done with the paths' image */
-    double own_seconds;     /* without the path-traced image that the method starts from */
-    ty_screen_stats screen; /* method screen alone */
-    ty_fld_stats fld;       /* methods fld and cda alone */
-    ty_pop_stats pop;       /* method pop alone */
-    ty_lpv_stats lpv;       /* method lpv alone */
-    ty_dom_stats dom;       /* method dom alone */
+    char choice[256];     /* reason of method auto's choice; "": no choice was made */
+    const ty_method* ran; /* the method that rendered; NULL: none, or path tracing outside a method */
+    ty_method_run run;
     uint64_t seed;
     int32_t width, height;
     double load_seconds;
-    double fov_y; /* of the camera, degrees; 0: left out */
+    double fov_y; /* vertical field of view, degrees; 0: left out */
     bool resumed, complete;
 } cli_report;
 
-/* Parts of what lpv did: maps of lights and what comes of them; the lattice; the picture. */
-double cli_lpv_injection_seconds(const ty_lpv_stats* lpv);
-double cli_lpv_propagation_seconds(const ty_lpv_stats* lpv);
-double cli_lpv_image_seconds(const ty_lpv_stats* lpv);
+enum { CLI_STAGES_MAX = 24 };
+
+typedef struct cli_stage {
+    char name[24]; /* "march" */
+    double seconds;
+} cli_stage;
+
+/* Lists the stages of a rendering: path tracing, the stages of the method, and the remainder; returns their number. */
+int cli_report_stages(const cli_report* report, cli_stage out[CLI_STAGES_MAX]);
 
 /* Adds a cli_report to --stats (cli_session.stats). */
 void cli_report_stats(json_writer* json, const void* user);

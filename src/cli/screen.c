@@ -1,4 +1,4 @@
-/* tyndall screen: fog and water over an image whose pixels know their distance. */
+/* tyndall screen: fog and water over an image with per-pixel distances. */
 #include "cli/screen_output.h"
 #include "cli/commands.h"
 
@@ -6,23 +6,25 @@
 #include <string.h>
 
 static ty_screen_image describe_image(const screen_input* input, const screen_output* output) {
-    ty_screen_image image = {.width = input->width, .height = input->height, .distance = input->distance};
-    /* Inputs are only read. */
+    ty_screen_image image = ty_default_screen_image();
+    image.width = input->width;
+    image.height = input->height;
+    image.distance = input->distance;
+    /* A read-only view of an input. */
     for (int c = 0; c < 3; ++c) {
         image.color.data[c] = (float*)(uintptr_t)input->color[c];
         image.out.data[c] = output->color[c];
     }
-    image.color.step = image.out.step = image.distance_step = 1;
     image.color.row = image.out.row = image.distance_row = input->width;
     return image;
 }
 
-/* The distances that are taken, in the place of unknown ones what they count as. */
+/* The distances in use, with the substitute for unknown ones. */
 static void copy_distances(const screen_input* input, const ty_screen_def* def, float* out) {
     const int64_t pixels = (int64_t)input->width * input->height;
     for (int64_t i = 0; out != NULL && i < pixels; ++i) {
         const float distance = input->distance[i];
-        out[i] = distance > 0 && isfinite(distance) ? distance : def->unknown;
+        out[i] = distance > 0 && isfinite(distance) ? distance : def->missing_depth;
     }
 }
 
@@ -40,14 +42,14 @@ static ty_result compute(cli_session* session, screen_report* report, const scre
     return result;
 }
 
-/* Sets everything of the def; needs the image for the camera. */
+/* Sets all fields of the def; the camera comes from the image. */
 static int make_def(cli_session* session, const screen_options* options, const screen_input* input,
                     const ty_medium_def* medium, ty_screen_def* def) {
     *def = ty_default_screen_def();
     memcpy(def->sigma_s, medium->sigma_s, sizeof def->sigma_s);
     memcpy(def->sigma_a, medium->sigma_a, sizeof def->sigma_a);
     memcpy(def->g, medium->g, sizeof def->g);
-    def->unknown = (float)options->sky_distance;
+    def->missing_depth = (float)options->sky_distance;
     def->progress = cli_progress_report;
     def->progress_user = &session->progress;
     screen_set_variant(options, def);
@@ -122,7 +124,7 @@ int cli_screen(int count, char** arguments) {
         {"fov-y", 0, CLI_REAL, "DEGREES", "full vertical angle of view", &options.fov_y, 1e-3, 179.999,
          &options.fov_y_given},
         {"focal", 0, CLI_TEXT, "FX[,FY]", "focal length, pixels", &options.focal_text, 0, 0, NULL},
-        {"center", 0, CLI_TEXT, "CX,CY", "principal point, pixels from the corner (default: the middle)",
+        {"center", 0, CLI_TEXT, "CX,CY", "principal point, pixels from the corner (default: the center)",
          &options.center_text, 0, 0, NULL},
         {"environment", 0, CLI_TEXT, "L|R,G,B|FILE", "radiance around, W m^-2 sr^-1, or a map of it (default 0)",
          &options.environment, 0, 0, NULL},

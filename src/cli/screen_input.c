@@ -6,7 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* What programs call the channel of distances or depths, the likelier names first. */
+/* Common names of the channel of distances or depths, the most frequent first. */
 static const char* const distance_names[] = {"depth.Z", "Z", "depth", "distance.Z", "distance", "depth.V", "ZBack"};
 enum { DISTANCE_NAME_COUNT = sizeof distance_names / sizeof distance_names[0], LIST_SIZE = 400 };
 
@@ -23,7 +23,7 @@ static void list_channels(const ty_image* image, char out[LIST_SIZE]) {
     }
 }
 
-/* Whether a channel has a name, in any case, alone or after the name of a layer. */
+/* True if a channel has a name, ignoring case, with or without a layer prefix. */
 static bool is_called(const char* channel, const char* name) {
     const size_t length = strlen(channel), size = strlen(name);
     if (length < size || strcasecmp(channel + length - size, name) != 0) return false;
@@ -37,8 +37,8 @@ static int32_t find_distance_channel(const ty_image* image) {
     return -1;
 }
 
-/* The plane of the distances in the image of that path; alone: an only channel will do whatever its name. */
-static int choose_channel(const screen_options* options, ty_image* image, const char* path, bool alone,
+/* The plane of distances in the image of a path; alone: a single channel is accepted under any name. */
+static int choose_channel(const screen_options* options, ty_image* image, const char* path, bool any_single,
                           float** distance) {
     char list[LIST_SIZE];
     list_channels(image, list);
@@ -46,8 +46,8 @@ static int choose_channel(const screen_options* options, ty_image* image, const 
         options->channel != NULL ? ty_image_find_channel(image, options->channel) : find_distance_channel(image);
     if (channel < 0 && options->channel != NULL)
         return cli_fail(CLI_USAGE, "%s: no channel '%s'; there are: %s", path, options->channel, list);
-    if (channel < 0 && alone && ty_image_channel_count(image) == 1) channel = 0;
-    if (channel < 0 && alone)
+    if (channel < 0 && any_single && ty_image_channel_count(image) == 1) channel = 0;
+    if (channel < 0 && any_single)
         return cli_fail(CLI_USAGE, "%s: which channel is the distance? Give --distance-channel; there are: %s", path,
                         list);
     if (channel < 0)
@@ -59,10 +59,10 @@ static int choose_channel(const screen_options* options, ty_image* image, const 
     return CLI_GO;
 }
 
-/* Messages about memory do not know what it was for. */
+/* Adds the purpose to messages about memory. */
 static int fail_reading(cli_session* session, const char* path, ty_result result) {
     if (result != TY_ERROR_MEMORY) return cli_fail_reading(session, result);
-    return cli_fail(CLI_FAILED, "%s: %s", path, ty_last_error(session->context));
+    return cli_fail(CLI_FAILED, "%s: %s", path, ty_take_error(session->context));
 }
 
 static int read_distances(cli_session* session, const screen_options* options, screen_input* input) {
@@ -101,7 +101,7 @@ static int check_color(screen_input* input) {
                     input->image_path, list);
 }
 
-/* Distances are made metres in place, which colour would not survive. */
+/* Distances are converted to metres in place, so a color channel must not be converted. */
 static int check_own_channel(const screen_input* input) {
     for (int c = 0; c < 3; ++c)
         if (input->distance == input->color[c])
@@ -154,15 +154,15 @@ int screen_set_camera(const screen_options* options, const screen_input* input, 
                         cli_fov_key, fov_y);
     for (int axis = 0; axis < 2; ++axis) {
         def->focal[axis] = options->focal_given ? options->focal[axis] : ty_screen_focal(frame[3], fov_y);
-        /* Of the whole frame, of which the image may be a part. */
+        /* Camera of the full frame, of which the image can be a crop. */
         const double center = options->center_given ? options->center[axis] : 0.5 * frame[2 + axis];
         def->center[axis] = center - frame[axis];
     }
-    def->planar = options->depth_is == 1;
+    def->distance_kind = (ty_screen_distance_kind)options->depth_is;
     return CLI_GO;
 }
 
-/* The mean over all directions of a map whose rows go from the pole above to the one below. */
+/* The mean over all directions of a latitude-longitude map, top row at the zenith. */
 static void mean_radiance(const ty_image* map, const float* const planes[3], double out[3]) {
     const int32_t width = ty_image_width(map), height = ty_image_height(map);
     const double pi = 3.14159265358979323846;

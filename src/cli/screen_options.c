@@ -1,11 +1,11 @@
-/* tyndall screen: checking options, and what they make of a ty_screen_def. */
+/* tyndall screen: checks of options, and their conversion to a ty_screen_def. */
 #include "cli/screen_options.h"
 #include "cli/aovs.h"
 
 #include <math.h>
 #include <string.h>
 
-int screen_parse_numbers(const char* text, int least, double out[3]) {
+int screen_parse_numbers(const char* text, int min_count, double out[3]) {
     int count = 0;
     for (const char* at = text; at != NULL; ++count) {
         char number[40];
@@ -16,7 +16,7 @@ int screen_parse_numbers(const char* text, int least, double out[3]) {
         if (!cli_parse_real(number, &out[count])) return 0;
         at = at[length] == ',' ? at + length + 1 : NULL;
     }
-    return count >= least ? count : 0;
+    return count >= min_count ? count : 0;
 }
 
 static int check_outputs(const screen_options* options) {
@@ -80,7 +80,7 @@ static int check_sky(screen_options* options) {
 
 static int check_levels(screen_options* options) {
     const bool all = options->levels != NULL && strcmp(options->levels, "all") == 0;
-    double levels = all ? TY_SCREEN_LEVELS_ALL : TY_SCREEN_LEVELS_AUTO;
+    double levels = all ? TY_SCREEN_LEVELS_ALL : TY_AUTO;
     if (options->levels != NULL && !all && strcmp(options->levels, "auto") != 0 &&
         (!cli_parse_real(options->levels, &levels) || levels != floor(levels) || levels < 1 ||
          levels > TY_SCREEN_LEVELS_MAX))
@@ -90,7 +90,7 @@ static int check_levels(screen_options* options) {
     return CLI_GO;
 }
 
-/* Options of one variant are refused with another, which would not look at them. */
+/* Options of one variant are refused with another, which would ignore them. */
 static int check_variant(const screen_options* options) {
     const struct {
         const char* name;

@@ -1,10 +1,10 @@
-/* What the command line of tyndall screen says. */
+/* The parsed command line of tyndall screen. */
 #ifndef TY_CLI_SCREEN_OPTIONS_H
 #define TY_CLI_SCREEN_OPTIONS_H
 
 #include "cli/session.h"
 
-/* The words of --variant: three variants, and two baselines that are made of the second. */
+/* The words of --variant: three variants, and two baselines derived from the second. */
 typedef enum screen_kind { SCREEN_SCATTER, SCREEN_GATHER, SCREEN_PUBLISHED, SCREEN_NAIVE, SCREEN_EXACT } screen_kind;
 #define SCREEN_KINDS "scatter|gather|published|naive|reference"
 
@@ -14,17 +14,17 @@ enum { SCREEN_ATTENUATED = 1, SCREEN_SCATTERED = 2, SCREEN_SPREAD = 4, SCREEN_DI
 typedef struct screen_options {
     const char *output, *png, *aov;
     double exposure;
-    int curve; /* 0 by the image, 1 none, 2 filmic */
+    int curve; /* 0 from the image, 1 none, 2 filmic */
 
     const char* medium;
-    const char* environment; /* numbers or a file; NULL: none */
+    const char* environment; /* ambient light: numbers or a file; NULL: none */
     bool balance;
 
     double fov_y, focal[2], center[2];
     bool fov_y_given, focal_given, center_given;
     const char *focal_text, *center_text;
 
-    const char* channel; /* of the distances; NULL: found by its name */
+    const char* channel; /* channel of the distances; NULL: found by its name */
     double distance_scale;
     bool distance_scale_given;
     int depth_is; /* 0 radial, 1 planar */
@@ -35,13 +35,13 @@ typedef struct screen_options {
     int spread; /* ty_screen_spread */
     bool spread_given;
     int kind;   /* screen_kind */
-    int filter; /* which of 2, 4, 6 */
+    int filter; /* index into 2, 4, 6 */
     const char* levels;
-    int32_t level_count; /* or TY_SCREEN_LEVELS_AUTO */
+    int32_t level_count; /* or TY_AUTO */
     int32_t window;
     bool window_given;
 
-    /* Of the gathering kinds. */
+    /* Options of the gathering variants. */
     int mask; /* ty_screen_mask */
     double mask_width, level_scale;
     bool mask_given, mask_width_given, level_scale_given;
@@ -50,11 +50,11 @@ typedef struct screen_options {
     uint32_t aovs;
 } screen_options;
 
-/* What can be known to be wrong before any file is read; fills what is made of texts. An exit status. */
+/* Checks of options that need no file; parses the textual values. Returns an exit status. */
 int screen_check_options(screen_options* options);
 /* The variant and its details. */
 void screen_set_variant(const screen_options* options, ty_screen_def* def);
-/* "1,2,3" as at least `least` and at most 3 numbers; returns how many, 0 when it is anything else. */
-int screen_parse_numbers(const char* text, int least, double out[3]);
+/* Parses "1,2,3" as at least `min_count` and at most 3 numbers; returns their number, 0 on a syntax error. */
+int screen_parse_numbers(const char* text, int min_count, double out[3]);
 
 #endif

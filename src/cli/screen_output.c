@@ -1,4 +1,4 @@
-/* tyndall screen: the image that comes out, and what is said about it. */
+/* tyndall screen: the output image, messages and reports. */
 #include "cli/screen_output.h"
 #include "cli/metadata.h"
 #include "cli/text.h"
@@ -13,7 +13,7 @@ enum { OWN_CHANNELS_MAX = 13 };
 
 /* ---- channels ---- */
 
-/* The channels that this run makes: R, G, B and --aov. */
+/* The computed channels: R, G, B and --aov. */
 typedef struct own_channel {
     const char* name;
     float** plane;
@@ -38,7 +38,7 @@ static int list_own_channels(uint32_t aovs, screen_output* output, own_channel o
     return count;
 }
 
-/* Whether a channel of the input goes into the output: all that this run does not make anew. */
+/* True if a channel of the input is copied to the output: all except the computed ones. */
 static bool is_carried(const screen_input* input, int32_t channel, const own_channel* own, int own_count) {
     const float* plane = ty_image_plane_const(input->image, channel);
     if (plane == input->color[0] || plane == input->color[1] || plane == input->color[2]) return false;
@@ -47,7 +47,7 @@ static bool is_carried(const screen_input* input, int32_t channel, const own_cha
     return true;
 }
 
-/* Metadata of the input says nothing of how it was rendered: the output was not. */
+/* The input's render metadata is removed, because it does not describe the output. */
 static ty_result carry_metadata(const ty_image* from, ty_image* to) {
     ty_result result = TY_OK;
     for (int32_t i = 0; result == TY_OK && i < ty_image_metadata_count(from); ++i) {
@@ -72,10 +72,10 @@ int screen_fail_running(cli_session* session, const screen_report* report, int32
     cli_format_bytes(images + (double)work, all);
     cli_progress_clear(&session->progress);
     return cli_fail(CLI_FAILED, "%s: %dx%d pixels need %s in all; %s", input->image_path, input->width, input->height,
-                    all, ty_last_error(session->context));
+                    all, ty_take_error(session->context));
 }
 
-/* Makes the image from the names of its channels: own ones, then carried ones. */
+/* Creates the image from channel names: computed channels, then copied channels. */
 static ty_result create_image(cli_session* session, const screen_input* input, const own_channel* own, int own_count,
                               const char** names, screen_output* out) {
     const int32_t channels = ty_image_channel_count(input->image);
@@ -108,7 +108,7 @@ int screen_create_output(cli_session* session, const screen_report* report, scre
     return result == TY_OK ? CLI_GO : screen_fail_running(session, report, out->channels, result);
 }
 
-/* ---- what is said ---- */
+/* ---- messages ---- */
 
 static const char* kind_name(const screen_options* options) {
     static const char* const names[] = {"scatter", "gather", "published", "naive", "reference"};
@@ -132,34 +132,34 @@ static void note_distances(cli_session* session, const screen_report* report) {
     if (input->filled > 0)
         note(session, "%s: %" PRId64 " of %" PRId64 " pixels have no distance; they get one from those around them",
              input->distance_path, input->filled, pixels);
-    if (report->stats.unknown > 0)
+    if (report->stats.missing_depth > 0)
         note(session, "%s: %" PRId64 " of %" PRId64 " pixels have no distance; they count as %.7g m away (--sky)",
-             input->distance_path, report->stats.unknown, pixels, (double)report->def->unknown);
+             input->distance_path, report->stats.missing_depth, pixels, (double)report->def->missing_depth);
 }
 
-static void note_cut(cli_session* session, const screen_report* report) {
+static void note_oversized(cli_session* session, const screen_report* report) {
     const ty_screen_stats* stats = &report->stats;
-    const double needed = stats->levels + ceil(log2(stats->spread / stats->held));
+    const double needed = stats->levels + ceil(log2(stats->spread / stats->max_spread));
     /* The pyramid ends at one pixel. */
     const double side = fmax(report->input->width, report->input->height);
-    const double most = fmin(TY_SCREEN_LEVELS_MAX, ceil(log2(side)));
+    const double max_levels = fmin(TY_SCREEN_LEVELS_MAX, ceil(log2(side)));
     char advice[64] = "the image is too small for more";
-    if (needed <= most)
+    if (needed <= max_levels)
         snprintf(advice, sizeof advice, "--levels %.0f would hold them", needed);
-    else if (stats->levels < most)
-        snprintf(advice, sizeof advice, "--levels %.0f would hold the most", most);
+    else if (stats->levels < max_levels)
+        snprintf(advice, sizeof advice, "--levels %.0f would hold the most", max_levels);
     note(session, "%" PRId64 " pixels spread up to %.3g pixels wide, more than %d levels hold, and are cut to that; %s",
-         stats->cut, stats->spread, stats->levels, advice);
+         stats->oversized, stats->spread, stats->levels, advice);
 }
 
 void screen_print_notes(cli_session* session, const screen_report* report) {
     const screen_input* input = report->input;
     const ty_screen_stats* stats = &report->stats;
     note_distances(session, report);
-    if (stats->mended > 0)
+    if (stats->nonfinite_fixed > 0)
         note(session, "%s: %" PRId64 " pixels were negative or not finite, and are mended", input->image_path,
-             stats->mended);
-    if (stats->cut > 0 && stats->levels > 0) note_cut(session, report);
+             stats->nonfinite_fixed);
+    if (stats->oversized > 0 && stats->levels > 0) note_oversized(session, report);
     if (cli_has_extension(report->options->output, ".png") && ty_image_find_channel(input->image, "A") >= 0)
         note(session, "%s: alpha is left out of a PNG; .exr keeps it", input->image_path);
 }
@@ -169,15 +169,15 @@ void screen_report_stats(json_writer* json, const void* user) {
     const ty_screen_stats* stats = &report->stats;
     json_text(json, "method", "screen");
     json_text(json, "variant", kind_name(report->options));
-    json_integer(json, "width", report->input->width);
-    json_integer(json, "height", report->input->height);
-    json_integer(json, "levels", stats->levels);
+    json_int(json, "width", report->input->width);
+    json_int(json, "height", report->input->height);
+    json_int(json, "levels", stats->levels);
     json_number(json, "spread", stats->spread);
-    json_number(json, "held", stats->held);
-    json_integer(json, "cut", stats->cut);
-    json_integer(json, "mended", stats->mended);
-    json_integer(json, "unknown", stats->unknown);
-    json_integer(json, "filled", report->input->filled);
+    json_number(json, "max_spread", stats->max_spread);
+    json_int(json, "oversized", stats->oversized);
+    json_int(json, "nonfinite_fixed", stats->nonfinite_fixed);
+    json_int(json, "missing_depth", stats->missing_depth);
+    json_int(json, "filled", report->input->filled);
     json_number(json, "bytes", stats->bytes);
     json_text(json, "isa", stats->isa == NULL ? "" : stats->isa);
     json_number(json, "load_seconds", report->load_seconds);
@@ -221,7 +221,7 @@ static ty_result set_numbers(ty_image* image, const screen_report* report) {
         {cli_fov_key, atan(0.5 * frame[3] / def->focal[1]) * (360 / 3.14159265358979323846)},
         {"tyndall.screen.filter", def->filter},
         {"tyndall.screen.levels", report->stats.levels},
-        {"tyndall.screen.unknown", (double)def->unknown},
+        {"tyndall.screen.missing_depth", (double)def->missing_depth},
         {"tyndall.seconds", report->stats.seconds},
     };
     ty_result result = TY_OK;
@@ -241,17 +241,18 @@ static ty_result set_metadata(ty_image* image, const screen_report* report) {
     return result == TY_OK ? set_triple(image, "tyndall.screen.environment", def->environment) : result;
 }
 
-/* What came out of a display-ready file goes back into one without a curve. */
-static bool has_curve(const screen_options* options, const char* image_path) {
-    if (options->curve != 0) return options->curve == 2;
-    return !cli_has_extension(image_path, ".png") && !cli_has_extension(image_path, ".jpg") &&
-           !cli_has_extension(image_path, ".jpeg");
+/* An image from a display-referred file is written without a tone curve. */
+static ty_tone_curve choose_curve(const screen_options* options, const char* image_path) {
+    if (options->curve != 0) return options->curve == 2 ? TY_TONE_FILMIC : TY_TONE_CLIP;
+    const bool display_ready = cli_has_extension(image_path, ".png") || cli_has_extension(image_path, ".jpg") ||
+                               cli_has_extension(image_path, ".jpeg");
+    return display_ready ? TY_TONE_CLIP : TY_TONE_FILMIC;
 }
 
 static ty_result write_files(cli_session* session, const screen_report* report, const ty_image* image) {
     const screen_options* options = report->options;
     const char* const paths[] = {options->output, options->png};
-    const bool curve = has_curve(options, report->input->image_path);
+    const ty_tone_curve curve = choose_curve(options, report->input->image_path);
     for (int i = 0; i < 2; ++i) {
         if (paths[i] == NULL) continue;
         const ty_result result = cli_has_extension(paths[i], ".png")

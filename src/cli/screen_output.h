@@ -1,4 +1,4 @@
-/* What comes out of tyndall screen: an image with channels beside R, G and B, messages, metadata. */
+/* Outputs of tyndall screen: an image with channels beside R, G and B, messages, metadata. */
 #ifndef TY_CLI_SCREEN_OUTPUT_H
 #define TY_CLI_SCREEN_OUTPUT_H
 
@@ -6,12 +6,12 @@
 
 typedef struct screen_output {
     ty_image* image;
-    /* Planes of the image; those of --aov are NULL where they are not asked for. */
+    /* Planes of the image; planes of --aov that were not requested are NULL. */
     float *color[3], *attenuated[3], *scattered[3], *spread[3], *distance;
     int32_t channels;
 } screen_output;
 
-/* What a call did, for --stats and metadata. */
+/* Statistics of a call, for --stats and metadata. */
 typedef struct screen_report {
     const screen_options* options;
     const screen_input* input;
@@ -20,14 +20,15 @@ typedef struct screen_report {
     double load_seconds;
 } screen_report;
 
-/* An image like the input's in place and metadata, R, G and B still 0, with its other channels and those of --aov. */
+/* Creates an image with the window, metadata and other channels of the input, the channels of --aov, and R, G and B set
+ * to 0. */
 int screen_create_output(cli_session* session, const screen_report* report, screen_output* out);
-/* As cli_fail_running; where memory is short, with what all images and the work take together. */
+/* Like cli_fail_running; a memory error also states the total memory of images and work. */
 int screen_fail_running(cli_session* session, const screen_report* report, int32_t channels_out, ty_result result);
-/* Metadata, files and closing lines; an exit status. */
+/* Writes metadata, files and closing lines; returns an exit status. */
 int screen_write_output(cli_session* session, const screen_report* report, const screen_output* output);
 
-/* One line each on what was not as it should be: distances, values, spreads, alpha. */
+/* Prints one line for each anomaly of distances, values, spreads and alpha. */
 void screen_print_notes(cli_session* session, const screen_report* report);
 /* Adds a screen_report to --stats (cli_session.stats). */
 void screen_report_stats(json_writer* json, const void* user);

@@ -1,4 +1,4 @@
-/* Sessions: contexts, messages, --stats, checks that commands share. */
+/* Sessions: contexts, messages, --stats, and common checks of commands. */
 #define _GNU_SOURCE
 #include "cli/session.h"
 #include "cli/text.h"
@@ -25,7 +25,7 @@ double cli_cpu_seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Errors come back as results and are printed there. */
+/* Errors are returned as results and printed by the callers. */
 static void print_log(void* user, ty_log_level level, const char* text) {
     cli_session* session = user;
     if (level == TY_LOG_WARNING && !session->common.quiet) cli_progress_warn(&session->progress, text);
@@ -39,7 +39,7 @@ int cli_session_open(cli_session* session, const char* command, const cli_common
         if (status != CLI_GO) return status;
     }
     ty_context_def def = ty_default_context_def();
-    def.threads = common->threads;
+    def.threads = common->threads > 0 ? common->threads : TY_AUTO;
     def.log = print_log;
     def.log_user = session;
     const ty_result result = ty_context_create(&def, &session->context);
@@ -61,17 +61,17 @@ static bool write_stats_file(const cli_session* session, const char* path) {
     json_open_object(&json, NULL);
     json_text(&json, "version", ty_version());
     json_text(&json, "command", session->command);
-    json_integer(&json, "threads", ty_context_threads(session->context));
+    json_int(&json, "threads", ty_context_threads(session->context));
     if (session->stats != NULL) session->stats(&json, session->stats_user);
     json_number(&json, "seconds", cli_wall_seconds() - session->started);
     json_number(&json, "cpu_seconds", timeval_seconds(usage.ru_utime) + timeval_seconds(usage.ru_stime));
-    json_integer(&json, "peak_memory_bytes", 1024 * (int64_t)usage.ru_maxrss);
+    json_int(&json, "peak_memory_bytes", 1024 * (int64_t)usage.ru_maxrss);
     json_close_object(&json);
     const bool written = !ferror(file);
     return fclose(file) == 0 && written;
 }
 
-/* Under a temporary name first, so that the file is whole or untouched. */
+/* Atomic write: a temporary file is renamed to its final name. */
 static int write_stats(const cli_session* session) {
     const char* path = session->common.stats;
     char* temporary = NULL;
@@ -111,9 +111,14 @@ const char* cli_last_message(void) {
     return last_message;
 }
 
+int cli_finish(int status) {
+    if (fflush(stdout) == 0 || status != CLI_DONE) return status;
+    return cli_fail(CLI_FAILED, "the result cannot be printed: %s", strerror(errno));
+}
+
 static int fail_with_message(cli_session* session, ty_result result, int file_status) {
     cli_progress_clear(&session->progress);
-    const char* message = ty_last_error(session->context);
+    const char* message = ty_take_error(session->context);
     if (message[0] == '\0') message = ty_result_text(result);
     switch (result) {
     case TY_CANCELLED: return cli_fail(CLI_INTERRUPTED, "interrupted");

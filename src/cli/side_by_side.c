@@ -1,4 +1,4 @@
-/* Images in a row, with a line of text over each. */
+/* Images in a row, with a label above each. */
 #include "cli/side_by_side.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 
 enum { GLYPH_WIDTH = 3, GLYPH_HEIGHT = 5, GAP = 4 };
 
-/* Letters of 3 x 5 dots: an octal digit a row, from the top, its highest bit on the left. */
+/* A 3 x 5 bitmap font: an octal digit per row, from the top, its highest bit on the left. */
 static const struct {
     char letter;
     uint16_t rows;
@@ -29,10 +29,10 @@ static uint16_t find_glyph(char letter) {
     return unknown_glyph;
 }
 
-/* Where things are, pixels. */
+/* The layout, pixels. */
 typedef struct layout {
-    int32_t width, height; /* of a panel, without its label */
-    int32_t dot;           /* side of a letter's dot */
+    int32_t width, height; /* size of a panel without its label */
+    int32_t dot;           /* side of a font pixel */
     int32_t top;           /* height of a label */
 } layout;
 
@@ -89,14 +89,14 @@ ty_result cli_write_side_by_side(ty_context* context, const cli_panel* panels, i
     ty_result result =
         ty_image_create_rgb(context, width > INT32_MAX ? INT32_MAX : (int32_t)width, l.top + l.height, &image);
     if (result != TY_OK) return result;
-    /* The curve takes this to full white whatever the exposure. */
+    /* The tone curve maps this value to white at any exposure. */
     const float white = (float)fmin(1e4 * exp2(-exposure), 1e30);
     for (int i = 0; i < count; ++i) {
         const int32_t x0 = i * (l.width + GAP);
         draw_pixels(image, &l, x0, panels[i].image);
         draw_label(image, &l, x0, panels[i].label, white);
     }
-    result = ty_image_write_png(context, image, exposure, true, path);
+    result = ty_image_write_png(context, image, exposure, TY_TONE_FILMIC, path);
     ty_image_destroy(image);
     return result;
 }

@@ -1,4 +1,4 @@
-/* Images in a row, with a line of text over each. */
+/* Images in a row, with a label above each. */
 #ifndef TY_CLI_SIDE_BY_SIDE_H
 #define TY_CLI_SIDE_BY_SIDE_H
 
@@ -6,10 +6,10 @@
 
 typedef struct cli_panel {
     const ty_image* image; /* shown in its frame; all frames are of one size */
-    const char* label;     /* cut where it is too long; letters all look like capitals */
+    const char* label;     /* truncated where too long; shown in capitals */
 } cli_panel;
 
-/* A PNG of all panels at one exposure. */
+/* Writes a PNG of all panels at one exposure. */
 ty_result cli_write_side_by_side(ty_context* context, const cli_panel* panels, int count, double exposure,
                                  const char* path);
 

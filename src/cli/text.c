@@ -1,4 +1,4 @@
-/* Text from outside on its way to a terminal. */
+/* Output of untrusted text. */
 #include "cli/text.h"
 
 #include <string.h>
@@ -27,7 +27,7 @@ void cli_print_html(FILE* file, const char* text) {
         }
 }
 
-/* Characters that would end a cell or start markup. */
+/* Characters that end a table cell or start markup. */
 void cli_print_markdown(FILE* file, const char* text) {
     for (const char* c = text; *c != '\0'; ++c) {
         if (strchr("|*<`\\[", *c) != NULL) fputc('\\', file);

@@ -1,4 +1,4 @@
-/* Text files that are made in memory first. */
+/* Text files, generated in memory and written atomically. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/text_file.h"
 

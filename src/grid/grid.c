@@ -1,4 +1,4 @@
-/* Dense grids: creation, extremes over bricks, sampling. */
+/* Dense grids: creation, extremes per brick, sampling. */
 #include "grid/grid.h"
 
 #include "base/context.h"
@@ -6,16 +6,19 @@
 
 #include <stdatomic.h>
 
-ty_grid_def ty_default_grid_def(void) {
-    return (ty_grid_def){.cookie = TY_DEF_COOKIE, .type = TY_GRID_F32, .index_to_local = ty_affine_identity()};
+void ty_init_grid_def(void* def, size_t bytes) {
+    const ty_grid_def own = {.type = TY_GRID_F32, .index_to_local = ty_affine_identity()};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 size_t ty_grid_value_size(ty_grid_type type) {
     return type == TY_GRID_F16 ? sizeof(uint16_t) : sizeof(float);
 }
 
-static ty_result check_def(ty_context* context, const ty_grid_def* def) {
-    const ty_result result = ty_check_def(context, def, "ty_default_grid_def");
+static ty_result check_def(ty_context* context, const ty_grid_def** given, ty_grid_def* own) {
+    *own = ty_default_grid_def();
+    const ty_result result = ty_take_def(context, *given, "ty_default_grid_def", own, sizeof *own);
+    const ty_grid_def* def = *given = own;
     if (result != TY_OK) return result;
     for (int a = 0; a < 3; ++a)
         if (def->size[a] < 1 || def->size[a] > TY_GRID_SIDE_MAX)
@@ -30,38 +33,38 @@ static ty_result check_def(ty_context* context, const ty_grid_def* def) {
     return TY_OK;
 }
 
-/* Extremes and sum of one slice of voxels, and how many of its values were not finite. */
+/* Extremes and sum of a slice of voxels, and its number of non-finite values. */
 typedef struct slice_range {
     float min, max;
     double sum;
-    size_t mended;
+    size_t replaced;
 } slice_range;
 
-/* Work for ty_parallel_for: the grid, a result per slice, and buffers of a row of floats or two per worker. */
+/* Arguments of the loops: the grid, a result per slice, and buffers of one or more rows of floats per worker. */
 typedef struct grid_job {
     ty_grid* grid;
     slice_range* slices;
     float* rows;
 } grid_job;
 
-static size_t mend_halves(uint16_t* values, size_t count) {
-    size_t mended = 0;
+static size_t replace_nonfinite_halves(uint16_t* values, size_t count) {
+    size_t replaced = 0;
     for (size_t i = 0; i < count; ++i) {
         const bool bad = (values[i] & 0x7c00u) == 0x7c00u;
         values[i] = bad ? 0 : values[i];
-        mended += bad;
+        replaced += bad;
     }
-    return mended;
+    return replaced;
 }
 
-static size_t mend_floats(float* values, size_t count) {
-    size_t mended = 0;
+static size_t replace_nonfinite_floats(float* values, size_t count) {
+    size_t replaced = 0;
     for (size_t i = 0; i < count; ++i) {
         const bool bad = (ty_bits_from_float(values[i]) & 0x7f800000u) == 0x7f800000u;
         values[i] = bad ? 0 : values[i];
-        mended += bad;
+        replaced += bad;
     }
-    return mended;
+    return replaced;
 }
 
 static size_t row_start(const ty_grid* grid, int32_t j, int32_t k) {
@@ -76,16 +79,16 @@ static const float* row_of(const ty_grid* grid, int32_t j, int32_t k, float* buf
     return buffer;
 }
 
-/* Replaces NaN and Inf by 0, then takes the extremes and the sum, which is made in the order of the voxels. */
-static void slice_of_range(void* user, int64_t k, int32_t worker) {
+/* Replaces NaN and Inf by 0, then computes the extremes and the sum, in voxel order. */
+static void compute_slice_range(void* user, int64_t k, int32_t worker) {
     const grid_job* job = user;
     const ty_grid* grid = job->grid;
     const size_t nx = (size_t)grid->size[0];
     slice_range range = {.min = TY_FLOAT_MAX, .max = -TY_FLOAT_MAX};
     for (int32_t j = 0; j < grid->size[1]; ++j) {
         const size_t start = row_start(grid, j, (int32_t)k);
-        range.mended += grid->type == TY_GRID_F16 ? mend_halves((uint16_t*)grid->values + start, nx)
-                                                  : mend_floats((float*)grid->values + start, nx);
+        range.replaced += grid->type == TY_GRID_F16 ? replace_nonfinite_halves((uint16_t*)grid->values + start, nx)
+                                                    : replace_nonfinite_floats((float*)grid->values + start, nx);
         const float* row = row_of(grid, j, (int32_t)k, job->rows + 3 * nx * (size_t)worker);
         float low = range.min, high = range.max;
         double sum = range.sum;
@@ -113,8 +116,8 @@ static int32_t clamp_index(int32_t index, int32_t size) {
     return index < 0 ? 0 : index >= size ? size - 1 : index;
 }
 
-/* The extremes over the rows of the bricks (j, k), each voxel of x apart; returns whether a row outside a placed grid
- * was among them, where the background counts. */
+/* Extremes over the rows of the bricks (j, k), per voxel along x; returns true if they include rows outside a placed
+ * grid, where the background counts. */
 static bool fold_rows(const ty_grid* grid, int32_t bj, int32_t bk, float* low, float* high, float* buffer) {
     bool beyond = false;
     for (int32_t i = 0; i < grid->size[0]; ++i) {
@@ -155,7 +158,7 @@ static void brick_row(void* user, int64_t item, int32_t worker) {
 }
 
 static void sum_slices(ty_grid* grid, const slice_range* slices) {
-    size_t mended = 0;
+    size_t replaced = 0;
     double sum = 0;
     grid->min = TY_FLOAT_MAX;
     grid->max = -TY_FLOAT_MAX;
@@ -163,15 +166,15 @@ static void sum_slices(ty_grid* grid, const slice_range* slices) {
         grid->min = ty_minf(grid->min, slices[k].min);
         grid->max = ty_maxf(grid->max, slices[k].max);
         sum += slices[k].sum;
-        mended += slices[k].mended;
+        replaced += slices[k].replaced;
     }
     grid->mean = sum / (double)grid->voxels;
-    if (mended > 0)
-        ty_log(grid->context, TY_LOG_WARNING, "a grid had %zu values that are not finite; they count as 0", mended);
+    if (replaced > 0)
+        ty_log(grid->context, TY_LOG_WARNING, "a grid had %zu values that are not finite; they count as 0", replaced);
 }
 
-/* Mends values, then finds their range and the bricks' extremes. */
-static ty_result survey(ty_grid* grid) {
+/* Replaces non-finite values, then computes the range and the bricks' extremes. */
+static ty_result compute_extremes(ty_grid* grid) {
     ty_context* context = grid->context;
     const size_t slices = (size_t)grid->size[2];
     const size_t floats = 3 * (size_t)grid->size[0] * (size_t)ty_context_threads(context);
@@ -180,7 +183,7 @@ static ty_result survey(ty_grid* grid) {
                     .rows = ty_alloc_array(context, floats, sizeof *job.rows, false)};
     const bool allocated = job.slices != NULL && job.rows != NULL;
     if (allocated) {
-        ty_parallel_for(context, grid->size[2], slice_of_range, &job);
+        ty_parallel_for(context, grid->size[2], compute_slice_range, &job);
         sum_slices(grid, job.slices);
         ty_parallel_for(context, (int64_t)grid->bricks[1] * grid->bricks[2], brick_row, &job);
     }
@@ -196,7 +199,8 @@ static size_t brick_count(const ty_grid* grid) {
 ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* values, ty_grid** out) {
     const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
     const size_t bytes = ty_grid_value_size(def->type);
-    ty_result result = check_def(context, def);
+    ty_grid_def own;
+    ty_result result = check_def(context, &def, &own);
     ty_grid* grid = result == TY_OK ? ty_alloc_array(context, 1, sizeof *grid, true) : NULL;
     if (grid == NULL) {
         ty_free_array(context, values, voxels, bytes);
@@ -214,11 +218,11 @@ ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* value
     for (int a = 0; a < 3; ++a) grid->bricks[a] = (def->size[a] + TY_BRICK) / TY_BRICK;
     grid->extremes = ty_alloc_array(context, brick_count(grid), 2 * sizeof(float), false);
     if (grid->values == NULL || grid->extremes == NULL) {
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
         return TY_ERROR_MEMORY;
     }
-    if (survey(grid) != TY_OK) {
-        ty_grid_destroy(grid);
+    if (compute_extremes(grid) != TY_OK) {
+        ty_grid_release(grid);
         return TY_ERROR_MEMORY;
     }
     *out = grid;
@@ -226,7 +230,8 @@ ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* value
 }
 
 ty_result ty_grid_create(ty_context* context, const ty_grid_def* def, ty_grid** out) {
-    const ty_result result = check_def(context, def);
+    ty_grid_def own;
+    const ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
     void* values = NULL;
     if (def->values != NULL) {
@@ -244,7 +249,7 @@ ty_grid* ty_grid_retain(ty_grid* grid) {
     return grid;
 }
 
-void ty_grid_destroy(ty_grid* grid) {
+void ty_grid_release(ty_grid* grid) {
     if (grid == NULL || atomic_fetch_sub(&grid->owners, 1) > 1) return;
     ty_context* context = grid->context;
     ty_free_array(context, grid->values, grid->voxels, ty_grid_value_size(grid->type));

@@ -1,4 +1,4 @@
-/* The insides of dense grids: storage and the table of local extremes that null-collision tracking walks. */
+/* Dense grids: storage, and the table of local extremes for null-collision tracking. */
 #ifndef TY_GRID_GRID_H
 #define TY_GRID_GRID_H
 
@@ -6,9 +6,9 @@
 
 #include <tyndall/grid.h>
 
-/* Voxels along the edge of a brick: one cell of the table of extremes. */
+/* Voxels per edge of a brick, one entry of the table of extremes. */
 #define TY_BRICK 8
-/* Voxels along the longest side a grid may have. */
+/* Maximum number of voxels along a side. */
 #define TY_GRID_SIDE_MAX 16384
 
 struct ty_grid {
@@ -23,18 +23,18 @@ struct ty_grid {
     ty_affine index_to_local;
     void* values;
     size_t voxels;
-    /* Extremes of the trilinear function over brick (i, j, k), which spans index coordinates
-     * [-1 + TY_BRICK i, -1 + TY_BRICK (i + 1)] and so on: pairs (min, max). Reconstruction reaches one voxel outside
-     * the grid, hence the -1. */
+    /* Extremes of the trilinear function over brick (i, j, k), which spans index coordinates [-1 + TY_BRICK i, -1 +
+     * TY_BRICK (i + 1)] etc.: pairs (min, max). The offset -1 accounts for trilinear interpolation reaching one voxel
+     * outside the grid. */
     int32_t bricks[3];
     float* extremes;
 };
 
-/* Bytes of a value. */
+/* Bytes per value. */
 size_t ty_grid_value_size(ty_grid_type type);
 
-/* Takes over values, an array from ty_alloc_array of exactly the voxels' bytes (or NULL for zeros); def->values is
- * not looked at. values is freed on failure. */
+/* Takes ownership of values, an array from ty_alloc_array of exactly the voxels' bytes (or NULL for zeros); def->values
+ * is ignored. values is freed on failure. */
 ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* values, ty_grid** out);
 
 #endif

@@ -1,18 +1,18 @@
-/* Looking values up in a dense grid. */
+/* Lookup in dense grids. */
 #ifndef TY_GRID_LOOKUP_K_H
 #define TY_GRID_LOOKUP_K_H
 
 #include "base/half.h"
 #include "grid/grid.h"
 
-/* A grid as kernels see it: plain arrays. Exactly one of floats and halves is set. */
+/* Grid view for kernels, as plain arrays. Exactly one of floats and halves is set. */
 typedef struct ty_grid_view {
     TY_GLOBAL const float* floats;
     TY_GLOBAL const uint16_t* halves;
     TY_GLOBAL const float* extremes; /* pairs per brick, see ty_grid */
     int32_t size[3];
     int32_t bricks[3];
-    int32_t clamp; /* outside: 1 the nearest edge value, 0 background */
+    int32_t clamp; /* value outside: 1 nearest edge value, 0 background */
     float background;
 } ty_grid_view;
 
@@ -30,7 +30,7 @@ TY_FN ty_grid_view ty_grid_get_view(const ty_grid* grid) {
     return view;
 }
 
-/* The value of voxel (i, j, k), which may lie outside. */
+/* Value of voxel (i, j, k), which may lie outside. */
 TY_FN float ty_grid_fetch(const ty_grid_view* grid, int32_t i, int32_t j, int32_t k) {
     const int32_t nx = grid->size[0], ny = grid->size[1], nz = grid->size[2];
     if ((uint32_t)i >= (uint32_t)nx || (uint32_t)j >= (uint32_t)ny || (uint32_t)k >= (uint32_t)nz) {
@@ -43,7 +43,7 @@ TY_FN float ty_grid_fetch(const ty_grid_view* grid, int32_t i, int32_t j, int32_
     return grid->floats != NULL ? grid->floats[at] : ty_half_to_float(grid->halves[at]);
 }
 
-/* Trilinear between the eight voxels from base on; weight in [0, 1] per axis. */
+/* Trilinear interpolation of the eight voxels from base; weight in [0, 1] per axis. */
 TY_FN float ty_grid_trilinear(const ty_grid_view* grid, const int32_t base[3], const float weight[3]) {
     float plane[2];
     for (int k = 0; k < 2; ++k) {

@@ -1,9 +1,9 @@
-/* Procedural densities: fractal gradient noise (Perlin 2002); a cumulus, balls heaped on a flat base with billows of
- * cellular noise (Worley 1996) pushed out of their surface; a nebula, balls along an arch displaced by gradient noise.
+/* Procedural densities: fractal gradient noise (Perlin 2002); a cumulus of balls on a flat base, displaced by billows
+ * of cellular noise (Worley 1996); a nebula of balls along an arch, displaced by gradient noise.
  *
- * Points are measured in the box's longest side and seen with y up, so that voxels are cubes and a cloud that rises
- * along z is the one that rises along y, turned. Rows along x are made whole: what only depends on the row's place is
- * computed once per lattice column, not once per voxel. */
+ * The unit of length is the box's longest side, in a frame with y up, so that voxels are cubes and a cloud along z is
+ * the rotated cloud along y. Rows along x are computed as a whole: quantities that depend only on y and z are computed
+ * once per lattice column, not once per voxel. */
 #include "base/context.h"
 #include "grid/grid.h"
 
@@ -17,9 +17,9 @@ enum {
     LOBES = TOWERS * TOWER_LOBES
 };
 
-/* Lattice cells across the box at most; finer octaves than two voxels per cell are left out. */
+/* Maximum number of lattice cells across the box; octaves with less than two voxels per cell are dropped. */
 static const float frequency_max = 4096.0f;
-/* Where a cloud's flat base lies, in heights of the box. */
+/* Height of a cloud's flat base, relative to the box. */
 static const float base_height = 0.15f;
 
 /* A ball of the cloud's body, in box units. */
@@ -29,30 +29,30 @@ typedef struct lobe {
 
 typedef struct noise_job {
     ty_noise_def def;
-    float cell;      /* a voxel's edge in box units: 1 / longest side in voxels */
-    int32_t up_size; /* voxels along the way up, and along the axis that is neither that nor x */
+    float cell;      /* voxel edge in box units: 1 / longest side in voxels */
+    int32_t up_size; /* voxels along the up axis, and along the axis perpendicular to it and to x */
     int32_t side_size;
     float extent[3]; /* of the box, in box units, y up */
-    float amplitude; /* cloud: how far billows move the surface, box units */
-    float inflate;   /* cloud: how far coverage moves it */
+    float amplitude; /* cloud: displacement of the surface by billows, box units */
+    float inflate;   /* cloud: displacement of the surface by coverage, box units */
     float slope;     /* cloud: density per box unit of depth */
     lobe lobes[LOBES];
     uint16_t* values;
     float* scratch; /* per worker: SCRATCH_ROWS rows of size[0] */
 } noise_job;
 
-ty_noise_def ty_default_noise_def(void) {
-    return (ty_noise_def){.cookie = TY_DEF_COOKIE,
-                          .kind = TY_NOISE_CLOUD,
-                          .size = {96, 96, 96},
-                          .seed = 1,
-                          .up_axis = 1,
-                          .frequency = 4,
-                          .octaves = 5,
-                          .gain = 0.5f,
-                          .lacunarity = 2,
-                          .coverage = 0.5f,
-                          .sharpness = 4};
+void ty_init_noise_def(void* def, size_t bytes) {
+    const ty_noise_def own = {.kind = TY_NOISE_CLOUD,
+                              .size = {96, 96, 96},
+                              .seed = 1,
+                              .up_axis = 1,
+                              .frequency = 4,
+                              .octaves = 5,
+                              .gain = 0.5f,
+                              .lacunarity = 2,
+                              .coverage = 0.5f,
+                              .sharpness = 4};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 static ty_result check_range(ty_context* context, const char* field, float value, float low, bool open, float high) {
@@ -61,8 +61,10 @@ static ty_result check_range(ty_context* context, const char* field, float value
                    open ? '(' : '[', (double)low, (double)high);
 }
 
-static ty_result check_def(ty_context* context, const ty_noise_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_noise_def");
+static ty_result check_def(ty_context* context, const ty_noise_def** given, ty_noise_def* own) {
+    *own = ty_default_noise_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_noise_def", own, sizeof *own);
+    const ty_noise_def* def = *given = own;
     if (result != TY_OK) return result;
     if (def->kind < TY_NOISE_CONSTANT || def->kind > TY_NOISE_NEBULA)
         return ty_fail(context, TY_ERROR_ARGUMENT, "noise kind is %d, not a ty_noise_kind", (int)def->kind);
@@ -82,7 +84,7 @@ static ty_result check_def(ty_context* context, const ty_noise_def* def) {
     return result;
 }
 
-/* A well mixed word for a lattice point (the finaliser of MurmurHash3 over three odd multiples). */
+/* Hash of a lattice point (the finaliser of MurmurHash3 over three odd multiples). */
 static uint32_t hash(uint32_t seed, int32_t x, int32_t y, int32_t z) {
     uint32_t h = seed * 0x9e3779b1u ^ (uint32_t)x * 0x8da6b343u ^ (uint32_t)y * 0xd8163841u ^ (uint32_t)z * 0xcb1ab31fu;
     h = (h ^ h >> 16) * 0x85ebca6bu;
@@ -90,7 +92,7 @@ static uint32_t hash(uint32_t seed, int32_t x, int32_t y, int32_t z) {
     return h ^ h >> 16;
 }
 
-/* Uniform in [0, 1), the nth number that a word gives. */
+/* The nth uniform number in [0, 1) of a word. */
 static float uniform(uint32_t word, uint32_t n) {
     return (float)(hash(word, (int32_t)n, 0, 0) >> 8) * 0x1p-24f;
 }
@@ -100,12 +102,12 @@ static float smooth(float t) {
     return t * t * (3 - 2 * t);
 }
 
-/* t^3 (6 t^2 - 15 t + 10), Perlin's interpolant. */
+/* Perlin's interpolant t^3 (6 t^2 - 15 t + 10). */
 static float fade(float t) {
     return t * t * t * (t * (t * 6 - 15) + 10);
 }
 
-/* Gradient noise near one lattice column of a row is a + b fx, with fx the distance along x from the column. */
+/* Gradient noise near a lattice column of a row is a + b fx, with fx the distance along x from the column. */
 typedef struct column {
     float a, b;
 } column;
@@ -128,7 +130,7 @@ static column gradient_column(uint32_t seed, int32_t cx, float y, float z) {
     return sum;
 }
 
-/* Adds amplitude times gradient noise to a row; x runs over first + step i. */
+/* Adds amplitude times gradient noise to a row; x is first + step i. */
 static void add_gradient_row(float* row, int32_t count, float first, float step, float y, float z, float amplitude,
                              uint32_t seed) {
     int32_t cell = INT32_MIN;
@@ -146,13 +148,13 @@ static void add_gradient_row(float* row, int32_t count, float first, float step,
     }
 }
 
-/* Adds amplitude times billows (1 - 2 d^2, d the distance to the nearest of one random point per lattice cell: round
- * bumps that meet in creases) to the voxels of a row whose depth is within reach of 0. */
+/* Adds amplitude times billows to the voxels of a row with |depth| <= reach: 1 - 2 d^2, d the distance to the nearest
+ * of one random point per lattice cell, i.e. round bumps that meet in creases. */
 static void add_billow_row(float* row, const float* depth, float reach, int32_t count, float first, float step, float y,
                            float z, float amplitude, uint32_t seed) {
     const int32_t cy = (int32_t)floorf(y), cz = (int32_t)floorf(z);
     int32_t cell = INT32_MIN;
-    float px[NEIGHBOURS] = {0}, across[NEIGHBOURS] = {0}; /* along x; squared distance in y and z */
+    float px[NEIGHBOURS] = {0}, distance2_yz[NEIGHBOURS] = {0}; /* x coordinate; squared distance in y and z */
     for (int32_t i = 0; i < count; ++i) {
         if (depth[i] > reach || depth[i] < -reach) continue;
         const float x = first + step * (float)i;
@@ -164,29 +166,29 @@ static void add_billow_row(float* row, const float* depth, float reach, int32_t 
                 const float dy = (float)ny + (float)(h >> 10 & 1023u) * 0x1p-10f - y;
                 const float dz = (float)nz + (float)(h >> 20 & 1023u) * 0x1p-10f - z;
                 px[n] = (float)nx + (float)(h & 1023u) * 0x1p-10f;
-                across[n] = dy * dy + dz * dz;
+                distance2_yz[n] = dy * dy + dz * dz;
             }
             cell = here;
         }
-        float nearest = 1;
+        float min_distance2 = 1;
         for (int32_t n = 0; n < NEIGHBOURS; ++n) {
             const float dx = px[n] - x;
-            nearest = ty_minf(nearest, dx * dx + across[n]);
+            min_distance2 = ty_minf(min_distance2, dx * dx + distance2_yz[n]);
         }
-        row[i] += amplitude * (1 - 2 * nearest);
+        row[i] += amplitude * (1 - 2 * min_distance2);
     }
 }
 
-/* Whether octave o adds anything a grid can hold; the first always counts. Its lattice cells per box unit. */
+/* Lattice cells per box unit of an octave. Returns whether the grid resolves it; the first octave always counts. */
 static bool octave_frequency(const noise_job* job, int32_t octave, float* frequency) {
     *frequency = job->def.frequency;
     for (int32_t o = 0; o < octave; ++o) *frequency *= job->def.lacunarity;
     return octave == 0 || *frequency * job->cell <= 0.5f;
 }
 
-/* Gradient noise of all octaves, brought to a standard deviation of about 1. */
+/* Gradient noise of all octaves, scaled to a standard deviation of about 1. */
 static void fractal_row(const noise_job* job, float y, float z, float* row) {
-    const float single = 0.2f; /* standard deviation of one octave */
+    const float octave_deviation = 0.2f; /* standard deviation of one octave */
     float amplitude = 1, power = 0, frequency = 0;
     memset(row, 0, (size_t)job->def.size[0] * sizeof *row);
     for (int32_t o = 0; o < job->def.octaves && octave_frequency(job, o, &frequency); ++o) {
@@ -196,12 +198,12 @@ static void fractal_row(const noise_job* job, float y, float z, float* row) {
         power += amplitude * amplitude;
         amplitude *= job->def.gain;
     }
-    const float normal = 1 / (single * sqrtf(power));
+    const float normal = 1 / (octave_deviation * sqrtf(power));
     for (int32_t i = 0; i < job->def.size[0]; ++i) row[i] *= normal;
 }
 
-/* The share of standard normal values below x: a rational (1 + tanh(0.8 x)) / 2. */
-static float normal_share(float x) {
+/* Approximate normal CDF: a rational (1 + tanh(0.8 x)) / 2. */
+static float normal_cdf(float x) {
     const float t = ty_clampf(0.8f * x, -3, 3);
     return 0.5f + 0.5f * t * (27 + t * t) / (27 + 9 * t * t);
 }
@@ -209,23 +211,23 @@ static float normal_share(float x) {
 static void fbm_row(const noise_job* job, float y, float z, float* row) {
     const float s = job->def.sharpness;
     fractal_row(job, y, z, row);
-    /* Coverage 0 leaves nothing, 1 fills all, and about that share of the box is above one half in between. */
+    /* Coverage 0 leaves nothing, 1 fills all, and in between about that fraction of the box is above one half. */
     for (int32_t i = 0; i < job->def.size[0]; ++i)
-        row[i] = ty_clampf(s * (normal_share(row[i]) - 1) + job->def.coverage * (s + 1), 0, 1);
+        row[i] = ty_clampf(s * (normal_cdf(row[i]) - 1) + job->def.coverage * (s + 1), 0, 1);
 }
 
-/* The body of a cumulus: towers of balls on a common base, the first in the middle and the highest, with room for
- * billows between them and the box. */
-static void place_lobes(noise_job* job) {
+/* Body of a cumulus: towers of balls on a common base, the first central and the highest, with clearance for billows
+ * between them and the box. */
+static void create_cumulus(noise_job* job) {
     const float* e = job->extent;
     const float reach = 0.5f * ty_minf(e[0], e[2]); /* half the box's narrower side */
     const float margin = 0.03f + job->amplitude;
-    const float turn = uniform(job->def.seed, 0);
+    const float azimuth = uniform(job->def.seed, 0);
     for (int32_t t = 0; t < TOWERS; ++t) {
         const uint32_t word = hash(job->def.seed, t, 101, 0);
         float sine, cosine;
-        ty_sincos_turn(fmodf(turn + ((float)t + 0.8f * uniform(word, 0)) / (TOWERS - 1), 1), &sine, &cosine);
-        const float away = t == 0 ? 0.0f : 0.36f + 0.14f * uniform(word, 1);
+        ty_sincos_2pi(fmodf(azimuth + ((float)t + 0.8f * uniform(word, 0)) / (TOWERS - 1), 1), &sine, &cosine);
+        const float center_distance = t == 0 ? 0.0f : 0.36f + 0.14f * uniform(word, 1);
         const float height = t == 0 ? 0.6f : 0.2f + 0.26f * uniform(word, 2);
         const float width = t == 0 ? 0.44f : 0.28f + 0.12f * uniform(word, 3);
         for (int32_t i = 0; i < TOWER_LOBES; ++i) {
@@ -233,27 +235,29 @@ static void place_lobes(noise_job* job) {
             const float rise = ((float)i + 0.5f) / TOWER_LOBES;
             const float off = width * (1 - 0.75f * rise) * sqrtf(uniform(ball, 1));
             float side, front;
-            ty_sincos_turn(uniform(ball, 0), &side, &front);
+            ty_sincos_2pi(uniform(ball, 0), &side, &front);
             lobe* l = &job->lobes[t * TOWER_LOBES + i];
             l->radius = reach * width * (0.7f + 0.4f * uniform(ball, 2)) * (1 - 0.45f * rise);
             const float gap = margin + l->radius;
-            l->x = ty_clampf(e[0] * (0.5f + 0.5f * away * cosine) + reach * off * front, gap, ty_maxf(gap, e[0] - gap));
-            l->z = ty_clampf(e[2] * (0.5f + 0.5f * away * sine) + reach * off * side, gap, ty_maxf(gap, e[2] - gap));
+            l->x = ty_clampf(e[0] * (0.5f + 0.5f * center_distance * cosine) + reach * off * front, gap,
+                             ty_maxf(gap, e[0] - gap));
+            l->z = ty_clampf(e[2] * (0.5f + 0.5f * center_distance * sine) + reach * off * side, gap,
+                             ty_maxf(gap, e[2] - gap));
             l->y = ty_minf(e[1] * (base_height + height * rise), e[1] - gap);
         }
     }
 }
 
-/* The body of a nebula: an arch of balls across the box, and one ball alone under it, in the arch's shadow when light
- * comes from above. */
-static void place_arch(noise_job* job) {
+/* Body of a nebula: an arch of balls across the box, and a single ball under it, in the arch's shadow under light from
+ * above. */
+static void create_nebula(noise_job* job) {
     const float* e = job->extent;
     const float side = ty_minf(ty_minf(e[0], e[1]), e[2]);
     for (int32_t i = 0; i < LOBES; ++i) {
         const uint32_t ball = hash(job->def.seed, i, 105, 0);
-        const float along = ((float)i + 0.5f) / (LOBES - 1), width = 0.29f + 0.05f * uniform(ball, 0);
+        const float arch_position = ((float)i + 0.5f) / (LOBES - 1), width = 0.29f + 0.05f * uniform(ball, 0);
         float sine, cosine;
-        ty_sincos_turn(fmodf(0.93f + 0.64f * along, 1), &sine, &cosine);
+        ty_sincos_2pi(fmodf(0.93f + 0.64f * arch_position, 1), &sine, &cosine);
         job->lobes[i] = (lobe){.x = 0.5f * e[0] + side * width * cosine,
                                .y = 0.48f * e[1] + side * width * sine,
                                .z = 0.5f * e[2] + side * 0.16f * (uniform(ball, 1) - 0.5f),
@@ -262,19 +266,19 @@ static void place_arch(noise_job* job) {
     job->lobes[LOBES - 1] = (lobe){.x = 0.5f * e[0], .y = 0.24f * e[1], .z = 0.5f * e[2], .radius = 0.1f * side};
 }
 
-/* How deep each voxel of a row lies under the body's surface, box units: the smooth maximum over balls. */
+/* Depth of each voxel of a row below the body's surface, box units: the smooth maximum over balls. */
 static void depth_row(const noise_job* job, float y, float z, float* depth) {
     const float blend = 0.03f;
     const float far = -1;
     for (int32_t i = 0; i < job->def.size[0]; ++i) depth[i] = far;
     for (int32_t n = 0; n < LOBES; ++n) {
         const lobe l = job->lobes[n];
-        const float across = (y - l.y) * (y - l.y) + (z - l.z) * (z - l.z);
+        const float distance2_yz = (y - l.y) * (y - l.y) + (z - l.z) * (z - l.z);
         for (int32_t i = 0; i < job->def.size[0]; ++i) {
             const float dx = ((float)i + 0.5f) * job->cell - l.x;
-            const float own = l.radius - sqrtf(dx * dx + across);
-            const float h = ty_maxf(blend - fabsf(own - depth[i]), 0);
-            depth[i] = ty_maxf(own, depth[i]) + 0.25f * h * h / blend;
+            const float ball_depth = l.radius - sqrtf(dx * dx + distance2_yz);
+            const float h = ty_maxf(blend - fabsf(ball_depth - depth[i]), 0);
+            depth[i] = ty_maxf(ball_depth, depth[i]) + 0.25f * h * h / blend;
         }
     }
 }
@@ -302,7 +306,7 @@ static void cloud_row(const noise_job* job, float y, float z, float* row, float*
     }
 }
 
-/* Dense inside, and thinning out towards a surface that noise displaces. */
+/* Density that is high inside and decreases towards a surface displaced by noise. */
 static void nebula_row(const noise_job* job, float y, float z, float* row, float* depth) {
     depth_row(job, y, z, depth);
     fractal_row(job, y, z, row);
@@ -313,15 +317,15 @@ static void nebula_row(const noise_job* job, float y, float z, float* row, float
     }
 }
 
-/* Fades to 0 over the outer twentieth of the box, the outermost voxels being 0. */
+/* Fades to 0 over the outer twentieth of the box; the outermost voxels are 0. */
 static void fade_faces(const noise_job* job, int32_t up, int32_t side, float* row) {
     const float rate = job->cell / 0.05f;
     const int32_t fixed = up < job->up_size - 1 - up ? up : job->up_size - 1 - up;
     const int32_t other = side < job->side_size - 1 - side ? side : job->side_size - 1 - side;
     const float edge = smooth(rate * (float)fixed) * smooth(rate * (float)other);
     for (int32_t i = 0; i < job->def.size[0]; ++i) {
-        const int32_t along = i < job->def.size[0] - 1 - i ? i : job->def.size[0] - 1 - i;
-        row[i] *= edge * smooth(rate * (float)along);
+        const int32_t distance_x = i < job->def.size[0] - 1 - i ? i : job->def.size[0] - 1 - i;
+        row[i] *= edge * smooth(rate * (float)distance_x);
     }
 }
 
@@ -358,19 +362,21 @@ static void prepare_job(noise_job* job) {
     job->extent[2] = (float)job->side_size * job->cell;
     job->amplitude = ty_minf(0.26f / def->frequency, 0.08f);
     job->slope = 2.5f * def->sharpness * def->frequency;
-    /* Coverage 0 empties the thickest ball, 1 fills the box's corners, and the middle of its range changes little. */
+    /* Coverage 0 empties the thickest ball, 1 fills the box's corners; the center of its range has little effect. */
     const float cover = 2 * def->coverage - 1;
-    const float most = (cover < 0 ? 0.35f : 1.0f) + 2 * job->amplitude + 1 / job->slope;
-    job->inflate = cover * (0.1f + 0.9f * cover * cover) * most;
+    const float full_range = (cover < 0 ? 0.35f : 1.0f) + 2 * job->amplitude + 1 / job->slope;
+    job->inflate = cover * (0.1f + 0.9f * cover * cover) * full_range;
     if (def->kind == TY_NOISE_NEBULA)
-        place_arch(job);
+        create_nebula(job);
     else
-        place_lobes(job);
+        create_cumulus(job);
 }
 
-ty_result ty_grid_noise(ty_context* context, const ty_noise_def* def, ty_grid** out) {
-    if (context == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_grid_noise: a pointer is NULL");
-    const ty_result result = check_def(context, def);
+ty_result ty_grid_create_noise(ty_context* context, const ty_noise_def* def, ty_grid** out) {
+    if (context == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_grid_create_noise: a pointer is NULL");
+    ty_noise_def own;
+    const ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
     ty_grid_def grid = ty_default_grid_def();
     memcpy(grid.size, def->size, sizeof grid.size);

@@ -13,14 +13,14 @@ const ty_aov_group ty_aov_groups[TY_AOV_GROUPS] = {
     {TY_AOV_SAMPLES, 1, {"samples.N"}},
 };
 
-bool ty_aov_asked(const ty_aov_group* group, uint32_t aovs) {
+bool ty_aov_is_requested(const ty_aov_group* group, uint32_t aovs) {
     return group->aov == TY_AOV_COLOR || (group->aov & aovs) != 0;
 }
 
 int32_t ty_aov_names(uint32_t aovs, const char* names[TY_AOV_CHANNELS_MAX]) {
     int32_t count = 0;
     for (int g = 0; g < TY_AOV_GROUPS; ++g)
-        for (int32_t c = 0; ty_aov_asked(&ty_aov_groups[g], aovs) && c < ty_aov_groups[g].count; ++c)
+        for (int32_t c = 0; ty_aov_is_requested(&ty_aov_groups[g], aovs) && c < ty_aov_groups[g].count; ++c)
             names[count++] = ty_aov_groups[g].names[c];
     return count;
 }

@@ -12,7 +12,7 @@
 static const float alike = 0.9f, near = 0.2f;
 
 typedef struct cut_job {
-    const ty_walls* walls;
+    const ty_boundary_faces* walls;
     double edge[3]; /* of cells, m */
     ty_cuts* cuts;
 } cut_job;
@@ -30,7 +30,7 @@ static void corner_at(const int32_t size[3], const int32_t base[3], int corner, 
 }
 
 /* Whether a face between two of eight cells is closed: between `corner` and the next one along an axis. */
-static bool is_closed(const ty_walls* walls, const int32_t base[3], int corner, int axis) {
+static bool is_closed(const ty_boundary_faces* walls, const int32_t base[3], int corner, int axis) {
     int32_t at[3];
     corner_at(walls->size, base, corner, at);
     return at[axis] + 1 < walls->size[axis] && (walls->closed[cell_at(walls->size, at)] >> (2 * axis + 1) & 1) != 0;
@@ -39,7 +39,7 @@ static bool is_closed(const ty_walls* walls, const int32_t base[3], int corner, 
 /* ---- parts ---- */
 
 /* part: of each of eight cells, the lowest cell that open faces join it to. Returns whether there are several. */
-static bool find_parts(const ty_walls* walls, const int32_t base[3], uint8_t part[8]) {
+static bool find_parts(const ty_boundary_faces* walls, const int32_t base[3], uint8_t part[8]) {
     bool open[3][8], changed = true, several = false;
     for (int i = 0; i < 8; ++i) part[i] = (uint8_t)i;
     for (int axis = 0; axis < 3; ++axis)
@@ -59,7 +59,7 @@ static bool find_parts(const ty_walls* walls, const int32_t base[3], uint8_t par
 }
 
 /* Whether any of eight cells has a closed face, which most have not. */
-static bool has_walls(const ty_walls* walls, const int32_t base[3]) {
+static bool has_walls(const ty_boundary_faces* walls, const int32_t base[3]) {
     uint8_t all = 0;
     for (int i = 0; i < 8; ++i) {
         int32_t at[3];
@@ -115,7 +115,7 @@ static void add_plane(plane_sums* sums, ty_vec normal, ty_vec place) {
 }
 
 /* The side of a cell's face, which is closed. */
-static const ty_wall* side_of(const ty_walls* walls, const int32_t at[3], int face) {
+static const ty_boundary_side* side_of(const ty_boundary_faces* walls, const int32_t at[3], int face) {
     const size_t row = (size_t)at[2] * (size_t)walls->size[1] + (size_t)at[1];
     int32_t low = walls->first[row], high = walls->first[row + 1];
     while (low < high) {
@@ -130,7 +130,7 @@ static const ty_wall* side_of(const ty_walls* walls, const int32_t at[3], int fa
 
 /* A closed face's side, as it is seen from a cell. */
 static void add_side(const cut_job* job, const int32_t at[3], int face, plane_sums* sums) {
-    const ty_wall* side = side_of(job->walls, at, face);
+    const ty_boundary_side* side = side_of(job->walls, at, face);
     const double* edge = job->edge;
     float place[3] = {(float)at[0] + 0.5f, (float)at[1] + 0.5f, (float)at[2] + 0.5f};
     place[face / 2] += (face & 1) != 0 ? side->depth : -side->depth;
@@ -242,7 +242,7 @@ bool ty_cuts_join(const ty_cuts* cuts, const int32_t at[3], const int32_t next[3
 
 /* ---- all ---- */
 
-ty_result ty_cuts_find(ty_context* context, const ty_walls* walls, const ty_grid_box* box, ty_cuts** out) {
+ty_result ty_cuts_find(ty_context* context, const ty_boundary_faces* walls, const ty_grid_box* box, ty_cuts** out) {
     *out = NULL;
     if (walls == NULL) return TY_OK;
     ty_cuts* cuts = ty_alloc_array(context, 1, sizeof *cuts, true);

@@ -3,7 +3,7 @@
 #ifndef TY_IMAGE_CUTS_H
 #define TY_IMAGE_CUTS_H
 
-#include "direct/walls.h"
+#include "direct/surfaces/boundary_faces.h"
 #include "image/cuts.k.h"
 
 typedef struct ty_cuts {
@@ -17,7 +17,7 @@ typedef struct ty_cuts {
 
 /* Cuts where closed faces leave eight neighbouring cells in parts that no open faces join. box: whose cells they
  * are. *out is NULL where there are none; freed with ty_cuts_destroy. Errors: TY_ERROR_MEMORY. */
-ty_result ty_cuts_find(ty_context* context, const ty_walls* walls, const ty_grid_box* box, ty_cuts** out);
+ty_result ty_cuts_find(ty_context* context, const ty_boundary_faces* walls, const ty_grid_box* box, ty_cuts** out);
 void ty_cuts_destroy(ty_cuts* cuts);
 /* Whether any cut is among a cell and those about it. */
 bool ty_cuts_are_about(const ty_cuts* cuts, const int32_t at[3]);

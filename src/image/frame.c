@@ -1,4 +1,4 @@
-/* Where the pixels of an image lie in its frame. */
+/* The data window of an image in its frame. */
 #include "image/image.h"
 
 #include "base/context.h"
@@ -34,7 +34,7 @@ static int32_t smaller(int32_t a, int32_t b) {
     return a < b ? a : b;
 }
 
-ty_window ty_common_window(ty_window a, ty_window b) {
+ty_window ty_window_intersection(ty_window a, ty_window b) {
     return (ty_window){larger(a.x0, b.x0), larger(a.y0, b.y0), smaller(a.x1, b.x1), smaller(a.y1, b.y1)};
 }
 
@@ -42,18 +42,18 @@ size_t ty_image_index(const ty_image* image, int32_t x, int32_t y) {
     return (size_t)(y - image->frame[1]) * (size_t)image->width + (size_t)(x - image->frame[0]);
 }
 
-ty_result ty_image_fill_frame(ty_context* context, const ty_image* image, ty_image** out) {
+ty_result ty_image_create_full_frame(ty_context* context, const ty_image* image, ty_image** out) {
     if (image == NULL || out == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_fill_frame: an argument is NULL");
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_create_full_frame: an argument is NULL");
     ty_image* filled = NULL;
     const ty_result result = ty_image_create_like(context, image, image->frame[2], image->frame[3], &filled);
     if (result != TY_OK) return result;
-    const ty_window part = ty_common_window(ty_image_window(image), ty_image_window(filled));
-    for (int32_t c = 0; c < image->channel_count && part.x0 < part.x1; ++c)
-        for (int32_t y = part.y0; y < part.y1; ++y)
-            memcpy(ty_image_plane(filled, c) + ty_image_index(filled, part.x0, y),
-                   ty_image_plane_const(image, c) + ty_image_index(image, part.x0, y),
-                   (size_t)(part.x1 - part.x0) * sizeof(float));
+    const ty_window overlap = ty_window_intersection(ty_image_window(image), ty_image_window(filled));
+    for (int32_t c = 0; c < image->channel_count && overlap.x0 < overlap.x1; ++c)
+        for (int32_t y = overlap.y0; y < overlap.y1; ++y)
+            memcpy(ty_image_plane(filled, c) + ty_image_index(filled, overlap.x0, y),
+                   ty_image_plane_const(image, c) + ty_image_index(image, overlap.x0, y),
+                   (size_t)(overlap.x1 - overlap.x0) * sizeof(float));
     *out = filled;
     return TY_OK;
 }

@@ -203,15 +203,15 @@ ty_result ty_image_copy_metadata(const ty_image* from, ty_image* to) {
 
 ty_result ty_image_create_like(ty_context* context, const ty_image* image, int32_t width, int32_t height,
                                ty_image** out) {
-    ty_image* made = NULL;
+    ty_image* created = NULL;
     ty_result result =
-        ty_image_create(context, width, height, image->channel_count, (const char* const*)image->names, &made);
-    if (result == TY_OK) result = ty_image_copy_metadata(image, made);
+        ty_image_create(context, width, height, image->channel_count, (const char* const*)image->names, &created);
+    if (result == TY_OK) result = ty_image_copy_metadata(image, created);
     if (result != TY_OK) {
-        ty_image_destroy(made);
+        ty_image_destroy(created);
         return result;
     }
-    *out = made;
+    *out = created;
     return TY_OK;
 }
 

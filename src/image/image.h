@@ -1,4 +1,4 @@
-/* The insides of images. */
+/* Internal representation of images. */
 #ifndef TY_IMAGE_IMAGE_H
 #define TY_IMAGE_IMAGE_H
 
@@ -30,24 +30,27 @@ struct ty_image {
     size_t metadata_count, metadata_capacity;
 };
 
-/* An image of other pixels with the same channels; metadata comes along, the frame does not. */
+/* Creates an image of another size with the same channels and metadata, but its own frame. */
 ty_result ty_image_create_like(ty_context* context, const ty_image* image, int32_t width, int32_t height,
                                ty_image** out);
 ty_result ty_image_copy_metadata(const ty_image* from, ty_image* to);
+
+/* Takes a channel out of an image, if it has it; metadata stays behind. */
+ty_result ty_image_drop_channel(ty_context* context, ty_image** image, const char* name);
 
 /* A rectangle of pixels in a frame: x0 <= x < x1, y0 <= y < y1; empty when x0 >= x1 or y0 >= y1. */
 typedef struct ty_window {
     int32_t x0, y0, x1, y1;
 } ty_window;
 
-/* Where an image's pixels lie in its frame. */
+/* The window of an image's pixels in its frame. */
 ty_window ty_image_window(const ty_image* image);
-/* What two windows share. */
-ty_window ty_common_window(ty_window a, ty_window b);
+/* The intersection of two windows. */
+ty_window ty_window_intersection(ty_window a, ty_window b);
 /* The index in a plane of the pixel at (x, y) of the frame. */
 size_t ty_image_index(const ty_image* image, int32_t x, int32_t y);
 
-/* Whether a key is well formed and not an attribute that OpenEXR itself writes. */
+/* True if a key is well formed and not an attribute written by OpenEXR itself. */
 bool ty_metadata_key_allowed(const char* key);
 
 /* IEC 61966-2-1, display to linear, for x in 0..1. */

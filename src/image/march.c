@@ -3,7 +3,7 @@
 #include "image/march.h"
 
 #include "base/context.h"
-#include "base/isa.h"
+#include "base/progress.h"
 #include "image/aovs.h"
 #include "image/image.h"
 #include "image/kernel.h"
@@ -15,9 +15,7 @@
 
 enum { TILE = 16, REDUCED_MAX = 12 };
 
-static const double progress_interval = 0.1;
-
-/* A field's cells, as ty_upsample_view has them. */
+/* Cells of a field in the layout of ty_upsample_view. */
 typedef struct march_cells {
     float* floats;
     size_t count;
@@ -41,7 +39,7 @@ typedef struct march_job {
 } march_job;
 
 ty_march_def ty_default_march_def(void) {
-    return (ty_march_def){.spp = 1, .step = 1, .guided = 0.25};
+    return (ty_march_def){.spp = 1, .step = 1, .bilateral_sigma = 0.25};
 }
 
 ty_march_def ty_march_def_of(const ty_scene* scene, const ty_image_options* options) {
@@ -59,10 +57,10 @@ ty_march_def ty_march_def_of(const ty_scene* scene, const ty_image_options* opti
 
 /* ---- options ---- */
 
-static ty_result check_box(ty_context* context, const char* what, const ty_grid_box* box) {
+static ty_result check_box(ty_context* context, const char* name, const ty_grid_box* box) {
     for (int a = 0; a < 3; ++a)
         if (!(box->upper[a] > box->lower[a]) || box->size[a] < 1)
-            return ty_fail(context, TY_ERROR_ARGUMENT, "march.%s: %d cells from %g to %g along %c", what,
+            return ty_fail(context, TY_ERROR_ARGUMENT, "march.%s: %d cells from %g to %g along %c", name,
                            (int)box->size[a], box->lower[a], box->upper[a], "xyz"[a]);
     return TY_OK;
 }
@@ -94,7 +92,9 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
     ty_result result = ty_check_number(context, "march.width", def->width, 1, TY_IMAGE_SIDE_MAX);
     if (result == TY_OK) result = ty_check_number(context, "march.height", def->height, 1, TY_IMAGE_SIDE_MAX);
     if (result == TY_OK) result = ty_check_image(context, "march", &options, TY_MARCH_AOVS);
-    if (result == TY_OK) result = ty_check_number(context, "march.guided", def->guided, 0, 1e6);
+    if (result == TY_OK) result = ty_check_number(context, "march.spp", def->spp, 1, 64);
+    if (result == TY_OK) result = ty_check_number(context, "march.step", def->step, 0.05, 8);
+    if (result == TY_OK) result = ty_check_number(context, "march.bilateral_sigma", def->bilateral_sigma, 0, 1e6);
     if (result == TY_OK)
         result = ty_check_number(context, "march.light_count", def->light_count, 0, TY_MARCH_LIGHTS_MAX);
     if (result == TY_OK) result = ty_check_number(context, "march.reduced", def->reduced, 0, REDUCED_MAX);
@@ -105,30 +105,19 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
     return result;
 }
 
-/* ---- what the kernel gets ---- */
+/* ---- the kernel's request ---- */
 
-static ty_march_kernel choose_kernel(const char** isa) {
-    const ty_isa best = ty_best_isa();
-    *isa = ty_isa_name(best);
-#if TY_ISA_X86
-    static const ty_march_kernel kernels[TY_ISA_COUNT] = {ty_march_kernel_v1, ty_march_kernel_v3, ty_march_kernel_v4};
-    return kernels[best];
-#else
-    return ty_march_kernel_v1;
-#endif
-}
-
-static ty_cell_place place_cells(const ty_grid_box* box) {
-    ty_cell_place place;
+static ty_cell_lattice lattice_of_box(const ty_grid_box* box) {
+    ty_cell_lattice lattice;
     float lower[3], per_cell[3];
     for (int a = 0; a < 3; ++a) {
-        place.size[a] = box->size[a];
+        lattice.size[a] = box->size[a];
         lower[a] = (float)box->lower[a];
         per_cell[a] = (float)(box->size[a] / (box->upper[a] - box->lower[a]));
     }
-    place.lower = ty_vec_load(lower);
-    place.per_cell = ty_vec_load(per_cell);
-    return place;
+    lattice.lower = ty_vec_load(lower);
+    lattice.per_cell = ty_vec_load(per_cell);
+    return lattice;
 }
 
 typedef struct pack_job {
@@ -149,15 +138,15 @@ static void pack_plane(void* user, int64_t z, int32_t worker) {
         for (int c = 0; c < view->channels; ++c)
             for (int t = 0; t < terms; ++t) cell[c * terms + t] = field->terms[c][t][i];
         cell[guide] = field->guide != NULL ? field->guide[i] : 0;
-        for (int32_t rest = guide + 1; rest < view->floats; ++rest) cell[rest] = 0;
+        for (int32_t padding = guide + 1; padding < view->floats; ++padding) cell[padding] = 0;
     }
 }
 
-/* Brings a cell's terms together, so that one look finds them in a cache line. */
+/* Packs the terms of a cell together, so that one lookup touches one cache line. */
 static ty_result pack_field(march_job* job, const ty_source_field* field, const ty_cuts* cuts, march_cells* cells,
                             ty_upsample_view* view) {
     const int32_t* size = field->box.size;
-    view->place = place_cells(&field->box);
+    view->lattice = lattice_of_box(&field->box);
     view->channels = field->shared ? 1 : 3;
     view->cuts = ty_cuts_get_view(cuts);
     view->terms = field->term_count;
@@ -165,15 +154,15 @@ static ty_result pack_field(march_job* job, const ty_source_field* field, const 
                    : field->shared        ? TY_UPSAMPLE_SHARED
                                           : TY_UPSAMPLE_DIRECTED;
     for (int c = 0; c < 3; ++c) view->color[c] = field->shared ? field->color[c] : 1;
-    const double guided = job->def->guided;
-    view->sharpness = guided > 0 && field->guide != NULL ? (float)(1 / (2 * guided * guided)) : 0;
+    const double sigma = job->def->bilateral_sigma;
+    view->sharpness = sigma > 0 && field->guide != NULL ? (float)(1 / (2 * sigma * sigma)) : 0;
     cells->count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;
     cells->floats = ty_alloc_array(job->context, cells->count, sizeof(float), false);
     if (cells->floats == NULL) return TY_ERROR_MEMORY;
     view->cells = cells->floats;
     pack_job pack = {field, view, cells->floats};
     ty_parallel_for(job->context, size[2], pack_plane, &pack);
-    if (!job->def->keeps_means) return TY_OK;
+    if (!job->def->preserve_means) return TY_OK;
     return ty_sharpen_cells(job->context, size, view->floats, view->terms, view->channels * view->terms, cuts,
                             cells->floats);
 }
@@ -197,15 +186,16 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     if (request->scene == NULL) return TY_ERROR_ARGUMENT;
     request->camera = ty_camera_get_view(&camera, def->width, def->height);
     request->spp = def->spp;
-    request->first = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
+    request->step_offset = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
     request->step = (float)def->step;
     request->has_background = def->unscattered == NULL;
     if (def->unscattered != NULL) ty_image_rgb_planes(def->unscattered, job->unscattered);
-    request->light = place_cells(&def->light_box);
+    request->light = lattice_of_box(&def->light_box);
     request->lights = def->lights;
     request->light_count = def->light_count;
     request->reduced = def->reduced;
     if (def->fit != NULL) request->fit = *def->fit;
+    if (def->octaves != NULL) request->octaves = *def->octaves;
     request->blurred = def->blurred;
     return pack_fields(job);
 }
@@ -219,23 +209,23 @@ static ty_result create_image(march_job* job) {
 }
 
 static float pixel_value(const march_job* job, uint32_t aov, int c, const ty_march_pixel* pixel, size_t index) {
-    const float share = 1.0f / (float)job->def->spp;
+    const float inverse_spp = 1.0f / (float)job->def->spp;
     switch (aov) {
-    case TY_AOV_TRANSMITTANCE: return pixel->transmittance[c] * share;
+    case TY_AOV_TRANSMITTANCE: return pixel->transmittance[c] * inverse_spp;
     case TY_AOV_DEPTH: return pixel->hits > 0 ? pixel->depth / pixel->hits : 0;
-    case TY_AOV_SINGLE: return pixel->single[c] * share;
-    case TY_AOV_MULTIPLE: return ty_maxf(0, pixel->multiple[c] * share);
+    case TY_AOV_SINGLE: return pixel->single[c] * inverse_spp;
+    case TY_AOV_MULTIPLE: return ty_maxf(0, pixel->multiple[c] * inverse_spp);
     default: break;
     }
-    const float behind = job->unscattered[c] != NULL ? job->unscattered[c][index] : 0;
-    return (pixel->unscattered[c] + pixel->single[c] + ty_maxf(0, pixel->multiple[c])) * share + behind;
+    const float background = job->unscattered[c] != NULL ? job->unscattered[c][index] : 0;
+    return (pixel->unscattered[c] + pixel->single[c] + ty_maxf(0, pixel->multiple[c])) * inverse_spp + background;
 }
 
 static void store_row(const march_job* job, int32_t y, int32_t begin, int32_t end, const ty_march_pixel* pixels) {
     const size_t first = (size_t)y * (size_t)job->def->width;
     int32_t channel = 0;
     for (int g = 0; g < TY_AOV_GROUPS; ++g)
-        for (int c = 0; ty_aov_asked(&ty_aov_groups[g], job->def->aovs) && c < ty_aov_groups[g].count; ++c) {
+        for (int c = 0; ty_aov_is_requested(&ty_aov_groups[g], job->def->aovs) && c < ty_aov_groups[g].count; ++c) {
             float* plane = ty_image_plane(job->image, channel++) + first;
             for (int32_t x = begin; x < end; ++x)
                 plane[x] = pixel_value(job, ty_aov_groups[g].aov, c, &pixels[x - begin], first + (size_t)x);
@@ -245,14 +235,9 @@ static void store_row(const march_job* job, int32_t y, int32_t begin, int32_t en
 static void report(march_job* job, bool always) {
     const ty_march_def* def = job->def;
     if (def->progress == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&job->lock) != 0) return;
-    const double seconds = ty_wall_seconds() - job->begun;
-    if (always || seconds - job->reported >= progress_interval) {
-        job->reported = seconds;
+    if (ty_report_due(&job->reported) || always) {
         const double fraction = (double)atomic_load(&job->finished) / ((double)job->columns * job->rows);
-        const ty_progress progress = {.stage = "march",
-                                      .fraction = fraction,
-                                      .seconds = seconds,
-                                      .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1};
+        const ty_progress progress = ty_progress_at("march", fraction, ty_wall_seconds() - job->begun);
         if (!def->progress(def->progress_user, &progress)) atomic_store(&job->cancelled, true);
     }
     pthread_mutex_unlock(&job->lock);
@@ -293,10 +278,9 @@ static ty_result march(march_job* job) {
 
 ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** out, ty_march_stats* stats) {
     march_job job = {.context = ty_scene_context(scene), .def = def};
-    job.begun = ty_wall_seconds();
+    job.begun = job.reported = ty_wall_seconds();
     job.cpu_begun = ty_cpu_seconds();
-    const char* isa;
-    job.kernel = choose_kernel(&isa);
+    job.kernel = TY_BEST_KERNELS(ty_march_kernel);
     ty_result result = check_def(job.context, def);
     if (result == TY_OK) result = prepare(&job, scene);
     if (result == TY_OK) result = create_image(&job);
@@ -313,6 +297,6 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
         *stats = (ty_march_stats){.seconds = ty_wall_seconds() - job.begun,
                                   .cpu_seconds = ty_cpu_seconds() - job.cpu_begun,
                                   .steps = atomic_load(&job.steps),
-                                  .isa = isa};
+                                  .isa = ty_isa_name(ty_best_isa())};
     return TY_OK;
 }

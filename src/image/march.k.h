@@ -1,20 +1,22 @@
-/* One ray through the media: docs/marching.md explains it. */
+/* Ray marching through the media: docs/marching.md explains it. */
 #ifndef TY_IMAGE_MARCH_K_H
 #define TY_IMAGE_MARCH_K_H
 
-#include "image/near.k.h"
+#include "image/octaves.k.h"
 #include "image/track.k.h"
 
-/* Transmittance below which a ray ends: nothing behind can be seen any more. */
+/* Transmittance below which a ray ends as opaque. */
 #define TY_MARCH_BLACK 1e-5f
-/* Optical depth of pieces that light is looked up in at most, and of steps before they end. */
+/* Maximum optical depth of a piece with one light lookup, and optical depth at which a step ends. */
 #define TY_MARCH_PIECE 0.7f
 #define TY_MARCH_STEP 0.5f
 
-/* What a ray brings. */
+/* Result of a ray. */
 typedef struct ty_march_light {
-    float transmittance[3], glow[3], single[3], multiple[3];
-    float aside[3]; /* transmittance for light that may scatter nearly straight on: with a fit alone */
+    float transmittance[3], emission[3], single[3], multiple[3];
+    float scaled[3]; /* transmittance with the delta-scaled extinction, for light scattered nearly straight on: differs
+                        only with a fit */
+    float octaves[TY_OCTAVES_MAX][3]; /* transmittance of each octave, if they scale the view */
 } ty_march_light;
 
 typedef struct ty_march_ray {
@@ -22,74 +24,95 @@ typedef struct ty_march_ray {
     ty_vec origin, direction;
     int32_t count, active_count;
     int32_t active[TY_SPANS_MAX];
-    float begin;   /* of the step, m along the ray */
-    float offset;  /* where the first step of a stretch ends, of a step */
-    float longer;  /* times which steps are longer than the request's */
-    float growth;  /* of the stretch, see ty_track */
-    float depth;   /* of the step so far, in the channel that counts most */
-    float piece;   /* optical depth of a piece at most */
-    int32_t looks; /* whether there is any light to look up */
+    float begin;       /* start of the step, m along the ray */
+    float offset;      /* end of the first step of an interval, as a fraction of a step */
+    float step_scale;  /* factor on the request's step length */
+    float growth;      /* of the interval, see ty_track */
+    float depth;       /* optical depth of the step so far, in the most significant channel */
+    float piece;       /* maximum optical depth of a piece */
+    int32_t has_light; /* 1: there is light to look up */
     uint32_t steps;
     ty_march_light light;
     ty_track tracks[TY_SPANS_MAX];
 } ty_march_ray;
 
-/* ---- a step's light ---- */
+/* ---- light of a step ---- */
 
-/* What all media scatter of a step: the integral of their scattering coefficients, and the same times mean cosines, and
- * their cubes. */
+/* Scattering of all media in a step: integrals of the scattering coefficient, and of its products with the mean cosine
+ * g and with g^3. */
 typedef struct ty_march_scattering {
     float amount[3], forward[3], third[3];
 } ty_march_scattering;
 
-/* How much is seen of what a step sends: transmittance times the mean decay over it; aside: of what may scatter nearly
- * straight on on its way, which is the same without a fit. */
-typedef struct ty_march_reach {
-    float all[3], aside[3];
-} ty_march_reach;
+/* Visibility of the sources in a step: transmittance times the mean attenuation over it; scaled: the same with the
+ * delta-scaled extinction, identical without a fit. */
+typedef struct ty_march_visibility {
+    float transmitted[3], scaled[3];
+    float octaves[TY_OCTAVES_MAX][3]; /* of each octave, if they scale the view */
+} ty_march_visibility;
 
-/* What one medium scatters and sends at a point, times how much of it is seen. Adds to scattering what the field's
- * light is scattered by. */
-TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_near_light* lights,
-                          const ty_march_reach* reach, ty_march_scattering* scattering) {
+/* Adds the radiance scattered and emitted by one medium at a point, times its visibility. Adds to scattering the
+ * coefficients for the field's light. */
+TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_near_light* lights,
+                                const ty_march_visibility* visibility, ty_march_scattering* scattering) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     float sigma_s[3], g[3];
     ty_medium_sigma_s(track->medium, point, sigma_s);
     ty_medium_g(track->medium, point, g);
     for (int32_t c = 0; c < 3; ++c) {
-        scattering->amount[c] += sigma_s[c] * track->amount;
-        scattering->forward[c] += g[c] * sigma_s[c] * track->amount;
-        scattering->third[c] += g[c] * g[c] * g[c] * sigma_s[c] * track->amount;
+        scattering->amount[c] += sigma_s[c] * track->column;
+        scattering->forward[c] += g[c] * sigma_s[c] * track->column;
+        scattering->third[c] += g[c] * g[c] * g[c] * sigma_s[c] * track->column;
     }
     if (track->medium->emits != 0) {
-        float glow[3];
-        ty_medium_emission(track->medium, point, glow);
+        float emission[3];
+        ty_medium_emission(track->medium, point, emission);
         for (int32_t c = 0; c < 3; ++c)
-            ray->light.glow[c] +=
-                reach->all[c] * track->amount * glow[c] * ty_maxf(0.0f, track->medium->sigma_t[c] - sigma_s[c]);
+            ray->light.emission[c] += visibility->transmitted[c] * track->column * emission[c] *
+                                      ty_maxf(0.0f, track->medium->sigma_t[c] - sigma_s[c]);
     }
     if (request->light_count == 0) return;
-    const ty_vec way = ty_scale(ray->direction, -1.0f);
-    ty_single_sent sent;
-    memset(&sent, 0, sizeof sent);
+    const ty_vec wo = ty_scale(ray->direction, -1.0f);
+    ty_single_radiance scattered;
+    memset(&scattered, 0, sizeof scattered);
     for (int32_t i = 0; i < request->light_count; ++i)
-        ty_single_scattered(&request->lights[i], point, &lights[i].at, way, lights[i].passing, g, &request->fit, &sent);
+        ty_single_scattered(&request->lights[i], point, &lights[i].at, wo, lights[i].transmittance, g, &request->fit,
+                            &scattered);
     for (int32_t c = 0; c < 3; ++c) {
-        const float amount = track->amount * sigma_s[c], seen = reach->all[c] * amount;
-        ray->light.single[c] += seen * sent.first[c];
-        ray->light.multiple[c] += seen * sent.again[c] + reach->aside[c] * amount * sent.aside[c];
+        const float amount = track->column * sigma_s[c], transmitted = visibility->transmitted[c] * amount;
+        ray->light.single[c] += transmitted * scattered.first[c];
+        ray->light.multiple[c] +=
+            transmitted * scattered.again[c] + visibility->scaled[c] * amount * scattered.aside[c];
     }
 }
 
-/* What the step's optical depths are, and where in it light is looked up: where its matter is in the mean, moved by how
- * much more of the near side is seen. False where there is nothing. */
-TY_FN bool ty_march_weigh(const ty_march_ray* ray, float end, float depth[3], float* at) {
+/* Adds the light of octaves 1 and above that one medium scatters at a point. Never inlined: compilers would contract
+ * the products of its callers in another way, and other methods' images would differ in the last bit. */
+static __attribute__((noinline)) void ty_march_add_octaves(ty_march_ray* ray, const ty_track* track, ty_vec point,
+                                                           const ty_near_light* lights,
+                                                           const ty_march_visibility* visibility) {
+    TY_GLOBAL const ty_march_request* request = ray->request;
+    const ty_vec way = ty_scale(ray->direction, -1.0f);
+    float sigma_s[3], g[3];
+    ty_medium_sigma_s(track->medium, point, sigma_s);
+    ty_medium_g(track->medium, point, g);
+    for (int32_t i = 1; i < request->octaves.count; ++i) {
+        const float* passed = request->octaves.scales_view ? visibility->octaves[i] : visibility->transmitted;
+        float radiance[3];
+        ty_octave_scattered(request, i, point, lights, way, g, radiance);
+        for (int32_t c = 0; c < 3; ++c) ray->light.multiple[c] += passed[c] * track->column * sigma_s[c] * radiance[c];
+    }
+}
+
+/* Optical depths of a step, and the position of its light lookup: the centroid of its extinction, shifted towards the
+ * more visible near side. False: the step is empty. */
+TY_FN bool ty_march_step_depth(const ty_march_ray* ray, float end, float depth[3], float* at) {
     float moment = 0.0f, mean = 0.0f;
     for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
     for (int32_t i = 0; i < ray->active_count; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
-        for (int c = 0; c < 3; ++c) depth[c] += track->medium->sigma_t[c] * track->amount;
-        mean += track->mean * track->amount;
+        for (int c = 0; c < 3; ++c) depth[c] += track->medium->sigma_t[c] * track->column;
+        mean += track->mean * track->column;
         moment += track->mean * track->moment;
     }
     if (!(mean > 0.0f)) return false;
@@ -98,186 +121,201 @@ TY_FN bool ty_march_weigh(const ty_march_ray* ray, float end, float depth[3], fl
     return true;
 }
 
-/* The extinction at a place itself, mean of the channels, 1/m: means over steps differ from pixel to pixel, and show.
- */
+/* Extinction at a point, channel mean, 1/m: means over steps vary from pixel to pixel, which is visible. */
 TY_FN float ty_march_extinction(const ty_march_ray* ray, float at) {
     float extinction = 0.0f;
     for (int32_t i = 0; i < ray->active_count; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
-        if (track->amount > 0.0f) extinction += ty_track_extinction(track, at);
+        if (track->column > 0.0f) extinction += ty_track_extinction(track, at);
     }
     return extinction;
 }
 
-/* The field's light at a point, that what is there scatters. */
-TY_FN void ty_march_add_field(ty_march_ray* ray, ty_vec point, float extinction, const float reach[3],
-                              const ty_march_scattering* scattering) {
-    float even[3], directed[3], third[3];
-    ty_upsample(&ray->request->field, point, extinction, ty_scale(ray->direction, -1.0f), even, directed, third);
+/* Adds the field's light at a point, scattered by the media there: the term sigma_s phi of Eq. 8 (Koerner 2014). */
+TY_FN void ty_march_add_field_light(ty_march_ray* ray, ty_vec point, float extinction, const float visibility[3],
+                                    const ty_march_scattering* scattering) {
+    float isotropic[3], directed[3], third[3];
+    ty_upsample(&ray->request->field, point, extinction, ty_scale(ray->direction, -1.0f), isotropic, directed, third);
     for (int c = 0; c < 3; ++c) {
-        const float sent =
-            scattering->amount[c] * even[c] + scattering->forward[c] * directed[c] + scattering->third[c] * third[c];
-        ray->light.multiple[c] += reach[c] * ty_maxf(0.0f, sent);
+        const float scattered = scattering->amount[c] * isotropic[c] + scattering->forward[c] * directed[c] +
+                                scattering->third[c] * third[c];
+        ray->light.multiple[c] += visibility[c] * ty_maxf(0.0f, scattered);
     }
 }
 
-/* Looks up what reaches the eye from a step around a place `at` metres along. */
-TY_FN void ty_march_add(ty_march_ray* ray, float at, const ty_march_reach* reach) {
+/* Adds the light of a step to the ray, looked up `at` metres along it. */
+TY_FN void ty_march_add_light(ty_march_ray* ray, float at, const ty_march_visibility* visibility) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     ty_near_light lights[TY_MARCH_LIGHTS_MAX];
     const ty_vec point = ty_mad(ray->origin, ray->direction, at);
     const float extinction = ty_march_extinction(ray, at);
-    ty_near_look(request, point, extinction, lights);
+    ty_near_lookup(request, point, extinction, lights);
     for (int32_t i = 0; i < ray->active_count; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
-        if (track->amount > 0.0f) ty_march_shine(ray, track, point, lights, reach, &scattering);
+        if (!(track->column > 0.0f)) continue;
+        ty_march_add_sources(ray, track, point, lights, visibility, &scattering);
+        if (request->octaves.count > 1) ty_march_add_octaves(ray, track, point, lights, visibility);
     }
-    if (request->has_field != 0) ty_march_add_field(ray, point, extinction, reach->aside, &scattering);
+    if (request->has_field != 0) ty_march_add_field_light(ray, point, extinction, visibility->scaled, &scattering);
     ++ray->steps;
 }
 
-/* Channels that are black count no more for how long steps are; false when all are. */
-TY_FN bool ty_march_dim(ty_march_ray* ray) {
-    const float* passed = ray->light.aside;
-    const bool live[3] = {passed[0] >= TY_MARCH_BLACK, passed[1] >= TY_MARCH_BLACK, passed[2] >= TY_MARCH_BLACK};
+/* Opaque channels no longer limit the step length; false if all are opaque. */
+TY_FN bool ty_march_update_live_channels(ty_march_ray* ray) {
+    const float* transmittance = ray->light.scaled;
+    const bool live[3] = {transmittance[0] >= TY_MARCH_BLACK, transmittance[1] >= TY_MARCH_BLACK,
+                          transmittance[2] >= TY_MARCH_BLACK};
     if (live[0] && live[1] && live[2]) return true;
     for (int32_t i = 0; i < ray->count; ++i) {
         ty_track* track = &ray->tracks[i];
-        track->live = 0.0f;
+        track->max_sigma_t = 0.0f;
         for (int c = 0; c < 3; ++c)
-            if (live[c]) track->live = ty_maxf(track->live, track->medium->sigma_t[c]);
+            if (live[c]) track->max_sigma_t = ty_maxf(track->max_sigma_t, track->medium->sigma_t[c]);
     }
     return live[0] || live[1] || live[2];
 }
 
-/* Of a step of these optical depths, what is seen; dims what is behind it. */
-TY_FN void ty_march_pass(const float depth[3], float transmittance[3], float reach[3]) {
+/* Visibility of a step of these optical depths; attenuates the transmittance by it. */
+TY_FN void ty_march_attenuate(const float depth[3], float transmittance[3], float visibility[3]) {
     for (int c = 0; c < 3; ++c) {
-        const float decay = ty_decay(depth[c]);
-        reach[c] = transmittance[c] * ty_mean_decay(depth[c], decay);
+        const float decay = ty_attenuation(depth[c]);
+        visibility[c] = transmittance[c] * ty_mean_attenuation(depth[c], decay);
         transmittance[c] *= decay;
     }
 }
 
-/* Takes from a step's optical depths what scatters nearly straight on in it. */
-TY_FN void ty_march_reduce(const ty_march_ray* ray, float at, float depth[3]) {
+/* Attenuates each octave by its scaled extinction b^i sigma_t towards the eye. */
+TY_FN void ty_march_pass_octaves(ty_march_ray* ray, const float depth[3], ty_march_visibility* visibility) {
+    TY_GLOBAL const ty_march_octaves* octaves = &ray->request->octaves;
+    for (int32_t i = 1; i < octaves->count; ++i) {
+        float scaled[3];
+        for (int c = 0; c < 3; ++c) scaled[c] = octaves->extinction[i] * depth[c];
+        ty_march_attenuate(scaled, ray->light.octaves[i], visibility->octaves[i]);
+    }
+    for (int c = 0; c < 3; ++c) ray->light.scaled[c] = ray->light.octaves[octaves->count - 1][c];
+}
+
+/* Subtracts the delta-scattered fraction from a step's optical depths. */
+TY_FN void ty_march_scale_depth(const ty_march_ray* ray, float at, float depth[3]) {
     const ty_vec point = ty_mad(ray->origin, ray->direction, at);
     for (int32_t i = 0; i < ray->active_count; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
         float sigma_s[3];
-        if (!(track->amount > 0.0f)) continue;
+        if (!(track->column > 0.0f)) continue;
         ty_medium_sigma_s(track->medium, point, sigma_s);
         for (int c = 0; c < 3; ++c)
-            depth[c] = ty_maxf(0.0f, depth[c] - ray->request->fit.straight * sigma_s[c] * track->amount);
+            depth[c] = ty_maxf(0.0f, depth[c] - ray->request->fit.forward_fraction * sigma_s[c] * track->column);
     }
 }
 
-/* Ends a step; false when nothing behind it is seen. */
+/* Ends a step; false: everything behind it is invisible. */
 TY_FN bool ty_march_end_step(ty_march_ray* ray, float end) {
-    ty_march_reach reach;
+    ty_march_visibility visibility;
     float depth[3], at;
-    const bool dense = ty_march_weigh(ray, end, depth, &at);
+    const bool dense = ty_march_step_depth(ray, end, depth, &at);
     if (dense) {
-        ty_march_pass(depth, ray->light.transmittance, reach.all);
+        ty_march_attenuate(depth, ray->light.transmittance, visibility.transmitted);
         if (ray->request->fit.bands > 0) {
-            ty_march_reduce(ray, at, depth);
-            ty_march_pass(depth, ray->light.aside, reach.aside);
+            ty_march_scale_depth(ray, at, depth);
+            ty_march_attenuate(depth, ray->light.scaled, visibility.scaled);
         } else {
             for (int c = 0; c < 3; ++c) {
-                reach.aside[c] = reach.all[c];
-                ray->light.aside[c] = ray->light.transmittance[c];
+                visibility.scaled[c] = visibility.transmitted[c];
+                ray->light.scaled[c] = ray->light.transmittance[c];
             }
+            if (ray->request->octaves.scales_view) ty_march_pass_octaves(ray, depth, &visibility);
         }
-        if (ray->looks != 0) ty_march_add(ray, at, &reach);
+        if (ray->has_light != 0) ty_march_add_light(ray, at, &visibility);
     }
     for (int32_t i = 0; i < ray->active_count; ++i) {
         ty_track* track = &ray->tracks[ray->active[i]];
-        track->amount = track->moment = 0.0f;
+        track->column = track->moment = 0.0f;
     }
     ray->begin = end;
     ray->depth = 0.0f;
-    return !dense || ty_march_dim(ray);
+    return !dense || ty_march_update_live_channels(ray);
 }
 
-/* ---- stretches ---- */
+/* ---- intervals of constant media ---- */
 
-/* Looks at the piece from t to end in all media; returns its optical depth. */
-TY_FN float ty_march_look(ty_march_ray* ray, float t, float end) {
+/* Integrates the piece from t to end in all media; returns its optical depth. */
+TY_FN float ty_march_integrate_piece(ty_march_ray* ray, float t, float end) {
     float depth = 0.0f;
     for (int32_t i = 0; i < ray->active_count; ++i) {
         ty_track* track = &ray->tracks[ray->active[i]];
-        depth += track->live * ty_track_look(track, t, end);
+        depth += track->max_sigma_t * ty_track_integrate(track, t, end);
     }
     return depth;
 }
 
-/* The next piece begins at t; returns where it ends: where any medium's voxels do, at `most` if not before. */
-TY_FN float ty_march_piece(ty_march_ray* ray, float t, float most) {
-    float end = most;
+/* Processes the piece that begins at t; returns its end: the nearest voxel boundary of any medium, at most max_end. */
+TY_FN float ty_march_piece(ty_march_ray* ray, float t, float max_end) {
+    float end = max_end;
     for (int32_t i = 0; i < ray->active_count; ++i) {
         ty_track* track = &ray->tracks[ray->active[i]];
         if (track->cell_leave <= t) ty_track_advance(track, t);
         end = ty_minf(end, track->cell_leave);
     }
-    float depth = ty_march_look(ray, t, end);
+    float depth = ty_march_integrate_piece(ray, t, end);
     if (depth > ray->piece) {
         const float shorter = t + (end - t) * ray->piece / depth;
         if (shorter > t) {
             end = shorter;
-            depth = ty_march_look(ray, t, end);
+            depth = ty_march_integrate_piece(ray, t, end);
         }
     }
-    for (int32_t i = 0; i < ray->active_count; ++i) ty_track_take(&ray->tracks[ray->active[i]], ray->begin, t, end);
+    for (int32_t i = 0; i < ray->active_count; ++i)
+        ty_track_add_piece(&ray->tracks[ray->active[i]], ray->begin, t, end);
     ray->depth += depth;
     return end;
 }
 
-/* Steps where all but a little is hidden may err by more: an error that rises with the square of the length is least in
- * all, for as many steps, if lengths go with transmittance^(-1/3); this is close to that, and bounded. */
-TY_FN float ty_march_grown(const ty_march_ray* ray) {
-    const float* passed = ray->light.aside;
-    const float hidden = 1.0f - ty_maxf(passed[0], ty_maxf(passed[1], passed[2]));
+/* Step growth with opacity: for an error proportional to the squared step length the total is minimal, at a fixed
+ * number of steps, for lengths proportional to transmittance^(-1/3); this is a bounded approximation. */
+TY_FN float ty_march_step_growth(const ty_march_ray* ray) {
+    const float* transmittance = ray->light.scaled;
+    const float hidden = 1.0f - ty_maxf(transmittance[0], ty_maxf(transmittance[1], transmittance[2]));
     return 1.0f + ray->growth * hidden * hidden;
 }
 
-/* Goes from t to end, within which the same media are there; false when nothing behind is seen. */
-TY_FN bool ty_march_stretch(ty_march_ray* ray, float t, float end) {
+/* Marches from t to end through a constant set of media; false: everything behind is invisible. */
+TY_FN bool ty_march_cross_interval(ty_march_ray* ray, float t, float end) {
     float step = TY_FLOAT_MAX, slack = 0.0f;
     ray->growth = TY_FLOAT_MAX;
     for (int32_t i = 0; i < ray->active_count; ++i) {
         ty_track* track = &ray->tracks[ray->active[i]];
-        ty_track_find(track, t);
+        ty_track_seek(track, t);
         step = ty_minf(step, track->step);
         ray->growth = ty_minf(ray->growth, track->growth);
         if (track->medium->has_grid != 0) slack = 0.5f;
     }
-    const bool even = step >= TY_FLOAT_MAX;
-    step = even ? step : step * ray->request->step * ray->longer;
-    /* Steps end where voxels do, if that is near: a piece less. */
-    slack = even ? 0.0f : slack * step;
-    float grown = even ? 1.0f : ty_march_grown(ray);
-    float until = even ? step : t + step * grown * ray->offset;
+    const bool uniform = step >= TY_FLOAT_MAX;
+    step = uniform ? step : step * ray->request->step * ray->step_scale;
+    /* Steps end at voxel boundaries if one is near, which saves a piece. */
+    slack = uniform ? 0.0f : slack * step;
+    float growth = uniform ? 1.0f : ty_march_step_growth(ray);
+    float until = uniform ? step : t + step * growth * ray->offset;
     ray->begin = t;
-    ray->piece = even ? TY_FLOAT_MAX : TY_MARCH_PIECE;
-    /* Where media are dense, it is depth that the first step is cut short in. */
-    const float first = even ? 0.0f : 1.0f - ray->offset;
+    ray->piece = uniform ? TY_FLOAT_MAX : TY_MARCH_PIECE;
+    /* In dense media the offset shortens the optical depth of the first step. */
+    const float first = uniform ? 0.0f : 1.0f - ray->offset;
     ray->piece *= 1.0f - first;
     ray->depth = first * TY_MARCH_STEP;
     while (t < end) {
         t = ty_march_piece(ray, t, ty_minf(end, until + slack));
-        if (t < until && ray->depth < TY_MARCH_STEP * grown && t < end) continue;
+        if (t < until && ray->depth < TY_MARCH_STEP * growth && t < end) continue;
         if (!ty_march_end_step(ray, t)) return false;
-        if (!even) {
-            grown = ty_march_grown(ray);
-            until = t + step * grown;
+        if (!uniform) {
+            growth = ty_march_step_growth(ray);
+            until = t + step * growth;
             ray->piece = TY_MARCH_PIECE;
         }
     }
     return true;
 }
 
-/* The media that are at t, and up to where no other comes and none of them ends. */
+/* Activates the media at t; returns the distance at which the set changes. */
 TY_FN float ty_march_activate(ty_march_ray* ray, float t) {
     float end = TY_FLOAT_MAX;
     ray->active_count = 0;
@@ -293,14 +331,14 @@ TY_FN float ty_march_activate(ty_march_ray* ray, float t) {
 /* ---- rays ---- */
 
 /* Cells per metre along a direction. */
-TY_FN float ty_march_cells_per_metre(const ty_cell_place* place, ty_vec direction) {
-    const ty_vec d =
-        ty_vec_make(direction.x * place->per_cell.x, direction.y * place->per_cell.y, direction.z * place->per_cell.z);
+TY_FN float ty_march_cells_per_metre(const ty_cell_lattice* lattice, ty_vec direction) {
+    const ty_vec d = ty_vec_make(direction.x * lattice->per_cell.x, direction.y * lattice->per_cell.y,
+                                 direction.z * lattice->per_cell.z);
     return sqrtf(ty_dot(d, d));
 }
 
 TY_FN void ty_march_begin(ty_march_ray* ray, TY_GLOBAL const ty_march_request* request, ty_vec origin, ty_vec direction,
-                          float far) {
+                          float max_distance) {
     TY_GLOBAL const ty_scene_view* scene = request->scene;
     ty_spans spans;
     ray->request = request;
@@ -310,35 +348,38 @@ TY_FN void ty_march_begin(ty_march_ray* ray, TY_GLOBAL const ty_march_request* r
     ray->steps = 0;
     ray->depth = 0.0f;
     memset(&ray->light, 0, sizeof ray->light);
-    for (int c = 0; c < 3; ++c) ray->light.transmittance[c] = ray->light.aside[c] = 1.0f;
-    ty_spans_find(scene->media, scene->medium_count, origin, direction, far, &spans);
-    ray->looks = request->light_count > 0 || request->has_field != 0 || spans.emits != 0;
+    for (int c = 0; c < 3; ++c) ray->light.transmittance[c] = ray->light.scaled[c] = 1.0f;
+    for (int32_t i = 1; i < request->octaves.count; ++i)
+        for (int32_t c = 0; c < 3; ++c) ray->light.octaves[i][c] = 1.0f;
+    ty_spans_find(scene->media, scene->medium_count, origin, direction, max_distance, &spans);
+    ray->has_light = request->light_count > 0 || request->has_field != 0 || spans.emits != 0;
     float light_per_metre = 0.0f;
     if (request->light_count > 0)
         light_per_metre = ty_march_cells_per_metre(&request->light, direction);
     else if (request->has_field != 0)
-        light_per_metre = ty_march_cells_per_metre(&request->field.place, direction);
+        light_per_metre = ty_march_cells_per_metre(&request->field.lattice, direction);
     for (int32_t i = 0; i < spans.count; ++i) {
         TY_GLOBAL const ty_medium_view* medium = &scene->media[spans.medium[i]];
         if (!(medium->sigma_t_max > 0.0f)) continue;
         ty_track* track = &ray->tracks[ray->count++];
         ty_track_begin(track, medium, origin, direction, spans.enter[i], spans.leave[i]);
-        track->step = ray->looks != 0 ? ty_track_step(medium, direction, light_per_metre) : TY_FLOAT_MAX;
+        track->step = ray->has_light != 0 ? ty_track_step(medium, direction, light_per_metre) : TY_FLOAT_MAX;
         track->growth = ty_track_growth(medium, direction, track->step);
     }
 }
 
-/* Follows a ray with a unit direction as far as `far`. offset: where its first step ends, (0, 1] of a step. */
+/* Marches a ray with a unit direction up to max_distance and integrates its source: Eq. 3 (Koerner 2014). offset: end
+ * of its first step, (0, 1] of a step. */
 TY_FN void ty_march_follow(ty_march_ray* ray, TY_GLOBAL const ty_march_request* request, ty_vec origin,
-                           ty_vec direction, float far, float offset, float longer) {
-    ty_march_begin(ray, request, origin, direction, far);
+                           ty_vec direction, float max_distance, float offset, float step_scale) {
+    ty_march_begin(ray, request, origin, direction, max_distance);
     ray->offset = offset;
-    ray->longer = longer;
+    ray->step_scale = step_scale;
     float t = 0.0f;
     while (ray->count > 0 && t < TY_FLOAT_MAX) {
         const float end = ty_march_activate(ray, t);
-        if (ray->active_count > 0 && !ty_march_stretch(ray, t, end)) {
-            for (int c = 0; c < 3; ++c) ray->light.transmittance[c] = ray->light.aside[c] = 0.0f;
+        if (ray->active_count > 0 && !ty_march_cross_interval(ray, t, end)) {
+            for (int c = 0; c < 3; ++c) ray->light.transmittance[c] = ray->light.scaled[c] = 0.0f;
             return;
         }
         t = end;

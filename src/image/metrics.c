@@ -1,4 +1,5 @@
-/* How two images differ. Sums run over pixels in order, in double, so that results never depend on threads. */
+/* Difference metrics of two images. Sums run over pixels in order, in double, so that results are independent of
+ * threads. */
 #include "image/image.h"
 
 #include "base/context.h"
@@ -16,14 +17,14 @@ typedef struct pair {
     double a, b;
 } pair;
 
-/* The same pixels of one channel of two images. */
+/* The common pixels of one channel of two images. */
 typedef struct match {
     const float *a, *b;
     size_t stride_a, stride_b; /* floats from one row to the next */
     size_t width, height;
 } match;
 
-/* The mean over a block, pixels that are not finite in either image left out; false if none is left. */
+/* The mean over a block, excluding pixels that are not finite in either image; false if none remains. */
 static bool block_mean(const match* m, size_t x0, size_t y0, size_t block, pair* mean) {
     double sum_a = 0, sum_b = 0;
     int64_t count = 0;
@@ -51,7 +52,7 @@ static void count_values(const match* m, ty_difference* difference) {
     }
 }
 
-/* Adds the square error relative to b^2 + softening. Equal values count 0 even where both are 0. */
+/* Sum of squared errors relative to b^2 + softening. Equal values count 0 even if both are 0. */
 static double relative_square(const match* m, size_t block, double softening) {
     double sum = 0;
     for (size_t y = 0; y + block <= m->height; y += block)
@@ -78,7 +79,7 @@ static tally sum_channel(const match* m, size_t block) {
     return sums;
 }
 
-/* Equal quantities have ratio 1 and no error has relative error 0, also where the reference is black. */
+/* Equal quantities have ratio 1, and a zero error has relative error 0, even if the reference is black. */
 static void fill(ty_difference* difference, int slot, const tally* sums, double relative) {
     const double count = (double)sums->count;
     const double rmse = sums->count > 0 ? sqrt(sums->square / count) : 0;
@@ -93,12 +94,12 @@ static double softening(const tally* sums) {
     return 0.01 * mean * mean;
 }
 
-/* The pixels that both images have, per channel; *grey tells that the three are one. */
+/* Matches the pixels common to both images, per channel; *grey: all channels are one. */
 static ty_result match_images(ty_context* context, const ty_image* a, const ty_image* b, match matches[3], bool* grey) {
     if (a->frame[2] != b->frame[2] || a->frame[3] != b->frame[3])
         return ty_fail(context, TY_ERROR_ARGUMENT, "images of %d x %d and %d x %d cannot be compared", (int)a->frame[2],
                        (int)a->frame[3], (int)b->frame[2], (int)b->frame[3]);
-    const ty_window common = ty_common_window(ty_image_window(a), ty_image_window(b));
+    const ty_window common = ty_window_intersection(ty_image_window(a), ty_image_window(b));
     if (common.x0 >= common.x1 || common.y0 >= common.y1)
         return ty_fail(context, TY_ERROR_ARGUMENT, "the images to compare have no pixel in common");
     const float *pa[3], *pb[3];
@@ -129,21 +130,21 @@ ty_result ty_image_compare(ty_context* context, const ty_image* a, const ty_imag
                        width, height);
 
     ty_difference difference = {0};
-    tally sums[3], all = {0};
+    tally sums[3], total = {0};
     for (int c = 0; c < 3; ++c) {
         if (c == 0 || !grey) count_values(&matches[c], &difference);
         sums[c] = c > 0 && grey ? sums[0] : sum_channel(&matches[c], side);
-        all.a += sums[c].a;
-        all.b += sums[c].b;
-        all.square += sums[c].square;
-        all.count += sums[c].count;
+        total.a += sums[c].a;
+        total.b += sums[c].b;
+        total.square += sums[c].square;
+        total.count += sums[c].count;
     }
-    double all_relative = 0;
+    double total_relative = 0;
     for (int c = 0; c < 3; ++c) {
         fill(&difference, c, &sums[c], relative_square(&matches[c], side, softening(&sums[c])));
-        all_relative += relative_square(&matches[c], side, softening(&all));
+        total_relative += relative_square(&matches[c], side, softening(&total));
     }
-    fill(&difference, 3, &all, all_relative);
+    fill(&difference, 3, &total, total_relative);
     *out = difference;
     return TY_OK;
 }

@@ -3,12 +3,11 @@
 #include "base/context.h"
 #include "image/aovs.h"
 #include "image/image.h"
-#include "scene/check.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { SPP_MAX = 64, LIST_MAX = 128 };
+enum { LIST_MAX = 128 };
 
 ty_result ty_check_resolution(ty_context* context, const char* method, int32_t width, int32_t height) {
     if (width == 0 && height == 0) return TY_OK;
@@ -29,7 +28,7 @@ static void list_aovs(uint32_t aovs, char list[LIST_MAX]) {
     list[0] = '\0';
     for (int g = 0; g < TY_AOV_GROUPS && length < LIST_MAX; ++g) {
         const ty_aov_group* group = &ty_aov_groups[g];
-        if (group->aov == TY_AOV_COLOR || !ty_aov_asked(group, aovs)) continue;
+        if (group->aov == TY_AOV_COLOR || !ty_aov_is_requested(group, aovs)) continue;
         const bool last = aovs < 2 * group->aov;
         const char* between = length == 0 ? "" : last ? " and " : ", ";
         length += (size_t)snprintf(list + length, LIST_MAX - length, "%s%.*s", between,
@@ -38,15 +37,10 @@ static void list_aovs(uint32_t aovs, char list[LIST_MAX]) {
 }
 
 ty_result ty_check_image(ty_context* context, const char* method, const ty_image_options* options, uint32_t known) {
-    char field[32], list[LIST_MAX];
-    snprintf(field, sizeof field, "%s.spp", method);
-    ty_result result = ty_check_number(context, field, options->spp, 1, SPP_MAX);
-    snprintf(field, sizeof field, "%s.step", method);
-    if (result == TY_OK) result = ty_check_number(context, field, options->step, 0.05, 8);
-    if (result == TY_OK && (options->aovs & ~known) != 0) {
+    char list[LIST_MAX];
+    if ((options->aovs & ~known) != 0) {
         list_aovs(known, list);
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "%s.aovs: %s are all", method, list);
+        return ty_fail(context, TY_ERROR_ARGUMENT, "%s.aovs: %s are all", method, list);
     }
-    if (result == TY_OK) result = ty_check_resolution(context, method, options->width, options->height);
-    return result;
+    return ty_check_resolution(context, method, options->width, options->height);
 }

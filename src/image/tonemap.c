@@ -1,12 +1,12 @@
-/* The display transform, and the sRGB curve back. */
+/* The display transform, and the inverse sRGB curve. */
 #include "image/image.h"
 
 #include "base/context.h"
 
 #include <math.h>
 
-/* Identity up to the knee k = 0.5, then the shoulder k + (1 - k) y / (1 + y) with y = (x - k) / (1 - k): it meets the
- * line with slope 1 and tends to 1. */
+/* Identity up to the knee k = 0.5, then the shoulder k + (1 - k) y / (1 + y) with y = (x - k) / (1 - k): continuous
+ * with slope 1 at the knee, and tending to 1. */
 static float filmic(float x) {
     const float knee = 0.5f;
     if (x <= knee) return x;
@@ -23,14 +23,15 @@ float ty_linear_from_srgb(float x) {
     return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
 }
 
-static uint8_t to_byte(float value, float scale, bool curve) {
+static uint8_t to_byte(float value, float scale, ty_tone_curve curve) {
     float x = value * scale;
     if (!(x > 0)) return 0; /* NaN too */
-    if (curve) x = filmic(x);
+    if (curve == TY_TONE_FILMIC) x = filmic(x);
     return (uint8_t)(255 * srgb(x < 1 ? x : 1) + 0.5f);
 }
 
-ty_result ty_image_tonemap(ty_context* context, const ty_image* image, double exposure, bool curve, uint8_t* rgb8) {
+ty_result ty_image_tonemap(ty_context* context, const ty_image* image, double exposure, ty_tone_curve curve,
+                           uint8_t* rgb8) {
     if (image == NULL || rgb8 == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_tonemap: an argument is NULL");
     if (!isfinite(exposure)) return ty_fail(context, TY_ERROR_ARGUMENT, "the exposure is not finite");

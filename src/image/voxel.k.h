@@ -8,7 +8,7 @@
 #include <immintrin.h>
 #endif
 
-/* Eight voxels of half floats: two in each row, and rows one `row` and one `plane` apart. */
+/* Loads eight half-precision voxels: two per row, rows one `row` and one `plane` apart. */
 TY_FN void ty_voxels_widen(TY_GLOBAL const uint16_t* from, size_t row, size_t plane, float values[8]) {
 #if defined(__F16C__)
     int32_t pairs[4];
@@ -19,7 +19,7 @@ TY_FN void ty_voxels_widen(TY_GLOBAL const uint16_t* from, size_t row, size_t pl
 #endif
 }
 
-/* The voxels from `cell` on, x fastest. */
+/* The eight voxels starting at `cell`, x fastest. */
 TY_FN void ty_voxels_fetch(TY_GLOBAL const ty_grid_view* grid, const int32_t cell[3], float values[8]) {
     const int32_t* size = grid->size;
     if ((uint32_t)cell[0] >= (uint32_t)(size[0] - 1) || (uint32_t)cell[1] >= (uint32_t)(size[1] - 1) ||
@@ -38,26 +38,26 @@ TY_FN void ty_voxels_fetch(TY_GLOBAL const ty_grid_view* grid, const int32_t cel
     for (size_t i = 0; i < 4; ++i) memcpy(&values[2 * i], from + (i & 1) * row + (i >> 1) * plane, 2 * sizeof *values);
 }
 
-/* Trilinear between them; along z first, four at once. */
-TY_FN float ty_voxels_between(const float values[8], float x, float y, float z) {
+/* Trilinear interpolation; along z first, four at once. */
+TY_FN float ty_voxels_interpolate(const float values[8], float x, float y, float z) {
     float edge[4];
     for (int i = 0; i < 4; ++i) edge[i] = ty_lerpf(values[i], values[i + 4], z);
     return ty_lerpf(ty_lerpf(edge[0], edge[2], y), ty_lerpf(edge[1], edge[3], y), x);
 }
 
-/* What a medium makes of its grid's value. */
+/* Density of a medium from the value of its grid. */
 TY_FN float ty_voxels_to_density(TY_GLOBAL const ty_medium_view* medium, float value) {
     if (medium->transfer != NULL) return ty_transfer_density(medium->transfer, medium->transfer_count, value);
     return ty_maxf(0.0f, value);
 }
 
-/* The density of a medium that has a grid at a point in its index space. */
+/* Density of a grid medium at a point in its index space. */
 TY_FN float ty_voxels_density(TY_GLOBAL const ty_medium_view* medium, ty_vec p) {
-    const ty_vec low = ty_vec_make(floorf(p.x), floorf(p.y), floorf(p.z));
-    const int32_t cell[3] = {(int32_t)low.x, (int32_t)low.y, (int32_t)low.z};
+    const ty_vec base = ty_vec_make(floorf(p.x), floorf(p.y), floorf(p.z));
+    const int32_t cell[3] = {(int32_t)base.x, (int32_t)base.y, (int32_t)base.z};
     float values[8];
     ty_voxels_fetch(&medium->grid, cell, values);
-    return ty_voxels_to_density(medium, ty_voxels_between(values, p.x - low.x, p.y - low.y, p.z - low.z));
+    return ty_voxels_to_density(medium, ty_voxels_interpolate(values, p.x - base.x, p.y - base.y, p.z - base.z));
 }
 
 #endif

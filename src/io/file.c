@@ -1,4 +1,4 @@
-/* Whole files: reading with a cap, writing through a temporary name, hashing, joining paths. */
+/* Whole files: reading with a size limit, writing through a temporary file, hashing, joining paths. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file.h"
 
@@ -13,8 +13,7 @@
 
 enum { HASH_CHUNK = 1 << 16, NAME_TRIES = 1000 };
 
-/* Opening a pipe to read from it would wait for someone to write, so nothing is waited for; for a regular file that
- * makes no difference. */
+/* O_NONBLOCK: opening a pipe for reading would block until it has a writer. It has no effect on regular files. */
 FILE* ty_open_regular(const char* path, uint64_t* size) {
     const int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (descriptor < 0) return NULL;
@@ -92,7 +91,7 @@ static char* temporary_name(ty_context* context, const char* path, int number) {
 
 ty_result ty_output_open(ty_context* context, const char* path, ty_output* output) {
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "a file name is NULL");
-    /* Renaming onto a device or a folder would replace it or fail late. */
+    /* A rename onto a device would replace it; onto a folder it would fail only at the end. */
     struct stat status;
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
         return ty_fail(context, TY_ERROR_FILE, "cannot write %s: not a regular file", path);
@@ -156,7 +155,7 @@ ty_result ty_write_file(ty_context* context, const char* path, const void* bytes
     ty_output output;
     const ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    /* A short write leaves the stream's error flag set, which commit looks at. */
+    /* A short write sets the stream's error flag, which the commit checks. */
     if (size > 0) fwrite(bytes, 1, size, output.stream);
     return ty_output_commit(context, &output);
 }
@@ -167,7 +166,7 @@ ty_result ty_bytes_read(ty_context* context, const char* path, size_t limit, uin
     return ty_read_file(context, path, limit, bytes, size);
 }
 
-void ty_bytes_free(ty_context* context, uint8_t* bytes, size_t size) {
+void ty_bytes_destroy(ty_context* context, uint8_t* bytes, size_t size) {
     ty_free_file(context, bytes, size);
 }
 

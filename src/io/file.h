@@ -1,4 +1,4 @@
-/* Whole files: reading with a cap, writing through a temporary name, hashing, joining paths. */
+/* Whole files: reading with a size limit, writing through a temporary file, hashing, joining paths. */
 #ifndef TY_IO_FILE_H
 #define TY_IO_FILE_H
 
@@ -6,41 +6,41 @@
 
 #include <stdio.h>
 
-/* Opens a regular file for reading; *size is its length. The caller closes it. NULL leaves the cause in errno, 0 for
- * what is not a regular file. */
+/* Opens a regular file for reading; *size is its length. The caller closes it. NULL on failure, with the cause in
+ * errno (0: not a regular file). */
 FILE* ty_open_regular(const char* path, uint64_t* size);
-/* The same with a message. */
+/* The same as ty_open_regular, with an error message. */
 ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uint64_t* size);
 
-/* The bytes of a file and a zero after them; freed with ty_free_file. A file of more than limit bytes is refused. */
+/* Reads a file of at most `limit` bytes and appends a zero byte; freed with ty_free_file. */
 ty_result ty_read_file(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size);
 void ty_free_file(ty_context* context, uint8_t* bytes, size_t size);
 
-/* A file being written beside its target. Exactly one of commit and discard follows a successful open; the target
- * changes only in a commit that returns TY_OK, and the temporary file is gone after either. */
+/* A file written under a temporary name beside its target. A successful open is followed by exactly one commit or
+ * discard. The target changes only in a commit that returns TY_OK; both remove the temporary file. */
 typedef struct ty_output {
     FILE* stream;    /* open for writing */
-    char* path;      /* the target */
-    char* temporary; /* where stream writes */
+    char* path;      /* target */
+    char* temporary; /* file that stream writes */
 } ty_output;
 
 ty_result ty_output_open(ty_context* context, const char* path, ty_output* output);
 ty_result ty_output_commit(ty_context* context, ty_output* output);
 void ty_output_discard(ty_context* context, ty_output* output);
 
-/* All three steps for content that is in memory. */
+/* Open, write and commit for content in memory. */
 ty_result ty_write_file(ty_context* context, const char* path, const void* bytes, size_t size);
 
-/* 64-bit FNV-1a; begin with TY_HASH_START and pass each result on. */
+/* 64-bit FNV-1a hash; starts from TY_HASH_START and is chained through the result. */
 #define TY_HASH_START 0xcbf29ce484222325ull
 uint64_t ty_hash_bytes(uint64_t hash, const void* bytes, size_t size);
-/* Hashes a file's content on top of *hash. */
+/* Extends *hash by a file's content. */
 ty_result ty_hash_file(ty_context* context, const char* path, uint64_t* hash);
 
-/* folder/relative, or relative alone when it is absolute or folder is empty; freed with ty_free_text. NULL when
- * memory is short. */
+/* folder/relative, or relative alone if it is absolute or folder is empty; freed with ty_free_text. NULL if memory
+ * runs out. */
 char* ty_join_path(ty_context* context, const char* folder, const char* relative);
-/* The folder part of a path: "" for a bare name, "/" for a name in the root. */
+/* Folder part of a path: "" for a bare name, "/" for a name in the root. */
 char* ty_folder_of(ty_context* context, const char* path);
 
 #endif

@@ -1,4 +1,4 @@
-/* Walks JSON text that is known to be valid, only to count the lines before a place in it. */
+/* Skims valid JSON text to find the line of a value. */
 #define _GNU_SOURCE
 #include "io/json_locate.h"
 
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { KEY_SHOWN = 60 }; /* bytes of a key in messages */
+enum { KEY_SHOWN = 60 }; /* max bytes of a key in messages */
 
 typedef struct cursor {
     const char* at;
@@ -67,33 +67,33 @@ static bool more(const cursor* c) {
     return c->at < c->end;
 }
 
-static void step_on(cursor* c) {
+static void advance(cursor* c) {
     if (*c->at == '\n') ++c->line;
     ++c->at;
 }
 
 static void skip_space(cursor* c) {
-    while (more(c) && (*c->at == ' ' || *c->at == '\t' || *c->at == '\n' || *c->at == '\r')) step_on(c);
+    while (more(c) && (*c->at == ' ' || *c->at == '\t' || *c->at == '\n' || *c->at == '\r')) advance(c);
 }
 
-/* Steps over c, and the space after it, if it comes next. */
+/* Skips c and the space after it if c comes next. */
 static bool skip_character(cursor* c, char character) {
     if (!more(c) || *c->at != character) return false;
-    step_on(c);
+    advance(c);
     skip_space(c);
     return true;
 }
 
 static void skip_string(cursor* c) {
-    step_on(c);
+    advance(c);
     while (more(c) && *c->at != '"') {
-        if (*c->at == '\\') step_on(c);
-        if (more(c)) step_on(c);
+        if (*c->at == '\\') advance(c);
+        if (more(c)) advance(c);
     }
-    if (more(c)) step_on(c);
+    if (more(c)) advance(c);
 }
 
-/* Steps over one value and the space after it. */
+/* Skips one value and the space after it. */
 static void skip_value(cursor* c) {
     size_t depth = 0;
     while (more(c)) {
@@ -105,11 +105,11 @@ static void skip_value(cursor* c) {
         }
         if (first == '{' || first == '[') ++depth;
         if (first == '}' || first == ']') --depth;
-        step_on(c);
+        advance(c);
     }
 }
 
-/* Whether the string token that starts at token and is size bytes long, quotes included, reads as key. */
+/* True if a string token (`size` bytes at `token`, quotes included) equals key. */
 static bool token_is(const char* token, size_t size, const char* key) {
     if (size < 2) return false;
     if (memchr(token, '\\', size) == NULL) return strlen(key) == size - 2 && memcmp(token + 1, key, size - 2) == 0;
@@ -119,7 +119,7 @@ static bool token_is(const char* token, size_t size, const char* key) {
     return same;
 }
 
-/* From an object's brace to the value of key; line is where the key stands. */
+/* Moves from an object's brace to the value of key; *line is the line of the key. */
 static bool enter_member(cursor* c, const char* key, int32_t* line) {
     if (!skip_character(c, '{')) return false;
     while (more(c) && *c->at == '"') {
@@ -136,7 +136,7 @@ static bool enter_member(cursor* c, const char* key, int32_t* line) {
     return false;
 }
 
-/* From an array's bracket to the value of element index; line is where it stands. */
+/* Moves from an array's bracket to the value of element `index`; *line is its line. */
 static bool enter_element(cursor* c, size_t index, int32_t* line) {
     if (!skip_character(c, '[')) return false;
     for (size_t i = 0; i < index; ++i) {

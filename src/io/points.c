@@ -1,4 +1,4 @@
-/* Points in JSON files: where probes stand. */
+/* Points in JSON files: positions of probes. */
 #include "io/points.h"
 
 #include "base/context.h"
@@ -25,7 +25,7 @@ static ty_result fill(ty_context* context, const char* path, const json_t* list,
     return TY_OK;
 }
 
-static ty_result take(ty_context* context, const char* path, const json_t* root, float** out, int64_t* count) {
+static ty_result read_points(ty_context* context, const char* path, const json_t* root, float** out, int64_t* count) {
     const json_t* list = json_is_object(root) ? json_object_get(root, "positions") : root;
     const size_t size = json_array_size(list);
     if (size == 0)
@@ -39,7 +39,7 @@ static ty_result take(ty_context* context, const char* path, const json_t* root,
         *out = points;
         *count = (int64_t)size;
     } else {
-        ty_points_free(context, points, (int64_t)size);
+        ty_points_destroy(context, points, (int64_t)size);
     }
     return result;
 }
@@ -50,7 +50,7 @@ ty_result ty_points_parse(ty_context* context, const char* path, const uint8_t* 
     json_t* root = json_loadb((const char*)text, size, JSON_REJECT_DUPLICATES, &error);
     if (root == NULL)
         return ty_fail(context, TY_ERROR_INPUT, "%s:%d: %s", path, error.line < 1 ? 1 : error.line, error.text);
-    const ty_result result = take(context, path, root, out, count);
+    const ty_result result = read_points(context, path, root, out, count);
     json_decref(root);
     return result;
 }
@@ -67,6 +67,6 @@ ty_result ty_points_read(ty_context* context, const char* path, float** out, int
     return result;
 }
 
-void ty_points_free(ty_context* context, float* points, int64_t count) {
+void ty_points_destroy(ty_context* context, float* points, int64_t count) {
     ty_free_array(context, points, (size_t)count, 3 * sizeof *points);
 }

@@ -4,7 +4,7 @@
 
 #include <tyndall/io.h>
 
-/* As ty_points_read, from text; path stands for it in messages. */
+/* As ty_points_read, from text; `path` names it in messages. */
 ty_result ty_points_parse(ty_context* context, const char* path, const uint8_t* text, size_t size, float** out,
                           int64_t* count);
 

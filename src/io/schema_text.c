@@ -1,6 +1,8 @@
-/* Words and numbers as messages about JSON name them. */
+/* Words and numbers in messages about JSON. */
 #define _GNU_SOURCE
 #include "io/schema_text.h"
+
+#include "base/number.h"
 #include "io/json_locate.h"
 
 #include <locale.h>
@@ -12,7 +14,7 @@
 
 enum { WORD_MAX = 63, SHOWN_MAX = 60 };
 
-static char fold(char c) {
+static char fold_case(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
@@ -23,7 +25,7 @@ static size_t smaller(size_t a, size_t b) {
 size_t ty_word_distance(const char* a, const char* b) {
     const size_t rows = strnlen(a, WORD_MAX);
     const size_t columns = strnlen(b, WORD_MAX);
-    size_t line[3][WORD_MAX + 1]; /* of the table: two before, before, now */
+    size_t line[3][WORD_MAX + 1]; /* rows of the distance table: two before, previous, current */
     for (size_t j = 0; j <= columns; ++j) line[0][j] = j;
     for (size_t i = 1; i <= rows; ++i) {
         size_t* now = line[i % 3];
@@ -31,9 +33,10 @@ size_t ty_word_distance(const char* a, const char* b) {
         const size_t* two_before = line[(i + 1) % 3];
         now[0] = i;
         for (size_t j = 1; j <= columns; ++j) {
-            const bool same = fold(a[i - 1]) == fold(b[j - 1]);
+            const bool same = fold_case(a[i - 1]) == fold_case(b[j - 1]);
             now[j] = smaller(smaller(now[j - 1], before[j]) + 1, before[j - 1] + (same ? 0 : 1));
-            if (i > 1 && j > 1 && fold(a[i - 1]) == fold(b[j - 2]) && fold(a[i - 2]) == fold(b[j - 1]))
+            if (i > 1 && j > 1 && fold_case(a[i - 1]) == fold_case(b[j - 2]) &&
+                fold_case(a[i - 2]) == fold_case(b[j - 1]))
                 now[j] = smaller(now[j], two_before[j - 2] + 1);
         }
     }
@@ -42,11 +45,11 @@ size_t ty_word_distance(const char* a, const char* b) {
 
 static bool begins_with(const char* word, const char* start) {
     size_t i = 0;
-    while (start[i] != '\0' && fold(word[i]) == fold(start[i])) ++i;
+    while (start[i] != '\0' && fold_case(word[i]) == fold_case(start[i])) ++i;
     return start[i] == '\0' && i >= 3;
 }
 
-bool ty_word_near(const char* a, const char* b) {
+bool ty_word_is_similar(const char* a, const char* b) {
     const size_t length = smaller(strnlen(a, WORD_MAX), strnlen(b, WORD_MAX));
     return ty_word_distance(a, b) <= (length + 1) / 3 || begins_with(a, b) || begins_with(b, a);
 }
@@ -69,15 +72,8 @@ void ty_append_quoted(char* out, size_t size, const char* word) {
 
 void ty_append_number(char* out, size_t size, double value) {
     char text[40];
-    int digits = value == floor(value) && fabs(value) < 1e6 ? 6 : 1;
-    do snprintf(text, sizeof text, "%.*g", digits, value);
-    while (strtod(text, NULL) != value && ++digits <= 17);
-    const char* point = localeconv()->decimal_point;
-    char* at = strcmp(point, ".") == 0 ? NULL : strstr(text, point);
-    if (at == NULL)
-        ty_append(out, size, "%s", text);
-    else
-        ty_append(out, size, "%.*s.%s", (int)(at - text), text, at + strlen(point));
+    ty_format_number(value, text, sizeof text);
+    ty_append(out, size, "%s", text);
 }
 
 void ty_append_value(char* out, size_t size, const json_t* value) {

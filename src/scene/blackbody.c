@@ -1,11 +1,11 @@
-/* Black bodies: Planck's law, seen by the CIE 1931 standard observer. */
+/* Blackbody radiation: Planck's law for the CIE 1931 standard observer. */
 #include "scene/blackbody.h"
 
 #include <tyndall/scene.h>
 
 enum { FIRST_NM = 380, STEP_NM = 5, OBSERVER_COUNT = 81 };
 
-/* The colour matching functions of the CIE 1931 2 degree observer, every 5 nm. */
+/* Colour matching functions of the CIE 1931 2 degree observer, every 5 nm. */
 static const double observer[OBSERVER_COUNT][3] = {
     {0.001368, 0.000039, 0.006450}, {0.002236, 0.000064, 0.010550}, {0.004243, 0.000120, 0.020050},
     {0.007650, 0.000217, 0.036210}, {0.014310, 0.000396, 0.067850}, {0.023190, 0.000640, 0.110200},
@@ -42,7 +42,7 @@ static double planck(double wavelength, double kelvin) {
     return 2 * h * c * c / (pow(wavelength, 5) * expm1(h * c / (wavelength * k * kelvin)));
 }
 
-/* X, Y and Z, W m^-2 sr^-1, by the trapezoidal rule: the functions have all but vanished where the table ends. */
+/* X, Y and Z, W m^-2 sr^-1, by the trapezoidal rule: the functions are nearly 0 at the ends of the table. */
 static void blackbody_xyz(double kelvin, double xyz[3]) {
     xyz[0] = xyz[1] = xyz[2] = 0;
     for (int i = 0; i < OBSERVER_COUNT; ++i) {

@@ -1,10 +1,10 @@
-/* The table of black bodies, on its way into a scene. */
+/* Construction of the blackbody table of a scene. */
 #ifndef TY_SCENE_BLACKBODY_H
 #define TY_SCENE_BLACKBODY_H
 
 #include "scene/blackbody.k.h"
 
-/* The table for ty_blackbody_lookup; a matter of milliseconds. */
+/* Fills the table for ty_blackbody_lookup; takes milliseconds. */
 void ty_blackbody_fill(ty_blackbody_table* table);
 
 #endif

@@ -1,4 +1,4 @@
-/* The radiance of black bodies as kernels look it up. */
+/* Blackbody radiance from a table. */
 #ifndef TY_SCENE_BLACKBODY_K_H
 #define TY_SCENE_BLACKBODY_K_H
 
@@ -7,14 +7,14 @@
 #define TY_BLACKBODY_COLDEST 200.0f
 #define TY_BLACKBODY_HOTTEST 100000.0f
 
-/* Knots are evenly spaced within each octave of the temperature, so that a float's bits say between which two it is. */
+/* Knots are evenly spaced within each octave of the temperature, so that the bits of a float give the interval. */
 enum {
     TY_BLACKBODY_STEPS_LOG2 = 6,
     TY_BLACKBODY_OCTAVES = 9,
     TY_BLACKBODY_KNOTS = (TY_BLACKBODY_OCTAVES << TY_BLACKBODY_STEPS_LOG2) + 1
 };
 
-/* The logarithms of X, Y and Z, W m^-2 sr^-1. */
+/* Logarithms of X, Y and Z, W m^-2 sr^-1. */
 typedef struct ty_blackbody_table {
     float log_xyz[TY_BLACKBODY_KNOTS][3];
 } ty_blackbody_table;
@@ -26,8 +26,8 @@ TY_FN void ty_rgb_from_xyz(const float xyz[3], float rgb[3]) {
     rgb[2] = ty_maxf(0.0f, 0.0556301f * xyz[0] - 0.2039770f * xyz[1] + 1.0569715f * xyz[2]);
 }
 
-/* ty_blackbody from the table, to 1e-4 of the brightest channel from 800 K up and to 5e-4 below. Logarithms are linear
- * in 1/T between knots: by Wien's law they nearly are. */
+/* ty_blackbody from the table, to 1e-4 of the brightest channel from 800 K up and to 5e-4 below. Interpolates
+ * logarithms linearly in 1/T: by Wien's law they are nearly linear. */
 TY_FN void ty_blackbody_lookup(TY_GLOBAL const ty_blackbody_table* table, float kelvin, float radiance[3]) {
     if (!(kelvin >= TY_BLACKBODY_COLDEST)) {
         for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;

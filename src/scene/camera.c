@@ -1,14 +1,15 @@
-/* The pinhole camera. */
+/* Pinhole camera. */
 #include "scene/camera.h"
 
+#include "base/constants.h"
 #include "base/context.h"
 #include "scene/check.h"
 
 #include <math.h>
 
-ty_camera_def ty_default_camera_def(void) {
-    return (ty_camera_def){
-        .cookie = TY_DEF_COOKIE, .position = {0, 0, 5}, .up = {0, 1, 0}, .fov_y = 40, .resolution = {800, 600}};
+void ty_init_camera_def(void* def, size_t bytes) {
+    const ty_camera_def own = {.position = {0, 0, 5}, .up = {0, 1, 0}, .fov_y = 40, .resolution = {800, 600}};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 static void cross(const double a[3], const double b[3], double out[3]) {
@@ -21,8 +22,10 @@ static double normalize(double v[3]) {
     return length;
 }
 
-ty_result ty_camera_check(ty_context* context, const ty_camera_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_camera_def");
+ty_result ty_camera_check(ty_context* context, const ty_camera_def** given, ty_camera_def* own) {
+    *own = ty_default_camera_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_camera_def", own, sizeof *own);
+    const ty_camera_def* def = *given = own;
     if (result == TY_OK) result = ty_check_point(context, "camera.position", def->position);
     if (result == TY_OK) result = ty_check_point(context, "camera.target", def->target);
     if (result == TY_OK) result = ty_check_direction(context, "camera.up", def->up);
@@ -51,7 +54,7 @@ ty_camera_view ty_camera_get_view(const ty_camera_def* def, int32_t width, int32
     cross(forward, def->up, right);
     normalize(right);
     cross(right, forward, up);
-    const double half = tan(def->fov_y * (3.14159265358979323846 / 360));
+    const double half = tan(def->fov_y * (TY_PI_F64 / 360));
     const double pixel = 2 * half / height;
     ty_camera_view view;
     double corner[3], dx[3], dy[3];

@@ -1,4 +1,4 @@
-/* The camera as kernels see it. */
+/* Camera view for kernels. */
 #ifndef TY_SCENE_CAMERA_H
 #define TY_SCENE_CAMERA_H
 
@@ -6,12 +6,12 @@
 
 #include <tyndall/scene.h>
 
-/* A ray through image point (x, y), in pixels from the top left, goes along corner + x dx + y dy. */
+/* The ray through image point (x, y), in pixels from the top left, has direction corner + x dx + y dy. */
 typedef struct ty_camera_view {
     ty_vec origin, corner, dx, dy;
 } ty_camera_view;
 
-ty_result ty_camera_check(ty_context* context, const ty_camera_def* def);
+ty_result ty_camera_check(ty_context* context, const ty_camera_def** given, ty_camera_def* own);
 ty_camera_view ty_camera_get_view(const ty_camera_def* def, int32_t width, int32_t height);
 
 TY_FN ty_vec ty_camera_direction(const ty_camera_view* camera, float x, float y) {

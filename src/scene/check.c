@@ -1,11 +1,11 @@
-/* Checks that defs share. */
+/* Argument checks shared by defs. */
 #include "scene/check.h"
 
 #include "base/context.h"
 
 #include <math.h>
 
-/* Farthest coordinate taken: its square stays within single precision. */
+/* Largest accepted coordinate: its square is finite in single precision. */
 #define POINT_MAX 1e15
 
 ty_result ty_check_point(ty_context* context, const char* field, const double point[3]) {
@@ -21,6 +21,18 @@ ty_result ty_check_direction(ty_context* context, const char* field, const doubl
         return ty_fail(context, TY_ERROR_ARGUMENT, "%s: (%g, %g, %g) is not a direction", field, direction[0],
                        direction[1], direction[2]);
     return TY_OK;
+}
+
+ty_result ty_check_rays(ty_context* context, const double* rays, int64_t count, const double* radiance) {
+    if (count < 1) return ty_fail(context, TY_ERROR_ARGUMENT, "radiance: a count of %lld rays", (long long)count);
+    if (rays == NULL || radiance == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "radiance: rays or radiance is NULL");
+    ty_result result = TY_OK;
+    for (int64_t i = 0; i < count && result == TY_OK; ++i) {
+        result = ty_check_point(context, "rays: point", rays + 6 * i);
+        if (result == TY_OK) result = ty_check_direction(context, "rays: direction", rays + 6 * i + 3);
+    }
+    return result;
 }
 
 ty_result ty_check_affine(ty_context* context, const char* field, const ty_affine* affine) {

@@ -1,4 +1,4 @@
-/* How much of each cell of a grid lies within a medium's bounds. */
+/* Fraction of each grid cell inside a medium's bounds. */
 #include "base/float_mode.h"
 #include "base/context.h"
 #include "grid/grid.h"
@@ -9,22 +9,22 @@
 enum { SIZE_MAX_AXIS = 16384, SAMPLES_MAX = 64 };
 
 typedef struct coverage_job {
-    ty_medium_view medium; /* bounds alone */
+    ty_medium_view medium; /* bounds only */
     double lower[3], cell[3];
     int32_t size[3];
     int32_t samples;
     float* values;
 } coverage_job;
 
-/* Adds the share weight of the stretch [enter, leave] of a row, in cells, to the cells that it covers. */
-static void cover(float* row, int32_t count, double enter, double leave, float weight) {
+/* Adds `weight` times the overlap of [enter, leave], in cells, to each cell of a row. */
+static void add_overlap(float* row, int32_t count, double enter, double leave, float weight) {
     const double from = fmax(enter, 0), to = fmin(leave, count);
     for (int32_t i = (int32_t)floor(from); i < count && i < to; ++i)
         row[i] += weight * (float)(fmin(to, i + 1) - fmax(from, i));
 }
 
-/* One row of cells along x: exact along x, sampled across. */
-static void cover_row(void* user, int64_t index, int32_t worker) {
+/* A row of cells along x: exact along x, sampled across. */
+static void coverage_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const coverage_job* job = user;
     const int64_t j = index % job->size[1], k = index / job->size[1];
@@ -39,8 +39,8 @@ static void cover_row(void* user, int64_t index, int32_t worker) {
         ty_spans spans;
         ty_spans_find(&job->medium, 1, origin, ty_vec_make(1, 0, 0), (float)(job->cell[0] * job->size[0]), &spans);
         for (int32_t i = 0; i < spans.count; ++i)
-            cover(row, job->size[0], (double)spans.enter[i] / job->cell[0], (double)spans.leave[i] / job->cell[0],
-                  weight);
+            add_overlap(row, job->size[0], (double)spans.enter[i] / job->cell[0], (double)spans.leave[i] / job->cell[0],
+                        weight);
     }
     ty_restore_denormals(state);
 }
@@ -55,8 +55,8 @@ static ty_result check_box(ty_context* context, const double lower[3], const dou
     return result;
 }
 
-ty_result ty_medium_coverage(const ty_scene* scene, int32_t medium, const double lower[3], const double upper[3],
-                             const int32_t size[3], int32_t samples, ty_grid** out) {
+ty_result ty_medium_create_coverage(const ty_scene* scene, int32_t medium, const double lower[3], const double upper[3],
+                                    const int32_t size[3], int32_t samples, ty_grid** out) {
     ty_context* context = ty_scene_context(scene);
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
@@ -76,7 +76,7 @@ ty_result ty_medium_coverage(const ty_scene* scene, int32_t medium, const double
     const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     job.values = ty_alloc_array(context, cells, sizeof *job.values, true);
     if (job.values == NULL) return TY_ERROR_MEMORY;
-    ty_parallel_for(context, (int64_t)size[1] * size[2], cover_row, &job);
+    ty_parallel_for(context, (int64_t)size[1] * size[2], coverage_row, &job);
     for (size_t i = 0; i < cells; ++i) job.values[i] = ty_minf(job.values[i], 1.0f);
     return ty_grid_adopt(context, &def, job.values, out);
 }

@@ -1,4 +1,4 @@
-/* Where a ray crosses the triangles of a closed surface, without gaps or doubles. */
+/* Watertight crossings of a ray with the triangles of a closed surface. */
 #ifndef TY_SCENE_CROSSING_K_H
 #define TY_SCENE_CROSSING_K_H
 
@@ -6,19 +6,19 @@
 
 typedef struct ty_crossing {
     float t;
-    int32_t leaves; /* 1: the ray comes out there, -1: it goes in */
+    int32_t exits; /* 1: exit, -1: entry */
 } ty_crossing;
 
-/* A ray that triangles are seen along (Woop et al. 2013): its largest component becomes z, and space is sheared so that
- * it runs along z through (0, 0). */
+/* Ray-space transform of watertight intersection (Woop et al. 2013): the largest direction component becomes z, and
+ * space is sheared so that the ray runs along z through (0, 0). */
 typedef struct ty_crossing_ray {
     double origin[3];
     double shear_x, shear_y, per_z;
     int32_t x, y, z; /* axes, in cyclic order */
 } ty_crossing_ray;
 
-/* A corner as the ray sees it. Single precision across the ray makes products exact in double precision, so that which
- * side of an edge the ray passes has one answer, whichever triangle asks. */
+/* A corner in ray space. Single precision across the ray makes products exact in double precision, so that the side of
+ * an edge on which the ray passes is the same for both adjacent triangles. */
 typedef struct ty_crossing_corner {
     float x, y;
     double t;
@@ -37,7 +37,7 @@ TY_FN ty_crossing_ray ty_crossing_ray_begin(ty_vec origin, ty_vec direction) {
     return ray;
 }
 
-TY_FN ty_crossing_corner ty_crossing_see(const ty_crossing_ray* ray, TY_GLOBAL const float* position) {
+TY_FN ty_crossing_corner ty_crossing_project(const ty_crossing_ray* ray, TY_GLOBAL const float* position) {
     const double z = (double)position[ray->z] - ray->origin[ray->z];
     ty_crossing_corner corner;
     corner.x = (float)((double)position[ray->x] - ray->origin[ray->x] - ray->shear_x * z);
@@ -50,8 +50,8 @@ TY_FN double ty_crossing_area(ty_crossing_corner a, ty_crossing_corner b) {
     return (double)a.x * (double)b.y - (double)a.y * (double)b.x;
 }
 
-/* On which side of a -> b the ray passes: 1 left, -1 right. A ray through the edge counts as moved a little along x and
- * less along y, and passes one side all the same; 0 where the edge has no length. */
+/* Side of a -> b on which the ray passes: 1 left, -1 right. A ray through the edge is perturbed symbolically by a small
+ * amount along x and a smaller one along y; 0 for an edge without length. */
 TY_FN int32_t ty_crossing_side(ty_crossing_corner a, ty_crossing_corner b) {
     const double left = (double)a.x * (double)b.y, right = (double)a.y * (double)b.x;
     if (left != right) return left > right ? 1 : -1;
@@ -59,18 +59,19 @@ TY_FN int32_t ty_crossing_side(ty_crossing_corner a, ty_crossing_corner b) {
     return b.x > a.x ? 1 : b.x < a.x ? -1 : 0;
 }
 
-/* Whether the ray crosses a triangle beyond its origin. Of the triangles around an edge or a corner of a closed surface
- * it crosses as many in and out as a ray beside it. */
+/* True if the ray crosses the triangle beyond its origin. Among the triangles around an edge or a corner of a closed
+ * surface, entries and exits are counted as for a neighbouring ray. */
 TY_FN bool ty_crossing_find(const ty_crossing_ray* ray, TY_GLOBAL const float* p, TY_GLOBAL const float* q,
                             TY_GLOBAL const float* r, ty_crossing* out) {
-    const ty_crossing_corner a = ty_crossing_see(ray, p), b = ty_crossing_see(ray, q), c = ty_crossing_see(ray, r);
+    const ty_crossing_corner a = ty_crossing_project(ray, p), b = ty_crossing_project(ray, q),
+                             c = ty_crossing_project(ray, r);
     const int32_t side = ty_crossing_side(a, b);
     if (side == 0 || ty_crossing_side(b, c) != side || ty_crossing_side(c, a) != side) return false;
     const double at_a = ty_crossing_area(b, c), at_b = ty_crossing_area(c, a), at_c = ty_crossing_area(a, b);
     const double sum = at_a + at_b + at_c;
     if (sum == 0.0) return false;
     out->t = (float)((at_a * a.t + at_b * b.t + at_c * c.t) / sum);
-    out->leaves = ray->per_z > 0.0 ? side : -side;
+    out->exits = ray->per_z > 0.0 ? side : -side;
     return out->t > 0.0f;
 }
 

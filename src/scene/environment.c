@@ -1,34 +1,35 @@
-/* Environment tables. */
+/* Sampling tables of environments. */
 #include "scene/environment.h"
 
+#include "base/constants.h"
 #include "base/context.h"
+#include "base/luminance.k.h"
 
 enum { TABLE_WIDTH_MAX = 512 };
 
 static float luminance(const float rgb[3]) {
-    return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+    return ty_luminance(rgb[0], rgb[1], rgb[2]);
 }
 
-/* Brightness of the texels that lookups within texel (x, y) blend. */
-static float bright_around(const ty_environment* env, int32_t x, int32_t y) {
-    float bright = 0;
+/* Weighted luminance of the texels that bilinear lookups within texel (x, y) blend. */
+static float luminance_around(const ty_environment* env, int32_t x, int32_t y) {
+    float sum = 0;
     for (int32_t dy = -1; dy <= 1; ++dy)
         for (int32_t dx = -1; dx <= 1; ++dx) {
             const int32_t row = y + dy < 0 ? 0 : y + dy >= env->height ? env->height - 1 : y + dy;
             const int32_t column = (x + dx + env->width) % env->width;
             const float weight = dx == 0 && dy == 0 ? 1.0f : 0.25f;
-            bright += weight * luminance(env->pixels + 3 * ((size_t)env->width * (size_t)row + (size_t)column));
+            sum += weight * luminance(env->pixels + 3 * ((size_t)env->width * (size_t)row + (size_t)column));
         }
-    return bright / 3.0f;
+    return sum / 3.0f;
 }
 
 /* Solid angle of a row of a map with `height` rows, all columns together. */
 static double row_solid_angle(int32_t row, int32_t height) {
-    const double pi = 3.14159265358979323846;
-    return 2.0 * pi * (cos(pi * row / height) - cos(pi * (row + 1) / height));
+    return 2.0 * TY_PI_F64 * (cos(TY_PI_F64 * row / height) - cos(TY_PI_F64 * (row + 1) / height));
 }
 
-/* Turns weights into a cumulative table that ends at exactly 1; a uniform one if all weights are 0. Returns the sum. */
+/* Cumulative table of the weights that ends at exactly 1; uniform if all weights are 0. Returns the sum. */
 static double accumulate(float* cumulative, const float* weights, int32_t count) {
     double sum = 0, running = 0;
     for (int32_t i = 0; i < count; ++i) sum += weights[i];
@@ -41,7 +42,8 @@ static double accumulate(float* cumulative, const float* weights, int32_t count)
     return sum;
 }
 
-/* Tables of the brightest texel-sums under each table cell; every direction with light keeps a share. */
+/* Sampling tables from the mean luminance around each table cell; every direction with light has a nonzero
+ * probability. */
 static ty_result build_tables(ty_context* context, ty_environment* env) {
     env->table_width = env->width < TABLE_WIDTH_MAX ? env->width : TABLE_WIDTH_MAX;
     env->table_height = env->height < TABLE_WIDTH_MAX / 2 ? env->height : TABLE_WIDTH_MAX / 2;
@@ -61,7 +63,7 @@ static ty_result build_tables(ty_context* context, ty_environment* env) {
             const int32_t x0 = (int32_t)((int64_t)i * env->width / w);
             const int32_t x1 = (int32_t)(((int64_t)(i + 1) * env->width + w - 1) / w);
             for (int32_t y = y0; y < y1; ++y)
-                for (int32_t x = x0; x < x1; ++x) weights[i] += bright_around(env, x, y);
+                for (int32_t x = x0; x < x1; ++x) weights[i] += luminance_around(env, x, y);
             weights[i] /= (float)((x1 - x0) * (y1 - y0));
         }
         const double sum = accumulate(env->columns + ((size_t)w + 1) * (size_t)row, weights, w);
@@ -76,7 +78,7 @@ static size_t pixel_count(const ty_environment* env) {
     return (size_t)env->width * (size_t)env->height;
 }
 
-/* Copies the pixels, negative and non-finite values as 0, and finds their mean over the sphere. */
+/* Copies the pixels, negative and non-finite values as 0, and computes their mean over the sphere. */
 static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_image* image) {
     const float* planes[3];
     if (!ty_image_rgb_planes(image, planes))
@@ -88,7 +90,7 @@ static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_
     double mean[3] = {0, 0, 0};
     size_t mended = 0;
     for (int32_t y = 0; y < env->height; ++y) {
-        const double weight = row_solid_angle(y, env->height) / (4 * 3.14159265358979323846 * env->width);
+        const double weight = row_solid_angle(y, env->height) / (4 * TY_PI_F64 * env->width);
         for (int32_t x = 0; x < env->width; ++x) {
             const size_t at = (size_t)env->width * (size_t)y + (size_t)x;
             for (int c = 0; c < 3; ++c) {
@@ -107,14 +109,14 @@ static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_
     return TY_OK;
 }
 
-/* The map is the image's frame: pixels beyond it are left out, and those that it lacks are black. */
+/* The map is the image's display window: pixels outside are dropped, missing ones are black. */
 static ty_result copy_map(ty_context* context, ty_environment* env, const ty_image* image) {
-    int32_t frame[4];
-    ty_image_get_frame(image, frame);
-    if (frame[0] == 0 && frame[1] == 0 && frame[2] == ty_image_width(image) && frame[3] == ty_image_height(image))
+    int32_t window[4];
+    ty_image_get_frame(image, window);
+    if (window[0] == 0 && window[1] == 0 && window[2] == ty_image_width(image) && window[3] == ty_image_height(image))
         return copy_pixels(context, env, image);
     ty_image* filled = NULL;
-    ty_result result = ty_image_fill_frame(context, image, &filled);
+    ty_result result = ty_image_create_full_frame(context, image, &filled);
     if (result == TY_OK) result = copy_pixels(context, env, filled);
     ty_image_destroy(filled);
     return result;

@@ -1,30 +1,30 @@
-/* Choosing among a scene's lights. */
+/* Selection among the lights of a scene. */
 #ifndef TY_SCENE_LIGHT_CHOICE_K_H
 #define TY_SCENE_LIGHT_CHOICE_K_H
 
 #include "scene/light_tree.k.h"
 
-/* All lights of a scene. Those without a place (directional, environments) are chosen with a fixed probability, those
- * with one by a tree. */
+/* All lights of a scene. Distant ones (directional, environments) have fixed selection probabilities, positioned ones
+ * are selected by a tree. */
 typedef struct ty_light_set {
     TY_GLOBAL const ty_light_view* lights;
     int32_t count;
-    TY_GLOBAL const int32_t* distant; /* lights without a place */
+    TY_GLOBAL const int32_t* distant; /* distant lights */
     int32_t distant_count;
-    TY_GLOBAL const ty_light_node* nodes; /* NULL: no light has a place */
+    TY_GLOBAL const ty_light_node* nodes; /* NULL: no positioned lights */
     TY_GLOBAL const uint64_t* trails;     /* per light */
-    float placed;                         /* probability of going to the tree */
-    int32_t lamp_count;                   /* lights that ty_light_is_lamp counts */
+    float tree_probability;               /* probability of sampling the tree */
+    int32_t local_count;                  /* number of lights for which ty_light_is_local holds */
 } ty_light_set;
 
-/* Picks a light for point `from`, on a surface with normal (0 in a medium); *u is stretched back to [0, 1). Returns -1
- * where no light is chosen. */
+/* Selects a light for point `from`, on a surface with this normal (0 in a medium); *u is rescaled to [0, 1). Returns -1
+ * if no light is selected. */
 TY_FN int32_t ty_lights_choose(TY_GLOBAL const ty_light_set* set, ty_vec from, ty_vec normal, float* u,
                                float* probability) {
-    if (*u < set->placed) {
-        *u = ty_minf(*u / set->placed, 0x1.fffffep-1f);
+    if (*u < set->tree_probability) {
+        *u = ty_minf(*u / set->tree_probability, 0x1.fffffep-1f);
         const int32_t light = ty_light_tree_sample(set->nodes, from, normal, u, probability);
-        *probability *= set->placed;
+        *probability *= set->tree_probability;
         return light;
     }
     for (int32_t i = 0; i < set->distant_count; ++i) {
@@ -37,14 +37,14 @@ TY_FN int32_t ty_lights_choose(TY_GLOBAL const ty_light_set* set, ty_vec from, t
     return -1;
 }
 
-/* The probability with which ty_lights_choose picks a light that has a place. */
+/* Probability with which ty_lights_choose selects a positioned light. */
 TY_FN float ty_lights_probability(TY_GLOBAL const ty_light_set* set, int32_t light, ty_vec from, ty_vec normal) {
-    return set->placed * ty_light_tree_probability(set->nodes, set->trails, light, from, normal);
+    return set->tree_probability * ty_light_tree_probability(set->nodes, set->trails, light, from, normal);
 }
 
-/* Picks a lamp for the light that it scatters into the stretch [enter, leave] of a ray; -1 where there is none. */
-TY_FN int32_t ty_lights_choose_lamp(TY_GLOBAL const ty_light_set* set, ty_vec origin, ty_vec direction, float enter,
-                                    float leave, float* u, float* probability) {
+/* Selects a local light for single scattering along [enter, leave] of a ray; -1 if there is none. */
+TY_FN int32_t ty_lights_choose_local(TY_GLOBAL const ty_light_set* set, ty_vec origin, ty_vec direction, float enter,
+                                     float leave, float* u, float* probability) {
     return ty_light_tree_sample_ray(set->nodes, origin, direction, enter, leave, u, probability);
 }
 

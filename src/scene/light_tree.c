@@ -1,16 +1,15 @@
-/* Building the tree of lights: top down, cutting where power times extent times the angles of emission comes out least
- * (the surface area orientation heuristic of Conty Estevez and Kulla 2018), with bins along each axis. */
+/* Construction of the light tree: top down, with binned splits that minimise power times extent times the solid angle
+ * of emission (surface area orientation heuristic; Conty Estevez and Kulla 2018). */
 #include "scene/light_tree.h"
 
 #include "base/context.h"
 
 enum { BINS = 12 };
 
-static const float pi = 3.14159265358979323846f;
-/* The least share of the power that a light counts with: products of such shares, distances and cosines stay normal. */
-static const double least_share = 1e-9;
+/* Minimum power fraction of a light: products of such fractions, distances and cosines stay normal floats. */
+static const double min_fraction = 1e-9;
 
-/* ---- the bounds of a light ---- */
+/* ---- bounds of a light ---- */
 
 static float mean_color(const ty_light_view* light) {
     return (light->color[0] + light->color[1] + light->color[2]) / 3;
@@ -29,21 +28,21 @@ bool ty_light_get_bounds(const ty_light_view* light, ty_light_bounds* out) {
                              .power = mean_color(light),
                              .axis = {0, 0, 1},
                              .cos_o = -1,
-                             .lamp = light->kind != TY_KIND_SPHERE};
+                             .is_local = light->kind != TY_KIND_SPHERE};
     const ty_vec radius = ty_vec_make(light->radius, light->radius, light->radius);
     switch (light->kind) {
     case TY_KIND_POINT: break;
     case TY_KIND_SPOT:
         out->axis = light->direction;
         out->cos_o = light->cos_inner;
-        /* The cosine of outer - inner, the angle over which it fades. */
+        /* Cosine of outer - inner, the angle of the falloff. */
         out->cos_e =
             light->cos_inner * light->cos_outer + ty_light_sin_of(light->cos_inner) * ty_light_sin_of(light->cos_outer);
         break;
     case TY_KIND_SPHERE:
         out->lower = ty_sub(light->position, radius);
         out->upper = ty_add(light->position, radius);
-        out->power *= pi * light->radius * light->radius;
+        out->power *= TY_PI * light->radius * light->radius;
         break;
     case TY_KIND_AREA:
     case TY_KIND_TRIANGLE:
@@ -61,7 +60,7 @@ bool ty_light_get_bounds(const ty_light_view* light, ty_light_bounds* out) {
 
 /* ---- cones ---- */
 
-/* All directions up to angle o from the axis, and light up to e beyond them (radians). */
+/* Directions within angle o of the axis, and emission up to e beyond them (radians). */
 typedef struct cone {
     ty_vec axis;
     float o, e;
@@ -71,11 +70,11 @@ static float angle_between(ty_vec a, ty_vec b) {
     return acosf(ty_clampf(ty_dot(a, b), -1, 1));
 }
 
-/* a turned towards b by an angle. */
-static ty_vec turn(ty_vec a, ty_vec b, float angle) {
+/* Rotates a towards b by an angle. */
+static ty_vec rotate_towards(ty_vec a, ty_vec b, float angle) {
     ty_vec side = ty_mad(b, a, -ty_dot(a, b)), other;
     if (ty_dot(side, side) < 1e-12f)
-        ty_frame(a, &side, &other);
+        ty_onb(a, &side, &other);
     else
         side = ty_normalize(side);
     return ty_normalize(ty_mad(ty_scale(a, cosf(angle)), side, sinf(angle)));
@@ -83,25 +82,25 @@ static ty_vec turn(ty_vec a, ty_vec b, float angle) {
 
 static cone cone_union(cone a, cone b) {
     if (a.o < b.o) {
-        const cone wider = b;
+        const cone wide_cone = b;
         b = a;
-        a = wider;
+        a = wide_cone;
     }
     a.e = ty_maxf(a.e, b.e);
-    if (a.o >= pi) return a;
+    if (a.o >= TY_PI) return a;
     const float between = angle_between(a.axis, b.axis);
     if (between + b.o <= a.o) return a;
     const float o = 0.5f * (a.o + between + b.o);
-    a.axis = o < pi ? turn(a.axis, b.axis, o - a.o) : a.axis;
-    a.o = ty_minf(o, pi);
+    a.axis = o < TY_PI ? rotate_towards(a.axis, b.axis, o - a.o) : a.axis;
+    a.o = ty_minf(o, TY_PI);
     return a;
 }
 
-/* The integral of the cosine falloff over all directions the lights of a cone may send to, steradians. */
+/* Integral of the cosine falloff over all directions of emission of a cone, sr. */
 static float cone_measure(cone c) {
-    if (c.o >= pi) return 4 * pi;
-    const float w = ty_minf(c.o + c.e, pi), sine = sinf(c.o), cosine = cosf(c.o);
-    return 2 * pi * (1 - cosine) + 0.5f * pi * (2 * (w - c.o) * sine - cosf(c.o - 2 * w) + cosine);
+    if (c.o >= TY_PI) return 4 * TY_PI;
+    const float w = ty_minf(c.o + c.e, TY_PI), sine = sinf(c.o), cosine = cosf(c.o);
+    return 2 * TY_PI * (1 - cosine) + 0.5f * TY_PI * (2 * (w - c.o) * sine - cosf(c.o - 2 * w) + cosine);
 }
 
 /* ---- clusters ---- */
@@ -109,16 +108,16 @@ static float cone_measure(cone c) {
 typedef struct cluster {
     ty_vec lower, upper;
     cone cone;
-    float power, lamp_power;
+    float power, local_power;
     int32_t count;
 } cluster;
 
-/* The union of two clusters but for its cone, which stays a's. */
+/* Union of two clusters except for its cone, which remains a's. */
 static cluster cluster_join(const cluster* a, const cluster* b) {
     if (b->count == 0) return *a;
     cluster out = *a;
     out.power += b->power;
-    out.lamp_power += b->lamp_power;
+    out.local_power += b->local_power;
     out.count += b->count;
     out.lower =
         ty_vec_make(ty_minf(a->lower.x, b->lower.x), ty_minf(a->lower.y, b->lower.y), ty_minf(a->lower.z, b->lower.z));
@@ -137,59 +136,59 @@ static cluster cluster_union(const cluster* a, const cluster* b) {
 static const cluster no_cluster = {.lower = {TY_FLOAT_MAX, TY_FLOAT_MAX, TY_FLOAT_MAX},
                                    .upper = {-TY_FLOAT_MAX, -TY_FLOAT_MAX, -TY_FLOAT_MAX}};
 
-/* What a cluster costs: the noise that it causes grows with its power, its size and the directions it sends to. The
- * squared diagonal stands for the size, because a row of lamps has no surface. */
+/* Cost of a cluster: the noise it causes grows with power, size and solid angle of emission. The squared diagonal
+ * measures the size, because a row of point lights has no surface area. */
 static float cluster_cost(const cluster* c) {
     const ty_vec size = ty_sub(c->upper, c->lower);
     return c->power * ty_dot(size, size) * cone_measure(c->cone);
 }
 
-/* ---- cutting a cluster in two ---- */
+/* ---- splits ---- */
 
 typedef struct builder {
     const cluster* lights; /* one light each */
     const int32_t* numbers;
-    int32_t* order; /* of lights: a cluster is a range of it */
+    int32_t* order; /* permutation of lights: a cluster is a range of it */
     ty_light_tree* tree;
 } builder;
 
-static float along(ty_vec v, int axis) {
+static float component(ty_vec v, int axis) {
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/* How lights fall into bins along an axis, by their centres. */
+/* Bins along an axis, by the centers of lights. */
 typedef struct binning {
     int axis;
     float low, high;
 } binning;
 
-static float place_of(const cluster* light, int axis) {
-    return 0.5f * along(light->lower, axis) + 0.5f * along(light->upper, axis);
+static float center_of(const cluster* light, int axis) {
+    return 0.5f * component(light->lower, axis) + 0.5f * component(light->upper, axis);
 }
 
 static int bin_of(const binning* bins, const cluster* light) {
-    const float x = (place_of(light, bins->axis) - bins->low) / (bins->high - bins->low);
+    const float x = (center_of(light, bins->axis) - bins->low) / (bins->high - bins->low);
     return (int)ty_clampf(x * BINS, 0, BINS - 1);
 }
 
 static binning find_binning(const builder* b, int32_t begin, int32_t end, int axis) {
     binning bins = {axis, TY_FLOAT_MAX, -TY_FLOAT_MAX};
     for (int32_t i = begin; i < end; ++i) {
-        const float place = place_of(&b->lights[b->order[i]], axis);
-        bins.low = ty_minf(bins.low, place);
-        bins.high = ty_maxf(bins.high, place);
+        const float center = center_of(&b->lights[b->order[i]], axis);
+        bins.low = ty_minf(bins.low, center);
+        bins.high = ty_maxf(bins.high, center);
     }
     return bins;
 }
 
-/* The clusters that lights make in bins. Their cones are for costs only, about the mean axis: unions light by light
- * would take many times as long. */
+/* Clusters per bin. Their cones, about the mean axis, serve for costs only: unions light by light would be many times
+ * slower. */
 static void fill_bins(const builder* b, int32_t begin, int32_t end, const binning* bins, cluster out[BINS]) {
-    float facing[BINS], widest[BINS];
+    float min_cosine[BINS], max_opening[BINS];
     for (int i = 0; i < BINS; ++i) {
         out[i] = no_cluster;
-        facing[i] = 1;
-        widest[i] = 0;
+        min_cosine[i] = 1;
+        max_opening[i] = 0;
     }
     for (int32_t i = begin; i < end; ++i) {
         const cluster* light = &b->lights[b->order[i]];
@@ -197,25 +196,25 @@ static void fill_bins(const builder* b, int32_t begin, int32_t end, const binnin
         out[bin] = cluster_join(&out[bin], light);
         out[bin].cone.axis = ty_add(out[bin].cone.axis, light->cone.axis);
         out[bin].cone.e = ty_maxf(out[bin].cone.e, light->cone.e);
-        widest[bin] = ty_maxf(widest[bin], light->cone.o);
+        max_opening[bin] = ty_maxf(max_opening[bin], light->cone.o);
     }
     for (int i = 0; i < BINS; ++i) {
         const float length2 = ty_dot(out[i].cone.axis, out[i].cone.axis);
         if (length2 > 1e-6f)
             out[i].cone.axis = ty_scale(out[i].cone.axis, 1 / sqrtf(length2));
         else
-            widest[i] = pi;
+            max_opening[i] = TY_PI;
     }
     for (int32_t i = begin; i < end; ++i) {
         const cluster* light = &b->lights[b->order[i]];
         const int bin = bin_of(bins, light);
-        facing[bin] = ty_minf(facing[bin], ty_dot(out[bin].cone.axis, light->cone.axis));
+        min_cosine[bin] = ty_minf(min_cosine[bin], ty_dot(out[bin].cone.axis, light->cone.axis));
     }
-    for (int i = 0; i < BINS; ++i) out[i].cone.o = ty_minf(acosf(ty_maxf(facing[i], -1)) + widest[i], pi);
+    for (int i = 0; i < BINS; ++i) out[i].cone.o = ty_minf(acosf(ty_maxf(min_cosine[i], -1)) + max_opening[i], TY_PI);
 }
 
-/* The cheapest cut along an axis: the first bins of how many. */
-static float cheapest_cut(const cluster bins[BINS], int* first_bins, int32_t* larger) {
+/* The cheapest split along an axis: its cost and the number of bins in the first half. */
+static float cheapest_split(const cluster bins[BINS], int* first_bins, int32_t* larger) {
     float below[BINS], best = INFINITY;
     int32_t count[BINS];
     cluster sum = no_cluster;
@@ -238,27 +237,28 @@ static float cheapest_cut(const cluster bins[BINS], int* first_bins, int32_t* la
     return best;
 }
 
-/* Moves the lights of the first bins to the front; returns where the others begin. */
+/* Moves the lights of the first bins to the front; returns the start of the others. */
 static int32_t partition(const builder* b, int32_t begin, int32_t end, const binning* bins, int first_bins) {
-    int32_t middle = begin;
+    int32_t boundary = begin;
     for (int32_t i = begin; i < end; ++i) {
         const int32_t light = b->order[i];
         if (bin_of(bins, &b->lights[light]) >= first_bins) continue;
-        b->order[i] = b->order[middle];
-        b->order[middle++] = light;
+        b->order[i] = b->order[boundary];
+        b->order[boundary++] = light;
     }
-    return middle;
+    return boundary;
 }
 
-/* Steps that a tree of count lights needs at least. */
-static int least_depth(int32_t count) {
+/* Minimum depth of a tree of `count` lights. */
+static int min_depth(int32_t count) {
     int depth = 0;
     while (depth < 31 && (int64_t)1 << depth < count) ++depth;
     return depth;
 }
 
-/* Cuts a range of lights in two, for children at some depth; in halves where no cut is better or the depth runs out. */
-static int32_t cut(const builder* b, int32_t begin, int32_t end, int depth) {
+/* Splits a range of lights in two, for children at this depth; in halves if no split is better or the depth is
+ * exhausted. */
+static int32_t split(const builder* b, int32_t begin, int32_t end, int depth) {
     const int32_t half = begin + (end - begin) / 2;
     if (end - begin == 2) return half;
     binning axes[3], best_bins = {0, 0, 0};
@@ -275,9 +275,9 @@ static int32_t cut(const builder* b, int32_t begin, int32_t end, int depth) {
         int first_bins = 0;
         int32_t larger = 0;
         fill_bins(b, begin, end, &axes[a], bins);
-        /* Thin slices cost more than they seem to. */
-        const float cost = cheapest_cut(bins, &first_bins, &larger) * (longest / length);
-        if (!(cost < best) || least_depth(larger) + depth > TY_LIGHT_TREE_DEPTH) continue;
+        /* Penalty for thin slices. */
+        const float cost = cheapest_split(bins, &first_bins, &larger) * (longest / length);
+        if (!(cost < best) || min_depth(larger) + depth > TY_LIGHT_TREE_DEPTH) continue;
         best = cost;
         best_bins = axes[a];
         best_first = first_bins;
@@ -285,17 +285,17 @@ static int32_t cut(const builder* b, int32_t begin, int32_t end, int depth) {
     return best_first > 0 ? partition(b, begin, end, &best_bins, best_first) : half;
 }
 
-/* ---- building ---- */
+/* ---- construction ---- */
 
 static ty_light_node node_of(const cluster* c, int32_t next) {
     ty_light_node node = {.center = ty_add(ty_scale(c->lower, 0.5f), ty_scale(c->upper, 0.5f)),
                           .half = ty_sub(ty_scale(c->upper, 0.5f), ty_scale(c->lower, 0.5f)),
                           .axis = c->cone.axis,
-                          .cos_o = c->cone.o < pi ? cosf(c->cone.o) : -1,
-                          .sin_o = c->cone.o < pi ? sinf(c->cone.o) : 0,
+                          .cos_o = c->cone.o < TY_PI ? cosf(c->cone.o) : -1,
+                          .sin_o = c->cone.o < TY_PI ? sinf(c->cone.o) : 0,
                           .cos_e = ty_maxf(cosf(c->cone.e), 0),
                           .power = c->power,
-                          .lamp_power = c->lamp_power,
+                          .local_power = c->local_power,
                           .next = next};
     if (next >= 0) {
         const float rounding = 2e-7f * (fabsf(node.center.x) + fabsf(node.center.y) + fabsf(node.center.z));
@@ -315,33 +315,33 @@ static cluster build(builder* b, int32_t begin, int32_t end, int depth, uint64_t
         tree->trails[b->numbers[light]] = trail;
         return b->lights[light];
     }
-    const int32_t middle = cut(b, begin, end, depth + 1);
-    const cluster first = build(b, begin, middle, depth + 1, trail);
+    const int32_t boundary = split(b, begin, end, depth + 1);
+    const cluster first = build(b, begin, boundary, depth + 1, trail);
     const int32_t next = (int32_t)tree->node_count;
-    const cluster second = build(b, middle, end, depth + 1, trail | (uint64_t)1 << depth);
-    const cluster whole = cluster_union(&first, &second);
-    tree->nodes[at] = node_of(&whole, next);
-    return whole;
+    const cluster second = build(b, boundary, end, depth + 1, trail | (uint64_t)1 << depth);
+    const cluster joined = cluster_union(&first, &second);
+    tree->nodes[at] = node_of(&joined, next);
+    return joined;
 }
 
 static cluster light_cluster(const ty_light_bounds* bounds, double power) {
-    const float share = (float)fmax((double)bounds->power / power, least_share);
+    const float fraction = (float)fmax((double)bounds->power / power, min_fraction);
     return (cluster){.lower = bounds->lower,
                      .upper = bounds->upper,
-                     .cone = {bounds->axis, bounds->cos_o > -1 ? acosf(ty_minf(bounds->cos_o, 1)) : pi,
+                     .cone = {bounds->axis, bounds->cos_o > -1 ? acosf(ty_minf(bounds->cos_o, 1)) : TY_PI,
                               acosf(ty_clampf(bounds->cos_e, -1, 1))},
-                     .power = share,
-                     .lamp_power = bounds->lamp != 0 ? share : 0,
+                     .power = fraction,
+                     .local_power = bounds->is_local != 0 ? fraction : 0,
                      .count = 1};
 }
 
-/* Builds over the lights with power, `placed` of them. */
+/* Builds the tree over the lights with power, `placed` in number. */
 static ty_result fill_tree(ty_context* context, const ty_light_bounds* bounds, size_t placed, ty_light_tree* tree) {
     cluster* lights = ty_alloc_array(context, placed, sizeof *lights, false);
     int32_t* numbers = ty_alloc_array(context, placed, 2 * sizeof *numbers, false);
     tree->nodes = ty_alloc_array(context, 2 * placed - 1, sizeof *tree->nodes, false);
-    const bool enough = lights != NULL && numbers != NULL && tree->nodes != NULL;
-    if (!enough) {
+    const bool allocated = lights != NULL && numbers != NULL && tree->nodes != NULL;
+    if (!allocated) {
         ty_free_array(context, tree->nodes, 2 * placed - 1, sizeof *tree->nodes);
         tree->nodes = NULL;
     } else {
@@ -360,7 +360,7 @@ static ty_result fill_tree(ty_context* context, const ty_light_bounds* bounds, s
     }
     ty_free_array(context, lights, placed, sizeof *lights);
     ty_free_array(context, numbers, placed, 2 * sizeof *numbers);
-    return enough ? TY_OK : TY_ERROR_MEMORY;
+    return allocated ? TY_OK : TY_ERROR_MEMORY;
 }
 
 ty_result ty_light_tree_create(ty_context* context, const ty_light_bounds* bounds, size_t count, ty_light_tree** out) {

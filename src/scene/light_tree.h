@@ -1,4 +1,4 @@
-/* The tree of lights that have a place, and what it is built from. */
+/* Tree of positioned lights, and its input. */
 #ifndef TY_SCENE_LIGHT_TREE_H
 #define TY_SCENE_LIGHT_TREE_H
 
@@ -6,26 +6,26 @@
 
 #include <tyndall/base.h>
 
-/* No path from the root to a light has more steps. */
+/* Maximum depth of a light below the root. */
 enum { TY_LIGHT_TREE_DEPTH = 60 };
 
-/* What the tree knows of a light. */
+/* Bounds of a light. */
 typedef struct ty_light_bounds {
     ty_vec lower, upper; /* m */
-    float power;         /* intensity where it is highest, mean of the channels, W sr^-1; 0: not in the tree */
+    float power;         /* peak intensity, mean of the channels, W sr^-1; 0: not in the tree */
     ty_vec axis;         /* unit */
-    float cos_o, cos_e;  /* light leaves at up to theta_o + theta_e from the axis; up to theta_o it is as bright as on
-                            it, then it may fall off as the cosine of what is beyond theta_o */
-    int32_t lamp;        /* whether rays in media pick it (point, spot, area, triangle) */
+    float cos_o, cos_e;  /* emission reaches at most theta_o + theta_e from the axis; peak intensity up to theta_o, then
+                            at most the cosine of the angle beyond theta_o */
+    int32_t is_local;    /* local light (point, spot, area, triangle), which media sample along rays */
 } ty_light_bounds;
 
 typedef struct ty_light_tree {
-    ty_light_node* nodes; /* NULL: no light has a place */
-    uint64_t* trails;     /* per light, from bit 0: 1 where the way from the root takes the second child */
+    ty_light_node* nodes; /* NULL: no positioned lights */
+    uint64_t* trails;     /* per light, from bit 0: 1 where the path from the root takes the second child */
     size_t node_count, light_count;
 } ty_light_tree;
 
-/* Returns false, with power 0, for lights that have no place (directional, environment) or are black. */
+/* Returns false, with power 0, for distant lights (directional, environment) and black ones. */
 bool ty_light_get_bounds(const ty_light_view* light, ty_light_bounds* out);
 
 /* Light numbers are indices into bounds. Errors: TY_ERROR_MEMORY. */

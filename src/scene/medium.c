@@ -4,15 +4,12 @@
 #include "base/context.h"
 #include "scene/blackbody.h"
 #include "scene/check.h"
-#include "scene/shell.h"
+#include "scene/closed_mesh.h"
 
-ty_medium_def ty_default_medium_def(void) {
-    return (ty_medium_def){.cookie = TY_DEF_COOKIE,
-                           .name = "",
-                           .transform = ty_affine_identity(),
-                           .scale = 1,
-                           .kelvin = {0, 1},
-                           .emission_scale = 1};
+void ty_init_medium_def(void* def, size_t bytes) {
+    const ty_medium_def own = {
+        .name = "", .transform = ty_affine_identity(), .scale = 1, .kelvin = {0, 1}, .emission_scale = 1};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 static ty_result check_bounds(ty_context* context, const ty_medium_def* def) {
@@ -73,7 +70,7 @@ static ty_result check_transfer(ty_context* context, const ty_medium_def* def) {
     return TY_OK;
 }
 
-/* Fields that are not placed need a box to fill, like densities. */
+/* Fields without a placement need a box to fill, like densities. */
 static ty_result check_fields(ty_context* context, const ty_medium_def* def) {
     const int albedos = (def->albedo_grid[0] != NULL) + (def->albedo_grid[1] != NULL) + (def->albedo_grid[2] != NULL);
     if (albedos != 0 && albedos != 3)
@@ -94,8 +91,10 @@ static ty_result check_fields(ty_context* context, const ty_medium_def* def) {
     return result;
 }
 
-ty_result ty_medium_check(ty_context* context, const ty_medium_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_medium_def");
+ty_result ty_medium_check(ty_context* context, const ty_medium_def** given, ty_medium_def* own) {
+    *own = ty_default_medium_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_medium_def", own, sizeof *own);
+    const ty_medium_def* def = *given = own;
     if (result == TY_OK) result = ty_check_affine(context, "medium.transform", &def->transform);
     if (result == TY_OK) result = ty_check_rgb(context, "medium.sigma_s", def->sigma_s, 0, TY_COLOR_MAX);
     if (result == TY_OK) result = ty_check_rgb(context, "medium.sigma_a", def->sigma_a, 0, TY_COLOR_MAX);
@@ -133,22 +132,22 @@ bool ty_medium_copy(ty_context* context, const ty_medium_def* def, ty_medium_def
     ty_grid* grids[TY_MEDIUM_GRIDS];
     ty_medium_grids(out, grids);
     for (int i = 0; i < TY_MEDIUM_GRIDS; ++i) ty_grid_retain(grids[i]);
-    ty_shell_retain(out->shell);
+    ty_closed_mesh_retain(out->shell);
     return true;
 }
 
 void ty_medium_release(ty_context* context, ty_medium_def* copy) {
     ty_grid* grids[TY_MEDIUM_GRIDS];
     ty_medium_grids(copy, grids);
-    for (int i = 0; i < TY_MEDIUM_GRIDS; ++i) ty_grid_destroy(grids[i]);
-    ty_shell_destroy(copy->shell);
+    for (int i = 0; i < TY_MEDIUM_GRIDS; ++i) ty_grid_release(grids[i]);
+    ty_closed_mesh_release(copy->shell);
     ty_free_text(context, (char*)copy->name);
     ty_free_array(context, (void*)copy->transfer, (size_t)copy->transfer_count, sizeof *copy->transfer);
 }
 
 /* ---- views ---- */
 
-/* The map from where bounds are the cube [-1, 1]^3 or the unit sphere to the medium's local space. */
+/* Map from the space where bounds are the cube [-1, 1]^3 or the unit sphere to the medium's local space. */
 static ty_affine bounds_to_local(const ty_medium_def* def) {
     double center[3], half[3];
     const double none[3] = {0, 0, 0};
@@ -160,7 +159,7 @@ static ty_affine bounds_to_local(const ty_medium_def* def) {
     return ty_affine_compose(center, none, half);
 }
 
-/* The map from a grid's index space to the medium's local space. */
+/* Map from a grid's index space to the medium's local space. */
 static ty_affine index_to_local(const ty_medium_def* def, const ty_grid_info* grid) {
     if (grid->placed) return grid->index_to_local;
     double corner[3], cell[3];
@@ -196,7 +195,7 @@ static size_t brick_count(const ty_grid_view* grid) {
     return (size_t)grid->bricks[0] * (size_t)grid->bricks[1] * (size_t)grid->bricks[2];
 }
 
-/* The least and largest density for values in [low, high]. */
+/* Minimum and maximum density for values in [low, high]. */
 static void transfer_extremes(const ty_transfer_point* points, int32_t count, float low, float high, float out[2]) {
     const float ends[2] = {ty_transfer_density(points, count, low), ty_transfer_density(points, count, high)};
     out[0] = ty_minf(ends[0], ends[1]);
@@ -208,7 +207,7 @@ static void transfer_extremes(const ty_transfer_point* points, int32_t count, fl
     }
 }
 
-/* Extremes of the density take the place of the grid's values'. */
+/* Replaces brick extremes of the grid's values by those of the density. */
 static ty_result apply_transfer(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
     view->transfer = def->transfer;
     view->transfer_count = def->transfer_count;
@@ -229,14 +228,14 @@ static void view_coefficients(const ty_medium_def* def, ty_medium_view* view) {
         view->sigma_s[c] = def->scale * def->sigma_s[c];
         view->sigma_t[c] = def->scale * (def->sigma_s[c] + def->sigma_a[c]);
         view->sigma_t_max = ty_maxf(view->sigma_t_max, view->sigma_t[c]);
-        view->albedo_even[c] = view->sigma_t[c] > 0.0f ? view->sigma_s[c] / view->sigma_t[c] : 0.0f;
+        view->uniform_albedo[c] = view->sigma_t[c] > 0.0f ? view->sigma_s[c] / view->sigma_t[c] : 0.0f;
         view->g[c] = def->g[c];
         if (view->sigma_t[c] != view->sigma_t[0]) view->gray = 0;
         if (view->g[c] != view->g[0]) view->gray_g = 0;
     }
 }
 
-/* Fields, and what glows. */
+/* Albedo, g and temperature fields, and emission. */
 static ty_result view_fields(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
     if (def->albedo_grid[0] != NULL) {
         const bool one = def->albedo_grid[1] == def->albedo_grid[0] && def->albedo_grid[2] == def->albedo_grid[0];
@@ -283,7 +282,7 @@ ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, t
         if (def->transfer_count > 0) result = apply_transfer(context, def, view);
     }
     if (result == TY_OK) result = view_fields(context, def, view);
-    view->varies = view->has_grid || view->albedo_fields > 0 || view->has_g_field || view->has_temperature;
+    view->heterogeneous = view->has_grid || view->albedo_fields > 0 || view->has_g_field || view->has_temperature;
     return result;
 }
 

@@ -1,4 +1,4 @@
-/* Media on their way into a scene. */
+/* Validation, copies and views of media. */
 #ifndef TY_SCENE_MEDIUM_H
 #define TY_SCENE_MEDIUM_H
 
@@ -6,9 +6,9 @@
 
 #include <tyndall/scene.h>
 
-/* Fails unless a medium is one that ty_scene_add_medium promises to take. */
-ty_result ty_medium_check(ty_context* context, const ty_medium_def* def);
-/* Copies a def with everything it points to, retaining grids and shell; false, with a message, when memory is short. */
+/* Fails unless ty_scene_add_medium accepts the medium. */
+ty_result ty_medium_check(ty_context* context, const ty_medium_def** given, ty_medium_def* own);
+/* Deep copy of a def that retains grids and closed mesh; false, with a message, on allocation failure. */
 bool ty_medium_copy(ty_context* context, const ty_medium_def* def, ty_medium_def* out);
 void ty_medium_release(ty_context* context, ty_medium_def* copy);
 
@@ -16,10 +16,10 @@ void ty_medium_release(ty_context* context, ty_medium_def* copy);
 enum { TY_MEDIUM_GRIDS = 6 };
 void ty_medium_grids(const ty_medium_def* def, ty_grid* grids[TY_MEDIUM_GRIDS]);
 
-/* def must outlive the view. Failed or not, ty_medium_view_destroy may follow. */
-ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, ty_medium_view* out);
+/* def must outlive the view. ty_medium_view_destroy is valid even after failure. */
+ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, ty_medium_view* view);
 void ty_medium_view_destroy(ty_context* context, ty_medium_view* view);
-/* Widens a box, m, to hold the medium. */
+/* Extends a box, m, to contain the medium. */
 void ty_medium_extent(const ty_medium_def* def, double lower[3], double upper[3]);
 
 #endif

@@ -1,4 +1,4 @@
-/* Media along a ray: where a ray is inside, and the bricks of bounded density that it crosses there. */
+/* Media along a ray: intervals inside the bounds, and a DDA over bricks with majorants. */
 #ifndef TY_SCENE_MEDIUM_K_H
 #define TY_SCENE_MEDIUM_K_H
 
@@ -6,38 +6,39 @@
 #include "base/vector.k.h"
 #include "grid/lookup.k.h"
 #include "scene/blackbody.k.h"
-#include "scene/mesh.h"
+#include "scene/accel.h"
 
 enum { TY_MEDIA_MAX = 64 };
 
-/* Tentative collisions are at least this far apart, relative to the distance: what single precision can tell. */
-#define TY_LEAST_STEP 6e-8f
+/* Minimum step between tentative collisions, relative to the distance: the resolution of single precision. */
+#define TY_MIN_COLLISION_STEP 6e-8f
 
-/* A grid beside the density. */
+/* A grid other than the density. */
 typedef struct ty_field_view {
     ty_grid_view grid;
-    float to_index[12]; /* world to its index space */
+    float to_index[12]; /* world to the grid's index space */
 } ty_field_view;
 
-/* What a medium is bounded by: ty_bounds_kind. */
-enum { TY_BOUNDED_NOT = 0, TY_BOUNDED_BOX = 1, TY_BOUNDED_SPHERE = 2, TY_BOUNDED_SHELL = 3 };
+/* Bounds of a medium: ty_bounds_kind. */
+enum { TY_BOUNDED_NOT = 0, TY_BOUNDED_BOX = 1, TY_BOUNDED_SPHERE = 2, TY_BOUNDED_MESH = 3 };
 
 typedef struct ty_medium_view {
-    ty_grid_view grid; /* looked at if has_grid */
+    ty_grid_view grid; /* valid if has_grid */
     int32_t has_grid;
-    int32_t varies; /* anything in it does: it cannot be met in closed form */
+    int32_t heterogeneous; /* density, albedo or emission vary: no closed-form transmittance */
     int32_t bounds;
-    float to_bounds[12];  /* world to where the bounds are the cube [-1, 1]^3, the unit sphere or the shell */
-    const ty_mesh* shell; /* TY_BOUNDED_SHELL */
-    float to_index[12];   /* world to the grid's index space */
-    TY_GLOBAL const float* extremes; /* of the density over the grid's bricks, as in ty_grid_view */
+    float to_bounds[12];   /* world to the space where the bounds are the cube [-1, 1]^3, the unit sphere or the closed
+                              mesh */
+    const ty_accel* shell; /* TY_BOUNDED_MESH */
+    float to_index[12];    /* world to the grid's index space */
+    TY_GLOBAL const float* extremes; /* extremes of the density per brick, as in ty_grid_view */
     float sigma_s[3];                /* scale included, at density 1 */
     float sigma_t[3];
-    float sigma_t_max;    /* over channels */
-    float albedo_even[3]; /* sigma_s / sigma_t, where no field says otherwise; 0 where nothing collides */
+    float sigma_t_max;       /* maximum over channels */
+    float uniform_albedo[3]; /* sigma_s / sigma_t, used without albedo fields; 0 without collisions */
     float g[3];
-    int32_t gray;                                /* sigma_t alike in all channels */
-    int32_t gray_g;                              /* g alike in all channels */
+    int32_t gray;                                /* equal sigma_t in all channels */
+    int32_t gray_g;                              /* equal g in all channels */
     TY_GLOBAL const ty_transfer_point* transfer; /* density by value; NULL: the value itself */
     int32_t transfer_count;
     int32_t transfer_albedo;
@@ -54,7 +55,7 @@ typedef struct ty_medium_view {
     TY_GLOBAL const ty_blackbody_table* blackbody;
 } ty_medium_view;
 
-/* Cuts [*enter, *leave] to where one coordinate is within [low, high]; false if nothing is left. */
+/* Clips [*enter, *leave] to one coordinate in [low, high]; false if nothing remains. */
 TY_FN bool ty_clip_slab(float origin, float direction, float low, float high, float* enter, float* leave) {
     if (direction == 0.0f) return origin >= low && origin <= high;
     const float inverse = 1.0f / direction;
@@ -81,8 +82,7 @@ TY_FN bool ty_clip_unit_sphere(ty_vec o, ty_vec d, float* enter, float* leave) {
     return *enter < *leave;
 }
 
-/* Where within [*enter, *leave] the ray is inside the medium's convex bounds and grid, its shell not considered; false,
- * if nowhere. */
+/* Clips [*enter, *leave] to the medium's convex bounds and grid, ignoring its closed mesh; false if nothing remains. */
 TY_FN bool ty_medium_interval(TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction, float* enter,
                               float* leave) {
     if (medium->bounds == TY_BOUNDED_BOX || medium->bounds == TY_BOUNDED_SPHERE) {
@@ -100,18 +100,18 @@ TY_FN bool ty_medium_interval(TY_GLOBAL const ty_medium_view* medium, ty_vec ori
     return ty_clip_box(o, d, ty_vec_make(-1, -1, -1), high, enter, leave);
 }
 
-/* Walks the bricks of a grid along a ray; densities within [enter, leave] lie in [low, high]. */
-typedef struct ty_bricks {
+/* DDA over the bricks of a grid along a ray; densities within [enter, leave] lie in [minorant, majorant]. */
+typedef struct ty_majorant_dda {
     TY_GLOBAL const ty_medium_view* medium;
-    ty_vec origin, direction; /* index space; the parameter is the world's */
-    float enter, leave, low, high;
+    ty_vec origin, direction; /* index space; the parameter is that of the world */
+    float enter, leave, minorant, majorant;
     float next[3], step_t[3];
-    float end; /* of the whole interval */
+    float end; /* end of the whole interval */
     int32_t cell[3], step[3];
     int32_t done;
-} ty_bricks;
+} ty_majorant_dda;
 
-TY_FN void ty_bricks_begin_axis(ty_bricks* b, int32_t axis, float o, float d, float enter) {
+TY_FN void ty_majorant_dda_begin_axis(ty_majorant_dda* b, int32_t axis, float o, float d, float enter) {
     const int32_t count = b->medium->grid.bricks[axis];
     const float inverse_brick = 1.0f / (float)TY_BRICK;
     const float position = (o + d * enter + 1.0f) * inverse_brick;
@@ -129,28 +129,29 @@ TY_FN void ty_bricks_begin_axis(ty_bricks* b, int32_t axis, float o, float d, fl
     b->step_t[axis] = fabsf((float)TY_BRICK * inverse);
 }
 
-TY_FN void ty_bricks_begin(ty_bricks* b, TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction,
-                           float enter, float leave) {
+TY_FN void ty_majorant_dda_begin(ty_majorant_dda* b, TY_GLOBAL const ty_medium_view* medium, ty_vec origin,
+                                 ty_vec direction, float enter, float leave) {
     b->medium = medium;
     b->enter = b->leave = enter;
     b->end = leave;
     b->done = 0;
-    b->low = b->high = 0.0f;
+    b->minorant = b->majorant = 0.0f;
     if (medium->has_grid == 0) return;
     b->origin = ty_map_point(medium->to_index, origin);
     b->direction = ty_map_direction(medium->to_index, direction);
-    ty_bricks_begin_axis(b, 0, b->origin.x, b->direction.x, enter);
-    ty_bricks_begin_axis(b, 1, b->origin.y, b->direction.y, enter);
-    ty_bricks_begin_axis(b, 2, b->origin.z, b->direction.z, enter);
+    ty_majorant_dda_begin_axis(b, 0, b->origin.x, b->direction.x, enter);
+    ty_majorant_dda_begin_axis(b, 1, b->origin.y, b->direction.y, enter);
+    ty_majorant_dda_begin_axis(b, 2, b->origin.z, b->direction.z, enter);
 }
 
-/* Moves to the next brick with any density; false at the end of the interval. A homogeneous medium is one brick. */
-TY_FN bool ty_bricks_next(ty_bricks* b) {
+/* Advances to the next brick with nonzero majorant; false at the end of the interval. A homogeneous medium is one
+ * brick. */
+TY_FN bool ty_majorant_dda_next(ty_majorant_dda* b) {
     if (b->medium->has_grid == 0) {
         if (b->done != 0) return false;
         b->done = 1;
         b->leave = b->end;
-        b->low = b->high = 1.0f;
+        b->minorant = b->majorant = 1.0f;
         return true;
     }
     TY_GLOBAL const ty_grid_view* grid = &b->medium->grid;
@@ -162,8 +163,8 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
             b->medium->extremes +
             2 * ((size_t)b->cell[0] +
                  (size_t)grid->bricks[0] * ((size_t)b->cell[1] + (size_t)grid->bricks[1] * (size_t)b->cell[2]));
-        b->low = ty_maxf(extremes[0], 0.0f);
-        b->high = extremes[1];
+        b->minorant = ty_maxf(extremes[0], 0.0f);
+        b->majorant = extremes[1];
         b->enter = b->leave;
         b->leave = ty_maxf(b->enter, ty_minf(face, b->end));
         b->cell[axis] += b->step[axis];
@@ -172,16 +173,15 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
             b->done = 1;
             b->leave = b->end;
         }
-        if (b->high > 0.0f && b->leave > b->enter) return true;
+        if (b->majorant > 0.0f && b->leave > b->enter) return true;
     }
     return false;
 }
 
-/* A random estimate of the grid's value at a point in index space, whose mean is the trilinear value: the voxel that a
- * uniform jitter of one voxel's width picks. Null-collision methods are linear in the density, so they stay unbiased.
- */
-TY_FN float ty_grid_jittered(TY_GLOBAL const ty_grid_view* grid, ty_vec p, ty_random* random) {
-    const uint64_t bits = ty_random_bits(random);
+/* Unbiased estimate of the trilinear grid value at a point in index space: the voxel selected by a uniform jitter of
+ * one voxel's width. Null-collision methods are linear in the density, so they remain unbiased. */
+TY_FN float ty_grid_jittered(TY_GLOBAL const ty_grid_view* grid, ty_vec p, ty_sampler* random) {
+    const uint64_t bits = ty_rng_bits(random);
     const float scale = 0x1p-21f;
     const int32_t i = (int32_t)floorf(p.x + (float)(uint32_t)(bits >> 43) * scale);
     const int32_t j = (int32_t)floorf(p.y + (float)(uint32_t)(bits >> 22 & 0x1fffffu) * scale);
@@ -189,7 +189,7 @@ TY_FN float ty_grid_jittered(TY_GLOBAL const ty_grid_view* grid, ty_vec p, ty_ra
     return ty_grid_fetch(grid, i, j, k);
 }
 
-/* The trilinear value at a point in index space. */
+/* Trilinear value at a point in index space. */
 TY_FN float ty_grid_value(TY_GLOBAL const ty_grid_view* grid, ty_vec p) {
     const ty_vec low = ty_vec_make(floorf(p.x), floorf(p.y), floorf(p.z));
     const int32_t base[3] = {(int32_t)low.x, (int32_t)low.y, (int32_t)low.z};
@@ -197,25 +197,25 @@ TY_FN float ty_grid_value(TY_GLOBAL const ty_grid_view* grid, ty_vec p) {
     return ty_grid_trilinear(grid, base, weight);
 }
 
-/* A field's value at a point of the world. */
+/* Field value at a world point. */
 TY_FN float ty_field_value(TY_GLOBAL const ty_field_view* field, ty_vec point) {
     ty_vec p = ty_map_point(field->to_index, point);
-    /* Far outside, where whole numbers end, the value is that just outside. */
+    /* Clamped so that far outside, beyond the integer range, the value is that just outside. */
     p.x = ty_clampf(p.x, -2.0f, (float)field->grid.size[0] + 1.0f);
     p.y = ty_clampf(p.y, -2.0f, (float)field->grid.size[1] + 1.0f);
     p.z = ty_clampf(p.z, -2.0f, (float)field->grid.size[2] + 1.0f);
     return ty_grid_value(&field->grid, p);
 }
 
-/* Where a value lies in a transfer function: between point *i and the next, at the returned weight of the next. */
+/* Interval of a value in a transfer function: between point *i and the next; returns the weight of the next. */
 TY_FN float ty_transfer_locate(TY_GLOBAL const ty_transfer_point* points, int32_t count, float value, int32_t* i) {
     int32_t low = 0, high = count - 1;
     while (high - low > 1) {
-        const int32_t middle = (low + high) / 2;
-        if (points[middle].value <= value)
-            low = middle;
+        const int32_t mid = (low + high) / 2;
+        if (points[mid].value <= value)
+            low = mid;
         else
-            high = middle;
+            high = mid;
     }
     *i = low;
     return ty_clampf((value - points[low].value) / (points[high].value - points[low].value), 0.0f, 1.0f);
@@ -227,28 +227,28 @@ TY_FN float ty_transfer_density(TY_GLOBAL const ty_transfer_point* points, int32
     return ty_lerpf(points[i].density, points[i + 1].density, weight);
 }
 
-/* An estimate of the density at a point in index space, without bounds: its mean is exact. Transfer functions are not
- * linear, so they need the value itself. */
-TY_FN float ty_medium_density_at(TY_GLOBAL const ty_medium_view* medium, ty_vec p, ty_random* random) {
+/* Unbiased estimate of the density at a point in index space, without bounds. Transfer functions are nonlinear, so they
+ * use the trilinear value itself. */
+TY_FN float ty_medium_density_at(TY_GLOBAL const ty_medium_view* medium, ty_vec p, ty_sampler* random) {
     if (medium->transfer != NULL)
         return ty_transfer_density(medium->transfer, medium->transfer_count, ty_grid_value(&medium->grid, p));
     return ty_grid_jittered(&medium->grid, p, random);
 }
 
-/* An estimate of the density at parameter t, within the brick's bounds. */
-TY_FN float ty_bricks_density(const ty_bricks* b, float t, ty_random* random) {
+/* Estimate of the density at parameter t, clamped to the brick's bounds. */
+TY_FN float ty_majorant_dda_density(const ty_majorant_dda* b, float t, ty_sampler* random) {
     if (b->medium->has_grid == 0) return 1.0f;
     const ty_vec p = ty_mad(b->origin, b->direction, t);
-    return ty_clampf(ty_medium_density_at(b->medium, p, random), b->low, b->high);
+    return ty_clampf(ty_medium_density_at(b->medium, p, random), b->minorant, b->majorant);
 }
 
-/* The same at a point of the world that is inside the medium. */
-TY_FN float ty_medium_density(TY_GLOBAL const ty_medium_view* medium, ty_vec point, ty_random* random) {
+/* The same at a world point inside the medium. */
+TY_FN float ty_medium_density(TY_GLOBAL const ty_medium_view* medium, ty_vec point, ty_sampler* random) {
     if (medium->has_grid == 0) return 1.0f;
     return ty_maxf(0.0f, ty_medium_density_at(medium, ty_map_point(medium->to_index, point), random));
 }
 
-/* Single-scattering albedo at a point of the world, per channel; 0 where nothing collides. */
+/* Single-scattering albedo at a world point, per channel; 0 without collisions. */
 TY_FN void ty_medium_albedo(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float albedo[3]) {
     if (medium->albedo_fields > 0) {
         for (int32_t c = 0; c < 3; ++c)
@@ -264,10 +264,10 @@ TY_FN void ty_medium_albedo(TY_GLOBAL const ty_medium_view* medium, ty_vec point
             albedo[c] = ty_lerpf(medium->transfer[i].albedo[c], medium->transfer[i + 1].albedo[c], weight);
         return;
     }
-    for (int32_t c = 0; c < 3; ++c) albedo[c] = medium->albedo_even[c];
+    for (int32_t c = 0; c < 3; ++c) albedo[c] = medium->uniform_albedo[c];
 }
 
-/* Scattering coefficient at density 1 at a point of the world. */
+/* Scattering coefficient at density 1 at a world point. */
 TY_FN void ty_medium_sigma_s(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float sigma_s[3]) {
     for (int32_t c = 0; c < 3; ++c) sigma_s[c] = medium->sigma_s[c];
     if (medium->albedo_fields == 0 && medium->transfer_albedo == 0) return;
@@ -275,7 +275,7 @@ TY_FN void ty_medium_sigma_s(TY_GLOBAL const ty_medium_view* medium, ty_vec poin
     for (int32_t c = 0; c < 3; ++c) sigma_s[c] *= medium->sigma_t[c];
 }
 
-/* Mean cosine at a point of the world, per channel. */
+/* Mean cosine at a world point, per channel. */
 TY_FN void ty_medium_g(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float g[3]) {
     if (medium->has_g_field == 0) {
         for (int32_t c = 0; c < 3; ++c) g[c] = medium->g[c];
@@ -285,22 +285,22 @@ TY_FN void ty_medium_g(TY_GLOBAL const ty_medium_view* medium, ty_vec point, flo
     for (int32_t c = 0; c < 3; ++c) g[c] = value;
 }
 
-/* Radiance that a thick body of the medium at a point would have by itself. */
+/* Emitted radiance of an optically thick body of the medium's state at a world point. */
 TY_FN void ty_medium_emission(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float emission[3]) {
     for (int32_t c = 0; c < 3; ++c) emission[c] = medium->emission[c];
     if (medium->has_temperature == 0) return;
-    float glow[3];
+    float thermal[3];
     const float value = ty_field_value(&medium->temperature, point);
-    ty_blackbody_lookup(medium->blackbody, medium->kelvin[0] + medium->kelvin[1] * value, glow);
-    for (int32_t c = 0; c < 3; ++c) emission[c] += medium->blackbody_scale * glow[c];
+    ty_blackbody_lookup(medium->blackbody, medium->kelvin[0] + medium->kelvin[1] * value, thermal);
+    for (int32_t c = 0; c < 3; ++c) emission[c] += medium->blackbody_scale * thermal[c];
 }
 
-/* The same times the absorption coefficient at density 1: what it sends per metre. */
-TY_FN void ty_medium_glow(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float glow[3]) {
+/* The same times the absorption coefficient at density 1: emission coefficient, W m^-3 sr^-1. */
+TY_FN void ty_medium_emission_coefficient(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float coefficient[3]) {
     float sigma_s[3];
     ty_medium_sigma_s(medium, point, sigma_s);
-    ty_medium_emission(medium, point, glow);
-    for (int32_t c = 0; c < 3; ++c) glow[c] *= ty_maxf(0.0f, medium->sigma_t[c] - sigma_s[c]);
+    ty_medium_emission(medium, point, coefficient);
+    for (int32_t c = 0; c < 3; ++c) coefficient[c] *= ty_maxf(0.0f, medium->sigma_t[c] - sigma_s[c]);
 }
 
 #endif

@@ -1,12 +1,12 @@
-/* Media by name.
+/* Media presets by name.
  *
- * All that is not measured in three channels already is given at 620, 550 and 450 nm for red, green and blue. */
+ * Data without three channels are evaluated at 620, 550 and 450 nm for red, green and blue. */
 #include <tyndall/scene.h>
 
 #include <math.h>
 #include <stddef.h>
 
-/* ---- Measured media ---- */
+/* ---- measured media ---- */
 
 typedef struct measured_preset {
     const char* name;
@@ -69,7 +69,7 @@ static const measured_preset measured[] = {
 
 enum { MEASURED_COUNT = sizeof measured / sizeof measured[0] };
 
-/* ---- Water ---- */
+/* ---- water ---- */
 
 typedef struct water_preset {
     const char* name;
@@ -77,16 +77,15 @@ typedef struct water_preset {
     double absorption[3]; /* 1/m */
 } water_preset;
 
-/* Mean cosine of Petzold's average particle (Mobley: Light and Water, 1994). Molecules scatter as much back as forth.
- */
+/* Mean cosine of Petzold's average particle (Mobley: Light and Water, 1994). Molecular scattering is symmetric. */
 #define PARTICLE_MEAN_COSINE 0.924
 
 enum { PURE_WATER = 0 };
 
-/* Pure water absorbs as measured by Pope and Fry (1997) and scatters as measured by Morel (1974), in Haltrin's fit
- * (1999): 0.005826 (400 nm / wavelength)^4.322. Jerlov's oceanic (I to III) and coastal (1C to 9C) types are from the
- * tables of Solonenko and Mobley: Inherent optical properties of Jerlov water types, 2015; red lies between their
- * columns for 600 and 625 nm. What they print for 5C from 600 nm on repeats other rows: scattering follows from their
+/* Pure water: absorption measured by Pope and Fry (1997), scattering by Morel (1974) in Haltrin's fit (1999): 0.005826
+ * (400 nm / wavelength)^4.322. Jerlov's oceanic (I to III) and coastal (1C to 9C) types are from the tables of
+ * Solonenko and Mobley: Inherent optical properties of Jerlov water types, 2015; red is interpolated between their
+ * columns for 600 and 625 nm. Their values for 5C from 600 nm on repeat other rows: scattering follows from their
  * equation 8, absorption is interpolated between the types, as by Williamson and Hollins (2022). */
 static const water_preset waters[] = {
     {"Pure Water", {0.0008765, 0.001471, 0.003502}, {0.2755, 0.0565, 0.00922}},
@@ -104,18 +103,18 @@ static const water_preset waters[] = {
 
 enum { WATER_COUNT = sizeof waters / sizeof waters[0] };
 
-/* ---- Fog and haze ---- */
+/* ---- fog and haze ---- */
 
 typedef struct aerosol_preset {
     const char* name;
-    double spectrum[3]; /* extinction over that at 550 nm */
+    double spectrum[3]; /* extinction relative to 550 nm */
     double albedo;
     double g;
 } aerosol_preset;
 
-/* Droplets of fog are large: all colours alike, g about 0.85 (Hu and Stamnes 1993), and they absorb millionths. Haze:
- * (550 nm / wavelength)^1.3, as for average visibility by Kruse et al. (1962), albedo and g between clean and average
- * continental aerosol (Hess, Koepke, Schult 1998). */
+/* Fog droplets are large: wavelength-independent, g about 0.85 (Hu and Stamnes 1993), absorption of the order of 1e-6.
+ * Haze: (550 nm / wavelength)^1.3, as for average visibility by Kruse et al. (1962), albedo and g between clean and
+ * average continental aerosol (Hess, Koepke, Schult 1998). */
 static const aerosol_preset aerosols[] = {
     {"Fog", {1, 1, 1}, 1, 0.85},
     {"Haze", {0.8558, 1, 1.298}, 0.95, 0.7},
@@ -123,7 +122,7 @@ static const aerosol_preset aerosols[] = {
 
 enum { AEROSOL_COUNT = sizeof aerosols / sizeof aerosols[0] };
 
-/* ---- Names ---- */
+/* ---- names ---- */
 
 /* The next letter or digit of *text, letters in lower case; '\0' at the end. */
 static char next_character(const char** text) {
@@ -175,7 +174,7 @@ int32_t ty_medium_preset_find(const char* name) {
     return index;
 }
 
-/* ---- Coefficients ---- */
+/* ---- coefficients ---- */
 
 static void set_water(const water_preset* water, ty_medium_def* def) {
     for (int c = 0; c < 3; ++c) {
@@ -186,7 +185,7 @@ static void set_water(const water_preset* water, ty_medium_def* def) {
     }
 }
 
-/* One part of the medium in so many parts of the mixture, the rest of which is pure water. */
+/* One part of the medium in `parts` parts of the mixture, the rest of which is pure water. */
 static void set_diluted(const measured_preset* medium, double parts, ty_medium_def* def) {
     const water_preset* water = &waters[PURE_WATER];
     for (int c = 0; c < 3; ++c) {
@@ -197,7 +196,7 @@ static void set_diluted(const measured_preset* medium, double parts, ty_medium_d
     }
 }
 
-/* Koschmieder's law: at the visibility a twentieth of the contrast is left. */
+/* Koschmieder's law: at the visibility the contrast is 5 %. */
 static void set_aerosol(const aerosol_preset* aerosol, double visibility, ty_medium_def* def) {
     const double extinction = -log(0.05) / visibility;
     for (int c = 0; c < 3; ++c) {

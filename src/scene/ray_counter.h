@@ -1,4 +1,4 @@
-/* How many rays there were, and how long threads were at them. */
+/* Number of rays traced, and the time spent on them. */
 #ifndef TY_SCENE_RAY_COUNTER_H
 #define TY_SCENE_RAY_COUNTER_H
 
@@ -7,10 +7,10 @@
 #include <stdint.h>
 
 typedef struct ty_ray_counter {
-    _Atomic int64_t rays, nanoseconds; /* of all threads together */
+    _Atomic int64_t rays, nanoseconds; /* summed over all threads */
 } ty_ray_counter;
 
-/* Any thread; counter may be NULL. */
+/* Thread safe; counter may be NULL. */
 static inline void ty_ray_counter_add(ty_ray_counter* counter, int64_t rays, double seconds) {
     if (counter == NULL) return;
     atomic_fetch_add_explicit(&counter->rays, rays, memory_order_relaxed);

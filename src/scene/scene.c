@@ -1,4 +1,4 @@
-/* Scenes: adding, committing, asking. */
+/* Scenes: construction, commit and queries. */
 #include "scene/scene.h"
 
 #include "base/context.h"
@@ -7,7 +7,7 @@
 #include "scene/medium.h"
 #include "scene/settings.h"
 #include "scene/shape.h"
-#include "scene/shell.h"
+#include "scene/closed_mesh.h"
 #include "scene/texture.h"
 
 #include <stdio.h>
@@ -44,7 +44,7 @@ static void drop_commit(ty_scene* scene) {
     ty_free_array(context, scene->surfaces, scene->surface_count, sizeof(ty_surface));
     ty_free_array(context, scene->distant_lights, scene->distant_capacity, sizeof(int32_t));
     ty_light_tree_destroy(context, scene->light_tree);
-    ty_mesh_destroy(scene->mesh);
+    ty_accel_destroy(scene->mesh);
     scene->light_tree = NULL;
     scene->distant_lights = NULL;
     scene->medium_views = NULL;
@@ -63,23 +63,26 @@ void ty_scene_destroy(ty_scene* scene) {
     drop_commit(scene);
     for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_release(context, &scene->media[i]);
     for (size_t i = 0; i < scene->light_count; ++i) ty_environment_destroy(context, scene->environments[i]);
-    for (size_t i = 0; i < scene->mesh_count; ++i) ty_triangles_destroy(context, scene->meshes[i]);
+    for (size_t i = 0; i < scene->mesh_count; ++i) ty_triangle_mesh_destroy(context, scene->meshes[i]);
     ty_free_array(context, scene->meshes, scene->mesh_capacity, sizeof *scene->meshes);
     ty_free_array(context, scene->media, scene->medium_capacity, sizeof *scene->media);
     ty_free_array(context, scene->lights, scene->light_capacity, sizeof *scene->lights);
     ty_free_array(context, scene->environments, scene->environment_capacity, sizeof(ty_environment*));
     ty_free_array(context, scene->shapes, scene->shape_capacity, sizeof *scene->shapes);
+    ty_free_array(context, scene->options, scene->option_capacity, sizeof *scene->options);
     ty_free_array(context, scene, 1, sizeof *scene);
 }
 
 ty_result ty_scene_set_camera(ty_scene* scene, const ty_camera_def* def) {
-    const ty_result result = ty_camera_check(scene->context, def);
+    ty_camera_def own;
+    const ty_result result = ty_camera_check(scene->context, &def, &own);
     if (result == TY_OK) scene->camera = *def;
     return result;
 }
 
 ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def) {
-    const ty_result result = ty_medium_check(scene->context, def);
+    ty_medium_def own;
+    const ty_result result = ty_medium_check(scene->context, &def, &own);
     if (result != TY_OK) return result;
     if (scene->medium_count >= TY_MEDIA_MAX)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "media: there are more than %d", TY_MEDIA_MAX);
@@ -94,7 +97,8 @@ ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def) {
 
 ty_result ty_scene_add_light(ty_scene* scene, const ty_light_def* def) {
     ty_context* context = scene->context;
-    ty_result result = ty_light_check(context, def);
+    ty_light_def own;
+    ty_result result = ty_light_check(context, &def, &own);
     if (result != TY_OK) return result;
     const size_t count = scene->light_count;
     if (!ty_grow_array(context, (void**)&scene->lights, &scene->light_capacity, count, sizeof *scene->lights) ||
@@ -113,7 +117,8 @@ ty_result ty_scene_add_light(ty_scene* scene, const ty_light_def* def) {
 }
 
 ty_result ty_scene_add_shape(ty_scene* scene, const ty_shape_def* def) {
-    const ty_result result = ty_shape_check(scene->context, def);
+    ty_shape_def own;
+    const ty_result result = ty_shape_check(scene->context, &def, &own);
     if (result != TY_OK) return result;
     if (!ty_grow_array(scene->context, (void**)&scene->shapes, &scene->shape_capacity, scene->shape_count,
                        sizeof *scene->shapes))
@@ -127,14 +132,14 @@ ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def) {
     if (!ty_grow_array(scene->context, (void**)&scene->meshes, &scene->mesh_capacity, scene->mesh_count,
                        sizeof *scene->meshes))
         return TY_ERROR_MEMORY;
-    const ty_result result = ty_triangles_create(scene->context, def, &scene->meshes[scene->mesh_count]);
+    const ty_result result = ty_triangle_mesh_create(scene->context, def, &scene->meshes[scene->mesh_count]);
     if (result != TY_OK) return result;
     ++scene->mesh_count;
     scene->committed = false;
     return TY_OK;
 }
 
-/* An area light as the black surface that it is. */
+/* The black surface of an area light. */
 static ty_shape_def area_light_shape(const ty_light_def* light) {
     ty_shape_def shape = ty_default_shape_def();
     for (int a = 0; a < 3; ++a) {
@@ -160,8 +165,7 @@ static ty_result commit_media(ty_scene* scene) {
     return TY_OK;
 }
 
-/* How many lights there are to sample at most: lights of their own, then one per quad, sphere or triangle that emits.
- */
+/* Maximum number of sampled lights: explicit lights, then one per emissive quad, sphere or triangle. */
 static size_t count_lights(const ty_scene* scene) {
     size_t count = 0;
     for (size_t i = 0; i < scene->light_count; ++i) count += scene->lights[i].kind != TY_LIGHT_AREA;
@@ -170,14 +174,14 @@ static size_t count_lights(const ty_scene* scene) {
         if (ty_shape_emits(shape)) count += shape->kind == TY_SHAPE_SPHERE ? 1 : (size_t)ty_shape_quad_count(shape);
     }
     for (size_t i = 0; i < scene->mesh_count; ++i)
-        if (ty_triangles_emit(scene->meshes[i])) count += scene->meshes[i]->triangle_count;
+        if (ty_triangle_mesh_emits(scene->meshes[i])) count += scene->meshes[i]->triangle_count;
     return count;
 }
 
-static void add_shape_lights(ty_scene* scene, size_t part, size_t* at) {
-    const ty_shape_def* shape = &scene->shape_parts[part];
+static void add_shape_lights(ty_scene* scene, size_t index, size_t* at) {
+    const ty_shape_def* shape = &scene->shape_parts[index];
     if (!ty_shape_emits(shape)) return;
-    scene->surfaces[part].first_light = (int32_t)*at;
+    scene->surfaces[index].first_light = (int32_t)*at;
     double origin[3], u[3], v[3];
     if (shape->kind == TY_SHAPE_SPHERE) {
         const double radius = ty_shape_sphere(shape, origin);
@@ -190,8 +194,8 @@ static void add_shape_lights(ty_scene* scene, size_t part, size_t* at) {
 }
 
 static ty_result add_mesh_lights(ty_scene* scene, size_t number, size_t* at) {
-    ty_triangles* mesh = scene->meshes[number];
-    if (!ty_triangles_emit(mesh)) return TY_OK;
+    ty_triangle_mesh* mesh = scene->meshes[number];
+    if (!ty_triangle_mesh_emits(mesh)) return TY_OK;
     ty_surface* surface = &scene->surfaces[scene->shape_part_count + number];
     mesh->lights = ty_alloc_array(scene->context, mesh->triangle_count, sizeof *mesh->lights, false);
     if (mesh->lights == NULL) return TY_ERROR_MEMORY;
@@ -204,7 +208,7 @@ static ty_result add_mesh_lights(ty_scene* scene, size_t number, size_t* at) {
     return TY_OK;
 }
 
-/* What kernels see of the first count lights: those without a place in a list, the others in a tree. */
+/* Kernel view of the first count lights: distant ones in a list, the others in a tree. */
 static ty_result view_lights(ty_scene* scene, size_t count) {
     ty_light_set* set = &scene->view.lights;
     ty_light_bounds* bounds = ty_alloc_array(scene->context, count, sizeof *bounds, false);
@@ -214,7 +218,7 @@ static ty_result view_lights(ty_scene* scene, size_t count) {
     for (size_t i = 0; i < count && result == TY_OK; ++i) {
         const ty_light_view* light = &scene->light_views[i];
         ty_light_get_bounds(light, &bounds[i]);
-        set->lamp_count += ty_light_is_lamp(light->kind);
+        set->local_count += ty_light_is_local(light->kind);
         if (light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT)
             scene->distant_lights[set->distant_count++] = (int32_t)i;
     }
@@ -222,7 +226,7 @@ static ty_result view_lights(ty_scene* scene, size_t count) {
     ty_free_array(scene->context, bounds, count, sizeof *bounds);
     if (result != TY_OK) return result;
     const ty_scene_info info = ty_scene_get_info(scene);
-    set->placed = ty_light_set_choice(scene->light_views, count, info.lower, info.upper);
+    set->tree_probability = ty_light_set_choice(scene->light_views, count, info.lower, info.upper);
     set->lights = scene->light_views;
     set->count = (int32_t)count;
     set->distant = scene->distant_lights;
@@ -232,11 +236,11 @@ static ty_result view_lights(ty_scene* scene, size_t count) {
 }
 
 static ty_result commit_lights(ty_scene* scene) {
-    const size_t most = count_lights(scene);
-    if (most == 0) return TY_OK;
-    scene->light_views = ty_alloc_array(scene->context, most, sizeof(ty_light_view), false);
+    const size_t max_lights = count_lights(scene);
+    if (max_lights == 0) return TY_OK;
+    scene->light_views = ty_alloc_array(scene->context, max_lights, sizeof(ty_light_view), false);
     if (scene->light_views == NULL) return TY_ERROR_MEMORY;
-    scene->light_view_count = most;
+    scene->light_view_count = max_lights;
     size_t at = 0;
     for (size_t i = 0; i < scene->light_count; ++i)
         if (scene->lights[i].kind != TY_LIGHT_AREA)
@@ -265,19 +269,19 @@ static ty_result commit_surfaces(ty_scene* scene) {
     if (scene->surfaces == NULL) return TY_ERROR_MEMORY;
     for (size_t i = 0; i < scene->shape_part_count; ++i) scene->surfaces[i] = shape_surface(&scene->shape_parts[i]);
     for (size_t i = 0; i < scene->mesh_count; ++i)
-        scene->surfaces[scene->shape_part_count + i] = ty_triangles_get_surface(scene->meshes[i]);
+        scene->surfaces[scene->shape_part_count + i] = ty_triangle_mesh_get_surface(scene->meshes[i]);
     scene->view.surfaces = scene->surfaces;
-    const ty_mesh_parts parts = {.shapes = scene->shape_parts,
-                                 .shape_count = scene->shape_part_count,
-                                 .meshes = scene->meshes,
-                                 .mesh_count = scene->mesh_count,
-                                 .surfaces = scene->surfaces};
-    const ty_result result = ty_mesh_create(scene->context, &parts, &scene->mesh);
+    const ty_accel_input parts = {.shapes = scene->shape_parts,
+                                  .shape_count = scene->shape_part_count,
+                                  .meshes = scene->meshes,
+                                  .mesh_count = scene->mesh_count,
+                                  .surfaces = scene->surfaces};
+    const ty_result result = ty_accel_create(scene->context, &parts, &scene->mesh);
     scene->view.mesh = scene->mesh;
     return result;
 }
 
-/* Shapes as added, then area lights as the surfaces that they are. */
+/* Shapes in order of addition, then area lights as surfaces. */
 static ty_result list_shape_parts(ty_scene* scene) {
     size_t count = scene->shape_count;
     for (size_t i = 0; i < scene->light_count; ++i) count += scene->lights[i].kind == TY_LIGHT_AREA;
@@ -327,16 +331,8 @@ ty_axis ty_scene_up_axis(const ty_scene* scene) {
     return scene->up;
 }
 
-ty_camera_def ty_scene_camera(const ty_scene* scene) {
-    return scene->camera;
-}
-
-ty_render_settings ty_scene_render_settings(const ty_scene* scene) {
-    return scene->settings;
-}
-
-void ty_scene_set_render_settings(ty_scene* scene, const ty_render_settings* settings) {
-    scene->settings = *settings;
+void ty_scene_copy_camera(const ty_scene* scene, void* out, size_t bytes) {
+    ty_init_def(out, bytes, &scene->camera, sizeof scene->camera);
 }
 
 uint64_t ty_scene_hash(const ty_scene* scene) {
@@ -355,7 +351,7 @@ void ty_scene_set_camera_source(ty_scene* scene, const char* source) {
     snprintf(scene->camera_source, sizeof scene->camera_source, "%s", source);
 }
 
-/* m; empty when lower is above upper. */
+/* m; empty when lower is above upper */
 typedef struct extent {
     double lower[3], upper[3];
 } extent;
@@ -422,11 +418,11 @@ static const ty_texture* numbered_texture(const ty_scene* scene, size_t number) 
     return number % 2 == 0 ? material->albedo_texture : material->emission_texture;
 }
 
-/* What is shared counts once. */
+/* Shared data count once. */
 static size_t count_bytes(const ty_scene* scene) {
     size_t sum = sizeof *scene + scene->light_view_count * sizeof(ty_light_view) +
                  scene->medium_count * sizeof(ty_medium_view) + scene->surface_count * sizeof(ty_surface) +
-                 ty_mesh_bytes(scene->mesh) + ty_light_tree_bytes(scene->light_tree);
+                 ty_accel_bytes(scene->mesh) + ty_light_tree_bytes(scene->light_tree);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (scene->environments[i] != NULL) sum += ty_environment_bytes(scene->environments[i]);
     for (size_t i = 0; i < TY_MEDIUM_GRIDS * scene->medium_count; ++i) {
@@ -436,12 +432,12 @@ static size_t count_bytes(const ty_scene* scene) {
         if (!counted) sum += ty_grid_get_info(grid).bytes;
     }
     for (size_t i = 0; i < scene->medium_count; ++i) {
-        const ty_shell* shell = scene->media[i].shell;
+        const ty_closed_mesh* shell = scene->media[i].shell;
         bool counted = shell == NULL;
         for (size_t j = 0; j < i && !counted; ++j) counted = scene->media[j].shell == shell;
-        if (!counted) sum += ty_shell_bytes(shell);
+        if (!counted) sum += ty_closed_mesh_bytes(shell);
     }
-    for (size_t i = 0; i < scene->mesh_count; ++i) sum += ty_triangles_bytes(scene->meshes[i]);
+    for (size_t i = 0; i < scene->mesh_count; ++i) sum += ty_triangle_mesh_bytes(scene->meshes[i]);
     return sum;
 }
 
@@ -473,10 +469,10 @@ ty_scene_info ty_scene_get_info(const ty_scene* scene) {
     return info;
 }
 
-ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_def* out) {
+ty_result ty_scene_copy_medium(const ty_scene* scene, int32_t index, void* out, size_t bytes) {
     if (index < 0 || (size_t)index >= scene->medium_count)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "media: there is no medium %d", (int)index);
-    *out = scene->media[index];
+    ty_init_def(out, bytes, &scene->media[index], sizeof scene->media[index]);
     return TY_OK;
 }
 
@@ -486,19 +482,20 @@ void ty_scene_environment(const ty_scene* scene, float radiance[3]) {
         for (int c = 0; c < 3 && scene->environments[i] != NULL; ++c) radiance[c] += scene->environments[i]->mean[c];
 }
 
-ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out) {
+ty_result ty_scene_copy_mesh(const ty_scene* scene, int32_t index, void* out, size_t bytes) {
     if (index < 0 || (size_t)index >= scene->mesh_count)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "meshes: there is no mesh %d", (int)index);
-    const ty_triangles* mesh = scene->meshes[index];
-    *out = ty_default_mesh_def();
-    out->vertex_count = (int64_t)mesh->vertex_count;
-    out->triangle_count = (int64_t)mesh->triangle_count;
-    out->positions = mesh->positions;
-    out->normals = mesh->normals;
-    for (int set = 0; set < 2; ++set) out->uv[set] = mesh->uv[set];
-    out->colors = mesh->colors;
-    out->indices = mesh->indices;
-    out->material = mesh->material;
-    out->origin = mesh->origin;
+    const ty_triangle_mesh* mesh = scene->meshes[index];
+    ty_mesh_def own = ty_default_mesh_def();
+    own.vertex_count = (int64_t)mesh->vertex_count;
+    own.triangle_count = (int64_t)mesh->triangle_count;
+    own.positions = mesh->positions;
+    own.normals = mesh->normals;
+    for (int set = 0; set < 2; ++set) own.uv[set] = mesh->uv[set];
+    own.colors = mesh->colors;
+    own.indices = mesh->indices;
+    own.material = mesh->material;
+    own.origin = mesh->origin;
+    ty_init_def(out, bytes, &own, sizeof own);
     return TY_OK;
 }

@@ -1,63 +1,53 @@
-/* What scenes ask of methods, unless they say otherwise. */
+/* Method, bounds and options that a scene asks for. */
 #include "scene/settings.h"
 
+#include "base/context.h"
+#include "scene/scene.h"
+
+#include <stdio.h>
 #include <string.h>
 
-const ty_render_settings ty_default_settings = {
-    .method = "auto",
-    .spp = 64,
-    .screen = {.variant = "scatter", .spread = "small_angle", .filter = 4, .environment = "around", .balance = true},
-    .fld = {.limiter = "levermore_pomraning",
-            .boundary = "marshak",
-            .solver = "multigrid",
-            .beam = "reduced",
-            .larsen_power = 2,
-            .relaxation = 1.85,
-            .tolerance = 1e-3,
-            .step = 1,
-            .environment_beams = 64,
-            .surface_points = 16,
-            .spp = 1},
-    .pop = {.mode = "split",
-            .sharp = true,
-            .ordinates = 64,
-            .prefilter = 1,
-            .importance = true,
-            .surface_points = 16,
-            .vpls = 64,
-            .shadow_texels = 128,
-            .clamp = 0.05,
-            .residuum = 0.1,
-            .tolerance = 1e-2,
-            .step = 1,
-            .spp = 1},
-    .lpv = {.mode = "links",
-            .parts = "all",
-            .place = "scene",
-            .resolution = 32,
-            .cascades = 1,
-            .bands = 2,
-            .extent = 32,
-            .window = -1,
-            .tolerance = 0.01,
-            .map_side = 256,
-            .samples = 8,
-            .block_side = 3,
-            .shadow_side = 512,
-            .shadow_rays = true,
-            .half = true,
-            .step = 1,
-            .spp = 1},
-    .dom = {.acceleration = "diffusion",
-            .directions = 96,
-            .tolerance = 1e-3,
-            .environment_beams = 64,
-            .surface_points = 16,
-            .step = 1,
-            .spp = 1}};
+const ty_render_settings ty_default_settings = {.method = "auto", .spp = 64};
 
-int32_t ty_setting_index(const char* word, const char* const* words, int32_t count) {
-    for (int32_t i = 0; i < count; ++i)
-        if (strcmp(word, words[i]) == 0) return i;
-    return 0;
+ty_render_settings ty_scene_render_settings(const ty_scene* scene) {
+    return scene->settings;
+}
+
+void ty_scene_set_render_settings(ty_scene* scene, const ty_render_settings* settings) {
+    scene->settings = *settings;
+}
+
+/* The index of an option; the count of options if there is none. */
+static size_t find_option(const ty_scene* scene, const char* method, const char* key) {
+    size_t i = 0;
+    while (i < scene->option_count &&
+           (strcmp(scene->options[i].method, method) != 0 || strcmp(scene->options[i].key, key) != 0))
+        ++i;
+    return i;
+}
+
+ty_result ty_scene_set_option(ty_scene* scene, const char* method, const char* key, const char* value) {
+    const size_t at = find_option(scene, method, key);
+    if (value == NULL) {
+        if (at < scene->option_count) scene->options[at] = scene->options[--scene->option_count];
+        return TY_OK;
+    }
+    ty_scene_option option;
+    if (strlen(method) >= sizeof option.method || strlen(key) >= sizeof option.key ||
+        strlen(value) >= sizeof option.value)
+        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "render.%.32s.%.32s: a text is too long", method, key);
+    if (at == scene->option_count &&
+        !ty_grow_array(scene->context, (void**)&scene->options, &scene->option_capacity, at, sizeof option))
+        return TY_ERROR_MEMORY;
+    snprintf(option.method, sizeof option.method, "%s", method);
+    snprintf(option.key, sizeof option.key, "%s", key);
+    snprintf(option.value, sizeof option.value, "%s", value);
+    scene->options[at] = option;
+    if (at == scene->option_count) ++scene->option_count;
+    return TY_OK;
+}
+
+const char* ty_scene_get_option(const ty_scene* scene, const char* method, const char* key) {
+    const size_t at = find_option(scene, method, key);
+    return at < scene->option_count ? scene->options[at].value : NULL;
 }

@@ -1,4 +1,4 @@
-/* Shapes: checks, and taking them apart. */
+/* Shapes: checks and decomposition. */
 #include "scene/shape.h"
 
 #include "base/context.h"
@@ -6,11 +6,9 @@
 
 #include <math.h>
 
-ty_shape_def ty_default_shape_def(void) {
-    return (ty_shape_def){.cookie = TY_DEF_COOKIE,
-                          .kind = TY_SHAPE_QUAD,
-                          .transform = ty_affine_identity(),
-                          .albedo = {0.5f, 0.5f, 0.5f}};
+void ty_init_shape_def(void* def, size_t bytes) {
+    const ty_shape_def own = {.kind = TY_SHAPE_QUAD, .transform = ty_affine_identity(), .albedo = {0.5f, 0.5f, 0.5f}};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 int32_t ty_shape_quad_count(const ty_shape_def* shape) {
@@ -21,7 +19,7 @@ static void map_direction(const ty_affine* map, const double in[3], double out[3
     for (int r = 0; r < 3; ++r) out[r] = map->m[4 * r] * in[0] + map->m[4 * r + 1] * in[1] + map->m[4 * r + 2] * in[2];
 }
 
-/* Whether a map turns right-handed frames into left-handed ones. */
+/* True for maps with negative determinant. */
 static bool mirrors(const ty_affine* map) {
     const double* m = map->m;
     return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
@@ -38,7 +36,7 @@ void ty_shape_quad(const ty_shape_def* shape, int32_t i, double origin[3], doubl
             b[axis] = shape->v[axis];
         }
     } else {
-        /* Face i: its normal is axis i / 2, outwards; upper faces turn first edge to second like the axes do. */
+        /* Face i: its outward normal is along axis i / 2; on upper faces first x second edge is cyclic. */
         const int32_t normal = i / 2, upper = i % 2;
         const int32_t first = (normal + (upper ? 1 : 2)) % 3, second = (normal + (upper ? 2 : 1)) % 3;
         a[first] = shape->u[first] - shape->origin[first];
@@ -69,7 +67,7 @@ bool ty_shape_emits(const ty_shape_def* shape) {
     return shape->emission[0] > 0 || shape->emission[1] > 0 || shape->emission[2] > 0;
 }
 
-/* Whether the map is a rotation, translation and uniform scale. */
+/* True for a rotation, translation and uniform scale. */
 static bool is_similarity(const ty_affine* map) {
     double columns[3][3];
     for (int c = 0; c < 3; ++c)
@@ -84,8 +82,10 @@ static bool is_similarity(const ty_affine* map) {
     return true;
 }
 
-ty_result ty_shape_check(ty_context* context, const ty_shape_def* shape) {
-    ty_result result = ty_check_def(context, shape, "ty_default_shape_def");
+ty_result ty_shape_check(ty_context* context, const ty_shape_def** given, ty_shape_def* own) {
+    *own = ty_default_shape_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_shape_def", own, sizeof *own);
+    const ty_shape_def* shape = *given = own;
     if (result == TY_OK) result = ty_check_point(context, "shape.origin", shape->origin);
     if (result == TY_OK) result = ty_check_affine(context, "shape.transform", &shape->transform);
     if (result == TY_OK) result = ty_check_rgb(context, "shape.albedo", shape->albedo, 0, 1);

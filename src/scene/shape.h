@@ -1,4 +1,4 @@
-/* Shapes taken apart into what ray tracing and light sampling work with. */
+/* Decomposition of shapes into quads and spheres for ray tracing and light sampling. */
 #ifndef TY_SCENE_SHAPE_H
 #define TY_SCENE_SHAPE_H
 
@@ -6,17 +6,17 @@
 
 #include <tyndall/scene.h>
 
-/* How many quads a shape is: 1 for a quad, 6 for a box, 0 for a sphere. */
+/* Number of quads of a shape: 1 for a quad, 6 for a box, 0 for a sphere. */
 int32_t ty_shape_quad_count(const ty_shape_def* shape);
 /* Quad i in world space: corner and edges, front on the u x v side. */
 void ty_shape_quad(const ty_shape_def* shape, int32_t i, double origin[3], double u[3], double v[3]);
-/* The unit normal on the u x v side. */
+/* Unit normal on the u x v side. */
 ty_vec ty_shape_normal(const double u[3], const double v[3]);
-/* A sphere in world space: returns its radius. */
+/* Center of a sphere in world space; returns its radius. */
 double ty_shape_sphere(const ty_shape_def* shape, double center[3]);
 
-/* Fails unless a shape is one that ty_scene_add_shape promises to take. */
-ty_result ty_shape_check(ty_context* context, const ty_shape_def* shape);
+/* Fails unless ty_scene_add_shape accepts the shape. */
+ty_result ty_shape_check(ty_context* context, const ty_shape_def** given, ty_shape_def* own);
 bool ty_shape_emits(const ty_shape_def* shape);
 
 #endif

@@ -1,10 +1,10 @@
-/* The clear sky from the ground: sunlight scattered in a spherical atmosphere of air, haze and ozone.
+/* Clear sky from the ground: sunlight scattered in a spherical atmosphere of air, haze and ozone.
  *
- * Single scattering as Nishita et al. 1993 set it up, along each view ray; transmittance towards the sun comes from a
- * table (mapped as in Bruneton and Neyret 2008). What has scattered more than once is taken as isotropic and as a
- * function of height alone, an endless series summed as in Hillaire 2020: without it a clear sky is too dark by a
- * quarter (red) to a half (blue) and its horizon yellow. Lengths in metres, coefficients in 1/m; red, green, blue stand
- * for 680, 550 and 440 nm. */
+ * Single scattering along each view ray (Nishita et al. 1993); transmittance towards the sun comes from a table (mapped
+ * as in Bruneton and Neyret 2008). Multiple scattering is taken as isotropic and as a function of height alone, summed
+ * as a geometric series (Hillaire 2020): without it a clear sky is too dark by a quarter (red) to a half (blue) and its
+ * horizon yellow. Lengths in metres, coefficients in 1/m; red, green, blue stand for 680, 550 and 440 nm. */
+#include "base/constants.h"
 #include "base/context.h"
 
 #include <math.h>
@@ -24,46 +24,47 @@ enum {
     VIEW_STEPS = 48
 };
 
-static const double pi = 3.14159265358979323846;
 static const double ground_radius = 6360e3, top_radius = 6460e3, observer_height = 2;
 static const double air_scattering[3] = {5.8e-6, 13.5e-6, 33.1e-6}; /* at sea level */
 static const double air_scale = 8000;
 static const double haze_scattering = 4e-6, haze_extinction = 4e-6 / 0.9; /* at sea level, haze 1 */
 static const double haze_scale = 1200, haze_g = 0.76;
-/* Ozone absorbs most at 25 km, falling off linearly to nothing at 10 and 40 km. */
+/* Ozone absorption peaks at 25 km and falls off linearly to 0 at 10 and 40 km. */
 static const double ozone_absorption[3] = {0.65e-6, 1.881e-6, 0.085e-6};
 static const double ozone_height = 25e3, ozone_width = 15e3;
-/* Half the sun's angle in radians: how softly the ground's shadow ends. */
+/* Angular radius of the sun, rad: width of the ground's penumbra. */
 static const double sun_half_angle = 0.00465;
 
-/* A place and a direction, as far as a sphere can tell them apart: distance from the centre; cosines of the angles
- * between vertical and direction, vertical and sun, direction and sun. */
+/* Position and direction in spherical symmetry: distance from the center; cosines of the angles between vertical and
+ * direction, vertical and sun, direction and sun. */
 typedef struct ray {
-    double radius, up, sun_up, toward_sun;
+    double radius, up, sun_up, cos_sun;
 } ray;
 
 typedef struct sky_job {
     ty_sky_def def;
     double sun[3]; /* unit vector to the sun, y up */
     float* table;  /* transmittance to the top, TABLE_HEIGHTS x TABLE_ANGLES x 3 */
-    /* Light scattered more than once: radiance over the solar irradiance, averaged over all directions, by height.
-     * found is where it is put together while series is zero. */
-    double series[SERIES_HEIGHTS][3], found[SERIES_HEIGHTS][3];
+    /* Multiply scattered light: radiance over the solar irradiance, averaged over all directions, by height.
+     * `next_series` is computed while series is zero. */
+    double series[SERIES_HEIGHTS][3], next_series[SERIES_HEIGHTS][3];
     float* planes[3];
 } sky_job;
 
-ty_sky_def ty_default_sky_def(void) {
-    return (ty_sky_def){.cookie = TY_DEF_COOKIE,
-                        .sun_direction = {-0.5, -0.6, -0.4},
-                        .solar = {1.5f, 1.5f, 1.5f},
-                        .haze = 1,
-                        .ground = {0.2f, 0.2f, 0.2f},
-                        .up_axis = TY_AXIS_Y,
-                        .width = 512};
+void ty_init_sky_def(void* def, size_t bytes) {
+    const ty_sky_def own = {.sun_direction = {-0.5, -0.6, -0.4},
+                            .solar = {1.5f, 1.5f, 1.5f},
+                            .haze = 1,
+                            .ground = {0.2f, 0.2f, 0.2f},
+                            .up_axis = TY_AXIS_Y,
+                            .width = 512};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
-static ty_result check_def(ty_context* context, const ty_sky_def* def) {
-    const ty_result result = ty_check_def(context, def, "ty_default_sky_def");
+static ty_result check_def(ty_context* context, const ty_sky_def** given, ty_sky_def* own) {
+    *own = ty_default_sky_def();
+    const ty_result result = ty_take_def(context, *given, "ty_default_sky_def", own, sizeof *own);
+    const ty_sky_def* def = *given = own;
     if (result != TY_OK) return result;
     const double length = hypot(hypot(def->sun_direction[0], def->sun_direction[1]), def->sun_direction[2]);
     if (!(length > 0 && length <= 1e300))
@@ -87,17 +88,17 @@ static ty_result check_def(ty_context* context, const ty_sky_def* def) {
 }
 
 /* Densities relative to each constituent's peak. */
-typedef struct mixture {
+typedef struct densities {
     double air, haze, ozone;
-} mixture;
+} densities;
 
-static mixture mixture_at(double radius, double haze) {
+static densities densities_at(double radius, double haze) {
     const double height = radius - ground_radius;
-    return (mixture){exp(-height / air_scale), haze * exp(-height / haze_scale),
-                     fmax(0, 1 - fabs(height - ozone_height) / ozone_width)};
+    return (densities){exp(-height / air_scale), haze * exp(-height / haze_scale),
+                       fmax(0, 1 - fabs(height - ozone_height) / ozone_width)};
 }
 
-static double extinction(mixture m, int channel) {
+static double extinction(densities m, int channel) {
     return m.air * air_scattering[channel] + m.haze * haze_extinction + m.ozone * ozone_absorption[channel];
 }
 
@@ -105,7 +106,7 @@ static double distance_to_top(double radius, double up) {
     return -radius * up + sqrt(fmax(0, radius * radius * (up * up - 1) + top_radius * top_radius));
 }
 
-/* Negative when the ray misses the ground. */
+/* Negative if the ray misses the ground. */
 static double distance_to_ground(double radius, double up) {
     const double under_root = radius * radius * (up * up - 1) + ground_radius * ground_radius;
     return up < 0 && under_root >= 0 ? fmax(0, -radius * up - sqrt(under_root)) : -1;
@@ -113,12 +114,12 @@ static double distance_to_ground(double radius, double up) {
 
 static ray ray_at(ray from, double t) {
     const double radius = sqrt(from.radius * from.radius + t * t + 2 * from.radius * from.up * t);
-    return (ray){radius, (from.radius * from.up + t) / radius,
-                 (from.radius * from.sun_up + t * from.toward_sun) / radius, from.toward_sun};
+    return (ray){radius, (from.radius * from.up + t) / radius, (from.radius * from.sun_up + t * from.cos_sun) / radius,
+                 from.cos_sun};
 }
 
-/* Step i of a ray of given length: steps grow with distance, because density is highest near the ground. */
-static double step_middle(double length, int i, int steps, double* width) {
+/* Center of step i of a ray of given length: steps grow with distance, because density is highest near the ground. */
+static double step_center(double length, int i, int steps, double* width) {
     const double scale = length / ((double)steps * steps);
     *width = scale * (2 * i + 1);
     return scale * (i * (i + 1) + 0.5);
@@ -130,15 +131,15 @@ static void transmittance_to_top(double radius, double up, double haze, double o
     double depth[3] = {0, 0, 0};
     for (int i = 0; i < TABLE_STEPS; ++i) {
         double width;
-        const double t = step_middle(length, i, TABLE_STEPS, &width);
-        const mixture m = mixture_at(ray_at(from, t).radius, haze);
+        const double t = step_center(length, i, TABLE_STEPS, &width);
+        const densities m = densities_at(ray_at(from, t).radius, haze);
         for (int c = 0; c < 3; ++c) depth[c] += width * extinction(m, c);
     }
     for (int c = 0; c < 3; ++c) out[c] = exp(-depth[c]);
 }
 
-/* Bruneton and Neyret's coordinates: how far the horizon is, and how far the top lies between its nearest and that of a
- * ray grazing the ground. */
+/* Coordinates of the table (Bruneton and Neyret 2008): distance to the horizon, and distance to the top between its
+ * minimum and that of a ray grazing the ground. */
 static double horizon_distance(double radius) {
     return sqrt(fmax(0, radius * radius - ground_radius * ground_radius));
 }
@@ -146,27 +147,27 @@ static double horizon_distance(double radius) {
 static void table_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const sky_job* job = user;
-    const double full = horizon_distance(top_radius);
-    const double rho = full * (double)index / (TABLE_HEIGHTS - 1);
+    const double full_distance = horizon_distance(top_radius);
+    const double rho = full_distance * (double)index / (TABLE_HEIGHTS - 1);
     const double radius = sqrt(rho * rho + ground_radius * ground_radius);
-    const double nearest = top_radius - radius, farthest = rho + full;
+    const double shortest = top_radius - radius, longest = rho + full_distance;
     for (int a = 0; a < TABLE_ANGLES; ++a) {
-        const double d = nearest + (farthest - nearest) * a / (TABLE_ANGLES - 1);
-        const double up = d > 0 ? (full * full - rho * rho - d * d) / (2 * radius * d) : 1;
+        const double d = shortest + (longest - shortest) * a / (TABLE_ANGLES - 1);
+        const double up = d > 0 ? (full_distance * full_distance - rho * rho - d * d) / (2 * radius * d) : 1;
         double t[3];
         transmittance_to_top(radius, fmin(1, fmax(-1, up)), job->def.haze, t);
         for (int c = 0; c < 3; ++c) job->table[3 * (TABLE_ANGLES * index + a) + c] = (float)t[c];
     }
 }
 
-/* Sunlight that arrives at a point, over the solar irradiance. */
+/* Sunlight at a point, over the solar irradiance. */
 static void sunlight(const sky_job* job, double radius, double sun_up, double out[3]) {
-    const double full = horizon_distance(top_radius), rho = horizon_distance(radius);
-    const double dip = sun_up + rho / radius; /* above the horizon, nearly the angle in radians */
-    const double seen = fmin(1, fmax(0, 0.5 + 0.5 * dip / sun_half_angle));
-    const double nearest = top_radius - radius, farthest = rho + full;
-    const double along = fmin(1, fmax(0, (distance_to_top(radius, sun_up) - nearest) / (farthest - nearest)));
-    const double x = along * (TABLE_ANGLES - 1), y = fmin(1, rho / full) * (TABLE_HEIGHTS - 1);
+    const double full_distance = horizon_distance(top_radius), rho = horizon_distance(radius);
+    const double dip = sun_up + rho / radius; /* elevation above the horizon, approximately in radians */
+    const double sun_fraction = fmin(1, fmax(0, 0.5 + 0.5 * dip / sun_half_angle));
+    const double shortest = top_radius - radius, longest = rho + full_distance;
+    const double position = fmin(1, fmax(0, (distance_to_top(radius, sun_up) - shortest) / (longest - shortest)));
+    const double x = position * (TABLE_ANGLES - 1), y = fmin(1, rho / full_distance) * (TABLE_HEIGHTS - 1);
     const int x0 = x < TABLE_ANGLES - 2 ? (int)x : TABLE_ANGLES - 2,
               y0 = y < TABLE_HEIGHTS - 2 ? (int)y : TABLE_HEIGHTS - 2;
     const double fx = x - x0, fy = y - y0;
@@ -174,75 +175,75 @@ static void sunlight(const sky_job* job, double radius, double sun_up, double ou
     for (int c = 0; c < 3; ++c) {
         const double low = (1 - fx) * cell[c] + fx * cell[3 + c];
         const double high = (1 - fx) * cell[3 * TABLE_ANGLES + c] + fx * cell[3 * TABLE_ANGLES + 3 + c];
-        out[c] = seen * ((1 - fy) * low + fy * high);
+        out[c] = sun_fraction * ((1 - fy) * low + fy * high);
     }
 }
 
 static double series_at(const sky_job* job, double radius, int channel) {
     const double x = fmin(1, fmax(0, (radius - ground_radius) / (top_radius - ground_radius)));
-    const double place = sqrt(x) * (SERIES_HEIGHTS - 1);
-    const int i = place < SERIES_HEIGHTS - 2 ? (int)place : SERIES_HEIGHTS - 2;
-    return job->series[i][channel] + (place - i) * (job->series[i + 1][channel] - job->series[i][channel]);
+    const double position = sqrt(x) * (SERIES_HEIGHTS - 1);
+    const int i = position < SERIES_HEIGHTS - 2 ? (int)position : SERIES_HEIGHTS - 2;
+    return job->series[i][channel] + (position - i) * (job->series[i + 1][channel] - job->series[i][channel]);
 }
 
-/* Radiance along a ray over the solar irradiance, scattered once by the given phase functions and, from the table, more
- * often. `again` (may be NULL) gets the radiance along the ray if one unit of it arrived from everywhere. */
+/* Radiance along a ray over the solar irradiance, singly scattered by the given phase functions plus multiply scattered
+ * from the table. `transfer` (may be NULL) gets the radiance along the ray for unit isotropic incident radiance. */
 static void march(const sky_job* job, ray from, double length, int steps, double air_phase, double haze_phase,
-                  double radiance[3], double again[3], double transmittance[3]) {
+                  double radiance[3], double transfer[3], double transmittance[3]) {
     for (int c = 0; c < 3; ++c) {
         radiance[c] = 0;
         transmittance[c] = 1;
-        if (again != NULL) again[c] = 0;
+        if (transfer != NULL) transfer[c] = 0;
     }
     for (int i = 0; i < steps; ++i) {
         double width, sun[3];
-        const ray at = ray_at(from, step_middle(length, i, steps, &width));
-        const mixture m = mixture_at(at.radius, job->def.haze);
+        const ray at = ray_at(from, step_center(length, i, steps, &width));
+        const densities m = densities_at(at.radius, job->def.haze);
         sunlight(job, at.radius, at.sun_up, sun);
         for (int c = 0; c < 3; ++c) {
             const double air = m.air * air_scattering[c], haze = m.haze * haze_scattering;
-            const double lost = extinction(m, c), through = exp(-lost * width);
-            const double gathered = transmittance[c] * (lost > 0 ? (1 - through) / lost : width);
-            const double once = sun[c] * (air * air_phase + haze * haze_phase);
-            radiance[c] += gathered * (once + (air + haze) * series_at(job, at.radius, c));
-            if (again != NULL) again[c] += gathered * (air + haze);
-            transmittance[c] *= through;
+            const double sigma_t = extinction(m, c), transmitted = exp(-sigma_t * width);
+            const double weight = transmittance[c] * (sigma_t > 0 ? (1 - transmitted) / sigma_t : width);
+            const double single = sun[c] * (air * air_phase + haze * haze_phase);
+            radiance[c] += weight * (single + (air + haze) * series_at(job, at.radius, c));
+            if (transfer != NULL) transfer[c] += weight * (air + haze);
+            transmittance[c] *= transmitted;
         }
     }
 }
 
-/* Hillaire 2020, eqs. 5-9: light scattered twice, arriving at a point from all around, and the share f of any isotropic
- * light that arrives there again; 1 + f + f^2 + ... sums all orders. job->series is still zero, so that march gives the
- * first order alone. */
+/* Eqs. 5-9 (Hillaire 2020): twice-scattered light incident at a point, averaged over directions, and the fraction f of
+ * isotropic light that is incident there again; 1 + f + f^2 + ... sums all orders. job->series is still zero, so that
+ * march gives the first order only. */
 static void series_point(void* user, int64_t index, int32_t worker) {
     (void)worker;
     sky_job* job = user;
-    const double x = (double)index / (SERIES_HEIGHTS - 1), isotropic = 1 / (4 * pi);
+    const double x = (double)index / (SERIES_HEIGHTS - 1), isotropic = 1 / (4 * TY_PI_F64);
     const double radius = fmin(top_radius - 1, ground_radius + observer_height + x * x * (top_radius - ground_radius));
-    const double sun_up = job->sun[1], sun_out = sqrt(fmax(0, 1 - sun_up * sun_up));
-    double second[3] = {0, 0, 0}, share[3] = {0, 0, 0};
+    const double sun_up = job->sun[1], sun_horizontal = sqrt(fmax(0, 1 - sun_up * sun_up));
+    double second[3] = {0, 0, 0}, fraction[3] = {0, 0, 0};
     for (int ring = 0; ring < SERIES_RINGS; ++ring)
-        for (int spoke = 0; spoke < SERIES_SPOKES; ++spoke) {
-            const double up = 1 - (2 * ring + 1.0) / SERIES_RINGS, angle = pi * (spoke + 0.5) / SERIES_SPOKES;
-            const double toward = up * sun_up + sqrt(1 - up * up) * sun_out * cos(angle);
-            const ray from = {radius, up, sun_up, toward};
+        for (int azimuth = 0; azimuth < SERIES_SPOKES; ++azimuth) {
+            const double up = 1 - (2 * ring + 1.0) / SERIES_RINGS, angle = TY_PI_F64 * (azimuth + 0.5) / SERIES_SPOKES;
+            const double cos_gamma = up * sun_up + sqrt(1 - up * up) * sun_horizontal * cos(angle);
+            const ray from = {radius, up, sun_up, cos_gamma};
             const double ground = distance_to_ground(radius, up);
             const double length = ground >= 0 ? ground : distance_to_top(radius, up);
-            double once[3], again[3], through[3];
-            march(job, from, length, SERIES_STEPS, isotropic, isotropic, once, again, through);
+            double single[3], transfer[3], transmitted[3];
+            march(job, from, length, SERIES_STEPS, isotropic, isotropic, single, transfer, transmitted);
             if (ground >= 0) {
                 const ray hit = ray_at(from, ground);
                 double sun[3];
                 sunlight(job, ground_radius, hit.sun_up, sun);
                 for (int c = 0; c < 3; ++c)
-                    once[c] += through[c] * sun[c] * fmax(0, hit.sun_up) * (double)job->def.ground[c] / pi;
+                    single[c] += transmitted[c] * sun[c] * fmax(0, hit.sun_up) * (double)job->def.ground[c] / TY_PI_F64;
             }
             for (int c = 0; c < 3; ++c) {
-                second[c] += once[c] / (SERIES_RINGS * SERIES_SPOKES);
-                share[c] += again[c] / (SERIES_RINGS * SERIES_SPOKES);
+                second[c] += single[c] / (SERIES_RINGS * SERIES_SPOKES);
+                fraction[c] += transfer[c] / (SERIES_RINGS * SERIES_SPOKES);
             }
         }
-    for (int c = 0; c < 3; ++c) job->found[index][c] = second[c] / (1 - share[c]);
+    for (int c = 0; c < 3; ++c) job->next_series[index][c] = second[c] / (1 - fraction[c]);
 }
 
 /* One row above the horizon. With z up a map holds (x, -z, y) where with y up it holds (x, y, z). */
@@ -250,17 +251,18 @@ static void sky_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const sky_job* job = user;
     const int32_t width = job->def.width;
-    const double theta = pi * ((double)index + 0.5) / (width / 2);
-    const double up = fmax(0, cos(theta)), out = sin(theta), g = haze_g;
+    const double theta = TY_PI_F64 * ((double)index + 0.5) / (width / 2);
+    const double up = fmax(0, cos(theta)), horizontal = sin(theta), g = haze_g;
     const double radius = ground_radius + observer_height, length = distance_to_top(radius, up);
     for (int32_t column = 0; column < width; ++column) {
-        const double phi = 2 * pi * ((column + 0.5) / width - 0.5);
-        const double toward = out * cos(phi) * job->sun[0] + up * job->sun[1] + out * sin(phi) * job->sun[2];
-        const double mu = fmin(1, fmax(-1, toward));
-        const double rayleigh = 3 / (16 * pi) * (1 + mu * mu);
-        /* Cornette and Shanks 1992, eq. 6 */
+        const double phi = 2 * TY_PI_F64 * ((column + 0.5) / width - 0.5);
+        const double cos_gamma =
+            horizontal * cos(phi) * job->sun[0] + up * job->sun[1] + horizontal * sin(phi) * job->sun[2];
+        const double mu = fmin(1, fmax(-1, cos_gamma));
+        const double rayleigh = 3 / (16 * TY_PI_F64) * (1 + mu * mu);
+        /* Eq. 6 (Cornette and Shanks 1992) */
         const double cornette =
-            3 / (8 * pi) * (1 - g * g) * (1 + mu * mu) / ((2 + g * g) * pow(1 + g * g - 2 * g * mu, 1.5));
+            3 / (8 * TY_PI_F64) * (1 - g * g) * (1 + mu * mu) / ((2 + g * g) * pow(1 + g * g - 2 * g * mu, 1.5));
         double radiance[3], transmittance[3];
         march(job, (ray){radius, up, job->sun[1], mu}, length, VIEW_STEPS, rayleigh, cornette, radiance, NULL,
               transmittance);
@@ -269,15 +271,16 @@ static void sky_row(void* user, int64_t index, int32_t worker) {
     }
 }
 
-/* Irradiance of a level plane from the rows above the horizon. */
+/* Irradiance of a horizontal plane from the rows above the horizon. */
 static double sky_irradiance(const sky_job* job, int channel) {
     const int32_t width = job->def.width, height = width / 2;
     double sum = 0;
     for (int32_t row = 0; 2 * row + 1 <= height; ++row) {
-        const double from = sin(pi * row / height), to = sin(fmin(pi / 2, pi * (row + 1) / height));
+        const double from = sin(TY_PI_F64 * row / height),
+                     to = sin(fmin(TY_PI_F64 / 2, TY_PI_F64 * (row + 1) / height));
         double line = 0;
         for (int32_t i = 0; i < width; ++i) line += job->planes[channel][(size_t)row * (size_t)width + (size_t)i];
-        sum += line * pi * (to * to - from * from) / width;
+        sum += line * TY_PI_F64 * (to * to - from * from) / width;
     }
     return sum;
 }
@@ -286,23 +289,25 @@ static void fill_image(ty_context* context, sky_job* job, float sun_irradiance[3
     const int32_t width = job->def.width, height = width / 2, above = (height + 1) / 2;
     ty_parallel_for(context, TABLE_HEIGHTS, table_row, job);
     ty_parallel_for(context, SERIES_HEIGHTS, series_point, job);
-    memcpy(job->series, job->found, sizeof job->series);
+    memcpy(job->series, job->next_series, sizeof job->series);
     ty_parallel_for(context, above, sky_row, job);
-    double through[3];
-    transmittance_to_top(ground_radius + observer_height, job->sun[1], job->def.haze, through);
+    double transmitted[3];
+    transmittance_to_top(ground_radius + observer_height, job->sun[1], job->def.haze, transmitted);
     for (int c = 0; c < 3; ++c) {
-        const double sun = job->sun[1] > 0 ? (double)job->def.solar[c] * through[c] : 0;
-        const double level = sun * fmax(0, job->sun[1]) + sky_irradiance(job, c);
-        const float ground = (float)((double)job->def.ground[c] / pi * level);
+        const double sun = job->sun[1] > 0 ? (double)job->def.solar[c] * transmitted[c] : 0;
+        const double irradiance = sun * fmax(0, job->sun[1]) + sky_irradiance(job, c);
+        const float ground = (float)((double)job->def.ground[c] / TY_PI_F64 * irradiance);
         for (size_t i = (size_t)above * (size_t)width; i < (size_t)height * (size_t)width; ++i)
             job->planes[c][i] = ground;
         if (sun_irradiance != NULL) sun_irradiance[c] = (float)sun;
     }
 }
 
-ty_result ty_sky_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]) {
-    if (context == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_sky_image: a pointer is NULL");
-    ty_result result = check_def(context, def);
+ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]) {
+    if (context == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_sky_create_image: a pointer is NULL");
+    ty_sky_def own;
+    ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
     sky_job job = {.def = *def};
     const double* d = def->sun_direction;

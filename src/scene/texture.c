@@ -1,4 +1,4 @@
-/* Textures: checks, storage, sampling from outside kernels. */
+/* Textures: checks, storage, lookup from outside kernels. */
 #include "scene/texture.h"
 
 #include "base/context.h"
@@ -14,17 +14,20 @@ struct ty_texture {
     int32_t width, height;
     ty_wrap wrap[2];
     bool nearest;
-    uint8_t* rgba8; /* one of the two */
+    uint8_t* rgba8; /* one of the two is set */
     float* floats;
     float decode[256];
 };
 
-ty_texture_def ty_default_texture_def(void) {
-    return (ty_texture_def){.cookie = TY_DEF_COOKIE};
+void ty_init_texture_def(void* def, size_t bytes) {
+    const ty_texture_def own = {0};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
-static ty_result check_def(ty_context* context, const ty_texture_def* def) {
-    const ty_result result = ty_check_def(context, def, "ty_default_texture_def");
+static ty_result check_def(ty_context* context, const ty_texture_def** given, ty_texture_def* own) {
+    *own = ty_default_texture_def();
+    const ty_result result = ty_take_def(context, *given, "ty_default_texture_def", own, sizeof *own);
+    const ty_texture_def* def = *given = own;
     if (result != TY_OK) return result;
     if ((def->rgba8 == NULL) == (def->image == NULL))
         return ty_fail(context, TY_ERROR_ARGUMENT, "texture: give one of rgba8 and image");
@@ -40,7 +43,7 @@ static ty_result check_def(ty_context* context, const ty_texture_def* def) {
     return TY_OK;
 }
 
-/* The inverse of sRGB's curve (IEC 61966-2-1) for 8-bit codes. */
+/* Inverse sRGB transfer function (IEC 61966-2-1) for 8-bit codes. */
 static void fill_decode(float decode[256]) {
     for (int code = 0; code < 256; ++code) {
         const double value = code / 255.0;
@@ -48,7 +51,7 @@ static void fill_decode(float decode[256]) {
     }
 }
 
-static float mend(float value) {
+static float sanitize(float value) {
     return isfinite(value) && value > 0 ? fminf(value, (float)TY_COLOR_MAX) : 0.0f;
 }
 
@@ -58,13 +61,14 @@ static void copy_image(ty_texture* texture, const ty_image* image) {
     const float* alpha = ty_image_plane_const(image, ty_image_find_channel(image, "A"));
     const size_t count = (size_t)texture->width * (size_t)texture->height;
     for (size_t i = 0; i < count; ++i) {
-        for (int c = 0; c < 3; ++c) texture->floats[4 * i + (size_t)c] = mend(planes[c][i]);
-        texture->floats[4 * i + 3] = alpha != NULL ? fminf(mend(alpha[i]), 1.0f) : 1.0f;
+        for (int c = 0; c < 3; ++c) texture->floats[4 * i + (size_t)c] = sanitize(planes[c][i]);
+        texture->floats[4 * i + 3] = alpha != NULL ? fminf(sanitize(alpha[i]), 1.0f) : 1.0f;
     }
 }
 
 ty_result ty_texture_create(ty_context* context, const ty_texture_def* def, ty_texture** out) {
-    const ty_result result = check_def(context, def);
+    ty_texture_def own;
+    const ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
     ty_texture* texture = ty_alloc_array(context, 1, sizeof *texture, true);
     if (texture == NULL) return TY_ERROR_MEMORY;
@@ -81,7 +85,7 @@ ty_result ty_texture_create(ty_context* context, const ty_texture_def* def, ty_t
     else
         texture->rgba8 = ty_alloc_array(context, count, 4, false);
     if (texture->floats == NULL && texture->rgba8 == NULL) {
-        ty_texture_destroy(texture);
+        ty_texture_release(texture);
         return TY_ERROR_MEMORY;
     }
     if (def->image != NULL)
@@ -97,7 +101,7 @@ ty_texture* ty_texture_retain(ty_texture* texture) {
     return texture;
 }
 
-void ty_texture_destroy(ty_texture* texture) {
+void ty_texture_release(ty_texture* texture) {
     if (texture == NULL || atomic_fetch_sub(&texture->owners, 1) > 1) return;
     const size_t count = (size_t)texture->width * (size_t)texture->height;
     ty_free_array(texture->context, texture->rgba8, count, 4);

@@ -1,4 +1,4 @@
-/* Textures' insides. */
+/* Texture storage. */
 #ifndef TY_SCENE_TEXTURE_H
 #define TY_SCENE_TEXTURE_H
 

@@ -1,4 +1,4 @@
-/* Many rays through a scene, for callers outside the kernels. */
+/* Batches of rays through a scene, for callers outside the kernels. */
 #include "base/float_mode.h"
 #include "base/context.h"
 #include "scene/scene.h"
@@ -6,12 +6,12 @@
 enum { BLOCK_RAYS = 256 * TY_PACKET };
 
 typedef struct trace_job {
-    const ty_mesh* mesh;
+    const ty_accel* mesh;
     const ty_ray* rays;
     int64_t count;
     bool coherent;
-    ty_ray_hit* hits; /* or NULL, when only */
-    bool* shadowed;   /* is asked for */
+    ty_ray_hit* hits; /* or NULL, if only */
+    bool* shadowed;   /* is requested */
 } trace_job;
 
 _Static_assert(sizeof(ty_hit) == sizeof(ty_ray_hit) && offsetof(ty_hit, surface) == offsetof(ty_ray_hit, surface) &&
@@ -19,14 +19,14 @@ _Static_assert(sizeof(ty_hit) == sizeof(ty_ray_hit) && offsetof(ty_hit, surface)
                    offsetof(ty_hit, margin) == offsetof(ty_ray_hit, margin),
                "kernels and callers see hits alike");
 
-/* At most a packet of rays, together. */
+/* Traces at most one packet of rays. */
 static void trace_packet(const trace_job* job, int64_t begin, int32_t count) {
     if (job->hits == NULL) {
-        ty_mesh_occluded_packet(job->mesh, job->rays + begin, count, job->shadowed + begin);
+        ty_accel_occluded_packet(job->mesh, job->rays + begin, count, job->shadowed + begin);
         return;
     }
     ty_hit hits[TY_PACKET];
-    ty_mesh_intersect_packet(job->mesh, job->rays + begin, count, hits);
+    ty_accel_intersect_packet(job->mesh, job->rays + begin, count, hits);
     memcpy(&job->hits[begin], hits, (size_t)count * sizeof *hits);
 }
 
@@ -34,11 +34,11 @@ static void trace_one(const trace_job* job, int64_t at) {
     const ty_ray* ray = &job->rays[at];
     const ty_vec origin = ty_vec_load(ray->origin), direction = ty_vec_load(ray->direction);
     if (job->hits == NULL) {
-        job->shadowed[at] = ty_mesh_occluded(job->mesh, origin, direction, ray->far);
+        job->shadowed[at] = ty_accel_occluded(job->mesh, origin, direction, ray->far);
         return;
     }
     ty_hit hit = {.distance = ray->far, .surface = -1};
-    ty_mesh_intersect(job->mesh, origin, direction, ray->far, &hit);
+    ty_accel_intersect(job->mesh, origin, direction, ray->far, &hit);
     memcpy(&job->hits[at], &hit, sizeof hit);
 }
 
@@ -77,11 +77,13 @@ static ty_result trace(const ty_scene* scene, trace_job job) {
     return TY_OK;
 }
 
-ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, bool coherent, ty_ray_hit* hits) {
-    return trace(scene, (trace_job){.rays = rays, .count = count, .coherent = coherent, .hits = hits});
+ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, ty_ray_order order,
+                         ty_ray_hit* hits) {
+    return trace(scene, (trace_job){.rays = rays, .count = count, .coherent = order == TY_RAYS_COHERENT, .hits = hits});
 }
 
-ty_result ty_scene_trace_shadows(const ty_scene* scene, const ty_ray* rays, int64_t count, bool coherent,
+ty_result ty_scene_trace_shadows(const ty_scene* scene, const ty_ray* rays, int64_t count, ty_ray_order order,
                                  bool* shadowed) {
-    return trace(scene, (trace_job){.rays = rays, .count = count, .coherent = coherent, .shadowed = shadowed});
+    return trace(
+        scene, (trace_job){.rays = rays, .count = count, .coherent = order == TY_RAYS_COHERENT, .shadowed = shadowed});
 }

@@ -7,7 +7,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     ty_context* context = fuzz_context(&used);
     ty_model model;
     const ty_result result = ty_read_gltf(context, "fuzz.glb", NULL, bytes, size, TY_MODEL_ALL, &model);
-    if ((result == TY_OK) != (ty_last_error(context)[0] == '\0')) abort();
+    if ((result == TY_OK) != (ty_take_error(context)[0] == '\0')) abort();
     if (result == TY_OK && !model_is_whole(&model)) abort();
     ty_model_free(&model);
     fuzz_finish(context, &used);

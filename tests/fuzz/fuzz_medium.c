@@ -25,7 +25,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     ty_context* context = fuzz_context(&used);
     ty_medium_def medium = ty_default_medium_def();
     const ty_result result = ty_medium_parse(context, text, &medium);
-    if ((result == TY_OK) != (ty_last_error(context)[0] == '\0')) abort();
+    if ((result == TY_OK) != (ty_take_error(context)[0] == '\0')) abort();
     if (result == TY_OK) check_taken(context, &medium);
     fuzz_finish(context, &used);
     return 0;

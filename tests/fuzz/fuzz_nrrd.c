@@ -14,7 +14,7 @@ static void read_all(ty_context* context, const char* path) {
     if (ty_volume_components(context, path, &def, &components) != TY_OK) return;
     for (def.component = 0; def.component < components && def.component < 4; ++def.component) {
         ty_grid* grid = NULL;
-        if (ty_volume_read(context, path, &def, &grid) == TY_OK) ty_grid_destroy(grid);
+        if (ty_volume_read(context, path, &def, &grid) == TY_OK) ty_grid_release(grid);
     }
 }
 

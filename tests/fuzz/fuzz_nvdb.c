@@ -25,7 +25,7 @@ static void read_all(ty_context* context, const char* path) {
         if (ty_volume_components(context, path, &def, &components) != TY_OK) continue;
         for (def.component = 0; def.component < components; ++def.component) {
             ty_grid* grid = NULL;
-            if (ty_volume_read(context, path, &def, &grid) == TY_OK) ty_grid_destroy(grid);
+            if (ty_volume_read(context, path, &def, &grid) == TY_OK) ty_grid_release(grid);
         }
     }
 }
@@ -49,7 +49,7 @@ static const uint8_t* plain_file(size_t* size) {
     if (ty_grid_create(context, &def, &grid) != TY_OK ||
         ty_nanovdb_write(context, grid, "density", "none", path) != TY_OK)
         abort();
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     fuzz_finish(context, &used);
     FILE* stream = fopen(path, "rb");
     if (stream == NULL) abort();

@@ -22,7 +22,7 @@ static void read_materials(ty_context* context, const uint8_t* bytes, size_t siz
     if (result == TY_OK && !model_is_whole(&model)) abort();
     ty_model_free(&model);
     free(text);
-    ty_clear_error(context);
+    ty_take_error(context);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
@@ -35,7 +35,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     char* text = copy_text(bytes, length);
     ty_model model;
     const ty_result result = ty_read_obj(context, "fuzz.obj", NULL, (const uint8_t*)text, length, TY_MODEL_ALL, &model);
-    if ((result == TY_OK) != (ty_last_error(context)[0] == '\0')) abort();
+    if ((result == TY_OK) != (ty_take_error(context)[0] == '\0')) abort();
     if (result == TY_OK && !model_is_whole(&model)) abort();
     ty_model_free(&model);
     fuzz_finish(context, &used);

@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     text[size] = 0; /* as files that are read end */
     ty_model model;
     const ty_result result = ty_read_ply(context, "fuzz.ply", text, size, TY_MODEL_ALL, &model);
-    if ((result == TY_OK) != (ty_last_error(context)[0] == '\0')) abort();
+    if ((result == TY_OK) != (ty_take_error(context)[0] == '\0')) abort();
     if (result == TY_OK && !model_is_whole(&model)) abort();
     ty_model_free(&model);
     fuzz_finish(context, &used);

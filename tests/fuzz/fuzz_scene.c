@@ -49,7 +49,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (ty_context_create(&def, &context) != TY_OK) return 0;
     ty_scene* scene = NULL;
     const ty_result result = ty_scene_parse(context, (const char*)data, size, "fuzz", NULL, overrides, count, &scene);
-    if ((result == TY_OK) != (scene != NULL) || (result == TY_OK) != (ty_last_error(context)[0] == '\0')) abort();
+    if ((result == TY_OK) != (scene != NULL) || (result == TY_OK) != (ty_take_error(context)[0] == '\0')) abort();
     ty_scene_destroy(scene);
     ty_context_destroy(context);
     if (used != 0) abort();

@@ -14,11 +14,11 @@ static void read_all(ty_context* context, const char* path) {
     if (ty_vdb_list(context, path, entries, 4, &count) != TY_OK) return;
     for (int32_t i = 0; i < count && i < 4; ++i) {
         ty_grid* grid = NULL;
-        if (ty_vdb_read(context, path, entries[i].name, &grid) == TY_OK) ty_grid_destroy(grid);
+        if (ty_vdb_read(context, path, entries[i].name, &grid) == TY_OK) ty_grid_release(grid);
         ty_volume_def def = ty_default_volume_def();
         def.grid = entries[i].name;
         def.component = 2;
-        if (ty_volume_read(context, path, &def, &grid) == TY_OK) ty_grid_destroy(grid);
+        if (ty_volume_read(context, path, &def, &grid) == TY_OK) ty_grid_release(grid);
     }
 }
 

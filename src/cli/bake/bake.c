@@ -1,4 +1,4 @@
-/* tyndall bake: light on meshes and at points, computed once and kept. */
+/* tyndall bake: precomputed light on meshes and at points. */
 #define _GNU_SOURCE
 #include "cli/bake/bake.h"
 #include "cli/commands.h"
@@ -17,7 +17,7 @@ static bool is_mesh_file(const char* path) {
     return false;
 }
 
-/* A scene of nothing but a mesh file, which overrides may give lights and media. */
+/* Wraps a single mesh file as a scene; overrides can add lights and media. */
 static ty_result load_mesh_file(cli_session* session, const bake_options* options, ty_scene** out) {
     const char* slash = strrchr(options->scene, '/');
     const size_t folder_length = slash == NULL ? 0 : (size_t)(slash - options->scene) + 1;
@@ -28,7 +28,7 @@ static ty_result load_mesh_file(cli_session* session, const bake_options* option
     if (file != NULL && folder != NULL) {
         json_writer json = json_begin(file);
         json_open_object(&json, NULL);
-        json_integer(&json, "tyndall", 1);
+        json_int(&json, "tyndall", 1);
         json_open_array(&json, "geometry");
         json_open_object(&json, NULL);
         json_text(&json, "file", options->scene + folder_length);
@@ -98,7 +98,7 @@ static ty_result make_cache(bake_run* run) {
     return TY_OK;
 }
 
-/* Whether anything is left to bake. */
+/* True while any unit is unfinished. */
 static bool has_work(const bake_run* run) {
     for (int32_t i = 0; i < run->plan.count; ++i)
         if (!run->plan.units[i].done) return true;
@@ -138,7 +138,7 @@ static void print_closing_lines(const bake_run* run) {
     printf("%s\nwrote %s/bake.json and what it lists\n", run->complete ? "" : ", interrupted", run->options->folder);
 }
 
-/* The exit status. */
+/* Returns the exit status. */
 static int finish(bake_run* run, ty_result result) {
     cli_progress_clear(&run->session->progress);
     if (result != TY_OK && result != TY_CANCELLED) return cli_fail_running(run->session, result);
@@ -197,7 +197,7 @@ static int load_and_bake(cli_session* session, const bake_options* options) {
 
 /* ---- Options ---- */
 
-/* "8,4,8" */
+/* Parses "8,4,8". */
 static bool parse_counts(const char* text, int32_t counts[3]) {
     char rest;
     int values[3];
@@ -224,7 +224,7 @@ static int check_options(bake_options* options) {
 
 int cli_bake(int count, char** arguments) {
     const ty_atlas_def atlas = ty_default_atlas_def();
-    bake_options options = {.sh = 3, .padding = atlas.padding, .density = atlas.density};
+    bake_options options = {.cells = 32, .cell_paths = 64, .sh = 3, .padding = atlas.padding, .density = atlas.density};
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
         {"method", 0, CLI_CHOICE, "cache|impulse|attenuation|surfaces|path", "how media count (default cache)",

@@ -1,4 +1,4 @@
-/* tyndall bake: what its parts share. A bake is a list of units, each of which is baked and written whole. */
+/* tyndall bake: shared types. A bake is a list of units, each of which is baked and written as one. */
 #ifndef TY_CLI_BAKE_H
 #define TY_CLI_BAKE_H
 
@@ -13,28 +13,28 @@ typedef struct bake_options {
     int method, quality;
     int32_t spp, bounces, scatterings, cells, cell_paths, sh, padding, size[2], grid[3];
     double error, density, grid_spacing;
-    const char* grid_text; /* --grid as given */
+    const char* grid_text; /* the argument of --grid */
     bool spp_given, no_back_scattering, lightmaps, vertices, resume, dry_run;
     cli_list overrides;
 } bake_options;
 
 typedef enum bake_kind { BAKE_LIGHTMAP, BAKE_VERTICES, BAKE_GRID, BAKE_PROBES } bake_kind;
 
-/* What is baked and written in one go: the primitives of a node, or all points of a grid or a file. */
+/* A unit, baked and written at once: the primitives of a node, or all points of a grid or a file. */
 typedef struct bake_unit {
     bake_kind kind;
     int32_t first, count;      /* meshes of the scene */
-    char name[BAKE_NAME_SIZE]; /* of its files, without extension */
+    char name[BAKE_NAME_SIZE]; /* file name without extension */
     int32_t size[2];           /* pixels of the image, lightmaps and vertices */
-    int64_t receivers;         /* about, for lightmaps that are not baked yet */
-    double bytes;              /* while it is baked, about */
+    int64_t receivers;         /* estimate for lightmaps that are not baked yet */
+    double bytes;              /* estimated peak memory of the bake, bytes */
     bool done, resumed;
-    bool apart; /* lightmaps: its primitives' charts overlap, and each has an image of its own */
+    bool overlapping; /* lightmaps: the primitives' charts overlap, so each primitive has its own image */
     double seconds, mean_samples;
     int64_t paths, rays;
 } bake_unit;
 
-/* Where the probes of a light grid are: origin + spacing * (x, y, z). */
+/* Probe positions of a light grid: origin + spacing * (x, y, z). */
 typedef struct bake_grid {
     int32_t size[3];
     double origin[3], spacing[3];
@@ -44,29 +44,29 @@ typedef struct bake_plan {
     bake_unit* units;
     int32_t count, capacity;
     bake_grid grid;
-    float* probes; /* of --probes */
+    float* probes; /* points of --probes, 3 floats each */
     int64_t probe_count;
-    int32_t lightmapped, by_vertex; /* meshes */
+    int32_t lightmapped, by_vertex; /* number of meshes */
     int64_t receivers, texels;
-    double bytes;             /* of the largest unit */
-    ty_bake_cache_info cache; /* bytes 0: there will be none */
+    double bytes;             /* memory of the largest unit, bytes */
+    ty_bake_cache_info cache; /* files to be written; bytes 0: none */
 } bake_plan;
 
 /* A glTF file whose meshes are baked by vertex. */
 typedef struct bake_copy {
     const char* file;
-    char name[BAKE_NAME_SIZE]; /* of its copy in the folder */
-    double scale;              /* irradiance times it is the colour */
+    char name[BAKE_NAME_SIZE]; /* file name of the copy in the folder */
+    double scale;              /* color = scale * irradiance */
 } bake_copy;
 
-/* Of all units that are done. */
+/* Totals over all finished units. */
 typedef struct bake_totals {
     int32_t units_done;
     double seconds;
     int64_t paths, rays;
 } bake_totals;
 
-/* A bake under way. */
+/* The state of a running bake. */
 typedef struct bake_run {
     cli_session* session;
     const bake_options* options;
@@ -78,45 +78,45 @@ typedef struct bake_run {
     ty_impulse* tables;
     ty_bake_cache* cache;
     double table_seconds, cache_seconds, started;
-    double receivers_done, receivers_skipped; /* skipped: of units that were done before */
+    double receivers_done, receivers_skipped; /* skipped: units that an earlier run finished */
     bool complete;
     bake_totals totals;
 } bake_run;
 
 /* ---- plan.c ---- */
 
-/* Finds what is to be baked. CLI_GO, or an exit status after a message. Either way the plan is to be freed. */
+/* Lists the units to be baked. CLI_GO, or an exit status after a message. Either way the caller frees the plan. */
 int bake_make_plan(bake_run* run);
 void bake_free_plan(cli_session* session, bake_plan* plan);
 void bake_print_plan(const bake_run* run);
 /* A mesh's name for messages and files. */
 const char* bake_mesh_name(const ty_mesh_def* mesh);
-/* The file names of a unit: part -1 for all of it together, or one primitive of a lightmap. */
-void bake_image_path(const bake_run* run, const bake_unit* unit, int32_t part, const char* extension,
+/* The file names of a unit: primitive -1 for the whole unit, or one primitive of a lightmap. */
+void bake_image_path(const bake_run* run, const bake_unit* unit, int32_t primitive, const char* extension,
                      char path[BAKE_PATH_SIZE]);
 
 /* ---- unit.c ---- */
 
 /* Bakes a unit and writes its images. TY_CANCELLED: nothing was written. */
 ty_result bake_unit_run(bake_run* run, bake_unit* unit);
-/* A ty_progress_fn of the whole work; user is the bake_run. */
+/* A ty_progress_fn over the whole bake; user is the bake_run. */
 bool bake_report_progress(void* user, const ty_progress* progress);
-/* The positions of a grid's probes, 3 floats each, to be freed; NULL: no memory. */
+/* The probe positions of a grid, 3 floats each; the caller frees them. NULL: no memory. */
 float* bake_grid_points(const bake_grid* grid);
 
 /* ---- merge.c ---- */
 
-/* Joins the lightmaps of a mesh's primitives, which share a map, into the first. *apart: their charts overlap, and
- * nothing was done. */
-ty_result bake_merge(ty_image* const* images, int32_t count, bool* apart);
+/* Merges the lightmaps of a mesh's primitives, which share a map, into the first. *overlapping: their charts overlap,
+ * and nothing was merged. */
+ty_result bake_merge(ty_image* const* images, int32_t count, bool* overlapping);
 
 /* ---- colors.c ---- */
 
-/* The copies that the plan asks for, to be freed; NULL: no memory. */
+/* The glTF copies of the plan; the caller frees them. NULL: no memory. */
 bake_copy* bake_list_copies(const bake_run* run, int32_t* count);
-/* Whether none of them would take its original's place: CLI_GO, or CLI_USAGE after a message. */
+/* Checks that no copy would overwrite its original: CLI_GO, or CLI_USAGE after a message. */
 int bake_check_copies(const bake_run* run);
-/* Writes them, and sets their scales. */
+/* Writes the copies and sets their scales. */
 int bake_write_colors(bake_run* run);
 
 /* ---- state.c ---- */
@@ -127,10 +127,10 @@ ty_result bake_write_state(const bake_run* run);
 
 /* ---- sidecar.c ---- */
 
-/* bake.json. */
+/* Writes bake.json. */
 ty_result bake_write_sidecar(bake_run* run);
 ty_result bake_write_probes(bake_run* run, const ty_bake_probe* probes);
-/* For --stats, which are written when the plan is gone. */
+/* The report for --stats, which are written after the plan is freed. */
 void bake_count_totals(bake_run* run);
 void bake_report_stats(json_writer* json, const void* user);
 extern const char* const bake_method_names[TY_BAKE_PATH + 1];

@@ -1,4 +1,4 @@
-/* tyndall bake: copies of glTF files with light at their vertices. */
+/* tyndall bake: copies of glTF files with vertex colors from the baked irradiance. */
 #include "cli/bake/bake.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* ---- Which files ---- */
+/* ---- File names ---- */
 
 /* The glTF file of a unit that was baked by vertex, or NULL. */
 static const char* file_of(const bake_run* run, const bake_unit* unit) {
@@ -21,7 +21,7 @@ static bool is_listed(const bake_copy* copies, int32_t count, const char* file) 
     return false;
 }
 
-/* The file's own name with .glb, numbered when several have it. */
+/* The base name of the file with .glb, numbered where several files have the same name. */
 static void name_copy(const bake_copy* copies, int32_t count, const char* file, char name[BAKE_NAME_SIZE]) {
     const char* slash = strrchr(file, '/');
     const char* start = slash == NULL ? file : slash + 1;
@@ -49,9 +49,9 @@ bake_copy* bake_list_copies(const bake_run* run, int32_t* count) {
     return copies;
 }
 
-/* ---- Colours ---- */
+/* ---- Vertex colors ---- */
 
-/* Irradiance at the vertices of a unit, as its image has it, 3 per vertex, to be freed. */
+/* Irradiance at the vertices of a unit, read from its image, 3 floats per vertex; the caller frees it. */
 static ty_result read_light(const bake_run* run, const bake_unit* unit, float** out) {
     char path[BAKE_PATH_SIZE];
     ty_image* image = NULL;
@@ -69,9 +69,9 @@ static ty_result read_light(const bake_run* run, const bake_unit* unit, float** 
     return !fits ? TY_ERROR_INTERNAL : light == NULL ? TY_ERROR_MEMORY : TY_OK;
 }
 
-/* What the copy of one file is made of. */
+/* The sources of one file's copy. */
 typedef struct colors {
-    float** light; /* per unit; NULL: not of this file */
+    float** light; /* per unit; NULL: the unit belongs to another file */
     ty_mesh_colors* meshes;
     int64_t count;
     float largest;
@@ -91,7 +91,7 @@ static ty_result add_unit(const bake_run* run, int32_t index, colors* all) {
     return result;
 }
 
-/* So that the brightest is 1, which is the most that a colour may be. */
+/* Normalization: the brightest component becomes 1, the maximum of a glTF vertex color. */
 static void scale_light(const bake_run* run, colors* all, double scale) {
     for (int32_t u = 0; u < run->plan.count; ++u)
         for (int64_t i = 0; all->light[u] != NULL && i < 3 * run->plan.units[u].receivers; ++i)

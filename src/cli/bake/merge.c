@@ -1,9 +1,9 @@
-/* tyndall bake: one lightmap from those of a mesh's primitives. */
+/* tyndall bake: merging the lightmaps of a mesh's primitives into one. */
 #include "cli/bake/bake.h"
 
 #include <string.h>
 
-/* More texels than this part of a primitive's own that another one covers, too: they do not share a map. */
+/* Two primitives do not share a map if more than this fraction of a primitive's texels is covered by the other, too. */
 static const double overlap_tolerance = 0.05;
 
 static size_t pixel_count(const ty_image* image) {
@@ -15,7 +15,7 @@ static const float* coverage_of(const ty_image* image) {
     return channel < 0 ? NULL : ty_image_plane_const(image, channel);
 }
 
-/* Whether two primitives claim the same texels whole. */
+/* True if the charts of two primitives overlap. */
 static bool overlap(const ty_image* a, const ty_image* b) {
     const float *of_a = coverage_of(a), *of_b = coverage_of(b);
     double own_a = 0, own_b = 0, common = 0;
@@ -27,34 +27,34 @@ static bool overlap(const ty_image* a, const ty_image* b) {
     return common > overlap_tolerance * (own_a < own_b ? own_a : own_b);
 }
 
-/* Whether a texel has light: padding has, without coverage. */
+/* True if a texel holds irradiance; padding does without coverage. */
 static bool is_filled(const ty_image* image, size_t texel) {
     for (int32_t channel = 0; channel < ty_image_channel_count(image); ++channel)
         if (ty_image_plane_const(image, channel)[texel] != 0) return true;
     return false;
 }
 
-/* Whose a texel is: that of the primitive which covers most of it, or else the first whose padding reaches it. */
+/* The owner of a texel: the primitive with the largest coverage, or else the first whose padding reaches it. */
 static int32_t find_owner(ty_image* const* images, int32_t count, size_t texel) {
     int32_t owner = 0;
-    float most = 0;
-    for (int32_t part = 0; part < count; ++part) {
-        const float covered = coverage_of(images[part])[texel];
-        if (covered > most) owner = part;
-        most = covered > most ? covered : most;
+    float max_coverage = 0;
+    for (int32_t primitive = 0; primitive < count; ++primitive) {
+        const float covered = coverage_of(images[primitive])[texel];
+        if (covered > max_coverage) owner = primitive;
+        max_coverage = covered > max_coverage ? covered : max_coverage;
     }
-    for (int32_t part = 0; most == 0 && part < count; ++part)
-        if (is_filled(images[part], texel)) return part;
+    for (int32_t primitive = 0; max_coverage == 0 && primitive < count; ++primitive)
+        if (is_filled(images[primitive], texel)) return primitive;
     return owner;
 }
 
-ty_result bake_merge(ty_image* const* images, int32_t count, bool* apart) {
-    *apart = false;
-    for (int32_t part = 0; part < count; ++part)
-        if (coverage_of(images[part]) == NULL) return TY_ERROR_INTERNAL;
-    for (int32_t a = 0; a < count && !*apart; ++a)
-        for (int32_t b = 0; b < a && !*apart; ++b) *apart = overlap(images[a], images[b]);
-    for (size_t texel = 0; !*apart && count > 1 && texel < pixel_count(images[0]); ++texel) {
+ty_result bake_merge(ty_image* const* images, int32_t count, bool* overlapping) {
+    *overlapping = false;
+    for (int32_t primitive = 0; primitive < count; ++primitive)
+        if (coverage_of(images[primitive]) == NULL) return TY_ERROR_INTERNAL;
+    for (int32_t a = 0; a < count && !*overlapping; ++a)
+        for (int32_t b = 0; b < a && !*overlapping; ++b) *overlapping = overlap(images[a], images[b]);
+    for (size_t texel = 0; !*overlapping && count > 1 && texel < pixel_count(images[0]); ++texel) {
         const int32_t owner = find_owner(images, count, texel);
         for (int32_t channel = 0; owner > 0 && channel < ty_image_channel_count(images[0]); ++channel)
             ty_image_plane(images[0], channel)[texel] = ty_image_plane_const(images[owner], channel)[texel];

@@ -1,4 +1,4 @@
-/* tyndall bake: what is baked, and what that takes. */
+/* tyndall bake: the list of units and the estimate of memory. */
 #include "cli/bake/bake.h"
 
 #include <ctype.h>
@@ -19,7 +19,7 @@ const char* bake_mesh_name(const ty_mesh_def* mesh) {
     return slash == NULL ? mesh->origin.file : slash + 1;
 }
 
-/* A file name of a mesh's name, of few characters. */
+/* A file name derived from a mesh's name, in a restricted character set. */
 static void clean_name(const char* text, char name[BAKE_NAME_SIZE]) {
     size_t used = 0;
     for (const char* at = text; *at != '\0' && used < BAKE_NAME_SIZE - 16; ++at)
@@ -28,7 +28,7 @@ static void clean_name(const char* text, char name[BAKE_NAME_SIZE]) {
     if (used == 0) snprintf(name, BAKE_NAME_SIZE, "mesh");
 }
 
-/* Names are told apart whatever the case, as some file systems do not. */
+/* Names are compared without case, because some file systems ignore it. */
 static bool is_taken(const bake_plan* plan, const char* name) {
     if (strcasecmp(name, "grid") == 0 || strcasecmp(name, "probes") == 0) return true;
     for (int32_t i = 0; i < plan->count; ++i)
@@ -44,10 +44,10 @@ static void name_unit(const bake_plan* plan, const char* text, char name[BAKE_NA
         snprintf(name, BAKE_NAME_SIZE, "%.*s_%d", BAKE_NAME_SIZE - 16, plain, number);
 }
 
-void bake_image_path(const bake_run* run, const bake_unit* unit, int32_t part, const char* extension,
+void bake_image_path(const bake_run* run, const bake_unit* unit, int32_t primitive, const char* extension,
                      char path[BAKE_PATH_SIZE]) {
     char number[16] = "";
-    if (part >= 0) snprintf(number, sizeof number, "-%d", (int)part);
+    if (primitive >= 0) snprintf(number, sizeof number, "-%d", (int)primitive);
     snprintf(path, BAKE_PATH_SIZE, "%s/%s%s%s", run->options->folder, unit->name, number, extension);
 }
 
@@ -67,19 +67,20 @@ static ty_result add_unit(bake_plan* plan, const bake_unit* unit) {
     return TY_OK;
 }
 
-/* Whether a mesh belongs to the node that the one before it does. */
+/* True if a mesh belongs to the same node as the preceding mesh. */
 static bool same_node(const ty_mesh_def* a, const ty_mesh_def* b) {
     return a->origin.node >= 0 && a->origin.node == b->origin.node && a->origin.file != NULL &&
            b->origin.file != NULL && strcmp(a->origin.file, b->origin.file) == 0;
 }
 
 static bool by_lightmap(const bake_options* options, const ty_mesh_def* mesh) {
-    if (options->lightmaps && !options->vertices) return true; /* without coordinates: an error that says so */
+    if (options->lightmaps && !options->vertices)
+        return true; /* a mesh without texture coordinates fails here with an error */
     if (options->vertices && !options->lightmaps) return false;
     return mesh->uv[1] != NULL;
 }
 
-/* All primitives of a node have maps of one size, that of the largest. */
+/* All primitives of a node have lightmaps of the same size, that of the largest. */
 static ty_result plan_lightmap(bake_run* run, bake_unit* unit) {
     ty_atlas_def def = ty_default_atlas_def();
     def.density = run->options->density;
@@ -104,7 +105,7 @@ static ty_result plan_lightmap(bake_run* run, bake_unit* unit) {
         def.width = unit->size[0];
         def.height = unit->size[1];
         unit->receivers = (int64_t)texels;
-        /* The images of primitives that are done wait for the others. */
+        /* The images of finished primitives stay in memory until the last primitive is done. */
         unit->bytes = bytes + (unit->count - 1) * 29.0 * sizeof(float) * unit->size[0] * unit->size[1];
     }
     run->plan.texels += (int64_t)unit->size[0] * unit->size[1];
@@ -150,7 +151,7 @@ static ty_result plan_meshes(bake_run* run) {
 
 /* ---- Points ---- */
 
-/* The box around all meshes, or around whatever has a place. */
+/* The bounds of all meshes, or else of everything with a position. */
 static ty_result find_box(const ty_scene* scene, double lower[3], double upper[3]) {
     const ty_scene_info info = ty_scene_get_info(scene);
     for (int a = 0; a < 3; ++a) {
@@ -169,7 +170,7 @@ static ty_result find_box(const ty_scene* scene, double lower[3], double upper[3
     return TY_OK;
 }
 
-/* Probes stand in the middles of equal cells of the box; with a spacing, of as many as it takes to cover it. */
+/* Probes are at the centers of equal cells of the box; a given spacing sets the number of cells that covers it. */
 static int place_grid(const bake_options* options, const double lower[3], const double upper[3], bake_grid* grid) {
     for (int a = 0; a < 3; ++a) {
         const double extent = upper[a] - lower[a];
@@ -197,7 +198,7 @@ static double probe_bytes(const bake_options* options, double channels) {
 static int plan_grid(bake_run* run) {
     double lower[3], upper[3];
     if (!ty_scene_get_info(run->scene).bounded)
-        return cli_fail(CLI_USAGE, "--grid: nothing in %s has a place that a grid could cover", run->options->scene);
+        return cli_fail(CLI_USAGE, "--grid: nothing in %s has a position for a grid to cover", run->options->scene);
     ty_result result = find_box(run->scene, lower, upper);
     if (result != TY_OK) return cli_fail_running(run->session, result);
     const int status = place_grid(run->options, lower, upper, &run->plan.grid);
@@ -220,7 +221,7 @@ static int plan_probes(bake_run* run) {
     return result == TY_OK ? CLI_GO : cli_fail_running(run->session, result);
 }
 
-/* ---- The whole ---- */
+/* ---- Plan ---- */
 
 static bool wants_grid(const bake_options* options) {
     return options->grid_text != NULL || options->grid_spacing > 0;
@@ -246,7 +247,7 @@ int bake_make_plan(bake_run* run) {
 }
 
 void bake_free_plan(cli_session* session, bake_plan* plan) {
-    if (plan->probes != NULL) ty_points_free(session->context, plan->probes, plan->probe_count);
+    if (plan->probes != NULL) ty_points_destroy(session->context, plan->probes, plan->probe_count);
     free(plan->units);
 }
 

@@ -1,4 +1,4 @@
-/* tyndall bake: bake.json and probes.json, which say what was baked, where, and in what units. */
+/* tyndall bake: bake.json and probes.json, which list the baked objects, their files and their units. */
 #include "cli/bake/bake.h"
 #include "cli/text_file.h"
 
@@ -25,8 +25,8 @@ static void put_harmonics(json_writer* json, const bake_run* run) {
     json_text(json, "condon_shortley", "none");
     json_text(json, "index", "l (l + 1) + m");
     json_text(json, "first_order", "1: y, 2: z, 3: x, each sqrt(3 / (4 pi)) times the coordinate");
-    json_integer(json, "order", run->options->sh);
-    json_integer(json, "terms", run->options->sh * run->options->sh);
+    json_int(json, "order", run->options->sh);
+    json_int(json, "terms", run->options->sh * run->options->sh);
     json_close_object(json);
 }
 
@@ -51,7 +51,7 @@ static void put_probe(json_writer* json, const bake_run* run, const float positi
     json_open_object(json, NULL);
     json_numbers(json, "position", (const double[]){(double)position[0], (double)position[1], (double)position[2]}, 3);
     json_number(json, "blocked", (double)probe->blocked);
-    json_integer(json, "samples", probe->samples);
+    json_int(json, "samples", probe->samples);
     json_numbers(json, "variance",
                  (const double[]){(double)probe->variance[0], (double)probe->variance[1], (double)probe->variance[2]},
                  3);
@@ -68,7 +68,7 @@ static ty_result print_probes(ty_context* context, FILE* file, const void* user)
     const probe_set* set = user;
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
-    json_integer(&json, "tyndall_probes", 1);
+    json_int(&json, "tyndall_probes", 1);
     put_conventions(&json, set->run);
     put_harmonics(&json, set->run);
     json_open_array(&json, "probes");
@@ -93,9 +93,9 @@ static void put_cache(json_writer* json, const bake_run* run) {
     json_open_object(json, "cache");
     json_numbers(json, "cells", (const double[]){info.size[0], info.size[1], info.size[2]}, 3);
     json_number(json, "cell", info.cell);
-    json_integer(json, "filled", info.filled);
-    json_integer(json, "paths", info.paths);
-    json_integer(json, "rays", info.rays);
+    json_int(json, "filled", info.filled);
+    json_int(json, "paths", info.paths);
+    json_int(json, "rays", info.rays);
     json_number(json, "bytes", info.bytes);
     json_number(json, "seconds", info.seconds);
     json_close_object(json);
@@ -104,16 +104,16 @@ static void put_cache(json_writer* json, const bake_run* run) {
 static void put_options(json_writer* json, const bake_run* run) {
     const bake_options* options = run->options;
     json_text(json, "method", bake_method_names[options->method]);
-    json_integer(json, "spp", run->def.spp);
+    json_int(json, "spp", run->def.spp);
     json_number(json, "error", run->def.error);
-    json_integer(json, "bounces", run->def.bounces);
-    json_integer(json, "scatterings", run->def.scatterings);
+    json_int(json, "bounces", run->def.bounces);
+    json_int(json, "scatterings", run->def.scatterings);
     if (run->cache != NULL) put_cache(json, run);
     json_bool(json, "back_scattering", run->def.back_scattering);
     json_unsigned(json, "seed", run->def.seed);
 }
 
-/* The meshes of a unit, and with vertices where each begins. */
+/* The meshes of a unit; for vertex bakes also the first index of each. */
 static void put_meshes(json_writer* json, const bake_run* run, const bake_unit* unit, int32_t first, int32_t count) {
     int64_t at = 0;
     json_open_array(json, "meshes");
@@ -122,14 +122,14 @@ static void put_meshes(json_writer* json, const bake_run* run, const bake_unit* 
         if (ty_scene_get_mesh(run->scene, i, &mesh) != TY_OK) break;
         json_open_object(json, NULL);
         json_text(json, "name", bake_mesh_name(&mesh));
-        json_integer(json, "index", i);
+        json_int(json, "index", i);
         if (mesh.origin.file != NULL) json_text(json, "source", mesh.origin.file);
-        if (mesh.origin.node >= 0) json_integer(json, "node", mesh.origin.node);
-        if (mesh.origin.node >= 0) json_integer(json, "primitive", mesh.origin.primitive);
+        if (mesh.origin.node >= 0) json_int(json, "node", mesh.origin.node);
+        if (mesh.origin.node >= 0) json_int(json, "primitive", mesh.origin.primitive);
         if (unit->kind == BAKE_VERTICES) {
-            json_integer(json, "first_pixel", at);
-            json_integer(json, "first_vertex", mesh.origin.first_vertex);
-            json_integer(json, "vertices", mesh.vertex_count);
+            json_int(json, "first_pixel", at);
+            json_int(json, "first_vertex", mesh.origin.first_vertex);
+            json_int(json, "vertices", mesh.vertex_count);
         }
         at += mesh.vertex_count;
         json_close_object(json);
@@ -146,21 +146,22 @@ static void put_grid(json_writer* json, const bake_run* run) {
     json_text(json, "validity", "blocked.Z: the fraction of rays that met the back of a surface; near 1 within walls");
 }
 
-static void put_file(json_writer* json, const bake_run* run, const bake_unit* unit, int32_t part) {
+static void put_file(json_writer* json, const bake_run* run, const bake_unit* unit, int32_t primitive_index) {
     static const char* const kinds[] = {"lightmap", "vertices", "grid", "probes"};
     char number[16] = "", name[BAKE_NAME_SIZE + 32];
-    if (part >= 0) snprintf(number, sizeof number, "-%d", (int)part);
+    if (primitive_index >= 0) snprintf(number, sizeof number, "-%d", (int)primitive_index);
     snprintf(name, sizeof name, "%s%s.%s", unit->name, number, unit->kind == BAKE_PROBES ? "json" : "exr");
     json_open_object(json, NULL);
     json_text(json, "file", name);
     json_text(json, "kind", kinds[unit->kind]);
-    if (unit->kind != BAKE_PROBES) json_integer(json, "width", unit->size[0]);
-    if (unit->kind != BAKE_PROBES) json_integer(json, "height", unit->size[1]);
+    if (unit->kind != BAKE_PROBES) json_int(json, "width", unit->size[0]);
+    if (unit->kind != BAKE_PROBES) json_int(json, "height", unit->size[1]);
     if (unit->kind == BAKE_LIGHTMAP || unit->kind == BAKE_VERTICES) {
         json_text(json, "quantity", "irradiance");
         json_text(json, "unit", "W m^-2");
         json_number(json, "scale", 1);
-        put_meshes(json, run, unit, part < 0 ? unit->first : unit->first + part, part < 0 ? unit->count : 1);
+        put_meshes(json, run, unit, primitive_index < 0 ? unit->first : unit->first + primitive_index,
+                   primitive_index < 0 ? unit->count : 1);
     }
     if (unit->kind == BAKE_GRID) put_grid(json, run);
     json_number(json, "mean_samples", unit->mean_samples);
@@ -172,8 +173,9 @@ static void put_files(json_writer* json, const bake_run* run) {
     json_open_array(json, "files");
     for (int32_t i = 0; i < run->plan.count; ++i) {
         const bake_unit* unit = &run->plan.units[i];
-        for (int32_t part = 0; unit->done && part < (unit->apart ? unit->count : 1); ++part)
-            put_file(json, run, unit, unit->apart ? part : -1);
+        for (int32_t primitive_index = 0; unit->done && primitive_index < (unit->overlapping ? unit->count : 1);
+             ++primitive_index)
+            put_file(json, run, unit, unit->overlapping ? primitive_index : -1);
     }
     for (int32_t i = 0; run->complete && i < run->copy_count; ++i) {
         json_open_object(json, NULL);
@@ -196,7 +198,7 @@ static ty_result print_sidecar(ty_context* context, FILE* file, const void* user
     snprintf(hash, sizeof hash, "%016" PRIx64, ty_scene_hash(run->scene));
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
-    json_integer(&json, "tyndall_bake", 1);
+    json_int(&json, "tyndall_bake", 1);
     json_text(&json, "version", ty_version());
     json_bool(&json, "complete", run->complete);
     json_text(&json, "scene", run->options->scene);
@@ -242,12 +244,12 @@ void bake_report_stats(json_writer* json, const void* user) {
     const bake_run* run = user;
     put_options(json, run);
     json_bool(json, "complete", run->complete);
-    json_integer(json, "units", run->plan.count);
-    json_integer(json, "units_done", run->totals.units_done);
-    json_integer(json, "receivers", run->plan.receivers);
+    json_int(json, "units", run->plan.count);
+    json_int(json, "units_done", run->totals.units_done);
+    json_int(json, "receivers", run->plan.receivers);
     json_number(json, "bytes", run->plan.bytes);
-    json_integer(json, "paths", run->totals.paths);
-    json_integer(json, "rays", run->totals.rays);
+    json_int(json, "paths", run->totals.paths);
+    json_int(json, "rays", run->totals.rays);
     json_number(json, "bake_seconds", run->totals.seconds);
     json_number(json, "table_seconds", run->table_seconds);
 }

@@ -1,4 +1,4 @@
-/* tyndall bake --resume: which units are done, in a text file beside them. */
+/* tyndall bake --resume: the list of finished units, in a text file beside their images. */
 #define _GNU_SOURCE
 #include "cli/bake/bake.h"
 #include "cli/text_file.h"
@@ -10,7 +10,7 @@
 
 static const char state_head[] = "tyndall bake state 1\n";
 
-/* What must be the same for a bake to go on, as one line. */
+/* The settings that a resumed bake must have in common with the earlier run, as one line. */
 static void make_key(const bake_run* run, char key[BAKE_KEY_SIZE]) {
     const bake_options* o = run->options;
     uint64_t probes = 0;
@@ -43,7 +43,7 @@ static ty_result print_state(ty_context* context, FILE* file, const void* user) 
     for (int32_t i = 0; i < run->plan.count; ++i) {
         const bake_unit* unit = &run->plan.units[i];
         if (unit->done)
-            fprintf(file, "unit %d %d %.17g %.17g %" PRId64 " %" PRId64 "\n", (int)i, unit->apart, unit->seconds,
+            fprintf(file, "unit %d %d %.17g %.17g %" PRId64 " %" PRId64 "\n", (int)i, unit->overlapping, unit->seconds,
                     unit->mean_samples, unit->paths, unit->rays);
     }
     return TY_OK;
@@ -55,26 +55,26 @@ ty_result bake_write_state(const bake_run* run) {
     return cli_write_text_file(run->session->context, path, print_state, run);
 }
 
-/* Whether what a unit wrote is still there. */
+/* True if all files of a finished unit still exist. */
 static bool is_there(const bake_run* run, const bake_unit* unit) {
     char path[BAKE_PATH_SIZE];
     const char* extension = unit->kind == BAKE_PROBES ? ".json" : ".exr";
-    for (int32_t i = 0; i < (unit->apart ? unit->count : 1); ++i) {
-        bake_image_path(run, unit, unit->apart ? i : -1, extension, path);
+    for (int32_t i = 0; i < (unit->overlapping ? unit->count : 1); ++i) {
+        bake_image_path(run, unit, unit->overlapping ? i : -1, extension, path);
         if (access(path, R_OK) != 0) return false;
     }
     return true;
 }
 
 static void read_line(bake_run* run, const char* line) {
-    int index = -1, apart = 0;
+    int index = -1, overlapping = 0;
     bake_unit read = {.done = true, .resumed = true};
-    if (sscanf(line, "unit %d %d %lf %lf %" SCNd64 " %" SCNd64, &index, &apart, &read.seconds, &read.mean_samples,
+    if (sscanf(line, "unit %d %d %lf %lf %" SCNd64 " %" SCNd64, &index, &overlapping, &read.seconds, &read.mean_samples,
                &read.paths, &read.rays) != 6 ||
         index < 0 || index >= run->plan.count)
         return;
     bake_unit* unit = &run->plan.units[index];
-    unit->apart = apart != 0;
+    unit->overlapping = overlapping != 0;
     if (!is_there(run, unit)) return;
     unit->done = unit->resumed = true;
     unit->seconds = read.seconds;
@@ -84,9 +84,9 @@ static void read_line(bake_run* run, const char* line) {
     run->receivers_done += (double)unit->receivers;
 }
 
-static bool take_text(const char** text, const char* wanted) {
-    const size_t length = strlen(wanted);
-    if (strncmp(*text, wanted, length) != 0) return false;
+static bool consume_text(const char** text, const char* expected_text) {
+    const size_t length = strlen(expected_text);
+    if (strncmp(*text, expected_text, length) != 0) return false;
     *text += length;
     return true;
 }
@@ -102,9 +102,9 @@ int bake_read_state(bake_run* run) {
     const char* text = (const char*)bytes;
     int status = CLI_GO;
     make_key(run, key);
-    if (!take_text(&text, state_head))
+    if (!consume_text(&text, state_head))
         status = cli_fail(CLI_USAGE, "%s: not the state of a bake; remove it to begin anew", path);
-    else if (!take_text(&text, key))
+    else if (!consume_text(&text, key))
         status = cli_fail(CLI_USAGE,
                           "%s: the state of another bake: the scene, the options or the seed were others; remove it to "
                           "begin anew",
@@ -114,6 +114,6 @@ int bake_read_state(bake_run* run) {
         text += strcspn(text, "\n");
     }
     run->receivers_skipped = run->receivers_done;
-    ty_bytes_free(run->session->context, bytes, size);
+    ty_bytes_destroy(run->session->context, bytes, size);
     return status;
 }

@@ -1,4 +1,4 @@
-/* tyndall bake: one unit, from receivers to images. */
+/* tyndall bake: computing one unit, from receivers to images. */
 #include "cli/bake/bake.h"
 
 #include <math.h>
@@ -10,18 +10,18 @@
 bool bake_report_progress(void* user, const ty_progress* progress) {
     bake_run* run = user;
     const bake_plan* plan = &run->plan;
-    double part = 0;
+    double current = 0;
     for (int32_t i = 0; i < plan->count; ++i)
         if (!plan->units[i].done) {
-            part = (double)plan->units[i].receivers;
+            current = (double)plan->units[i].receivers;
             break;
         }
-    const double whole = fmax((double)plan->receivers, 1), done = run->receivers_done + progress->fraction * part;
-    const double own = done - run->receivers_skipped, seconds = cli_wall_seconds() - run->started;
+    const double total = fmax((double)plan->receivers, 1), done = run->receivers_done + progress->fraction * current;
+    const double own_done = done - run->receivers_skipped, seconds = cli_wall_seconds() - run->started;
     const ty_progress all = {.stage = "bake",
-                             .fraction = fmin(done / whole, 1),
+                             .fraction = fmin(done / total, 1),
                              .seconds = seconds,
-                             .remaining = own > 0 ? seconds * fmax(whole - done, 0) / own : -1};
+                             .remaining = own_done > 0 ? seconds * fmax(total - done, 0) / own_done : -1};
     return cli_progress_report(&run->session->progress, &all);
 }
 
@@ -44,7 +44,7 @@ static ty_result set_metadata(const bake_run* run, const bake_unit* unit, ty_ima
     return result;
 }
 
-/* Stops that show the mean of what is lit as a middle grey. */
+/* The exposure in stops that maps the mean of the lit texels to middle grey. */
 static double preview_exposure(const ty_image* image) {
     const float* planes[3];
     double sum = 0, lit = 0;
@@ -59,15 +59,15 @@ static double preview_exposure(const ty_image* image) {
     return sum > 0 ? fmin(fmax(log2(0.4 * lit / sum), -64), 64) : 0;
 }
 
-static ty_result write_image(const bake_run* run, const bake_unit* unit, int32_t part, ty_image* image) {
+static ty_result write_image(const bake_run* run, const bake_unit* unit, int32_t primitive, ty_image* image) {
     char path[BAKE_PATH_SIZE];
     ty_context* context = run->session->context;
-    bake_image_path(run, unit, part, ".exr", path);
+    bake_image_path(run, unit, primitive, ".exr", path);
     ty_result result = set_metadata(run, unit, image);
     if (result == TY_OK) result = ty_image_write_exr(context, image, path);
     if (result != TY_OK || unit->kind == BAKE_VERTICES) return result;
-    bake_image_path(run, unit, part, ".png", path);
-    return ty_image_write_png(context, image, preview_exposure(image), true, path);
+    bake_image_path(run, unit, primitive, ".png", path);
+    return ty_image_write_png(context, image, preview_exposure(image), TY_TONE_FILMIC, path);
 }
 
 /* ---- Surfaces ---- */
@@ -78,8 +78,8 @@ static void count_stats(bake_unit* unit, const ty_bake_stats* stats, double rece
     unit->rays += stats->rays;
 }
 
-/* Light at the receivers of a mesh, to be freed; each mesh has random numbers of its own, whatever is baked beside it.
- */
+/* Irradiance at the receivers of a mesh; the caller frees it. The random sequence depends on the mesh alone, so that
+ * results do not depend on the other meshes of a bake. */
 static ty_result gather(const bake_run* run, bake_unit* unit, int32_t mesh, const ty_bake_receiver* receivers,
                         int64_t count, ty_bake_light* light) {
     ty_bake_def def = run->def;
@@ -101,10 +101,10 @@ static ty_result bake_map(const bake_run* run, bake_unit* unit, int32_t mesh, in
     if (result == TY_OK) result = ty_atlas_create(run->scene, mesh, bake_mesh_name(&described), &def, &atlas);
     if (result != TY_OK) return result;
     int64_t count = 0;
-    const ty_bake_receiver* places = ty_atlas_receivers(atlas, &count);
+    const ty_bake_receiver* targets = ty_atlas_receivers(atlas, &count);
     ty_bake_light* light = calloc((size_t)count + 1, sizeof *light);
-    result = light == NULL ? TY_ERROR_MEMORY : gather(run, unit, mesh, places, count, light);
-    if (result == TY_OK) result = ty_atlas_image(atlas, light, out);
+    result = light == NULL ? TY_ERROR_MEMORY : gather(run, unit, mesh, targets, count, light);
+    if (result == TY_OK) result = ty_atlas_create_image(atlas, light, out);
     free(light);
     ty_atlas_destroy(atlas);
     *receivers += count;
@@ -112,9 +112,9 @@ static ty_result bake_map(const bake_run* run, bake_unit* unit, int32_t mesh, in
 }
 
 static ty_result write_maps(const bake_run* run, bake_unit* unit, ty_image* const* images) {
-    ty_result result = bake_merge(images, unit->count, &unit->apart);
-    for (int32_t i = 0; i < (unit->apart ? unit->count : 1) && result == TY_OK; ++i)
-        result = write_image(run, unit, unit->apart ? i : -1, images[i]);
+    ty_result result = bake_merge(images, unit->count, &unit->overlapping);
+    for (int32_t i = 0; i < (unit->overlapping ? unit->count : 1) && result == TY_OK; ++i)
+        result = write_image(run, unit, unit->overlapping ? i : -1, images[i]);
     return result;
 }
 
@@ -131,7 +131,7 @@ static ty_result bake_lightmap(const bake_run* run, bake_unit* unit) {
     return result;
 }
 
-/* The vertices of all primitives, one after the other. */
+/* Vertex bakes: the vertices of all primitives, concatenated. */
 static ty_result gather_vertices(const bake_run* run, bake_unit* unit, ty_bake_receiver* receivers,
                                  ty_bake_light* light) {
     ty_result result = TY_OK;
@@ -154,7 +154,7 @@ static ty_result bake_vertices(const bake_run* run, bake_unit* unit) {
     ty_result result = receivers == NULL || light == NULL ? TY_ERROR_MEMORY : TY_OK;
     if (result == TY_OK) result = gather_vertices(run, unit, receivers, light);
     if (result == TY_OK)
-        result = ty_bake_light_image(run->session->context, light, unit->receivers, unit->size[0], &image);
+        result = ty_bake_create_light_image(run->session->context, light, unit->receivers, unit->size[0], &image);
     free(receivers);
     free(light);
     if (result == TY_OK) result = write_image(run, unit, -1, image);
@@ -177,8 +177,8 @@ float* bake_grid_points(const bake_grid* grid) {
 
 static ty_result write_grid(const bake_run* run, const bake_unit* unit, const ty_bake_probe* probes) {
     ty_image* image = NULL;
-    ty_result result = ty_bake_probe_image(run->session->context, probes, run->plan.grid.size,
-                                           run->options->sh * run->options->sh, &image);
+    ty_result result = ty_bake_create_probe_image(run->session->context, probes, run->plan.grid.size,
+                                                  run->options->sh * run->options->sh, &image);
     if (result == TY_OK) result = write_image(run, unit, -1, image);
     ty_image_destroy(image);
     return result;

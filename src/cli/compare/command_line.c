@@ -1,4 +1,4 @@
-/* The command lines that render images of a comparison again. */
+/* Command lines that reproduce the images of a comparison. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/compare/command_line.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A word as a shell takes it: within quotes where it has to be. */
+/* Shell quoting of a word, where needed. */
 static void print_word(FILE* file, const char* word) {
     static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_./:,=+@%";
     if (word[0] != '\0' && word[strspn(word, plain)] == '\0') {

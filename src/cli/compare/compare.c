@@ -3,8 +3,8 @@
 #include "cli/commands.h"
 #include "cli/compare/files.h"
 #include "cli/compare/measure.h"
+#include "cli/compare/read.h"
 #include "cli/compare/scene.h"
-#include "cli/metadata.h"
 #include "io/scenes/builtin.h"
 
 #include <stdlib.h>
@@ -21,17 +21,6 @@ typedef struct compare_options {
 } compare_options;
 
 /* ---- images ---- */
-
-int cli_read_compared(cli_session* session, const char* path, cli_compared* out) {
-    const ty_result result = ty_image_read(session->context, path, &out->image);
-    if (result != TY_OK) return cli_fail_reading(session, result);
-    out->source = path;
-    out->seconds = out->own_seconds = out->spp = -1; /* unknown */
-    cli_metadata_number(out->image, "tyndall.seconds", &out->seconds);
-    cli_metadata_number(out->image, "tyndall.own_seconds", &out->own_seconds);
-    cli_metadata_number(out->image, "tyndall.spp", &out->spp);
-    return CLI_GO;
-}
 
 static int compare_images(cli_session* session, cli_comparison* comparison, const cli_arguments* given) {
     cli_compared* reference = &comparison->reference;
@@ -51,7 +40,7 @@ static int compare_images(cli_session* session, cli_comparison* comparison, cons
 
 /* ---- scenes ---- */
 
-/* The scene's own text, for the page; files that cannot be read again, or are very long, are left out. */
+/* The text of the scene file for the page; unreadable and very long files are left out. */
 static char* read_scene_text(cli_session* session, const char* path) {
     static const char prefix[] = "builtin:";
     if (strncmp(path, prefix, sizeof prefix - 1) == 0) {
@@ -62,11 +51,11 @@ static char* read_scene_text(cli_session* session, const char* path) {
     uint8_t* bytes = NULL;
     size_t size = 0;
     if (ty_bytes_read(session->context, path, SCENE_TEXT_MAX, &bytes, &size) != TY_OK) {
-        ty_clear_error(session->context);
+        ty_take_error(session->context);
         return NULL;
     }
     char* text = strndup((const char*)bytes, size);
-    ty_bytes_free(session->context, bytes, size);
+    ty_bytes_destroy(session->context, bytes, size);
     return text;
 }
 
@@ -132,7 +121,7 @@ static int run_comparison(cli_session* session, const cli_arguments* given, cons
     return status;
 }
 
-/* What can be known to be wrong before any work. */
+/* Checks of options that need no file. */
 static int check_options(const cli_arguments* given, const compare_options* options) {
     const cli_compare_request* scene = &options->scene;
     const bool images = is_image(given->positional[0]);
@@ -151,7 +140,7 @@ static int check_options(const cli_arguments* given, const compare_options* opti
                                scene->reference_spp_given ? "--reference-spp"
                                : options->seconds_given   ? "--reference-time"
                                                           : "--reference-noise");
-    const cli_method* methods[CLI_COMPARE_MAX];
+    const ty_method* methods[CLI_COMPARE_MAX];
     return images || cli_name_methods(scene->methods, methods) >= 0 ? CLI_GO : CLI_USAGE;
 }
 

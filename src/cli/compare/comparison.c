@@ -1,4 +1,4 @@
-/* What `tyndall compare` finds out, before anything of it is written. */
+/* The results of `tyndall compare`, independent of the output formats. */
 #include "cli/compare/comparison.h"
 
 #include <math.h>
@@ -43,10 +43,10 @@ void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size
         snprintf(out, size, ".");
         return;
     }
-    const double share = noise->rmse[3] / nearest->difference.rmse[3];
-    snprintf(out, size, ", %.2g of the smallest difference (%s, %.3g %%): %s", share, nearest->name,
+    const double fraction = noise->rmse[3] / nearest->difference.rmse[3];
+    snprintf(out, size, ", %.2g of the smallest difference (%s, %.3g %%): %s", fraction, nearest->name,
              100 * nearest->difference.relative_rmse[3],
-             share <= comparison->wanted ? "well below it." : "not well below it; more samples would tell more.");
+             fraction <= comparison->wanted ? "well below it." : "not well below it; more samples would tell more.");
 }
 
 static void free_images(cli_compared* entry) {

@@ -47,7 +47,7 @@ static void reference_json(json_writer* json, const cli_comparison* comparison) 
     json_close_object(json);
 }
 
-/* What is left of the errors when the noise of the reference is taken out. */
+/* Errors after subtraction of the reference's noise. */
 static void without_noise_json(json_writer* json, const cli_compared* entry) {
     double rmse[4], relative[4];
     for (int i = 0; i < 4; ++i) {

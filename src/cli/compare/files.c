@@ -1,4 +1,4 @@
-/* What `tyndall compare` writes. */
+/* Output files of `tyndall compare`. */
 #define _GNU_SOURCE
 #include "cli/compare/files.h"
 #include "cli/compare/page.h"
@@ -48,11 +48,12 @@ static int write_heat_maps(cli_session* session, const cli_comparison* compariso
     return status;
 }
 
-/* An image as it is shown, at the exposure of all. */
+/* A PNG view of an image at the common exposure. */
 static int write_view(cli_session* session, const cli_comparison* comparison, const cli_compared* entry) {
     char* path = cli_comparison_path(comparison->folder, "view_", entry->name, ".png");
     if (path == NULL) return CLI_FAILED;
-    const ty_result result = ty_image_write_png(session->context, entry->image, comparison->exposure, true, path);
+    const ty_result result =
+        ty_image_write_png(session->context, entry->image, comparison->exposure, TY_TONE_FILMIC, path);
     free(path);
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }

@@ -5,7 +5,7 @@
 #include <string.h>
 
 typedef struct window {
-    int32_t x0, y0, x1, y1; /* in the frame */
+    int32_t x0, y0, x1, y1; /* window in the frame */
 } window;
 
 static window common_window(const ty_image* a, const ty_image* b) {
@@ -17,7 +17,7 @@ static window common_window(const ty_image* a, const ty_image* b) {
     return (window){fa[0] > fb[0] ? fa[0] : fb[0], fa[1] > fb[1] ? fa[1] : fb[1], ax < bx ? ax : bx, ay < by ? ay : by};
 }
 
-/* The mean of what is finite of a plane of the image within the window. */
+/* The mean of the finite values of a plane within the window. */
 static double mean_within(const ty_image* image, const float* plane, const window* w) {
     int32_t frame[4];
     ty_image_get_frame(image, frame);
@@ -33,15 +33,15 @@ static double mean_within(const ty_image* image, const float* plane, const windo
     return count > 0 ? sum / (double)count : 0;
 }
 
-bool cli_sample_range(const ty_image* reference, double* fewest, double* most) {
+bool cli_sample_range(const ty_image* reference, double* min_samples, double* max_samples) {
     const int32_t channel = ty_image_find_channel(reference, "samples.N");
     if (channel < 0) return false;
     const float* plane = ty_image_plane_const(reference, channel);
     const int64_t count = (int64_t)ty_image_width(reference) * ty_image_height(reference);
-    *fewest = *most = (double)plane[0];
+    *min_samples = *max_samples = (double)plane[0];
     for (int64_t i = 0; i < count; ++i) {
-        *fewest = fmin(*fewest, (double)plane[i]);
-        *most = fmax(*most, (double)plane[i]);
+        *min_samples = fmin(*min_samples, (double)plane[i]);
+        *max_samples = fmax(*max_samples, (double)plane[i]);
     }
     return true;
 }
@@ -51,8 +51,8 @@ cli_noise cli_measure_noise(const ty_image* reference, const ty_image* other) {
     cli_noise noise = {.known = true};
     const float* planes[3];
     const window both = common_window(reference, other);
-    double fewest, most;
-    if (cli_sample_range(reference, &fewest, &most) && fewest < 2) return (cli_noise){.known = false};
+    double min_samples, max_samples;
+    if (cli_sample_range(reference, &min_samples, &max_samples) && min_samples < 2) return (cli_noise){.known = false};
     if (!ty_image_rgb_planes(reference, planes)) return (cli_noise){.known = false};
     double variance = 0, mean = 0;
     for (int c = 0; c < 3; ++c) {
@@ -74,7 +74,7 @@ static int compare(cli_session* session, const cli_comparison* comparison, const
                    ty_difference* out) {
     if (ty_image_compare(session->context, image, comparison->reference.image, 1, out) == TY_OK) return CLI_GO;
     cli_progress_clear(&session->progress);
-    return cli_fail(CLI_USAGE, "%s and %s: %s", source, comparison->reference.source, ty_last_error(session->context));
+    return cli_fail(CLI_USAGE, "%s and %s: %s", source, comparison->reference.source, ty_take_error(session->context));
 }
 
 int cli_measure_entry(cli_session* session, const cli_comparison* comparison, cli_compared* entry) {

@@ -1,4 +1,4 @@
-/* report.html of `tyndall compare`: a page that holds what was compared as data, and shows it by itself. */
+/* report.html of `tyndall compare`: a self-contained page with the compared data and the scripts that display it. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/compare/page.h"
 #include "cli/compare/files.h"
@@ -11,10 +11,10 @@
 extern const char cli_page_html_text[], cli_page_css_text[], cli_page_pixels_js_text[], cli_page_viewer_js_text[],
     cli_page_magnifier_js_text[], cli_page_charts_js_text[], cli_page_main_js_text[];
 
-/* Wider frames are shown with fewer pixels. */
+/* Wider frames are downsampled for the page. */
 enum { WIDTH_MAX = 1280 };
 
-/* Text from outside as text of the page. */
+/* Escapes untrusted text for the page. */
 static void write_escaped(FILE* file, const char* text) {
     for (const char* c = text; *c != '\0'; ++c) switch (*c) {
         case '&': fputs("&amp;", file); break;
@@ -30,16 +30,16 @@ static void print_data(FILE* file, const cli_comparison* comparison, int shrink)
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_text(&json, "version", ty_version());
-    json_integer(&json, "width", frame[2]);
-    json_integer(&json, "height", frame[3]);
-    json_integer(&json, "shrink", shrink);
+    json_int(&json, "width", frame[2]);
+    json_int(&json, "height", frame[3]);
+    json_int(&json, "shrink", shrink);
     cli_comparison_json(&json, comparison);
     cli_comparison_scene_json(&json, comparison);
     json_close_object(&json);
 }
 
-/* The members of errors.json and the frame. A < would end the element: within JSON it stands in texts alone, and may
- * be written otherwise there. */
+/* The members of errors.json and the frame. A < would end the element; in JSON it occurs in strings only, where it is
+ * escaped. */
 static ty_result write_data(FILE* file, const cli_comparison* comparison, int shrink) {
     char* text = NULL;
     size_t size = 0;

@@ -6,17 +6,17 @@
 #include <stdlib.h>
 #include <zlib.h>
 
-/* The largest value that is to be written as a half, of those below 65504. */
+/* The target of the largest value in half precision, below the maximum of 65504. */
 static const int largest_exponent = 15;
 
 typedef struct pixels {
     const float* planes[3];
     int32_t width, height, shrink;
-    int32_t columns, rows; /* of what is written */
+    int32_t columns, rows; /* exponent of the scale */
     int exponent;
 } pixels;
 
-/* Halves have few stops for small values: the largest one of the image is put near their upper end. */
+/* Half floats have few stops for small values, so the image is scaled to put its maximum near their upper end. */
 static int find_exponent(const pixels* p) {
     float largest = 0;
     for (int c = 0; c < 3; ++c)
@@ -27,7 +27,7 @@ static int find_exponent(const pixels* p) {
     return exponent - largest_exponent;
 }
 
-/* The mean over a block of pixels, those beyond the edge left out. */
+/* The mean over a block of pixels, clipped at the image border. */
 static double mean_at(const pixels* p, const float* plane, int32_t column, int32_t row) {
     const int32_t x0 = column * p->shrink, y0 = row * p->shrink;
     double sum = 0;
@@ -88,7 +88,7 @@ ty_result cli_write_page_pixels(ty_context* context, FILE* file, const ty_image*
     int32_t frame[4];
     ty_image_get_frame(image, frame);
     ty_image* filled = NULL;
-    ty_result result = ty_image_fill_frame(context, image, &filled);
+    ty_result result = ty_image_create_full_frame(context, image, &filled);
     if (result != TY_OK) return result;
     pixels p = {.width = frame[2], .height = frame[3], .shrink = shrink};
     p.columns = (frame[2] + shrink - 1) / shrink;

@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <tyndall/image.h>
 
-/* Writes an element with R, G and B of the whole frame, of means over shrink x shrink pixels: half floats of the values
- * times 2^-exponent, three planes; in each row the differences from the pixel on the left, 0, -1, 1, -2 as 0, 1, 2, 3;
- * all low bytes, then all high bytes; zlib; base64. Attributes: exponent, and the window of the frame that has pixels
- * (x, y, width, height, in pixels of the frame). Errors: TY_ERROR_MEMORY, TY_ERROR_ARGUMENT (no RGB). */
+/* Writes an element with R, G and B of the whole frame, as means over shrink x shrink pixels: half floats of value *
+ * 2^-exponent, three planes; per row the differences from the pixel on the left in zigzag code (0, -1, 1, -2 as 0, 1,
+ * 2, 3); all low bytes, then all high bytes; zlib; base64. Attributes: exponent, and the data window (x, y, width,
+ * height, in pixels of the frame). Errors: TY_ERROR_MEMORY, TY_ERROR_ARGUMENT (no RGB). */
 ty_result cli_write_page_pixels(ty_context* context, FILE* file, const ty_image* image, int32_t shrink);
 
 #endif

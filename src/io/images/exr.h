@@ -1,4 +1,4 @@
-/* What reading and writing OpenEXR share: the core C library's view of a file, and its messages. */
+/* Common parts of reading and writing OpenEXR: file access for the core C library, and error messages. */
 #ifndef TY_IO_EXR_H
 #define TY_IO_EXR_H
 
@@ -13,17 +13,17 @@ extern "C" {
 
 enum { TY_EXR_MESSAGE_SIZE = 256 };
 
-/* What the library's callbacks see. */
+/* User data of the library's callbacks. */
 typedef struct ty_exr_stream {
-    const uint8_t* bytes; /* when reading */
+    const uint8_t* bytes; /* reading */
     size_t size;
-    FILE* file; /* when writing */
+    FILE* file; /* writing */
     char message[TY_EXR_MESSAGE_SIZE];
 } ty_exr_stream;
 
-/* How to begin reading or writing; the stream must outlive it. */
+/* Initializer of a context for reading or writing; the stream must outlive it. */
 exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream);
-/* Fails with the library's first message about the stream, or with what code means. */
+/* Fails with the library's first message about the stream, or with the text of the error code. */
 ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, const ty_exr_stream* stream,
                       exr_result_t code);
 
@@ -32,8 +32,8 @@ typedef struct ty_exr_dwa_part {
     int index;
     exr_attr_box2i_t data;
     const exr_attr_chlist_t* channels;
-    int32_t first_channel; /* of the part in the image */
-    int32_t x0, y0;        /* the image's first pixel in the file's coordinates */
+    int32_t first_channel; /* index of its first channel in the image */
+    int32_t x0, y0;        /* the image's first pixel in file coordinates */
 } ty_exr_dwa_part;
 
 ty_result ty_exr_read_dwa(ty_context* context, const char* path, const ty_exr_stream* stream,

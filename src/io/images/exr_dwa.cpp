@@ -1,5 +1,5 @@
-/* The only file that sees OpenEXR's C++ library, for the one compression that its core does not decode. Exceptions end
- * here. */
+/* The only file that includes OpenEXR's C++ library, for DWA compression, which the C core does not decode. No
+ * exception leaves it. */
 #include "io/images/exr.h"
 
 extern "C" {
@@ -45,7 +45,7 @@ class memory_stream : public Imf::IStream {
     uint64_t at;
 };
 
-/* Both libraries must have understood the header alike, as the image was made for what the core found. */
+/* The data window must equal the one that the core library found, which sized the image. */
 void check_window(const Imath::Box2i& found, const exr_attr_box2i_t& expected) {
     if (found.min.x != expected.min.x || found.min.y != expected.min.y || found.max.x != expected.max.x ||
         found.max.y != expected.max.y)

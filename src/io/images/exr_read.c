@@ -1,4 +1,4 @@
-/* Reading OpenEXR: the channels of all parts as floats over the smallest window that holds every part's data. */
+/* Reading OpenEXR: the channels of all parts as floats over the union of the parts' data windows. */
 #include "io/images/exr.h"
 #include "io/images/image_file.h"
 
@@ -6,13 +6,13 @@
 
 #include <string.h>
 
-/* No larger chunks are unpacked: tiles may be far larger than the image, which takes nothing in the file. */
+/* Limit of an unpacked chunk: tiles may be declared far larger than the image at no cost in file size. */
 static uint64_t chunk_size_max(size_t file_size) {
-    const uint64_t most = (uint64_t)1 << 31, likely = ((uint64_t)1 << 26) + ((uint64_t)file_size << 10);
-    return likely < most ? likely : most;
+    const uint64_t max_size = (uint64_t)1 << 31, expected = ((uint64_t)1 << 26) + ((uint64_t)file_size << 10);
+    return expected < max_size ? expected : max_size;
 }
 
-/* A part of the file, and where its channels begin in the image. */
+/* A part of the file, and the index of its first channel in the image. */
 typedef struct part {
     int index;
     exr_storage_t storage;
@@ -30,7 +30,7 @@ typedef struct reader {
     part* parts;
     size_t part_count;
     int64_t channel_count;
-    exr_attr_box2i_t data; /* around the data windows of all parts */
+    exr_attr_box2i_t data; /* union of the data windows */
     ty_image* image;
 } reader;
 
@@ -95,7 +95,7 @@ static ty_result inspect(reader* r) {
         include(&r->data, &p->data);
         p->first_channel = (int32_t)r->channel_count;
         r->channel_count += p->channels->num_channels;
-        if (r->channel_count > TY_IMAGE_CHANNELS_MAX) break; /* which the next check reports */
+        if (r->channel_count > TY_IMAGE_CHANNELS_MAX) break; /* reported by the next check */
     }
     return ty_check_image_size(r->context, r->path, r->stream.size, side(r->data.min.x, r->data.max.x),
                                side(r->data.min.y, r->data.max.y), r->channel_count);
@@ -117,7 +117,7 @@ static ty_result set_frame(reader* r) {
 
 typedef char channel_name[TY_IMAGE_NAME_MAX + 1];
 
-/* The first part's channels keep their names, as readers that know only one part have it; those of the others become
+/* Channels of the first part keep their names, for readers that expect a single part; those of other parts become
  * "part.channel". */
 static ty_result name_channels(reader* r, channel_name* names, const char** pointers) {
     for (size_t k = 0; k < r->part_count; ++k) {
@@ -154,7 +154,7 @@ static ty_result create_image(reader* r) {
     return result == TY_OK ? set_frame(r) : result;
 }
 
-/* Decodes one chunk, whose corner is pixel (x, y) of the file's coordinates, to where it lies in the image. */
+/* Decodes one chunk with corner pixel (x, y) in file coordinates to its position in the image. */
 static ty_result read_chunk(reader* r, const part* p, const exr_chunk_info_t* info, exr_decode_pipeline_t* decode,
                             int64_t x, int64_t y) {
     const int64_t left = x - r->data.min.x, top = y - r->data.min.y;
@@ -192,7 +192,7 @@ static ty_result read_scanlines(reader* r, const part* p, exr_decode_pipeline_t*
     return TY_OK;
 }
 
-/* The full-size level only. */
+/* The full-resolution level only. */
 static ty_result read_tiles(reader* r, const part* p, exr_decode_pipeline_t* decode) {
     int32_t width = 0, height = 0;
     exr_result_t code = exr_get_tile_sizes(r->exr, p->index, 0, 0, &width, &height);
@@ -212,7 +212,7 @@ static ty_result read_tiles(reader* r, const part* p, exr_decode_pipeline_t* dec
 
 static ty_result read_part(reader* r, const part* p) {
     if (p->compression == EXR_COMPRESSION_DWAA || p->compression == EXR_COMPRESSION_DWAB) {
-        /* The C++ library takes memory for whatever sizes a header names; the core has checked them, and goes on. */
+        /* The C++ library allocates by the header's sizes, so it runs only after the core has validated them. */
         if (r->stream.message[0] != '\0') return fail(r, EXR_ERR_FILE_BAD_HEADER);
         const ty_exr_dwa_part dwa = {p->index, p->data, p->channels, p->first_channel, r->data.min.x, r->data.min.y};
         return ty_exr_read_dwa(r->context, r->path, &r->stream, &dwa, r->image);
@@ -224,7 +224,7 @@ static ty_result read_part(reader* r, const part* p) {
     return result;
 }
 
-/* Of the first part. */
+/* Metadata of the first part. */
 static ty_result read_metadata(reader* r) {
     int32_t count = 0;
     exr_get_attribute_count(r->exr, 0, &count);

@@ -1,4 +1,4 @@
-/* OpenEXR's core C interface over bytes in memory and over the file being written. */
+/* Stream callbacks of OpenEXR's core C library: bytes in memory for reading, a file for writing. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/images/exr.h"
 
@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static void keep_message(exr_const_context_t exr, exr_result_t code, const char* text) {
+static void store_message(exr_const_context_t exr, exr_result_t code, const char* text) {
     (void)code;
     void* user = NULL;
     if (exr == NULL || exr_get_user_data(exr, &user) != EXR_ERR_SUCCESS || user == NULL) return;
@@ -21,7 +21,8 @@ static int64_t read_bytes(exr_const_context_t exr, void* user, void* buffer, uin
     (void)fail;
     const ty_exr_stream* s = user;
     const uint64_t left = offset < s->size ? s->size - offset : 0;
-    const uint64_t count = size < left ? size : left; /* the header is read ahead, so short reads are no error */
+    const uint64_t count =
+        size < left ? size : left; /* the library reads ahead of the header, so short reads are no error */
     if (count > 0) memcpy(buffer, s->bytes + offset, count);
     return (int64_t)count;
 }
@@ -49,7 +50,7 @@ static int64_t write_bytes(exr_const_context_t exr, void* user, const void* buff
 
 exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream) {
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    setup.error_handler_fn = keep_message;
+    setup.error_handler_fn = store_message;
     setup.user_data = stream;
     setup.read_fn = read_bytes;
     setup.size_fn = byte_count;

@@ -9,7 +9,7 @@
 
 enum { CHANNEL_NAME_SHORT = 31 };
 
-/* The library's own step of compressing a chunk. */
+/* The library's default chunk compressor. */
 typedef struct chunk_compressor {
     exr_result_t (*compress)(exr_encode_pipeline_t* encode);
 } chunk_compressor;
@@ -39,9 +39,9 @@ static exr_result_t write_header(exr_context_t exr, const ty_image* image) {
     return code;
 }
 
-/* A chunk as long as its pixels counts as not compressed, so one that ZIP leaves at just that length, as noise does
- * now and then, must hold the pixels themselves: OpenEXR 3.1's core takes ZIP's bytes. */
-static exr_result_t compress_clearly(exr_encode_pipeline_t* encode) {
+/* A chunk with the length of its pixels counts as uncompressed. If ZIP yields exactly that length, which happens
+ * with noise, the chunk must hold the raw pixels; the core of OpenEXR 3.1 stores ZIP's bytes. */
+static exr_result_t compress_unambiguously(exr_encode_pipeline_t* encode) {
     const chunk_compressor* compressor = encode->encoding_user_data;
     const exr_result_t code = compressor->compress(encode);
     if (code == EXR_ERR_SUCCESS && encode->compressed_bytes == encode->packed_bytes)
@@ -74,7 +74,7 @@ static exr_result_t write_pixels(exr_context_t exr, const ty_image* image) {
             code = exr_encoding_choose_default_routines(exr, 0, &encode);
             compressor.compress = encode.compress_fn;
             encode.encoding_user_data = &compressor;
-            encode.compress_fn = compress_clearly;
+            encode.compress_fn = compress_unambiguously;
         }
         encoding = true;
         if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(exr, 0, &encode);

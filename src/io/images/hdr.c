@@ -1,5 +1,5 @@
-/* Radiance .hdr images (RGBE pixels, flat or run-length encoded either way), top row first. EXPOSURE lines are not
- * applied, as is the custom for environment maps. */
+/* Radiance .hdr images (RGBE; flat, old or new run-length encoding), top row first. EXPOSURE lines are ignored, as
+ * is customary for environment maps. */
 #include "io/images/image_file.h"
 
 #include "base/context.h"
@@ -13,15 +13,15 @@ typedef struct reader {
     const uint8_t* end;
 } reader;
 
-static size_t left(const reader* r) {
+static size_t bytes_left(const reader* r) {
     return (size_t)(r->end - r->at);
 }
 
 enum { LINE_SIZE = 256 };
 
-/* The next header line without its end, cut to fit; false at the end of the file. */
+/* Reads the next header line without its end, truncated to LINE_SIZE; false at the end of the file. */
 static bool next_line(reader* r, char line[LINE_SIZE]) {
-    const uint8_t* newline = left(r) > 0 ? memchr(r->at, '\n', left(r)) : NULL;
+    const uint8_t* newline = bytes_left(r) > 0 ? memchr(r->at, '\n', bytes_left(r)) : NULL;
     if (newline == NULL) return false;
     size_t length = (size_t)(newline - r->at);
     if (length > LINE_SIZE - 1) length = LINE_SIZE - 1;
@@ -32,7 +32,7 @@ static bool next_line(reader* r, char line[LINE_SIZE]) {
     return true;
 }
 
-/* "-Y 512 +X 1024", the one orientation in use. */
+/* Parses "-Y 512 +X 1024", the only orientation in use. */
 static bool parse_size(const char* line, int64_t* width, int64_t* height) {
     if (strncmp(line, "-Y ", 3) != 0) return false;
     char* rest;
@@ -58,25 +58,26 @@ static ty_result read_header(ty_context* context, const char* path, reader* r, i
     return TY_OK;
 }
 
-/* One of the four planes of a scanline: runs (128 + n, value) and stretches (n, values ...). */
+/* Reads one of the four planes of a scanline: runs (128 + n, value) and literals (n, values ...). */
 static bool read_plane(reader* r, uint8_t* rgbe, size_t width) {
     for (size_t x = 0; x < width;) {
-        if (left(r) < 2) return false;
+        if (bytes_left(r) < 2) return false;
         size_t count = *r->at++;
         const bool run = count > 128;
         if (run) count -= 128;
-        if (count == 0 || count > width - x || (!run && left(r) < count)) return false;
+        if (count == 0 || count > width - x || (!run && bytes_left(r) < count)) return false;
         for (size_t i = 0; i < count; ++i, ++x) rgbe[4 * x] = r->at[run ? 0 : i];
         r->at += run ? 1 : count;
     }
     return true;
 }
 
-/* Plain pixels, among which (1, 1, 1, n) repeats the last one n times, n << 8 times when it follows another, ... */
+/* Reads flat pixels and old run-length encoding: (1, 1, 1, n) repeats the last pixel n times, n << 8 times after
+ * another such code, and so on. */
 static bool read_pixels(reader* r, uint8_t* rgbe, size_t width) {
     unsigned shift = 0;
     for (size_t x = 0; x < width;) {
-        if (left(r) < 4) return false;
+        if (bytes_left(r) < 4) return false;
         const uint8_t* pixel = r->at;
         r->at += 4;
         if (pixel[0] != 1 || pixel[1] != 1 || pixel[2] != 1) {
@@ -94,8 +95,9 @@ static bool read_pixels(reader* r, uint8_t* rgbe, size_t width) {
 }
 
 static bool read_scanline(reader* r, uint8_t* rgbe, size_t width) {
-    /* No pixel of plain data begins like this: one of its R, G and B is at least 128. */
-    const bool planes = width >= 8 && width < 32768 && left(r) >= 4 && r->at[0] == 2 && r->at[1] == 2 && r->at[2] < 128;
+    /* Flat data cannot start this way: a normalised pixel has one of R, G and B at least 128. */
+    const bool planes =
+        width >= 8 && width < 32768 && bytes_left(r) >= 4 && r->at[0] == 2 && r->at[1] == 2 && r->at[2] < 128;
     if (!planes) return read_pixels(r, rgbe, width);
     if ((size_t)(r->at[2] << 8 | r->at[3]) != width) return false;
     r->at += 4;
@@ -125,8 +127,8 @@ ty_result ty_read_hdr(ty_context* context, const char* path, const uint8_t* byte
     ty_result result = read_header(context, path, &r, &width, &height);
     if (result == TY_OK) result = ty_check_image_size(context, path, size, width, height, 3);
     if (result != TY_OK) return result;
-    if (left(&r) < (size_t)height * 4)
-        return ty_fail(context, TY_ERROR_INPUT, "%s: cut short: %zu bytes for %lld rows", path, left(&r),
+    if (bytes_left(&r) < (size_t)height * 4)
+        return ty_fail(context, TY_ERROR_INPUT, "%s: cut short: %zu bytes for %lld rows", path, bytes_left(&r),
                        (long long)height);
     ty_image* image = NULL;
     uint8_t* rgbe = ty_alloc_array(context, (size_t)width, 4, false);

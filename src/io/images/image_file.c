@@ -1,4 +1,4 @@
-/* Reading images of any known kind. */
+/* Reading images of any supported format. */
 #include "io/images/image_file.h"
 
 #include "base/context.h"

@@ -1,4 +1,4 @@
-/* Readers of image files that are in memory; path stands for the file in messages. */
+/* Readers of image files in memory; `path` names the file in messages. */
 #ifndef TY_IO_IMAGE_FILE_H
 #define TY_IO_IMAGE_FILE_H
 
@@ -12,22 +12,22 @@ typedef enum ty_image_format {
     TY_IMAGE_JPEG
 } ty_image_format;
 
-/* Told by the first bytes. */
+/* Detects the format from the first bytes. */
 ty_image_format ty_image_format_of(const uint8_t* bytes, size_t size);
 
 ty_result ty_read_exr(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
 ty_result ty_read_hdr(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
 
-/* What PNG and JPEG files hold: rows from the top of interleaved samples of gray (1 channel), gray and alpha (2), RGB
- * (3) or RGBA (4). */
+/* Samples of a PNG or JPEG file: rows from the top, interleaved gray (1 channel), gray and alpha (2), RGB (3) or
+ * RGBA (4). */
 typedef struct ty_samples {
     int32_t width, height, channels;
-    bool wide;   /* 16-bit samples in the machine's byte order, not 8-bit ones */
+    bool wide;   /* 16-bit samples in native byte order, else 8-bit */
     void* data;  /* from ty_alloc_array */
     size_t size; /* bytes at data */
 } ty_samples;
 
-/* Takes memory for width * height * channels samples, which are not set. */
+/* Allocates width * height * channels samples, uninitialised. */
 ty_result ty_create_samples(ty_context* context, int32_t width, int32_t height, int32_t channels, bool wide,
                             ty_samples* out);
 void ty_free_samples(ty_context* context, ty_samples* samples);
@@ -35,27 +35,27 @@ void ty_free_samples(ty_context* context, ty_samples* samples);
 ty_result ty_read_png(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out);
 ty_result ty_read_jpeg(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out);
 
-/* What becomes of samples. */
+/* Conversion of samples to floats. */
 typedef enum ty_sample_use {
-    TY_SAMPLES_LINEAR = 0, /* colour is decoded from sRGB to linear, alpha is as below */
+    TY_SAMPLES_LINEAR = 0, /* color from sRGB to linear; alpha to 0..1 */
     TY_SAMPLES_RAW = 1,    /* 0..1 */
     TY_SAMPLES_WHOLE = 2   /* 0..255 or 0..65535 */
 } ty_sample_use;
 
-/* Channels R, G, B or Y, and A where there is one. */
+/* Channels R, G, B or Y, and A if present. */
 ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, ty_sample_use use, ty_image** out);
 
-/* A PNG or JPEG to 8-bit RGBA, colour coded in sRGB as in the file (16-bit samples are rounded, no alpha is 255); freed
- * with ty_free_array(context, rgba8, width * height, 4). May be called from several threads at once. */
+/* Decodes a PNG or JPEG to 8-bit RGBA in the file's sRGB encoding (16-bit samples are rounded, missing alpha is
+ * 255); freed with ty_free_array(context, rgba8, width * height, 4). Thread-safe. */
 ty_result ty_decode_rgba8(ty_context* context, const char* path, const uint8_t* bytes, size_t size, int32_t* width,
                           int32_t* height, uint8_t** rgba8);
 
-/* An image of any format. largest: of a PNG's or JPEG's samples, 0 for other formats; may be NULL. */
+/* Reads an image of any format. largest: maximum of a PNG's or JPEG's samples, 0 for other formats; may be NULL. */
 ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size,
                               ty_sample_use use, int32_t* largest, ty_image** out);
 
-/* Refuses sides and channel counts outside an image's limits, and images over 1 GiB whose file is too small to hold
- * them even if it compresses a thousandfold. */
+/* Refuses sides and channel counts outside an image's limits, and images over 1 GiB whose file is too small for them
+ * even at a compression of 1000:1. */
 ty_result ty_check_image_size(ty_context* context, const char* path, size_t file_size, int64_t width, int64_t height,
                               int64_t channels);
 

@@ -1,4 +1,4 @@
-/* From the 8- and 16-bit samples of PNG and JPEG files to images and textures. */
+/* Conversion of 8- and 16-bit samples of PNG and JPEG files to images and textures. */
 #include "io/images/image_file.h"
 
 #include "base/context.h"
@@ -23,7 +23,7 @@ static uint32_t sample(const ty_samples* samples, size_t index) {
     return samples->wide ? ((const uint16_t*)samples->data)[index] : ((const uint8_t*)samples->data)[index];
 }
 
-/* What each sample value of a channel stands for; pow for every pixel would take longer than reading the file. */
+/* Table of float values per sample value; a pow per pixel would take longer than reading the file. */
 static void fill_table(float* table, uint32_t max, ty_sample_use use) {
     for (uint32_t i = 0; i <= max; ++i) {
         const float value = (float)i / (float)max;
@@ -57,7 +57,7 @@ static uint8_t byte_sample(const ty_samples* samples, size_t index) {
     return (uint8_t)(samples->wide ? (value + 128) / 257 : value);
 }
 
-/* Gray is spread over R, G and B; without alpha pixels are opaque. */
+/* Expands gray to R, G and B, and missing alpha to opaque. */
 static void spread_rgba(const ty_samples* samples, uint8_t* rgba8) {
     const size_t channels = (size_t)samples->channels;
     const size_t colours = channels < 3 ? 1 : 3;

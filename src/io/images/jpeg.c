@@ -1,4 +1,5 @@
-/* Reading JPEG through libjpeg. Damage that libjpeg would only warn of is an error, so that no file is half read. */
+/* Reading JPEG through libjpeg. Corruption that libjpeg only warns of is an error, so that no file is read
+ * partially. */
 #include "io/images/image_file.h"
 
 #include "base/context.h"
@@ -10,7 +11,8 @@
 #include <jpeglib.h>
 #include <jerror.h>
 
-/* Progressive files have about ten scans. Each goes over all pixels, also when it takes only a few bytes. */
+/* Progressive files have about ten scans. The limit exists because each scan processes all pixels, even one of a few
+ * bytes. */
 enum { SCANS_MAX = 128 };
 
 typedef struct reader {
@@ -21,16 +23,17 @@ typedef struct reader {
     char message[JMSG_LENGTH_MAX];
 } reader;
 
-static void leave(j_common_ptr jpeg) {
+static void handle_error(j_common_ptr jpeg) {
     reader* r = jpeg->client_data;
     jpeg->err->format_message(jpeg, r->message);
     longjmp(r->jump, 1);
 }
 
-/* level is -1 for a warning; the pixels are whole in spite of these three. */
-static void judge_message(j_common_ptr jpeg, int level) {
+/* level is -1 for a warning. The three warnings below leave the pixels intact. */
+static void handle_message(j_common_ptr jpeg, int level) {
     const int code = jpeg->err->msg_code;
-    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_ADOBE_XFORM && code != JWRN_JFIF_MAJOR) leave(jpeg);
+    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_ADOBE_XFORM && code != JWRN_JFIF_MAJOR)
+        handle_error(jpeg);
 }
 
 static void limit_scans(j_common_ptr jpeg) {
@@ -40,11 +43,11 @@ static void limit_scans(j_common_ptr jpeg) {
     longjmp(r->jump, 1);
 }
 
-/* libjpeg leaves by longjmp; nothing local is changed between setjmp and that, here and below. */
+/* libjpeg leaves by longjmp: no local variable changes between setjmp and longjmp, here and below. */
 static bool read_header(reader* r, const uint8_t* bytes, size_t size) {
     r->jpeg.err = jpeg_std_error(&r->errors);
-    r->errors.error_exit = leave;
-    r->errors.emit_message = judge_message;
+    r->errors.error_exit = handle_error;
+    r->errors.emit_message = handle_message;
     r->progress.progress_monitor = limit_scans;
     r->jpeg.client_data = r;
     if (setjmp(r->jump) != 0) return false;
@@ -67,7 +70,8 @@ static bool read_rows(reader* r, const ty_samples* samples) {
     return true;
 }
 
-/* In place, without a profile: each colour is what its ink and black let through. Adobe's files hold 255 minus ink. */
+/* In place, without a profile: each color is its ink's transmittance times black's. Adobe's files store 255 minus
+ * ink. */
 static void rgb_from_cmyk(ty_samples* samples, bool inverted) {
     uint8_t* data = samples->data;
     for (size_t i = 0; i < (size_t)samples->width * (size_t)samples->height; ++i) {
@@ -79,7 +83,7 @@ static void rgb_from_cmyk(ty_samples* samples, bool inverted) {
     samples->channels = 3;
 }
 
-/* How libjpeg is to hand out pixels: gray, RGB or CMYK; 0 when that cannot be. */
+/* Output channels requested from libjpeg: 1 gray, 3 RGB or 4 CMYK; 0 if unsupported. */
 static int32_t choose_channels(struct jpeg_decompress_struct* jpeg) {
     switch (jpeg->jpeg_color_space) {
     case JCS_GRAYSCALE: jpeg->out_color_space = JCS_GRAYSCALE; return 1;

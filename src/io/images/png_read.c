@@ -1,4 +1,4 @@
-/* Reading PNG: every colour type and depth, expanded to 8 or 16 bits a sample. */
+/* Reading PNG: every color type and bit depth, expanded to 8 or 16 bits per sample. */
 #include "io/images/image_file.h"
 
 #include "base/context.h"
@@ -7,7 +7,7 @@
 #include <setjmp.h>
 #include <string.h>
 
-/* The 8 bytes of the signature, then the IHDR chunk: length, name, width, height, 5 bytes more, checksum. */
+/* 8-byte signature, then the IHDR chunk: length, name, width, height, 5 more bytes, checksum. */
 enum { MESSAGE_SIZE = 128, NAME_AT = 12, WIDTH_AT = 16, HEIGHT_AT = 20, HEADER_SIZE = 33 };
 
 typedef struct reader {
@@ -18,7 +18,7 @@ typedef struct reader {
     char message[MESSAGE_SIZE];
 } reader;
 
-static void keep_message(png_structp png, png_const_charp text) {
+static void store_message(png_structp png, png_const_charp text) {
     reader* r = png_get_error_ptr(png);
     strncpy(r->message, text, MESSAGE_SIZE - 1);
     longjmp(png_jmpbuf(png), 1);
@@ -37,14 +37,14 @@ static void read_bytes(png_structp png, png_bytep to, size_t count) {
     r->left -= count;
 }
 
-/* libpng leaves by longjmp; nothing local is changed between setjmp and that, here and below. */
+/* libpng leaves by longjmp: no local variable changes between setjmp and longjmp, here and below. */
 static bool read_header(reader* r) {
     if (setjmp(png_jmpbuf(r->png)) != 0) return false;
     png_set_read_fn(r->png, r, read_bytes);
     png_set_user_limits(r->png, TY_IMAGE_SIDE_MAX, TY_IMAGE_SIDE_MAX);
     png_set_crc_action(r->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_read_info(r->png, r->info);
-    png_set_expand(r->png); /* palettes to RGB, few bits to 8, a transparent colour to alpha */
+    png_set_expand(r->png); /* palettes to RGB, low bit depths to 8, a transparent color to alpha */
 #if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
     png_set_swap(r->png);
 #endif
@@ -90,12 +90,12 @@ static int64_t big_endian(const uint8_t* bytes) {
 ty_result ty_read_png(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out) {
     if (size < HEADER_SIZE || memcmp(bytes + NAME_AT, "IHDR", 4) != 0)
         return ty_fail(context, TY_ERROR_INPUT, "%s: the PNG header is damaged or cut short", path);
-    /* Before libpng takes memory for rows, and before the number of channels is known. */
+    /* A size check before libpng allocates rows, while the number of channels is unknown. */
     ty_result result =
         ty_check_image_size(context, path, size, big_endian(bytes + WIDTH_AT), big_endian(bytes + HEIGHT_AT), 1);
     if (result != TY_OK) return result;
     reader r = {.at = bytes, .left = size};
-    r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r, keep_message, ignore_warning);
+    r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r, store_message, ignore_warning);
     r.info = r.png == NULL ? NULL : png_create_info_struct(r.png);
     result = r.info == NULL ? ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory for libpng", path)
                             : decode(context, path, size, &r, out);

@@ -10,7 +10,7 @@
 
 enum { MESSAGE_SIZE = 128 };
 
-static void keep_message(png_structp png, png_const_charp text) {
+static void store_message(png_structp png, png_const_charp text) {
     char* message = png_get_error_ptr(png);
     strncpy(message, text, MESSAGE_SIZE - 1);
     longjmp(png_jmpbuf(png), 1);
@@ -21,15 +21,15 @@ static void ignore_warning(png_structp png, png_const_charp text) {
     (void)text;
 }
 
-/* Rows without gaps between them. */
+/* Rows without padding. */
 typedef struct raster {
     const void* rows;
     size_t stride; /* bytes */
     uint32_t width, height;
-    int depth, colour; /* as libpng has them; 8-bit colour is sRGB, 16-bit samples are plain numbers */
+    int depth, colour; /* libpng's constants; 8-bit color is sRGB, 16-bit samples are linear numbers */
 } raster;
 
-/* libpng leaves by longjmp; nothing here is changed between setjmp and that. */
+/* libpng leaves by longjmp: no variable here changes between setjmp and longjmp. */
 static bool encode(png_structp png, png_infop info, FILE* stream, const raster* image) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;
     png_init_io(png, stream);
@@ -48,7 +48,7 @@ static bool encode(png_structp png, png_infop info, FILE* stream, const raster* 
 
 static ty_result write_png(ty_context* context, const raster* image, const char* path) {
     char message[MESSAGE_SIZE] = "";
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, keep_message, ignore_warning);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, store_message, ignore_warning);
     png_infop info = png == NULL ? NULL : png_create_info_struct(png);
     ty_output output;
     ty_result result = info == NULL ? ty_fail(context, TY_ERROR_MEMORY, "not enough memory to write %s", path) : TY_OK;
@@ -65,7 +65,7 @@ static ty_result write_png(ty_context* context, const raster* image, const char*
     return result;
 }
 
-ty_result ty_image_write_png(ty_context* context, const ty_image* image, double exposure, bool curve,
+ty_result ty_image_write_png(ty_context* context, const ty_image* image, double exposure, ty_tone_curve curve,
                              const char* path) {
     if (image == NULL || path == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_write_png: an argument is NULL");
@@ -82,7 +82,7 @@ ty_result ty_image_write_png(ty_context* context, const ty_image* image, double 
 
 static uint16_t to_word(float value, double scale) {
     const double scaled = (double)value * scale;
-    if (!(scaled > 0)) return 0; /* NaN too */
+    if (!(scaled > 0)) return 0; /* true for NaN too */
     return scaled < 65535 ? (uint16_t)(scaled + 0.5) : 65535;
 }
 

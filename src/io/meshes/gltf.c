@@ -1,4 +1,4 @@
-/* glTF 2.0 files: the container, extensions, and the order in which the parts are read. */
+/* glTF 2.0 files: the container, extensions, and the order of reading. */
 #include "io/meshes/gltf.h"
 
 #include "base/context.h"
@@ -8,23 +8,23 @@
 
 enum { GLB_HEAD = 12, CHUNK_HEAD = 8, CHUNK_JSON = 0x4e4f534a, CHUNK_BIN = 0x004e4942, LIST_SIZE = 512 };
 
-/* ---- The container ---- */
+/* ---- container ---- */
 
-static uint32_t take_u32(const uint8_t* at) {
+static uint32_t read_u32(const uint8_t* at) {
     return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-/* Finds the JSON text in a GLB, and the binary chunk if there is one. */
+/* Finds the JSON text in a GLB, and its binary chunk if present. */
 static ty_result open_glb(ty_gltf* gltf, const uint8_t* bytes, size_t size, const uint8_t** text, size_t* length) {
     if (size < GLB_HEAD) return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: cut short", gltf->path);
-    const uint32_t version = take_u32(bytes + 4), stated = take_u32(bytes + 8);
+    const uint32_t version = read_u32(bytes + 4), stated = read_u32(bytes + 8);
     if (version != 2)
         return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: a GLB of version %u; only 2 can be read", gltf->path,
                        version);
     if (stated > size)
         return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: cut short: %zu bytes of %u", gltf->path, size, stated);
     for (size_t at = GLB_HEAD; at + CHUNK_HEAD <= stated;) {
-        const uint32_t chunk = take_u32(bytes + at), type = take_u32(bytes + at + 4);
+        const uint32_t chunk = read_u32(bytes + at), type = read_u32(bytes + at + 4);
         const uint8_t* content = bytes + at + CHUNK_HEAD;
         if (chunk > stated - at - CHUNK_HEAD)
             return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: a chunk of %u bytes reaches past the end", gltf->path,
@@ -43,7 +43,7 @@ static ty_result open_glb(ty_gltf* gltf, const uint8_t* bytes, size_t size, cons
 }
 
 static ty_result parse_json(ty_gltf* gltf, const uint8_t* text, size_t length) {
-    static const char mark[] = "\xef\xbb\xbf"; /* some editors begin UTF-8 with it */
+    static const char mark[] = "\xef\xbb\xbf"; /* UTF-8 byte order mark, which some editors write */
     if (length >= 3 && memcmp(text, mark, 3) == 0) {
         text += 3;
         length -= 3;
@@ -62,7 +62,7 @@ static ty_result parse_json(ty_gltf* gltf, const uint8_t* text, size_t length) {
     return TY_OK;
 }
 
-/* ---- Extensions ---- */
+/* ---- extensions ---- */
 
 static bool is_known(const char* name) {
     static const char* const known[] = {"KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit",
@@ -72,7 +72,7 @@ static bool is_known(const char* name) {
     return false;
 }
 
-/* Lists the extensions under a key that are not known here; false when there are none. */
+/* Lists the unsupported extensions under a key; false if there are none. */
 static bool list_unknown(const ty_gltf* gltf, const char* key, char list[LIST_SIZE]) {
     size_t i;
     json_t* item;
@@ -95,7 +95,7 @@ static ty_result check_extensions(const ty_gltf* gltf) {
     return TY_OK;
 }
 
-/* ---- The whole ---- */
+/* ---- whole file ---- */
 
 ty_result ty_gltf_open(ty_gltf* gltf, const uint8_t* bytes, size_t size) {
     const uint8_t* text = bytes;
@@ -108,7 +108,7 @@ ty_result ty_gltf_open(ty_gltf* gltf, const uint8_t* bytes, size_t size) {
     return result == TY_OK ? parse_json(gltf, text, length) : result;
 }
 
-ty_result ty_gltf_take_tables(ty_gltf* gltf) {
+ty_result ty_gltf_create_tables(ty_gltf* gltf) {
     const ty_result result = ty_gltf_check_shape(gltf);
     if (result != TY_OK) return result;
     gltf->buffers = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "buffers"), sizeof *gltf->buffers, true);
@@ -130,7 +130,7 @@ void ty_gltf_close(ty_gltf* gltf) {
     json_decref(gltf->root);
 }
 
-/* One warning each for what was passed over. */
+/* One warning for each kind of skipped content. */
 static void warn(const ty_gltf* gltf) {
     if ((gltf->want & TY_MODEL_MESHES) == 0) return;
     if (gltf->skipped > 0)
@@ -149,7 +149,7 @@ ty_result ty_read_gltf(ty_context* context, const char* path, const char* folder
     ty_gltf gltf = {.context = context, .path = path, .folder = folder, .want = want, .model = model};
     ty_result result = ty_gltf_open(&gltf, bytes, size);
     if (result == TY_OK) result = check_extensions(&gltf);
-    if (result == TY_OK) result = ty_gltf_take_tables(&gltf);
+    if (result == TY_OK) result = ty_gltf_create_tables(&gltf);
     if (result == TY_OK && (want & TY_MODEL_MATERIALS) != 0) result = ty_gltf_read_materials(&gltf);
     if (result == TY_OK) result = ty_gltf_read_scene(&gltf);
     if (result == TY_OK) warn(&gltf);

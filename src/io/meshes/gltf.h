@@ -1,4 +1,4 @@
-/* What the parts of the glTF reader share. */
+/* Internal interface of the glTF reader's files. */
 #ifndef TY_IO_GLTF_H
 #define TY_IO_GLTF_H
 
@@ -7,15 +7,15 @@
 
 #include <jansson.h>
 
-/* The bytes of a buffer; data is NULL until it is needed. */
+/* Bytes of a buffer; data is NULL until it is loaded. */
 typedef struct ty_gltf_buffer {
     const uint8_t* data;
     size_t size;
-    uint8_t* owned; /* data, when it is not part of the GLB */
+    uint8_t* owned; /* data, unless it is part of the GLB */
     size_t owned_size;
 } ty_gltf_buffer;
 
-/* Where the primitives of a mesh stand among the model's meshes. */
+/* Range of a glTF mesh's primitives among the model's meshes. */
 typedef struct ty_gltf_mesh {
     bool read;
     size_t first, count;
@@ -24,69 +24,69 @@ typedef struct ty_gltf_mesh {
 typedef struct ty_gltf {
     ty_context* context;
     const char* path;   /* for messages */
-    const char* folder; /* of other files; NULL: none may be named */
+    const char* folder; /* of referenced files; NULL: references to files are refused */
     unsigned want;
     ty_model* model;
     json_t* root;
-    const uint8_t* chunk; /* the binary chunk of a GLB, or NULL */
+    const uint8_t* chunk; /* binary chunk of a GLB, or NULL */
     size_t chunk_size;
     /* One element per element of the array in the file. */
     ty_gltf_buffer* buffers;
     ty_gltf_mesh* meshes;
-    int32_t *images, *textures; /* their number in the model plus one; 0: not there yet */
-    bool* visited;              /* nodes */
-    int64_t triangles;          /* of all instances so far */
+    int32_t *images, *textures; /* index in the model plus one; 0: not loaded */
+    bool* visited;              /* per node */
+    int64_t triangles;          /* over all instances so far */
     size_t skipped;             /* primitives that are not triangles */
-    bool morphs;                /* whether some primitive has morph targets */
+    bool morphs;                /* true if a primitive has morph targets */
 } ty_gltf;
 
 /* ---- gltf.c: the container ---- */
 
-/* Finds the JSON and the binary chunk, which stay where they are in bytes. */
+/* Finds the JSON and the binary chunk, which are referenced in place in `bytes`. */
 ty_result ty_gltf_open(ty_gltf* gltf, const uint8_t* bytes, size_t size);
-/* Checks the shape of what was opened and makes the tables above. */
-ty_result ty_gltf_take_tables(ty_gltf* gltf);
+/* Validates the top-level structure and creates the tables above. */
+ty_result ty_gltf_create_tables(ty_gltf* gltf);
 void ty_gltf_close(ty_gltf* gltf);
 
-/* ---- gltf_json.c: values, checked ---- */
+/* ---- gltf_json.c: validated values ---- */
 
-/* Fails: "level.gltf: accessors[3].count: ...". */
-ty_result ty_gltf_fail(const ty_gltf* gltf, const ty_json_path* place, const char* format, ...)
+/* Fails with a message such as "level.gltf: accessors[3].count: ...". */
+ty_result ty_gltf_fail(const ty_gltf* gltf, const ty_json_path* json_path, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
-/* The place of an element of a top-level array, and of one of its members. */
-ty_json_path ty_gltf_place(const char* array, size_t index);
+/* JSON path of an element of a top-level array, and of one of its members. */
+ty_json_path ty_gltf_json_path(const char* array, size_t index);
 /* Fails unless the top-level arrays are arrays of objects. */
 ty_result ty_gltf_check_shape(const ty_gltf* gltf);
 size_t ty_gltf_count(const ty_gltf* gltf, const char* array);
 const json_t* ty_gltf_item(const ty_gltf* gltf, const char* array, size_t index);
 const json_t* ty_gltf_extension(const json_t* object, const char* name);
 
-/* Each leaves *out alone when there is no such key and fails when its value is not what it should be. */
-ty_result ty_gltf_read_integer(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
-                               int64_t low, int64_t high, int64_t* out);
-ty_result ty_gltf_read_number(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
+/* Each reader leaves *out unchanged if the key is missing, and fails if its value is invalid. */
+ty_result ty_gltf_read_integer(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path,
+                               const char* key, int64_t low, int64_t high, int64_t* out);
+ty_result ty_gltf_read_number(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path, const char* key,
                               double low, double high, double* out);
-ty_result ty_gltf_read_numbers(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
-                               size_t count, double low, double high, double* out);
-/* A number of an element of a top-level array; *out is -1 when there is no such key. */
-ty_result ty_gltf_read_reference(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
-                                 const char* array, int64_t* out);
+ty_result ty_gltf_read_numbers(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path,
+                               const char* key, size_t count, double low, double high, double* out);
+/* Index of an element of a top-level array; *out is -1 if the key is missing. */
+ty_result ty_gltf_read_reference(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path,
+                                 const char* key, const char* array, int64_t* out);
 
 /* ---- gltf_buffer.c: bytes ---- */
 
-/* "a%20b" -> "a b", in place; false for a damaged escape or a zero byte. */
+/* Decodes "a%20b" to "a b" in place; false for an invalid escape or a zero byte. */
 bool ty_gltf_decode_percent(char* text);
-/* The bytes that a URI holds (base64) or names (a file); freed with ty_free_file. */
-ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* place, const char* uri, uint8_t** bytes,
+/* Loads the bytes of a data URI (base64) or of a file; freed with ty_free_file. */
+ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* json_path, const char* uri, uint8_t** bytes,
                            size_t* size);
 ty_result ty_gltf_open_buffer(ty_gltf* gltf, size_t index, const ty_gltf_buffer** out);
-/* The bytes of a buffer view, and how far apart its elements are (0: packed). */
+/* Bytes of a buffer view, and its stride (0: packed). */
 ty_result ty_gltf_open_view(ty_gltf* gltf, size_t index, const uint8_t** data, size_t* size, size_t* stride);
 void ty_gltf_free_buffers(ty_gltf* gltf);
 
 /* ---- gltf_accessor.c: arrays ---- */
 
-/* Component types, as the file has them. */
+/* Component types by their glTF numbers. */
 enum {
     TY_GLTF_I8 = 5120,
     TY_GLTF_U8 = 5121,
@@ -96,9 +96,9 @@ enum {
     TY_GLTF_F32 = 5126
 };
 
-/* An accessor whose reach has been checked. */
+/* An accessor with a validated byte range. */
 typedef struct ty_gltf_accessor {
-    ty_json_path place;
+    ty_json_path json_path;
     size_t count;
     size_t components; /* 1..4 */
     int32_t type;      /* of components */
@@ -111,19 +111,19 @@ typedef struct ty_gltf_accessor {
 } ty_gltf_accessor;
 
 ty_result ty_gltf_open_accessor(ty_gltf* gltf, size_t index, ty_gltf_accessor* accessor);
-/* Elements [first, first + count) as floats, width of them per element in out; components that the accessor has fewer
- * of are left alone. */
+/* Reads elements [first, first + count) as floats, `width` per element of out; components that the accessor lacks
+ * are left unchanged. */
 void ty_gltf_read_floats(const ty_gltf_accessor* accessor, size_t first, size_t count, size_t width, float* out);
-/* All elements of a scalar accessor of unsigned integers. */
+/* Reads all elements of a scalar accessor of unsigned integers. */
 void ty_gltf_read_indices(const ty_gltf_accessor* accessor, uint32_t* out);
 
-/* ---- The rest, each into the model ---- */
+/* ---- parts of the model ---- */
 
-/* gltf_mesh.c: the primitives of a mesh, once. */
+/* gltf_mesh.c: reads the primitives of a mesh, once. */
 ty_result ty_gltf_read_mesh(ty_gltf* gltf, size_t index);
-/* gltf_material.c: all materials, and one more for primitives without. */
+/* gltf_material.c: reads all materials, and adds a default one for primitives without. */
 ty_result ty_gltf_read_materials(ty_gltf* gltf);
-/* gltf_scene.c: the nodes of the scene with meshes, lights and cameras. */
+/* gltf_scene.c: reads the scene's nodes with meshes, lights and cameras. */
 ty_result ty_gltf_read_scene(ty_gltf* gltf);
 
 #endif

@@ -1,9 +1,9 @@
-/* glTF: accessors, typed arrays within buffer views, dense or sparse. */
+/* glTF accessors: typed arrays in buffer views, dense or sparse. */
 #include "io/meshes/gltf.h"
 
 #include <string.h>
 
-/* Zeros cost no bytes in the file, so how many there may be is limited. */
+/* Limit of implicit zeros, which take no bytes in the file. */
 enum { ZEROS_MAX = 1 << 24 };
 
 static size_t component_size(int64_t type) {
@@ -18,14 +18,14 @@ static size_t component_size(int64_t type) {
     }
 }
 
-/* ---- Opening ---- */
+/* ---- opening ---- */
 
-/* The bytes of count elements, each of size bytes, apart from one another by *stride (0: packed, and set so). */
-static ty_result open_elements(ty_gltf* gltf, const json_t* json, const ty_json_path* place, size_t count, size_t size,
-                               const uint8_t** data, size_t* stride) {
+/* Validates the byte range of `count` elements of `size` bytes with stride *stride (0: packed, which sets it). */
+static ty_result open_elements(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path, size_t count,
+                               size_t size, const uint8_t** data, size_t* stride) {
     int64_t view = -1, offset = 0;
-    ty_result result = ty_gltf_read_reference(gltf, json, place, "bufferView", "bufferViews", &view);
-    if (result == TY_OK) result = ty_gltf_read_integer(gltf, json, place, "byteOffset", 0, INT64_MAX, &offset);
+    ty_result result = ty_gltf_read_reference(gltf, json, json_path, "bufferView", "bufferViews", &view);
+    if (result == TY_OK) result = ty_gltf_read_integer(gltf, json, json_path, "byteOffset", 0, INT64_MAX, &offset);
     if (result != TY_OK || view < 0) return result;
     const uint8_t* bytes = NULL;
     size_t length = 0;
@@ -33,11 +33,12 @@ static ty_result open_elements(ty_gltf* gltf, const json_t* json, const ty_json_
     if (result != TY_OK) return result;
     if (*stride == 0) *stride = size;
     if (*stride < size)
-        return ty_gltf_fail(gltf, place, "its elements take %zu bytes, more than the byteStride of %zu", size, *stride);
+        return ty_gltf_fail(gltf, json_path, "its elements take %zu bytes, more than the byteStride of %zu", size,
+                            *stride);
     size_t reach = 0;
     if (__builtin_mul_overflow(count - 1, *stride, &reach) || __builtin_add_overflow(reach, size, &reach) ||
         reach > length || (uint64_t)offset > length - reach)
-        return ty_gltf_fail(gltf, place, "reaches past the end of its bufferView");
+        return ty_gltf_fail(gltf, json_path, "reaches past the end of its bufferView");
     *data = bytes + offset;
     return TY_OK;
 }
@@ -52,43 +53,43 @@ static uint32_t load_index(const uint8_t* at, int32_t type) {
     }
 }
 
-static ty_result check_sparse_indices(ty_gltf* gltf, const ty_json_path* place, const ty_gltf_accessor* accessor) {
+static ty_result check_sparse_indices(ty_gltf* gltf, const ty_json_path* json_path, const ty_gltf_accessor* accessor) {
     const size_t size = component_size(accessor->sparse_type);
     for (size_t i = 0; i < accessor->sparse_count; ++i) {
         const uint32_t index = load_index(accessor->sparse_indices + i * size, accessor->sparse_type);
         if (index >= accessor->count)
-            return ty_gltf_fail(gltf, place, "index %u is past the end of %zu elements", index, accessor->count);
+            return ty_gltf_fail(gltf, json_path, "index %u is past the end of %zu elements", index, accessor->count);
     }
     return TY_OK;
 }
 
 static ty_result open_sparse(ty_gltf* gltf, const json_t* sparse, ty_gltf_accessor* accessor) {
-    const ty_json_path place = ty_json_path_key(&accessor->place, "sparse");
-    const ty_json_path indices_place = ty_json_path_key(&place, "indices");
-    const ty_json_path values_place = ty_json_path_key(&place, "values");
+    const ty_json_path json_path = ty_json_path_key(&accessor->json_path, "sparse");
+    const ty_json_path indices_path = ty_json_path_key(&json_path, "indices");
+    const ty_json_path values_path = ty_json_path_key(&json_path, "values");
     const json_t* indices = json_object_get(sparse, "indices");
     int64_t count = 0, type = 0;
-    ty_result result = ty_gltf_read_integer(gltf, sparse, &place, "count", 1, (int64_t)accessor->count, &count);
-    if (result == TY_OK) result = ty_gltf_read_integer(gltf, indices, &indices_place, "componentType", 0, 9999, &type);
+    ty_result result = ty_gltf_read_integer(gltf, sparse, &json_path, "count", 1, (int64_t)accessor->count, &count);
+    if (result == TY_OK) result = ty_gltf_read_integer(gltf, indices, &indices_path, "componentType", 0, 9999, &type);
     if (result != TY_OK) return result;
-    if (count == 0) return ty_gltf_fail(gltf, &place, "count is missing");
+    if (count == 0) return ty_gltf_fail(gltf, &json_path, "count is missing");
     if (type != TY_GLTF_U8 && type != TY_GLTF_U16 && type != TY_GLTF_U32)
-        return ty_gltf_fail(gltf, &indices_place, "the componentType is not that of unsigned integers");
+        return ty_gltf_fail(gltf, &indices_path, "the componentType is not that of unsigned integers");
     accessor->sparse_type = (int32_t)type;
     const size_t index_size = component_size(type), value_size = component_size(accessor->type) * accessor->components;
     size_t index_stride = 0, value_stride = 0;
-    result = open_elements(gltf, indices, &indices_place, (size_t)count, index_size, &accessor->sparse_indices,
+    result = open_elements(gltf, indices, &indices_path, (size_t)count, index_size, &accessor->sparse_indices,
                            &index_stride);
     if (result == TY_OK)
-        result = open_elements(gltf, json_object_get(sparse, "values"), &values_place, (size_t)count, value_size,
+        result = open_elements(gltf, json_object_get(sparse, "values"), &values_path, (size_t)count, value_size,
                                &accessor->sparse_values, &value_stride);
     if (result != TY_OK) return result;
     if (accessor->sparse_indices == NULL || accessor->sparse_values == NULL)
-        return ty_gltf_fail(gltf, &place, "indices or values have no bufferView");
+        return ty_gltf_fail(gltf, &json_path, "indices or values have no bufferView");
     if (index_stride != index_size || value_stride != value_size)
-        return ty_gltf_fail(gltf, &place, "indices and values must be packed, without a byteStride");
+        return ty_gltf_fail(gltf, &json_path, "indices and values must be packed, without a byteStride");
     accessor->sparse_count = (size_t)count;
-    return check_sparse_indices(gltf, &indices_place, accessor);
+    return check_sparse_indices(gltf, &indices_path, accessor);
 }
 
 static size_t component_count(const char* type) {
@@ -99,32 +100,33 @@ static size_t component_count(const char* type) {
 }
 
 ty_result ty_gltf_open_accessor(ty_gltf* gltf, size_t index, ty_gltf_accessor* accessor) {
-    *accessor = (ty_gltf_accessor){.place = ty_gltf_place("accessors", index)};
+    *accessor = (ty_gltf_accessor){.json_path = ty_gltf_json_path("accessors", index)};
     const json_t* json = ty_gltf_item(gltf, "accessors", index);
     int64_t count = 0, type = 0;
-    ty_result result = ty_gltf_read_integer(gltf, json, &accessor->place, "count", 1, INT32_MAX, &count);
-    if (result == TY_OK) result = ty_gltf_read_integer(gltf, json, &accessor->place, "componentType", 0, 9999, &type);
+    ty_result result = ty_gltf_read_integer(gltf, json, &accessor->json_path, "count", 1, INT32_MAX, &count);
+    if (result == TY_OK)
+        result = ty_gltf_read_integer(gltf, json, &accessor->json_path, "componentType", 0, 9999, &type);
     if (result != TY_OK) return result;
     accessor->components = component_count(json_string_value(json_object_get(json, "type")));
-    if (count == 0) return ty_gltf_fail(gltf, &accessor->place, "count is missing");
+    if (count == 0) return ty_gltf_fail(gltf, &accessor->json_path, "count is missing");
     if (component_size(type) == 0)
-        return ty_gltf_fail(gltf, &accessor->place, "%lld is not a componentType", (long long)type);
+        return ty_gltf_fail(gltf, &accessor->json_path, "%lld is not a componentType", (long long)type);
     if (accessor->components == 0)
-        return ty_gltf_fail(gltf, &accessor->place, "the type is not SCALAR, VEC2, VEC3 or VEC4");
+        return ty_gltf_fail(gltf, &accessor->json_path, "the type is not SCALAR, VEC2, VEC3 or VEC4");
     accessor->count = (size_t)count;
     accessor->type = (int32_t)type;
     accessor->normalized = json_is_true(json_object_get(json, "normalized"));
-    result = open_elements(gltf, json, &accessor->place, accessor->count, component_size(type) * accessor->components,
-                           &accessor->data, &accessor->stride);
+    result = open_elements(gltf, json, &accessor->json_path, accessor->count,
+                           component_size(type) * accessor->components, &accessor->data, &accessor->stride);
     if (result != TY_OK) return result;
     if (accessor->data == NULL && count > ZEROS_MAX)
-        return ty_gltf_fail(gltf, &accessor->place, "%lld elements without a bufferView, more than %d",
+        return ty_gltf_fail(gltf, &accessor->json_path, "%lld elements without a bufferView, more than %d",
                             (long long)count, (int)ZEROS_MAX);
     const json_t* sparse = json_object_get(json, "sparse");
     return sparse == NULL ? TY_OK : open_sparse(gltf, sparse, accessor);
 }
 
-/* ---- Reading ---- */
+/* ---- reading ---- */
 
 static float load_float(const uint8_t* at, int32_t type, bool normalized) {
     int16_t short_value;

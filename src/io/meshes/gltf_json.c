@@ -1,4 +1,4 @@
-/* glTF: values of the JSON part, checked where they are read. */
+/* glTF: JSON values, validated as they are read. */
 #include "base/context.h"
 #include "io/meshes/gltf.h"
 #include "io/schema_text.h"
@@ -9,20 +9,20 @@
 
 enum { MESSAGE_SIZE = 1024 };
 
-ty_result ty_gltf_fail(const ty_gltf* gltf, const ty_json_path* place, const char* format, ...) {
+ty_result ty_gltf_fail(const ty_gltf* gltf, const ty_json_path* json_path, const char* format, ...) {
     char text[MESSAGE_SIZE], where[MESSAGE_SIZE / 4];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    ty_json_path_text(place, where, sizeof where);
+    ty_json_path_text(json_path, where, sizeof where);
     return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: %s: %s", gltf->path, where, text);
 }
 
-ty_json_path ty_gltf_place(const char* array, size_t index) {
+ty_json_path ty_gltf_json_path(const char* array, size_t index) {
     const ty_json_path root = {.depth = 0};
-    const ty_json_path place = ty_json_path_key(&root, array);
-    return ty_json_path_index(&place, index);
+    const ty_json_path json_path = ty_json_path_key(&root, array);
+    return ty_json_path_index(&json_path, index);
 }
 
 ty_result ty_gltf_check_shape(const ty_gltf* gltf) {
@@ -31,12 +31,12 @@ ty_result ty_gltf_check_shape(const ty_gltf* gltf) {
     for (size_t a = 0; a < sizeof arrays / sizeof *arrays; ++a) {
         const json_t* array = json_object_get(gltf->root, arrays[a]);
         const ty_json_path root = {.depth = 0};
-        const ty_json_path place = ty_json_path_key(&root, arrays[a]);
-        if (array != NULL && !json_is_array(array)) return ty_gltf_fail(gltf, &place, "expected an array");
+        const ty_json_path json_path = ty_json_path_key(&root, arrays[a]);
+        if (array != NULL && !json_is_array(array)) return ty_gltf_fail(gltf, &json_path, "expected an array");
         size_t i;
         json_t* item;
         json_array_foreach(array, i, item) {
-            const ty_json_path here = ty_json_path_index(&place, i);
+            const ty_json_path here = ty_json_path_index(&json_path, i);
             if (!json_is_object(item)) return ty_gltf_fail(gltf, &here, "expected an object");
         }
     }
@@ -55,21 +55,21 @@ const json_t* ty_gltf_extension(const json_t* object, const char* name) {
     return json_object_get(json_object_get(object, "extensions"), name);
 }
 
-/* Fails: "...: WHAT is expected, found VALUE". */
-static ty_result fail_value(const ty_gltf* gltf, const ty_json_path* place, const json_t* value, const char* what) {
+/* Fails with "...: WHAT is expected, found VALUE". */
+static ty_result fail_value(const ty_gltf* gltf, const ty_json_path* json_path, const json_t* value, const char* what) {
     char text[MESSAGE_SIZE / 4] = "";
     ty_append_value(text, sizeof text, value);
-    return ty_gltf_fail(gltf, place, "expected %s, found %s", what, text);
+    return ty_gltf_fail(gltf, json_path, "expected %s, found %s", what, text);
 }
 
-ty_result ty_gltf_read_integer(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
-                               int64_t low, int64_t high, int64_t* out) {
+ty_result ty_gltf_read_integer(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path,
+                               const char* key, int64_t low, int64_t high, int64_t* out) {
     const json_t* value = json_object_get(object, key);
     if (value == NULL) return TY_OK;
-    const ty_json_path here = ty_json_path_key(place, key);
+    const ty_json_path here = ty_json_path_key(json_path, key);
     const double number = json_number_value(value);
     const bool whole = json_is_number(value) && number >= -0x1p62 && number <= 0x1p62 &&
-                       number == (double)(int64_t)number; /* some writers have 3.0 for 3 */
+                       number == (double)(int64_t)number; /* some writers store 3.0 for 3 */
     if (!whole) return fail_value(gltf, &here, value, "a whole number");
     const int64_t found = json_is_integer(value) ? (int64_t)json_integer_value(value) : (int64_t)number;
     if (found < low || found > high)
@@ -79,28 +79,29 @@ ty_result ty_gltf_read_integer(const ty_gltf* gltf, const json_t* object, const 
     return TY_OK;
 }
 
-static ty_result read_value(const ty_gltf* gltf, const json_t* value, const ty_json_path* place, double low,
+static ty_result read_value(const ty_gltf* gltf, const json_t* value, const ty_json_path* json_path, double low,
                             double high, double* out) {
-    if (!json_is_number(value)) return fail_value(gltf, place, value, "a number");
+    if (!json_is_number(value)) return fail_value(gltf, json_path, value, "a number");
     const double number = json_number_value(value);
-    if (number < low || number > high) return ty_gltf_fail(gltf, place, "%g is outside [%g, %g]", number, low, high);
+    if (number < low || number > high)
+        return ty_gltf_fail(gltf, json_path, "%g is outside [%g, %g]", number, low, high);
     *out = number;
     return TY_OK;
 }
 
-ty_result ty_gltf_read_number(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
+ty_result ty_gltf_read_number(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path, const char* key,
                               double low, double high, double* out) {
     const json_t* value = json_object_get(object, key);
     if (value == NULL) return TY_OK;
-    const ty_json_path here = ty_json_path_key(place, key);
+    const ty_json_path here = ty_json_path_key(json_path, key);
     return read_value(gltf, value, &here, low, high, out);
 }
 
-ty_result ty_gltf_read_numbers(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
-                               size_t count, double low, double high, double* out) {
+ty_result ty_gltf_read_numbers(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path,
+                               const char* key, size_t count, double low, double high, double* out) {
     const json_t* array = json_object_get(object, key);
     if (array == NULL) return TY_OK;
-    const ty_json_path here = ty_json_path_key(place, key);
+    const ty_json_path here = ty_json_path_key(json_path, key);
     if (!json_is_array(array)) return fail_value(gltf, &here, array, "an array of numbers");
     if (json_array_size(array) != count)
         return ty_gltf_fail(gltf, &here, "expected %zu numbers, found %zu", count, json_array_size(array));
@@ -112,11 +113,11 @@ ty_result ty_gltf_read_numbers(const ty_gltf* gltf, const json_t* object, const 
     return result;
 }
 
-ty_result ty_gltf_read_reference(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
-                                 const char* array, int64_t* out) {
+ty_result ty_gltf_read_reference(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path,
+                                 const char* key, const char* array, int64_t* out) {
     *out = -1;
-    const ty_result result = ty_gltf_read_integer(gltf, object, place, key, 0, INT32_MAX, out);
+    const ty_result result = ty_gltf_read_integer(gltf, object, json_path, key, 0, INT32_MAX, out);
     if (result != TY_OK || *out < (int64_t)ty_gltf_count(gltf, array)) return result;
-    const ty_json_path here = ty_json_path_key(place, key);
+    const ty_json_path here = ty_json_path_key(json_path, key);
     return ty_gltf_fail(gltf, &here, "there is no %s[%lld]", array, (long long)*out);
 }

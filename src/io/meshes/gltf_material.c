@@ -1,4 +1,4 @@
-/* glTF: materials and their textures. Of the metal and roughness model the base colour is kept. */
+/* glTF materials and textures. Of the metallic-roughness model only the base color is used. */
 #include "base/context.h"
 #include "io/file.h"
 #include "io/meshes/gltf.h"
@@ -9,18 +9,18 @@
 
 #define EMISSION_MAX 1e15
 
-/* ---- Images ---- */
+/* ---- images ---- */
 
-/* The bytes of an image, as ty_read_file would give them. */
+/* Loads the bytes of an image, with the zero byte of ty_read_file. */
 static ty_result load_image(ty_gltf* gltf, size_t index, uint8_t** bytes, size_t* size) {
-    const ty_json_path place = ty_gltf_place("images", index);
+    const ty_json_path json_path = ty_gltf_json_path("images", index);
     const json_t* json = ty_gltf_item(gltf, "images", index);
     const char* uri = json_string_value(json_object_get(json, "uri"));
-    if (uri != NULL) return ty_gltf_load_uri(gltf, &place, uri, bytes, size);
+    if (uri != NULL) return ty_gltf_load_uri(gltf, &json_path, uri, bytes, size);
     int64_t view = -1;
-    ty_result result = ty_gltf_read_reference(gltf, json, &place, "bufferView", "bufferViews", &view);
+    ty_result result = ty_gltf_read_reference(gltf, json, &json_path, "bufferView", "bufferViews", &view);
     if (result != TY_OK) return result;
-    if (view < 0) return ty_gltf_fail(gltf, &place, "it has neither a uri nor a bufferView");
+    if (view < 0) return ty_gltf_fail(gltf, &json_path, "it has neither a uri nor a bufferView");
     const uint8_t* data = NULL;
     size_t length = 0, stride = 0;
     result = ty_gltf_open_view(gltf, (size_t)view, &data, &length, &stride);
@@ -34,7 +34,7 @@ static ty_result load_image(ty_gltf* gltf, size_t index, uint8_t** bytes, size_t
     return TY_OK;
 }
 
-/* The model's image for one of the file's. */
+/* Index of the model's image for a glTF image, loaded on first use. */
 static ty_result use_image(ty_gltf* gltf, size_t index, int32_t* out) {
     if (gltf->images[index] == 0) {
         ty_model_image image = {0};
@@ -51,41 +51,41 @@ static ty_result use_image(ty_gltf* gltf, size_t index, int32_t* out) {
     return TY_OK;
 }
 
-/* ---- Textures ---- */
+/* ---- textures ---- */
 
-static ty_result read_wrap(const ty_gltf* gltf, const json_t* sampler, const ty_json_path* place, const char* key,
+static ty_result read_wrap(const ty_gltf* gltf, const json_t* sampler, const ty_json_path* json_path, const char* key,
                            ty_wrap* out) {
     enum { CLAMP_TO_EDGE = 33071, MIRRORED_REPEAT = 33648, REPEAT = 10497 };
     int64_t wrap = REPEAT;
-    const ty_result result = ty_gltf_read_integer(gltf, sampler, place, key, 0, 65535, &wrap);
+    const ty_result result = ty_gltf_read_integer(gltf, sampler, json_path, key, 0, 65535, &wrap);
     if (result == TY_OK && wrap != REPEAT && wrap != CLAMP_TO_EDGE && wrap != MIRRORED_REPEAT)
-        return ty_gltf_fail(gltf, place, "%s: there is no wrapping %lld", key, (long long)wrap);
+        return ty_gltf_fail(gltf, json_path, "%s: there is no wrapping %lld", key, (long long)wrap);
     *out = wrap == CLAMP_TO_EDGE ? TY_WRAP_CLAMP : wrap == MIRRORED_REPEAT ? TY_WRAP_MIRROR : TY_WRAP_REPEAT;
     return result;
 }
 
 static ty_result read_sampler(const ty_gltf* gltf, size_t index, ty_model_texture* texture) {
     enum { NEAREST = 9728 };
-    const ty_json_path place = ty_gltf_place("samplers", index);
+    const ty_json_path json_path = ty_gltf_json_path("samplers", index);
     const json_t* sampler = ty_gltf_item(gltf, "samplers", index);
     int64_t filter = 0;
-    ty_result result = read_wrap(gltf, sampler, &place, "wrapS", &texture->wrap[0]);
-    if (result == TY_OK) result = read_wrap(gltf, sampler, &place, "wrapT", &texture->wrap[1]);
-    if (result == TY_OK) result = ty_gltf_read_integer(gltf, sampler, &place, "magFilter", 0, 65535, &filter);
+    ty_result result = read_wrap(gltf, sampler, &json_path, "wrapS", &texture->wrap[0]);
+    if (result == TY_OK) result = read_wrap(gltf, sampler, &json_path, "wrapT", &texture->wrap[1]);
+    if (result == TY_OK) result = ty_gltf_read_integer(gltf, sampler, &json_path, "magFilter", 0, 65535, &filter);
     texture->nearest = filter == NEAREST;
     return result;
 }
 
-/* The model's texture for one of the file's. */
+/* Index of the model's texture for a glTF texture, created on first use. */
 static ty_result use_texture(ty_gltf* gltf, size_t index, int32_t* out) {
     if (gltf->textures[index] == 0) {
-        const ty_json_path place = ty_gltf_place("textures", index);
+        const ty_json_path json_path = ty_gltf_json_path("textures", index);
         const json_t* json = ty_gltf_item(gltf, "textures", index);
         ty_model_texture texture = {0};
         int64_t source = -1, sampler = -1;
-        ty_result result = ty_gltf_read_reference(gltf, json, &place, "source", "images", &source);
-        if (result == TY_OK) result = ty_gltf_read_reference(gltf, json, &place, "sampler", "samplers", &sampler);
-        if (result == TY_OK && source < 0) return ty_gltf_fail(gltf, &place, "it has no source that can be read");
+        ty_result result = ty_gltf_read_reference(gltf, json, &json_path, "source", "images", &source);
+        if (result == TY_OK) result = ty_gltf_read_reference(gltf, json, &json_path, "sampler", "samplers", &sampler);
+        if (result == TY_OK && source < 0) return ty_gltf_fail(gltf, &json_path, "it has no source that can be read");
         if (result == TY_OK && sampler >= 0) result = read_sampler(gltf, (size_t)sampler, &texture);
         if (result == TY_OK) result = use_image(gltf, (size_t)source, &texture.image);
         if (result == TY_OK) result = ty_model_add_texture(gltf->model, &texture);
@@ -96,26 +96,26 @@ static ty_result use_texture(ty_gltf* gltf, size_t index, int32_t* out) {
     return TY_OK;
 }
 
-/* KHR_texture_transform: scale, then rotate, then move. Rotation is counter-clockwise as seen with v pointing down. */
-static ty_result read_map(const ty_gltf* gltf, const json_t* transform, const ty_json_path* place, float map[6],
+/* KHR_texture_transform: scale, rotation, translation. Rotation is counter-clockwise with v pointing down. */
+static ty_result read_map(const ty_gltf* gltf, const json_t* transform, const ty_json_path* json_path, float map[6],
                           int64_t* uv) {
     double offset[2] = {0, 0}, scale[2] = {1, 1}, angle = 0;
-    ty_result result = ty_gltf_read_numbers(gltf, transform, place, "offset", 2, -1e6, 1e6, offset);
-    if (result == TY_OK) result = ty_gltf_read_numbers(gltf, transform, place, "scale", 2, -1e6, 1e6, scale);
-    if (result == TY_OK) result = ty_gltf_read_number(gltf, transform, place, "rotation", -1e6, 1e6, &angle);
-    if (result == TY_OK) result = ty_gltf_read_integer(gltf, transform, place, "texCoord", 0, INT32_MAX, uv);
+    ty_result result = ty_gltf_read_numbers(gltf, transform, json_path, "offset", 2, -1e6, 1e6, offset);
+    if (result == TY_OK) result = ty_gltf_read_numbers(gltf, transform, json_path, "scale", 2, -1e6, 1e6, scale);
+    if (result == TY_OK) result = ty_gltf_read_number(gltf, transform, json_path, "rotation", -1e6, 1e6, &angle);
+    if (result == TY_OK) result = ty_gltf_read_integer(gltf, transform, json_path, "texCoord", 0, INT32_MAX, uv);
     const double c = cos(angle), s = sin(angle);
     const double rows[6] = {c * scale[0], s * scale[1], offset[0], -s * scale[0], c * scale[1], offset[1]};
     for (int i = 0; i < 6; ++i) map[i] = (float)rows[i];
     return result;
 }
 
-/* A reference to a texture: which, which coordinates, and how they are moved. */
-static ty_result read_texture(ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
+/* Texture reference: index, texture coordinate set, transform. */
+static ty_result read_texture(ty_gltf* gltf, const json_t* object, const ty_json_path* json_path, const char* key,
                               int32_t* texture, int32_t* uv, float map[6]) {
     const json_t* info = json_object_get(object, key);
     if (info == NULL) return TY_OK;
-    const ty_json_path here = ty_json_path_key(place, key);
+    const ty_json_path here = ty_json_path_key(json_path, key);
     int64_t index = -1, set = 0;
     ty_result result = ty_gltf_read_reference(gltf, info, &here, "index", "textures", &index);
     if (result == TY_OK && index < 0) return ty_gltf_fail(gltf, &here, "index is missing");
@@ -129,12 +129,12 @@ static ty_result read_texture(ty_gltf* gltf, const json_t* object, const ty_json
     return result;
 }
 
-/* ---- Materials ---- */
+/* ---- materials ---- */
 
-static ty_result read_surface(ty_gltf* gltf, const json_t* json, const ty_json_path* place,
+static ty_result read_surface(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
                               ty_model_material* material) {
     const json_t* surface = json_object_get(json, "pbrMetallicRoughness");
-    const ty_json_path here = ty_json_path_key(place, "pbrMetallicRoughness");
+    const ty_json_path here = ty_json_path_key(json_path, "pbrMetallicRoughness");
     ty_material_def* def = &material->def;
     double color[4] = {1, 1, 1, 1};
     const ty_result result = ty_gltf_read_numbers(gltf, surface, &here, "baseColorFactor", 4, 0, 1, color);
@@ -145,43 +145,45 @@ static ty_result read_surface(ty_gltf* gltf, const json_t* json, const ty_json_p
                         def->albedo_map);
 }
 
-static ty_result read_emission(ty_gltf* gltf, const json_t* json, const ty_json_path* place,
+static ty_result read_emission(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
                                ty_model_material* material) {
     const json_t* extension = ty_gltf_extension(json, "KHR_materials_emissive_strength");
     ty_material_def* def = &material->def;
     double color[3] = {0, 0, 0}, strength = 1;
-    ty_result result = ty_gltf_read_numbers(gltf, json, place, "emissiveFactor", 3, 0, EMISSION_MAX, color);
+    ty_result result = ty_gltf_read_numbers(gltf, json, json_path, "emissiveFactor", 3, 0, EMISSION_MAX, color);
     if (result == TY_OK)
-        result = ty_gltf_read_number(gltf, extension, place, "emissiveStrength", 0, EMISSION_MAX, &strength);
+        result = ty_gltf_read_number(gltf, extension, json_path, "emissiveStrength", 0, EMISSION_MAX, &strength);
     if (result != TY_OK) return result;
     for (int c = 0; c < 3; ++c) def->emission[c] = (float)fmin(color[c] * strength, EMISSION_MAX);
     const bool glows = def->emission[0] > 0 || def->emission[1] > 0 || def->emission[2] > 0;
     return !glows ? TY_OK
-                  : read_texture(gltf, json, place, "emissiveTexture", &material->emission_texture, &def->emission_uv,
-                                 def->emission_map);
+                  : read_texture(gltf, json, json_path, "emissiveTexture", &material->emission_texture,
+                                 &def->emission_uv, def->emission_map);
 }
 
-static ty_result read_alpha(const ty_gltf* gltf, const json_t* json, const ty_json_path* place, ty_material_def* def) {
+static ty_result read_alpha(const ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
+                            ty_material_def* def) {
     const char* mode = json_string_value(json_object_get(json, "alphaMode"));
     double cutoff = 0.5;
-    const ty_result result = ty_gltf_read_number(gltf, json, place, "alphaCutoff", 0, 1e6, &cutoff);
+    const ty_result result = ty_gltf_read_number(gltf, json, json_path, "alphaCutoff", 0, 1e6, &cutoff);
     if (result != TY_OK) return result;
     def->alpha_cutoff = (float)fmin(cutoff, 1);
     if (mode == NULL || strcmp(mode, "OPAQUE") == 0) return TY_OK;
     const bool mask = strcmp(mode, "MASK") == 0;
-    if (!mask && strcmp(mode, "BLEND") != 0) return ty_gltf_fail(gltf, place, "there is no alphaMode \"%.32s\"", mode);
+    if (!mask && strcmp(mode, "BLEND") != 0)
+        return ty_gltf_fail(gltf, json_path, "there is no alphaMode \"%.32s\"", mode);
     def->alpha_mode = mask ? TY_ALPHA_MASK : TY_ALPHA_BLEND;
     return TY_OK;
 }
 
 static ty_result read_material(ty_gltf* gltf, size_t index) {
-    const ty_json_path place = ty_gltf_place("materials", index);
+    const ty_json_path json_path = ty_gltf_json_path("materials", index);
     const json_t* json = ty_gltf_item(gltf, "materials", index);
     ty_model_material material = ty_model_plain_material(1);
     material.def.double_sided = json_is_true(json_object_get(json, "doubleSided"));
-    ty_result result = read_surface(gltf, json, &place, &material);
-    if (result == TY_OK) result = read_emission(gltf, json, &place, &material);
-    if (result == TY_OK) result = read_alpha(gltf, json, &place, &material.def);
+    ty_result result = read_surface(gltf, json, &json_path, &material);
+    if (result == TY_OK) result = read_emission(gltf, json, &json_path, &material);
+    if (result == TY_OK) result = read_alpha(gltf, json, &json_path, &material.def);
     if (result != TY_OK) return result;
     material.name = ty_copy_text(gltf->context, json_string_value(json_object_get(json, "name")));
     return ty_model_add_material(gltf->model, &material);

@@ -1,4 +1,4 @@
-/* glTF: meshes, one of the model's for each primitive made of triangles. */
+/* glTF meshes: one model mesh for each triangle primitive. */
 #include "base/context.h"
 #include "io/meshes/gltf.h"
 
@@ -6,30 +6,29 @@
 
 enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 
-/* What a primitive is made of. */
+/* A primitive's accessors and indices. */
 typedef struct primitive {
     const json_t* json;
-    ty_json_path place;
+    ty_json_path json_path;
     int64_t mode;
     ty_gltf_accessor positions, normals, uv[2], colors;
     bool has_normals, has_uv[2], has_colors;
-    uint32_t* corners; /* vertices in the order of the primitive; NULL: all vertices in order */
+    uint32_t* corners; /* vertex index per corner; NULL: all vertices in order */
     size_t corner_count;
-    size_t first, last; /* vertices in use */
-    size_t number;      /* among the mesh's primitives */
+    size_t first, last; /* range of vertices in use */
+    size_t number;      /* index in the mesh */
 } primitive;
 
-/* ---- Attributes ---- */
+/* ---- attributes ---- */
 
-/* Opens an attribute when there is one; it must have from low to high components, and as many elements as there are
- * positions. */
+/* Opens an attribute if present; it must have low to high components, and as many elements as positions. */
 static ty_result open_attribute(ty_gltf* gltf, primitive* p, const char* name, size_t low, size_t high,
                                 ty_gltf_accessor* accessor, bool* found) {
-    const ty_json_path place = ty_json_path_key(&p->place, "attributes");
-    const ty_json_path here = ty_json_path_key(&place, name);
+    const ty_json_path json_path = ty_json_path_key(&p->json_path, "attributes");
+    const ty_json_path here = ty_json_path_key(&json_path, name);
     int64_t index = -1;
     ty_result result =
-        ty_gltf_read_reference(gltf, json_object_get(p->json, "attributes"), &place, name, "accessors", &index);
+        ty_gltf_read_reference(gltf, json_object_get(p->json, "attributes"), &json_path, name, "accessors", &index);
     if (result == TY_OK && index >= 0) result = ty_gltf_open_accessor(gltf, (size_t)index, accessor);
     if (result != TY_OK || index < 0) return result;
     if (accessor->components < low || accessor->components > high)
@@ -52,21 +51,21 @@ static ty_result open_attributes(ty_gltf* gltf, primitive* p, bool* found) {
     return result;
 }
 
-/* ---- Triangles ---- */
+/* ---- triangles ---- */
 
-/* Reads the corners and finds which vertices they use; the accessors of exporters often hold those of many primitives,
- * of which each takes its own part only. */
+/* Reads the corner indices and the range of vertices that they use: exporters often share one accessor between many
+ * primitives, each of which uses a range. */
 static ty_result read_corners(ty_gltf* gltf, primitive* p) {
     p->corner_count = p->positions.count;
     p->last = p->positions.count - 1;
     int64_t index = -1;
     ty_gltf_accessor indices;
-    ty_result result = ty_gltf_read_reference(gltf, p->json, &p->place, "indices", "accessors", &index);
+    ty_result result = ty_gltf_read_reference(gltf, p->json, &p->json_path, "indices", "accessors", &index);
     if (result == TY_OK && index >= 0) result = ty_gltf_open_accessor(gltf, (size_t)index, &indices);
     if (result != TY_OK || index < 0) return result;
     const bool whole = indices.type == TY_GLTF_U8 || indices.type == TY_GLTF_U16 || indices.type == TY_GLTF_U32;
     if (!whole || indices.components != 1)
-        return ty_gltf_fail(gltf, &indices.place, "indices must be single unsigned integers");
+        return ty_gltf_fail(gltf, &indices.json_path, "indices must be single unsigned integers");
     p->corners = ty_alloc_array(gltf->context, indices.count, sizeof *p->corners, false);
     if (p->corners == NULL) return TY_ERROR_MEMORY;
     p->corner_count = indices.count;
@@ -74,7 +73,7 @@ static ty_result read_corners(ty_gltf* gltf, primitive* p) {
     p->first = p->last = p->corners[0];
     for (size_t i = 0; i < indices.count; ++i) {
         if (p->corners[i] >= p->positions.count)
-            return ty_gltf_fail(gltf, &indices.place, "index %u is past the end of %zu vertices", p->corners[i],
+            return ty_gltf_fail(gltf, &indices.json_path, "index %u is past the end of %zu vertices", p->corners[i],
                                 p->positions.count);
         if (p->corners[i] < p->first) p->first = p->corners[i];
         if (p->corners[i] > p->last) p->last = p->corners[i];
@@ -82,7 +81,7 @@ static ty_result read_corners(ty_gltf* gltf, primitive* p) {
     return TY_OK;
 }
 
-/* Which corners triangle i has. In strips every second one is turned round, so that all face the same way. */
+/* Corners of triangle i. In strips every second triangle is flipped, so that all have the same orientation. */
 static void triangle_corners(int64_t mode, size_t i, size_t corners[3]) {
     const size_t odd = i % 2;
     corners[0] = mode == MODE_TRIANGLES ? 3 * i : mode == MODE_STRIP ? i : i + 1;
@@ -106,7 +105,7 @@ static ty_result fill_vertices(const ty_gltf* gltf, const primitive* p, ty_model
     ty_gltf_read_floats(&p->positions, p->first, count, 3, mesh->positions);
     for (size_t i = 0; i < 3 * count; ++i)
         if (!isfinite(mesh->positions[i]))
-            return ty_gltf_fail(gltf, &p->positions.place, "element %zu is not finite", p->first + i / 3);
+            return ty_gltf_fail(gltf, &p->positions.json_path, "element %zu is not finite", p->first + i / 3);
     if (p->has_normals) ty_gltf_read_floats(&p->normals, p->first, count, 3, mesh->normals);
     for (int set = 0; set < 2; ++set)
         if (p->has_uv[set]) ty_gltf_read_floats(&p->uv[set], p->first, count, 2, mesh->uv[set]);
@@ -116,12 +115,12 @@ static ty_result fill_vertices(const ty_gltf* gltf, const primitive* p, ty_model
     return TY_OK;
 }
 
-/* ---- Primitives ---- */
+/* ---- primitives ---- */
 
-/* The triangle count that the corners make, 0 for too few. */
+/* Number of triangles of the primitive's corners; 0 if there are too few. */
 static ty_result count_triangles(const ty_gltf* gltf, const primitive* p, size_t* count) {
     if (p->mode == MODE_TRIANGLES && p->corner_count % 3 != 0)
-        return ty_gltf_fail(gltf, &p->place, "%zu corners do not make whole triangles", p->corner_count);
+        return ty_gltf_fail(gltf, &p->json_path, "%zu corners do not make whole triangles", p->corner_count);
     *count = p->mode == MODE_TRIANGLES ? p->corner_count / 3 : p->corner_count < 3 ? 0 : p->corner_count - 2;
     return TY_OK;
 }
@@ -133,7 +132,8 @@ static ty_result build_mesh(ty_gltf* gltf, const primitive* p) {
                           .first_vertex = p->first,
                           .vertex_total = p->positions.count};
     ty_result result = count_triangles(gltf, p, &mesh.triangle_count);
-    if (result == TY_OK) result = ty_gltf_read_reference(gltf, p->json, &p->place, "material", "materials", &material);
+    if (result == TY_OK)
+        result = ty_gltf_read_reference(gltf, p->json, &p->json_path, "material", "materials", &material);
     if (result != TY_OK || mesh.triangle_count == 0) return result;
     const bool materials = (gltf->want & TY_MODEL_MATERIALS) != 0;
     mesh.material = !materials ? -1 : (int32_t)(material >= 0 ? material : (int64_t)ty_gltf_count(gltf, "materials"));
@@ -146,11 +146,11 @@ static ty_result build_mesh(ty_gltf* gltf, const primitive* p) {
     return result;
 }
 
-static ty_result read_primitive(ty_gltf* gltf, const json_t* json, size_t number, const ty_json_path* place) {
-    primitive p = {.json = json, .place = *place, .mode = MODE_TRIANGLES, .number = number};
+static ty_result read_primitive(ty_gltf* gltf, const json_t* json, size_t number, const ty_json_path* json_path) {
+    primitive p = {.json = json, .json_path = *json_path, .mode = MODE_TRIANGLES, .number = number};
     if (json_array_size(json_object_get(json, "targets")) > 0) gltf->morphs = true;
     bool found = false;
-    ty_result result = ty_gltf_read_integer(gltf, json, place, "mode", 0, 6, &p.mode);
+    ty_result result = ty_gltf_read_integer(gltf, json, json_path, "mode", 0, 6, &p.mode);
     if (result == TY_OK && p.mode >= MODE_TRIANGLES) result = open_attributes(gltf, &p, &found);
     if (result != TY_OK) return result;
     if (!found) {
@@ -168,8 +168,8 @@ ty_result ty_gltf_read_mesh(ty_gltf* gltf, size_t index) {
     if (mesh->read) return TY_OK;
     mesh->read = true;
     mesh->first = gltf->model->mesh_count;
-    const ty_json_path place = ty_gltf_place("meshes", index);
-    const ty_json_path primitives = ty_json_path_key(&place, "primitives");
+    const ty_json_path json_path = ty_gltf_json_path("meshes", index);
+    const ty_json_path primitives = ty_json_path_key(&json_path, "primitives");
     ty_result result = TY_OK;
     size_t i;
     json_t* json;

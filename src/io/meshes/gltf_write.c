@@ -1,4 +1,4 @@
-/* glTF: a copy of a file with colours at its vertices. */
+/* Writing a copy of a glTF file with vertex colors. */
 #include "base/context.h"
 #include "io/file.h"
 #include "io/meshes/gltf.h"
@@ -11,29 +11,29 @@ enum { GLB_HEAD = 12, CHUNK_HEAD = 8, CHUNK_JSON = 0x4e4f534a, CHUNK_BIN = 0x004
 
 static const size_t file_size_max = (size_t)1 << 36;
 
-/* An array of colours that primitives with the same positions and node share, each its own part of it. */
+/* A color array for all primitives with the same positions and node; each fills a range of it. */
 typedef struct shared_colors {
-    int64_t positions; /* the accessor */
+    int64_t positions; /* accessor of the positions */
     int32_t node;
-    int64_t accessor;   /* of the colours */
-    size_t at;          /* where they begin in the body */
-    size_t first, past; /* vertices that have colours */
+    int64_t accessor;   /* accessor of the colors */
+    size_t at;          /* offset of the colors in the body */
+    size_t first, past; /* range of vertices with colors */
 } shared_colors;
 
 typedef struct writer {
-    ty_gltf gltf;  /* as it was read */
-    json_t* root;  /* what comes out */
-    uint8_t* body; /* the binary chunk that comes out */
+    ty_gltf gltf;  /* source file */
+    json_t* root;  /* output JSON */
+    uint8_t* body; /* output binary chunk */
     size_t size, capacity;
-    int32_t* owners; /* per mesh: the node that it is coloured for, plus one; 0: none yet */
+    int32_t* mesh_nodes; /* per mesh: node whose colors it has, plus one; 0: none */
     size_t mesh_count;
     shared_colors* shared;
     size_t shared_count, shared_capacity;
 } writer;
 
-/* ---- The body ---- */
+/* ---- binary chunk ---- */
 
-/* Puts size bytes, zeros when bytes is NULL, at a multiple of four; *at is where. */
+/* Appends `size` bytes (zeros if bytes is NULL) aligned to four; *at is their offset. */
 static ty_result append(writer* w, const void* bytes, size_t size, size_t* at) {
     const size_t start = (w->size + 3) & ~(size_t)3, past = start + size;
     if (past > UINT32_MAX - 1024)
@@ -60,7 +60,7 @@ static ty_result no_memory(const writer* w) {
     return ty_fail(w->gltf.context, TY_ERROR_MEMORY, "%s: not enough memory", w->gltf.path);
 }
 
-/* A top-level array, made when it is missing. NULL: no memory. */
+/* A top-level array, created if missing. NULL: out of memory. */
 static json_t* top_array(writer* w, const char* name) {
     json_t* array = json_object_get(w->root, name);
     if (array != NULL) return array;
@@ -68,7 +68,7 @@ static json_t* top_array(writer* w, const char* name) {
     return json_object_set_new(w->root, name, made) == 0 ? made : NULL;
 }
 
-/* Appends value, whose reference it takes, to a top-level array; *index is where. */
+/* Appends value to a top-level array and takes over its reference; *index is its index. */
 static ty_result add_item(writer* w, const char* name, json_t* value, int64_t* index) {
     json_t* array = top_array(w, name);
     if (array == NULL || value == NULL) {
@@ -85,9 +85,9 @@ static ty_result add_view(writer* w, size_t at, size_t size, int64_t* index) {
         json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)at, "byteLength", (json_int_t)size), index);
 }
 
-/* ---- What the file has already ---- */
+/* ---- existing content ---- */
 
-/* All buffers become one, in which views of the first keep their places. */
+/* Concatenates all buffers; views of the first keep their offsets. */
 static ty_result gather_buffers(writer* w) {
     const size_t count = ty_gltf_count(&w->gltf, "buffers");
     json_t* views = json_object_get(w->root, "bufferViews");
@@ -117,11 +117,11 @@ static const char* image_type(const uint8_t* bytes, size_t size) {
 }
 
 static ty_result embed_image(writer* w, size_t index, json_t* image, const char* uri) {
-    const ty_json_path place = ty_gltf_place("images", index);
+    const ty_json_path json_path = ty_gltf_json_path("images", index);
     uint8_t* bytes = NULL;
     size_t size = 0, at = 0;
     int64_t view = 0;
-    ty_result result = ty_gltf_load_uri(&w->gltf, &place, uri, &bytes, &size);
+    ty_result result = ty_gltf_load_uri(&w->gltf, &json_path, uri, &bytes, &size);
     if (result != TY_OK) return result;
     const char* type = image_type(bytes, size);
     result = append(w, bytes, size, &at);
@@ -146,7 +146,7 @@ static ty_result embed_images(writer* w) {
     return TY_OK;
 }
 
-/* ---- Colours ---- */
+/* ---- colors ---- */
 
 static ty_result fail_changed(const writer* w, const ty_mesh_origin* origin) {
     return ty_fail(w->gltf.context, TY_ERROR_INPUT,
@@ -154,24 +154,24 @@ static ty_result fail_changed(const writer* w, const ty_mesh_origin* origin) {
                    w->gltf.path, (int)origin->node, (int)origin->primitive, (long long)origin->vertex_total);
 }
 
-/* The mesh of a node, for it alone: a copy of the mesh when another node has been given its own already. */
-static ty_result own_mesh(writer* w, const ty_mesh_origin* origin, json_t** out) {
+/* The mesh of a node, exclusive to it: a copy if another node has the original. */
+static ty_result node_mesh(writer* w, const ty_mesh_origin* origin, json_t** out) {
     json_t* node = json_array_get(json_object_get(w->root, "nodes"), (size_t)origin->node);
     json_t* meshes = json_object_get(w->root, "meshes");
     const json_t* number = json_object_get(node, "mesh");
     int64_t index = json_is_integer(number) ? json_integer_value(number) : -1;
     *out = index < 0 ? NULL : json_array_get(meshes, (size_t)index);
     if (*out == NULL) return fail_changed(w, origin);
-    if ((size_t)index >= w->mesh_count) return TY_OK; /* a copy, which is the node's own */
-    if (w->owners[index] == 0) w->owners[index] = origin->node + 1;
-    if (w->owners[index] == origin->node + 1) return TY_OK;
+    if ((size_t)index >= w->mesh_count) return TY_OK; /* the copy is already this node's */
+    if (w->mesh_nodes[index] == 0) w->mesh_nodes[index] = origin->node + 1;
+    if (w->mesh_nodes[index] == origin->node + 1) return TY_OK;
     const ty_result result = add_item(w, "meshes", json_deep_copy(*out), &index);
     if (result != TY_OK) return result;
     *out = json_array_get(meshes, (size_t)index);
     return json_object_set_new(node, "mesh", json_integer(index)) == 0 ? TY_OK : no_memory(w);
 }
 
-/* Renames a primitive's own colours. */
+/* Renames the primitive's existing color attribute. */
 static ty_result move_colors(writer* w, json_t* attributes) {
     char name[32];
     json_t* old = json_object_get(attributes, "COLOR_0");
@@ -184,7 +184,7 @@ static ty_result move_colors(writer* w, json_t* attributes) {
     return TY_OK;
 }
 
-/* An array of colours for so many positions, all 0. */
+/* Adds a color array for `total` positions, all 0. */
 static ty_result add_colors(writer* w, int32_t node, int64_t positions, int64_t total, shared_colors** out) {
     const size_t size = (size_t)total * 3 * sizeof(float);
     int64_t view = 0;
@@ -204,8 +204,8 @@ static ty_result add_colors(writer* w, int32_t node, int64_t positions, int64_t 
     return TY_OK;
 }
 
-/* Room for the vertices of a primitive up to past: in an array that has other vertices of the same positions, or in a
- * new one. */
+/* Color array for a primitive's vertices up to `past`: an existing one for other vertices of the same positions, or
+ * a new one. */
 static ty_result find_colors(writer* w, const ty_mesh_origin* origin, int64_t positions, size_t past,
                              shared_colors** out) {
     for (size_t i = w->shared_count; i-- > 0;) {
@@ -218,7 +218,7 @@ static ty_result find_colors(writer* w, const ty_mesh_origin* origin, int64_t po
     return add_colors(w, origin->node, positions, origin->vertex_total, out);
 }
 
-/* Floats as the file has them: little-endian. */
+/* Stores floats in little-endian order, as glTF requires. */
 static void put_floats(const float* in, size_t count, uint8_t* out) {
     for (size_t i = 0; i < count; ++i) {
         uint32_t bits;
@@ -230,7 +230,7 @@ static void put_floats(const float* in, size_t count, uint8_t* out) {
 static ty_result color_mesh(writer* w, const ty_mesh_colors* colors) {
     const ty_mesh_origin* origin = &colors->origin;
     json_t* mesh = NULL;
-    ty_result result = own_mesh(w, origin, &mesh);
+    ty_result result = node_mesh(w, origin, &mesh);
     if (result != TY_OK) return result;
     json_t* primitive = json_array_get(json_object_get(mesh, "primitives"), (size_t)origin->primitive);
     json_t* attributes = json_object_get(primitive, "attributes");
@@ -264,7 +264,7 @@ static ty_result check_colors(ty_context* context, const ty_mesh_colors* colors,
     return TY_OK;
 }
 
-/* ---- The whole ---- */
+/* ---- whole file ---- */
 
 static ty_result set_extras(writer* w, const char* text) {
     if (text == NULL) return TY_OK;
@@ -286,7 +286,7 @@ static ty_result set_extras(writer* w, const char* text) {
     return no_memory(w);
 }
 
-/* One buffer, whose own keys but for the uri are those of the first. */
+/* The single output buffer, with the keys of the first buffer except its uri. */
 static ty_result set_buffer(writer* w) {
     const json_t* first = ty_gltf_item(&w->gltf, "buffers", 0);
     json_t* buffer = first == NULL ? json_object() : json_deep_copy(first);
@@ -323,7 +323,7 @@ static ty_result write_glb(writer* w, const char* path) {
     if (result == TY_OK) {
         uint8_t head[GLB_HEAD] = {'g', 'l', 'T', 'F', 2};
         put_u32(head + 8, total);
-        /* What cannot be written is noticed and told by the commit. */
+        /* The commit reports write errors. */
         if (fwrite(head, 1, sizeof head, output.stream) == sizeof head &&
             write_chunk(output.stream, CHUNK_JSON, text, length, ' '))
             write_chunk(output.stream, CHUNK_BIN, w->body, w->size, '\0');
@@ -335,13 +335,13 @@ static ty_result write_glb(writer* w, const char* path) {
 
 static ty_result open_file(writer* w, const uint8_t* bytes, size_t size) {
     ty_result result = ty_gltf_open(&w->gltf, bytes, size);
-    if (result == TY_OK) result = ty_gltf_take_tables(&w->gltf);
+    if (result == TY_OK) result = ty_gltf_create_tables(&w->gltf);
     if (result != TY_OK) return result;
     w->root = json_deep_copy(w->gltf.root);
     if (w->root == NULL) return no_memory(w);
     w->mesh_count = ty_gltf_count(&w->gltf, "meshes");
-    w->owners = ty_alloc_array(w->gltf.context, w->mesh_count, sizeof *w->owners, true);
-    if (w->owners == NULL) return TY_ERROR_MEMORY;
+    w->mesh_nodes = ty_alloc_array(w->gltf.context, w->mesh_count, sizeof *w->mesh_nodes, true);
+    if (w->mesh_nodes == NULL) return TY_ERROR_MEMORY;
     result = gather_buffers(w);
     return result == TY_OK ? embed_images(w) : result;
 }
@@ -364,7 +364,7 @@ ty_result ty_mesh_file_write_colors(ty_context* context, const char* from, const
     if (result == TY_OK) result = write_glb(&w, path);
     json_decref(w.root);
     ty_gltf_close(&w.gltf);
-    ty_free_array(context, w.owners, w.mesh_count, sizeof *w.owners);
+    ty_free_array(context, w.mesh_nodes, w.mesh_count, sizeof *w.mesh_nodes);
     ty_free_array(context, w.shared, w.shared_capacity, sizeof *w.shared);
     ty_free_array(context, w.body, w.capacity, 1);
     ty_free_text(context, folder);

@@ -1,4 +1,4 @@
-/* Mesh files into scenes, shells and cameras. */
+/* Conversion of mesh files to scenes, closed meshes and cameras. */
 #include "base/context.h"
 #include "io/meshes/model.h"
 #include "io/schema_text.h"
@@ -12,17 +12,17 @@ enum { MESSAGE_SIZE = 1024 };
 
 #define INTENSITY_MAX 1e15
 
-ty_mesh_file_def ty_default_mesh_file_def(void) {
-    return (ty_mesh_file_def){.cookie = TY_DEF_COOKIE,
-                              .transform = ty_affine_identity(),
-                              .meshes = true,
-                              .lights = true,
-                              .light_scale = 1,
-                              .emission_scale = 1};
+void ty_init_mesh_file_def(void* def, size_t bytes) {
+    const ty_mesh_file_def own = {
+        .transform = ty_affine_identity(), .meshes = true, .lights = true, .light_scale = 1, .emission_scale = 1};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
-static ty_result check_def(ty_context* context, const char* path, const ty_mesh_file_def* def) {
-    const ty_result result = ty_check_def(context, def, "ty_default_mesh_file_def");
+static ty_result check_def(ty_context* context, const char* path, const ty_mesh_file_def** given,
+                           ty_mesh_file_def* own) {
+    *own = ty_default_mesh_file_def();
+    const ty_result result = ty_take_def(context, *given, "ty_default_mesh_file_def", own, sizeof *own);
+    const ty_mesh_file_def* def = *given = own;
     ty_affine inverse;
     if (result != TY_OK) return result;
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "a file name is NULL");
@@ -35,33 +35,33 @@ static ty_result check_def(ty_context* context, const char* path, const ty_mesh_
     return TY_OK;
 }
 
-/* A call's refusal of what the file holds becomes the file's error. clean: whether no message was kept before. */
-static ty_result below(ty_context* context, const char* path, bool clean, ty_result result) {
+/* Turns a failure caused by the file's content into the file's error. clean: true if the context had no message
+ * before. */
+static ty_result file_error(ty_context* context, const char* path, bool clean, ty_result result) {
     if (result != TY_ERROR_ARGUMENT) return result;
     if (!clean) return TY_ERROR_INPUT;
     char text[MESSAGE_SIZE];
-    snprintf(text, sizeof text, "%s", ty_last_error(context));
-    ty_clear_error(context);
+    snprintf(text, sizeof text, "%s", ty_take_error(context));
     return ty_fail(context, TY_ERROR_INPUT, "%s: %s", path, text);
 }
 
-/* From the file's space to the scene's. */
+/* Map from file space to scene space. */
 static ty_affine scene_from_file(const ty_mesh_file_def* def) {
     static const ty_affine up = {{1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0}}; /* (x, y, z) -> (x, -z, y) */
     return def->to_z_up ? ty_affine_multiply(&def->transform, &up) : def->transform;
 }
 
-/* A unit direction in the scene's space. */
-static void turn_direction(const ty_affine* map, const double in[3], double out[3]) {
-    double turned[3], length = 0;
+/* Transforms a direction to scene space and normalises it. */
+static void transform_direction(const ty_affine* map, const double in[3], double out[3]) {
+    double transformed[3], length = 0;
     for (int r = 0; r < 3; ++r) {
-        turned[r] = map->m[4 * r] * in[0] + map->m[4 * r + 1] * in[1] + map->m[4 * r + 2] * in[2];
-        length += turned[r] * turned[r];
+        transformed[r] = map->m[4 * r] * in[0] + map->m[4 * r + 1] * in[1] + map->m[4 * r + 2] * in[2];
+        length += transformed[r] * transformed[r];
     }
-    for (int r = 0; r < 3; ++r) out[r] = turned[r] / sqrt(length);
+    for (int r = 0; r < 3; ++r) out[r] = transformed[r] / sqrt(length);
 }
 
-/* ---- Scenes ---- */
+/* ---- scenes ---- */
 
 typedef struct filler {
     ty_scene* scene;
@@ -88,13 +88,13 @@ static ty_result make_textures(filler* f) {
         def.wrap[1] = texture->wrap[1];
         def.nearest = texture->nearest;
         const ty_result result = ty_texture_create(f->context, &def, &f->textures[i]);
-        if (result != TY_OK) return below(f->context, image->name, f->clean, result);
+        if (result != TY_OK) return file_error(f->context, image->name, f->clean, result);
     }
     return TY_OK;
 }
 
 static void free_textures(filler* f) {
-    for (size_t i = 0; f->textures != NULL && i < f->model->texture_count; ++i) ty_texture_destroy(f->textures[i]);
+    for (size_t i = 0; f->textures != NULL && i < f->model->texture_count; ++i) ty_texture_release(f->textures[i]);
     ty_free_array(f->context, f->textures, f->model->texture_count, sizeof(ty_texture*));
 }
 
@@ -108,7 +108,7 @@ static ty_material_def make_material(const filler* f, int32_t index) {
     return def;
 }
 
-/* A mesh that its map makes flat, or a point, has no fronts; writers hide things so. */
+/* Instances flattened by their map (to a plane or point) are skipped; some writers hide objects that way. */
 static ty_result add_instance(const filler* f, const ty_model_instance* instance, size_t* flat) {
     const ty_model_mesh* mesh = &f->model->meshes[instance->mesh];
     ty_affine inverse;
@@ -133,15 +133,15 @@ static ty_result add_instance(const filler* f, const ty_model_instance* instance
                                   .first_vertex = (int64_t)mesh->first_vertex,
                                   .vertex_total = (int64_t)mesh->vertex_total};
     def.material = make_material(f, mesh->material);
-    return below(f->context, f->path, f->clean, ty_scene_add_mesh(f->scene, &def));
+    return file_error(f->context, f->path, f->clean, ty_scene_add_mesh(f->scene, &def));
 }
 
 static ty_result add_light(const filler* f, const ty_light_def* light) {
     ty_light_def def = *light;
     for (int c = 0; c < 3; ++c) def.color[c] = (float)fmin(def.color[c] * f->def->light_scale, INTENSITY_MAX);
     ty_affine_point(&f->map, light->position, def.position);
-    turn_direction(&f->map, light->direction, def.direction);
-    return below(f->context, f->path, f->clean, ty_scene_add_light(f->scene, &def));
+    transform_direction(&f->map, light->direction, def.direction);
+    return file_error(f->context, f->path, f->clean, ty_scene_add_light(f->scene, &def));
 }
 
 static ty_result fill_scene(filler* f) {
@@ -159,11 +159,12 @@ static ty_result fill_scene(filler* f) {
 ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const ty_mesh_file_def* def) {
     if (scene == NULL) return TY_ERROR_ARGUMENT;
     ty_context* context = ty_scene_context(scene);
-    ty_result result = check_def(context, path, def);
+    ty_mesh_file_def own;
+    ty_result result = check_def(context, path, &def, &own);
     if (result != TY_OK) return result;
     unsigned want = def->lights ? TY_MODEL_LIGHTS : 0;
     if (def->meshes) want |= TY_MODEL_MESHES | TY_MODEL_SHADING | (def->material == NULL ? TY_MODEL_MATERIALS : 0);
-    const bool clean = ty_last_error(context)[0] == '\0';
+    const bool clean = !ty_has_error(context);
     ty_model model;
     result = ty_read_model(context, path, want, &model);
     filler f = {.scene = scene,
@@ -178,7 +179,7 @@ ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const ty_mes
     return result;
 }
 
-/* A committed scene of nothing but the model. */
+/* A committed scene of the model alone. */
 static ty_result make_scene(const ty_model* model, const char* path, ty_scene** out) {
     const ty_mesh_file_def def = ty_default_mesh_file_def();
     filler f = {.context = model->context,
@@ -186,7 +187,7 @@ static ty_result make_scene(const ty_model* model, const char* path, ty_scene** 
                 .def = &def,
                 .model = model,
                 .map = ty_affine_identity(),
-                .clean = ty_last_error(model->context)[0] == '\0'};
+                .clean = !ty_has_error(model->context)};
     ty_result result = ty_scene_create(model->context, TY_AXIS_Y, &f.scene);
     if (result == TY_OK) result = fill_scene(&f);
     if (result == TY_OK) result = ty_scene_commit(f.scene);
@@ -238,7 +239,7 @@ ty_result ty_mesh_file_list(ty_context* context, const char* path, ty_scene_info
     return result;
 }
 
-/* ---- Shells ---- */
+/* ---- closed meshes ---- */
 
 static bool is_mirrored(const ty_affine* map) {
     const double* m = map->m;
@@ -247,10 +248,10 @@ static bool is_mirrored(const ty_affine* map) {
            0;
 }
 
-/* A mesh in the scene's space, its indices raised by first; mirrored ones have their corners in the other order, so
- * that outside stays outside. */
-static void place_mesh(const ty_model_mesh* mesh, const ty_affine* map, uint32_t first, float* positions,
-                       uint32_t* indices) {
+/* Transforms a mesh to scene space and offsets its indices by `first`; mirrored maps reverse the corners, which
+ * keeps the orientation outward. */
+static void transform_mesh(const ty_model_mesh* mesh, const ty_affine* map, uint32_t first, float* positions,
+                           uint32_t* indices) {
     for (size_t i = 0; i < mesh->vertex_count; ++i) {
         double point[3];
         for (size_t a = 0; a < 3; ++a) point[a] = (double)mesh->positions[3 * i + a];
@@ -265,22 +266,22 @@ static void place_mesh(const ty_model_mesh* mesh, const ty_affine* map, uint32_t
     }
 }
 
-/* All triangles of a model, joined. */
+/* Concatenates all triangles of a model. */
 static void join_instances(const ty_model* model, const ty_affine* to_scene, float* positions, uint32_t* indices) {
     uint32_t first = 0;
     size_t triangles = 0;
     for (size_t i = 0; i < model->instance_count; ++i) {
         const ty_model_mesh* mesh = &model->meshes[model->instances[i].mesh];
         const ty_affine map = ty_affine_multiply(to_scene, &model->instances[i].transform);
-        place_mesh(mesh, &map, first, positions + 3 * (size_t)first, indices + 3 * triangles);
+        transform_mesh(mesh, &map, first, positions + 3 * (size_t)first, indices + 3 * triangles);
         first += (uint32_t)mesh->vertex_count;
         triangles += mesh->triangle_count;
     }
 }
 
-static ty_result make_shell(const ty_model* model, const char* path, const ty_affine* map, ty_shell** out) {
+static ty_result make_shell(const ty_model* model, const char* path, const ty_affine* map, ty_closed_mesh** out) {
     ty_context* context = model->context;
-    const bool clean = ty_last_error(context)[0] == '\0';
+    const bool clean = !ty_has_error(context);
     const size_t triangles = (size_t)ty_model_triangles(model);
     uint64_t vertices = 0;
     for (size_t i = 0; i < model->instance_count; ++i) vertices += model->meshes[model->instances[i].mesh].vertex_count;
@@ -292,16 +293,19 @@ static ty_result make_shell(const ty_model* model, const char* path, const ty_af
     ty_result result = TY_ERROR_MEMORY;
     if (positions != NULL && indices != NULL) {
         join_instances(model, map, positions, indices);
-        result = ty_shell_create(context, positions, (int64_t)vertices, indices, (int64_t)triangles, out);
+        result = ty_closed_mesh_create(context, positions, (int64_t)vertices, indices, (int64_t)triangles, out);
     }
     ty_free_array(context, positions, (size_t)vertices, 3 * sizeof(float));
     ty_free_array(context, indices, triangles, 3 * sizeof(uint32_t));
-    return below(context, path, clean, result);
+    return file_error(context, path, clean, result);
 }
 
-ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_shell** out) {
-    ty_result result = check_def(context, path, def);
-    if (result == TY_OK && out == NULL) result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_shell: out is NULL");
+ty_result ty_mesh_file_create_closed_mesh(ty_context* context, const char* path, const ty_mesh_file_def* def,
+                                          ty_closed_mesh** out) {
+    ty_mesh_file_def own;
+    ty_result result = check_def(context, path, &def, &own);
+    if (result == TY_OK && out == NULL)
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_create_closed_mesh: out is NULL");
     if (result != TY_OK) return result;
     const ty_affine map = scene_from_file(def);
     ty_model model;
@@ -311,7 +315,7 @@ ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mes
     return result;
 }
 
-/* ---- Cameras ---- */
+/* ---- cameras ---- */
 
 static ty_result fail_name(const ty_model* model, const char* path, const char* name) {
     char text[MESSAGE_SIZE / 2] = "";
@@ -325,7 +329,7 @@ static ty_result fail_name(const ty_model* model, const char* path, const char* 
     return ty_fail(model->context, TY_ERROR_INPUT, "%s: %s", path, text);
 }
 
-/* The camera of that name, or the first; one with perspective where several fit. */
+/* Camera of the given name, or the first; perspective cameras take precedence. */
 static const ty_model_camera* find_camera(const ty_model* model, const char* name) {
     const ty_model_camera* found = NULL;
     for (size_t i = 0; i < model->camera_count; ++i) {
@@ -336,18 +340,19 @@ static const ty_model_camera* find_camera(const ty_model* model, const char* nam
     return found;
 }
 
-static void place_camera(const ty_affine* map, const ty_model_camera* found, ty_camera_def* camera) {
+static void transform_camera(const ty_affine* map, const ty_model_camera* found, ty_camera_def* camera) {
     double forward[3];
     ty_affine_point(map, found->position, camera->position);
-    turn_direction(map, found->forward, forward);
-    turn_direction(map, found->up, camera->up);
+    transform_direction(map, found->forward, forward);
+    transform_direction(map, found->up, camera->up);
     for (int a = 0; a < 3; ++a) camera->target[a] = camera->position[a] + forward[a];
     camera->fov_y = found->fov_y;
 }
 
 ty_result ty_mesh_file_camera(ty_context* context, const char* path, const ty_mesh_file_def* def, const char* name,
                               ty_camera_def* camera, bool* found) {
-    ty_result result = check_def(context, path, def);
+    ty_mesh_file_def own;
+    ty_result result = check_def(context, path, &def, &own);
     if (result == TY_OK && (camera == NULL || found == NULL))
         result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_camera: camera or found is NULL");
     if (result != TY_OK) return result;
@@ -361,7 +366,7 @@ ty_result ty_mesh_file_camera(ty_context* context, const char* path, const ty_me
     else if (result == TY_OK && chosen == NULL && name != NULL)
         result = fail_name(&model, path, name);
     if (result == TY_OK) *found = chosen != NULL;
-    if (result == TY_OK && chosen != NULL) place_camera(&map, chosen, camera);
+    if (result == TY_OK && chosen != NULL) transform_camera(&map, chosen, camera);
     ty_model_free(&model);
     return result;
 }

@@ -1,4 +1,4 @@
-/* Models: taking, keeping and giving back what mesh files hold. */
+/* Models: allocation, building and release of a mesh file's content. */
 #include "io/meshes/model.h"
 
 #include "base/context.h"
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- Taking and giving back ---- */
+/* ---- allocation and release ---- */
 
 ty_result ty_model_alloc_mesh(ty_context* context, ty_model_mesh* mesh, bool normals, bool uv0, bool uv1, bool colors) {
     const size_t count = mesh->vertex_count, vec2 = 2 * sizeof(float), vec3 = 3 * sizeof(float);
@@ -63,7 +63,7 @@ void ty_model_free(ty_model* model) {
     *model = (ty_model){0};
 }
 
-/* ---- Adding ---- */
+/* ---- adding elements ---- */
 
 #define GROW(model, items, singular)                                                                                   \
     ty_grow_array((model)->context, (void**)&(model)->items, &(model)->singular##_capacity, (model)->singular##_count, \
@@ -134,13 +134,13 @@ ty_model_material ty_model_plain_material(float albedo) {
     return material;
 }
 
-/* ---- Finishing ---- */
+/* ---- finishing ---- */
 
 static float finite_or_zero(float value) {
     return isfinite(value) ? value : 0;
 }
 
-/* In double precision, where no square of a float overflows or vanishes. */
+/* Double precision, in which squares of floats neither overflow nor vanish. */
 static void tidy_normal(float n[3]) {
     const double x = (double)n[0], y = (double)n[1], z = (double)n[2];
     const double length = sqrt(x * x + y * y + z * z);
@@ -193,10 +193,10 @@ int64_t ty_model_triangles(const ty_model* model) {
     return sum;
 }
 
-/* ---- Names of files ---- */
+/* ---- file names ---- */
 
-/* Whether the segments of a relative path never lead above where it starts. */
-static bool stays_inside(const char* name) {
+/* True if the segments of a relative path never lead above its start. */
+static bool is_inside_folder(const char* name) {
     int depth = 0;
     for (const char* at = name; *at != '\0';) {
         const size_t length = strcspn(at, "/");
@@ -210,17 +210,17 @@ static bool stays_inside(const char* name) {
     return true;
 }
 
-ty_result ty_model_inner_path(ty_context* context, const char* place, const char* folder, const char* name,
+ty_result ty_model_inner_path(ty_context* context, const char* location, const char* folder, const char* name,
                               char** out) {
-    char shown[128] = "";
-    ty_append_quoted(shown, sizeof shown, name);
+    char quoted[128] = "";
+    ty_append_quoted(quoted, sizeof quoted, name);
     if (folder == NULL)
-        return ty_fail(context, TY_ERROR_INPUT, "%s: %s: other files may not be named here", place, shown);
+        return ty_fail(context, TY_ERROR_INPUT, "%s: %s: other files may not be named here", location, quoted);
     const bool scheme = strcspn(name, ":") < strcspn(name, "/?#"); /* "http:", "C:" */
     if (name[0] == '\0' || name[0] == '/' || scheme)
-        return ty_fail(context, TY_ERROR_INPUT, "%s: %s is not a path relative to the file", place, shown);
-    if (!stays_inside(name))
-        return ty_fail(context, TY_ERROR_INPUT, "%s: %s leads out of the file's folder", place, shown);
+        return ty_fail(context, TY_ERROR_INPUT, "%s: %s is not a path relative to the file", location, quoted);
+    if (!is_inside_folder(name))
+        return ty_fail(context, TY_ERROR_INPUT, "%s: %s leads out of the file's folder", location, quoted);
     *out = ty_join_path(context, folder, name);
     return *out == NULL ? TY_ERROR_MEMORY : TY_OK;
 }

@@ -1,22 +1,22 @@
-/* What a mesh file holds, whatever its kind: the readers fill a ty_model, mesh_file.c turns it into a scene. */
+/* Format-independent content of a mesh file: the readers fill a ty_model, mesh_file.c converts it to a scene. */
 #ifndef TY_IO_MODEL_H
 #define TY_IO_MODEL_H
 
 #include <tyndall/scene.h>
 
-/* What to read of a file. */
+/* Content to read. */
 enum {
     TY_MODEL_MESHES = 1,    /* positions and triangles */
-    TY_MODEL_SHADING = 2,   /* normals, texture coordinates and colours of vertices */
+    TY_MODEL_SHADING = 2,   /* vertex normals, texture coordinates and colors */
     TY_MODEL_MATERIALS = 4, /* materials and textures */
     TY_MODEL_LIGHTS = 8,
     TY_MODEL_CAMERAS = 16,
     TY_MODEL_ALL = 31
 };
 
-/* Triangles of one material, counter-clockwise seen from the front. Arrays are from ty_alloc_array, optional ones may
- * be NULL; all have one element per vertex, as ty_mesh_def has them. Every index is below vertex_count, every number
- * finite, every colour in 0..1. */
+/* Triangles of one material, counter-clockwise seen from the front. Arrays come from ty_alloc_array, have one
+ * element per vertex, as in ty_mesh_def, and are NULL if optional and absent. Every index is below vertex_count,
+ * every number finite, every color in 0..1. */
 typedef struct ty_model_mesh {
     size_t vertex_count, triangle_count;
     float* positions;
@@ -25,19 +25,19 @@ typedef struct ty_model_mesh {
     float* colors;
     uint32_t* indices;
     int32_t material;  /* -1: none */
-    int32_t primitive; /* this and what follows: as ty_mesh_origin has it */
+    int32_t primitive; /* this and the next fields: as in ty_mesh_origin */
     size_t first_vertex, vertex_total;
 } ty_model_mesh;
 
-/* A mesh where it stands; the map need not be invertible. */
+/* An instance of a mesh; the map may be singular. */
 typedef struct ty_model_instance {
     int32_t mesh;
     ty_affine transform; /* mesh to file */
-    int32_t node;        /* of glTF, or -1 */
+    int32_t node;        /* glTF node, or -1 */
     char* name;
 } ty_model_instance;
 
-/* Texels, 4 bytes each, once decoded; before that the bytes of an image file. */
+/* Texels, 4 bytes each, after decoding; before it, the bytes of an image file. */
 typedef struct ty_model_image {
     char* name; /* for messages: "level.glb: images[2]" */
     uint8_t* encoded;
@@ -52,15 +52,15 @@ typedef struct ty_model_texture {
     bool nearest;
 } ty_model_texture;
 
-/* def without its textures, which are given by number; -1: none. */
+/* def without textures, which are given by index; -1: none. */
 typedef struct ty_model_material {
     char* name;
-    bool plain; /* not the file's: for what has no material there */
+    bool plain; /* default material, not from the file */
     ty_material_def def;
     int32_t albedo_texture, emission_texture;
 } ty_model_material;
 
-/* In the file's space; directions are unit. */
+/* Position and directions in file space; directions are unit. */
 typedef struct ty_model_camera {
     char* name;
     double position[3], forward[3], up[3];
@@ -75,27 +75,28 @@ typedef struct ty_model {
     ty_model_image* images;
     ty_model_texture* textures;
     ty_model_material* materials;
-    ty_light_def* lights; /* in the file's space: point, spot, directional */
+    ty_light_def* lights; /* in file space: point, spot, directional */
     ty_model_camera* cameras;
     size_t mesh_count, instance_count, image_count, texture_count, material_count, light_count, camera_count;
     size_t mesh_capacity, instance_capacity, image_capacity, texture_capacity, material_capacity, light_capacity,
         camera_capacity;
 } ty_model;
 
-/* A model of one of these files from bytes, which end with a zero that size does not count; path stands for the file in
- * messages. folder is where the files that it names are looked for ("" is the current folder), and with NULL it may
- * name none. want: TY_MODEL_... flags. *model is to be freed after the call, whatever the result. */
+/* Reads a model from bytes, which are followed by a zero byte not counted in size; `path` names the file in
+ * messages. folder: location of referenced files ("": the current folder; NULL: references are refused). want:
+ * TY_MODEL_... flags. *model must be freed after the call, whatever the result. */
 ty_result ty_read_gltf(ty_context* context, const char* path, const char* folder, const uint8_t* bytes, size_t size,
                        unsigned want, ty_model* model);
 ty_result ty_read_obj(ty_context* context, const char* path, const char* folder, const uint8_t* bytes, size_t size,
                       unsigned want, ty_model* model);
 ty_result ty_read_ply(ty_context* context, const char* path, const uint8_t* bytes, size_t size, unsigned want,
                       ty_model* model);
-/* The same from a file, told by content, OBJ by its extension. */
+/* Reads a model from a file; its format is detected from the content, OBJ from the extension. */
 ty_result ty_read_model(ty_context* context, const char* path, unsigned want, ty_model* model);
 void ty_model_free(ty_model* model);
 
-/* Each adds one element, filled as given; strings and arrays become the model's. On failure they are freed. */
+/* Each function adds one element, filled as given, and takes over its strings and arrays, which are freed on
+ * failure. */
 ty_result ty_model_add_mesh(ty_model* model, ty_model_mesh* mesh);
 /* name is copied; NULL: none. */
 ty_result ty_model_add_instance(ty_model* model, size_t mesh, const ty_affine* transform, int32_t node,
@@ -106,22 +107,22 @@ ty_result ty_model_add_material(ty_model* model, ty_model_material* material);
 ty_result ty_model_add_light(ty_model* model, const ty_light_def* light);
 ty_result ty_model_add_camera(ty_model* model, ty_model_camera* camera);
 
-/* Takes the arrays of a mesh with vertex_count and triangle_count: positions and indices always. */
+/* Allocates the arrays of a mesh with vertex_count and triangle_count: positions and indices always. */
 ty_result ty_model_alloc_mesh(ty_context* context, ty_model_mesh* mesh, bool normals, bool uv0, bool uv1, bool colors);
 void ty_model_free_mesh(ty_context* context, ty_model_mesh* mesh);
 
-/* Makes a mesh's shading arrays what the comment at ty_model_mesh promises: normals unit, what is not finite 0,
- * colours clamped. */
+/* Makes shading arrays conform to ty_model_mesh: normals unit, non-finite numbers 0, colors clamped. */
 void ty_model_tidy_shading(ty_model_mesh* mesh);
 /* A material with the given albedo and no textures. */
 ty_model_material ty_model_plain_material(float albedo);
-/* Decodes all images, over the context's threads. */
+/* Decodes all images on the context's threads. */
 ty_result ty_model_decode_images(ty_model* model);
-/* Over all instances. */
+/* Number of triangles over all instances. */
 int64_t ty_model_triangles(const ty_model* model);
 
-/* The path of a file named inside another one: folder/name. Names that are absolute or lead out of the folder are
- * refused, as are all when folder is NULL; place is what names it in messages. Freed with ty_free_text. */
-ty_result ty_model_inner_path(ty_context* context, const char* place, const char* folder, const char* name, char** out);
+/* Path of a file referenced by another one: folder/name. Absolute names and names that lead out of the folder are
+ * refused, as are all if folder is NULL; `location` names the reference in messages. Freed with ty_free_text. */
+ty_result ty_model_inner_path(ty_context* context, const char* location, const char* folder, const char* name,
+                              char** out);
 
 #endif

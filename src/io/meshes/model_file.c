@@ -1,4 +1,4 @@
-/* Mesh files of any known kind. */
+/* Reading mesh files of any supported format. */
 #include "base/context.h"
 #include "io/file.h"
 #include "io/meshes/model.h"
@@ -13,7 +13,7 @@ static bool begins(const uint8_t* bytes, size_t size, const char* text) {
     return size >= length && memcmp(bytes, text, length) == 0;
 }
 
-/* Whether the first character that is no blank opens a JSON object. */
+/* True if the first non-blank character opens a JSON object. */
 static bool is_json(const uint8_t* bytes, size_t size) {
     size_t at = begins(bytes, size, "\xef\xbb\xbf") ? 3 : 0;
     while (at < size && (bytes[at] == ' ' || bytes[at] == '\t' || bytes[at] == '\n' || bytes[at] == '\r')) ++at;

@@ -1,11 +1,11 @@
-/* Lines, words and numbers of mesh files that are text. */
+/* Lines, words and numbers of text mesh files. */
 #include "io/meshes/model_text.h"
 
-#include "io/number.h"
+#include "base/number.h"
 
 #include <string.h>
 
-/* Ends of lines are blanks too: within a line they are there only after a backslash. */
+/* Line ends count as blanks: inside a line they occur only after a backslash. */
 static bool is_blank(const char* at, const char* end) {
     if (*at == '\\') return at + 1 < end && (at[1] == '\n' || at[1] == '\r');
     return *at == ' ' || *at == '\t' || *at == '\n' || *at == '\r' || *at == '\v' || *at == '\f';
@@ -15,8 +15,8 @@ static void skip_blanks(ty_words* words) {
     while (words->at < words->end && is_blank(words->at, words->end)) ++words->at;
 }
 
-/* Whether the line from start that ends before newline goes on after it. */
-static bool goes_on(const char* start, const char* newline) {
+/* True if the line from `start` to `newline` continues on the next one. */
+static bool continues(const char* start, const char* newline) {
     if (newline > start && newline[-1] == '\r') --newline;
     return newline > start && newline[-1] == '\\';
 }
@@ -29,7 +29,7 @@ bool ty_next_line(ty_words* text, ty_words* line, size_t* number) {
         const char* end = newline == NULL ? text->end : newline;
         text->at = newline == NULL ? text->end : newline + 1;
         ++*number;
-        if (newline != NULL && goes_on(start, newline) && text->at < text->end) continue;
+        if (newline != NULL && continues(start, newline) && text->at < text->end) continue;
         *line = (ty_words){start, end};
         return true;
     }

@@ -1,11 +1,11 @@
-/* Wavefront OBJ files: positions, texture coordinates, normals and polygons. Polygons become fans of triangles about
- * their first corner, which suits convex ones. */
+/* Wavefront OBJ files: positions, texture coordinates, normals and polygons. Polygons are split into triangle fans
+ * about their first corner, which is right for convex ones. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/meshes/obj.h"
 
 #include "base/context.h"
 #include "io/file.h"
-#include "io/number.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,9 +22,9 @@ static ty_result fail(const ty_obj* obj, const char* text) {
     return ty_fail(obj->context, TY_ERROR_INPUT, "%s:%zu: %s", obj->path, obj->line, text);
 }
 
-/* ---- Vertices ---- */
+/* ---- vertices ---- */
 
-/* The numbers of a line, from low to high of them, all finite. */
+/* Reads low to high finite numbers of a line. */
 static ty_result read_numbers(const ty_obj* obj, ty_words* line, size_t low, size_t high, double numbers[NUMBERS_MAX],
                               size_t* count) {
     *count = 0;
@@ -52,7 +52,7 @@ static ty_result read_position(ty_obj* obj, ty_words* line) {
     return TY_OK;
 }
 
-/* v grows upwards in the file. */
+/* v points up in the file. */
 static ty_result read_uv(ty_obj* obj, ty_words* line) {
     double numbers[NUMBERS_MAX] = {0};
     size_t count = 0;
@@ -76,9 +76,9 @@ static ty_result read_normal(ty_obj* obj, ty_words* line) {
     return TY_OK;
 }
 
-/* ---- Faces ---- */
+/* ---- faces ---- */
 
-/* A reference counts from 1, or backwards from the last one with -1. */
+/* References count from 1, or backwards from the last element with -1. */
 static ty_result read_index(const ty_obj* obj, const char** at, size_t count, const char* what, int32_t* out) {
     const char* after = *at;
     const int64_t number = ty_parse_integer(*at, &after);
@@ -126,7 +126,7 @@ static ty_result read_face(ty_obj* obj, ty_words* line) {
     return TY_OK;
 }
 
-/* ---- Materials ---- */
+/* ---- materials ---- */
 
 static ty_result use_material(ty_obj* obj, ty_words* line) {
     if ((obj->want & TY_MODEL_MATERIALS) == 0) return TY_OK;
@@ -147,7 +147,7 @@ static ty_result read_library(ty_obj* obj, const char* name) {
     snprintf(place, sizeof place, "%s:%zu", obj->path, obj->line);
     ty_result result = ty_model_inner_path(obj->context, place, obj->folder, name, &path);
     if (result != TY_OK) return result;
-    /* No reason to give up the shapes. */
+    /* A missing material file is a warning: the shapes are still usable. */
     if (access(path, R_OK) != 0) {
         ty_log(obj->context, TY_LOG_WARNING, "%s: there is no material file %s", obj->path, path);
         ty_free_text(obj->context, path);
@@ -176,7 +176,7 @@ static ty_result use_library(ty_obj* obj, ty_words* line) {
     return read_library(obj, name);
 }
 
-/* ---- The whole ---- */
+/* ---- whole file ---- */
 
 static ty_result read_line(ty_obj* obj, ty_words* line) {
     static const char* const left_out[] = {"p", "l", "curv", "curv2", "surf"};
@@ -234,7 +234,7 @@ ty_result ty_read_obj(ty_context* context, const char* path, const char* folder,
     }
     if (result == TY_OK && obj.triangle_count == 0)
         result = ty_fail(context, TY_ERROR_INPUT, "%s: there are no faces", path);
-    /* Colours of vertices stand for those of a material. */
+    /* Vertex colors replace those of the material. */
     if (result == TY_OK && obj.colored && model->material_count > 0)
         for (int c = 0; c < 3; ++c) model->materials[0].def.albedo[c] = 1;
     if (result == TY_OK) result = ty_obj_build_meshes(&obj);

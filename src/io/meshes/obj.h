@@ -1,11 +1,11 @@
-/* What the parts of the OBJ reader share. */
+/* Internal interface of the OBJ reader's files. */
 #ifndef TY_IO_OBJ_H
 #define TY_IO_OBJ_H
 
 #include "io/meshes/model.h"
 #include "io/meshes/model_text.h"
 
-/* A corner of a triangle: a position, and texture coordinates and a normal or -1. */
+/* Corner of a triangle: indices of a position, and of texture coordinates and a normal (-1: none). */
 typedef struct ty_obj_corner {
     int32_t position, uv, normal;
 } ty_obj_corner;
@@ -15,31 +15,31 @@ typedef struct ty_obj_triangle {
     int32_t material;
 } ty_obj_triangle;
 
-/* What an OBJ file holds, as listed there. */
+/* Content of an OBJ file in file order. */
 typedef struct ty_obj {
     ty_context* context;
     const char* path;
     const char* folder;
     unsigned want;
     ty_model* model;
-    size_t line; /* being read, from 1 */
+    size_t line; /* current line, from 1 */
     float (*positions)[3];
-    float (*colors)[3]; /* one for each position */
+    float (*colors)[3]; /* one per position */
     float (*uv)[2];
     float (*normals)[3];
     ty_obj_triangle* triangles;
     size_t position_count, color_count, uv_count, normal_count, triangle_count;
     size_t position_capacity, color_capacity, uv_capacity, normal_capacity, triangle_capacity;
-    bool colored;     /* whether any position has a colour */
-    int32_t material; /* in use */
-    size_t skipped;   /* lines, points, curves, faces without area */
-    size_t unknown;   /* uses of materials that are nowhere */
+    bool colored;     /* true if any position has a color */
+    int32_t material; /* current material */
+    size_t skipped;   /* lines, points, curves, degenerate faces */
+    size_t unknown;   /* uses of undefined materials */
 } ty_obj;
 
-/* obj_material.c: adds the materials of an .mtl file's text, which ends with a zero that size does not count. */
+/* obj_material.c: adds the materials of an .mtl text, which is followed by a zero byte not counted in size. */
 ty_result ty_read_mtl(ty_context* context, const char* path, const char* folder, const char* text, size_t size,
                       ty_model* model);
-/* obj_mesh.c: makes meshes of the triangles, one for each material. */
+/* obj_mesh.c: builds one mesh per material from the triangles. */
 ty_result ty_obj_build_meshes(ty_obj* obj);
 
 #endif

@@ -1,4 +1,4 @@
-/* Material files of OBJ (.mtl): diffuse and emitted colour, their maps, and opacity. */
+/* OBJ material files (.mtl): diffuse and emitted color, their maps, and opacity. */
 #include "base/context.h"
 #include "io/file.h"
 #include "io/meshes/obj.h"
@@ -17,14 +17,14 @@ typedef struct library {
     const char* folder;
     ty_model* model;
     size_t line;
-    size_t ignored; /* opacity maps and options of maps */
+    size_t ignored; /* ignored opacity maps and map options */
 } library;
 
 static ty_result fail(const library* lib, const char* text) {
     return ty_fail(lib->context, TY_ERROR_INPUT, "%s:%zu: %s", lib->path, lib->line, text);
 }
 
-/* "Kd r g b" or "Kd r" for grey, within 0..high. */
+/* Reads "Kd r g b", or "Kd r" for gray, within 0..high. */
 static ty_result read_color(const library* lib, ty_words* line, double high, float out[3]) {
     double rgb[3] = {0, 0, 0};
     int count = 0;
@@ -38,7 +38,7 @@ static ty_result read_color(const library* lib, ty_words* line, double high, flo
     return TY_OK;
 }
 
-/* "d a". Tr is not read: writers do not agree whether 1 is clear or solid. */
+/* Reads "d a". Tr is ignored: writers disagree on whether 1 is transparent or opaque. */
 static ty_result read_opacity(const library* lib, ty_words* line, ty_material_def* def) {
     double value = 0;
     if (!ty_next_number(line, &value) || !isfinite(value)) return fail(lib, "the opacity is not a number");
@@ -47,9 +47,9 @@ static ty_result read_opacity(const library* lib, ty_words* line, ty_material_de
     return TY_OK;
 }
 
-/* ---- Maps ---- */
+/* ---- maps ---- */
 
-/* Passes over "-option value ..." up to the file's name. Only -clamp is followed. */
+/* Skips "-option value ..." before the file name. Only -clamp is supported. */
 static void read_options(library* lib, ty_words* line, ty_model_texture* texture) {
     static const char* const three[] = {"-o", "-s", "-t"};
     ty_words ahead = *line;
@@ -70,7 +70,7 @@ static void read_options(library* lib, ty_words* line, ty_model_texture* texture
     }
 }
 
-/* The model's image for a file, which several materials may name. */
+/* Index of the model's image for a file, shared between materials. */
 static ty_result use_image(library* lib, const char* name, int32_t* out) {
     char place[512], *path = NULL;
     snprintf(place, sizeof place, "%s:%zu", lib->path, lib->line);
@@ -106,7 +106,7 @@ static ty_result read_map(library* lib, ty_words* line, int32_t* out) {
     return result;
 }
 
-/* ---- Materials ---- */
+/* ---- materials ---- */
 
 static ty_result begin_material(library* lib, ty_words* line) {
     const ty_word name = ty_rest_of_line(line);
@@ -120,7 +120,7 @@ static ty_result begin_material(library* lib, ty_words* line) {
     return fail(lib, "the name of a material is damaged");
 }
 
-/* Maps take the place of the colour where that is black, as many writers leave it beside a map. */
+/* A map replaces a black color, which many writers leave beside a map. */
 static void whiten(float color[3]) {
     if (color[0] > 0 || color[1] > 0 || color[2] > 0) return;
     for (int c = 0; c < 3; ++c) color[c] = 1;

@@ -1,17 +1,17 @@
-/* OBJ: triangles sorted by material, their corners joined into vertices. */
+/* OBJ: triangles grouped by material, their corners merged into vertices. */
 #include "base/context.h"
 #include "io/meshes/obj.h"
 
 #include <string.h>
 
-/* Triangles of one material, with normals at all corners or without. */
+/* Triangles of one material, with normals at all corners or at none. */
 typedef struct group {
     int32_t material;
     bool normals;
-    const uint32_t* order; /* which triangles */
+    const uint32_t* order; /* indices of the triangles */
     size_t count;
-    size_t* corners; /* the vertices: 3 * triangle + k of a corner that has it */
-    uint32_t* table; /* open addressing: number of a vertex plus one, 0 for free */
+    size_t* corners; /* per vertex: 3 * triangle + k of one corner that has it */
+    uint32_t* table; /* open-addressing hash table: vertex index plus one, 0: empty */
     size_t table_size, vertex_count;
 } group;
 
@@ -26,7 +26,7 @@ static size_t hash_corner(const ty_obj_corner* corner) {
     return (size_t)(hash ^ hash >> 32);
 }
 
-/* The number of the vertex that a corner is. */
+/* Vertex index of a corner. */
 static uint32_t join_corner(const ty_obj* obj, group* g, size_t corner) {
     const ty_obj_corner* sought = corner_at(obj, corner);
     size_t slot = hash_corner(sought) & (g->table_size - 1);
@@ -89,7 +89,7 @@ static bool has_normals(const ty_obj_triangle* triangle) {
     return true;
 }
 
-/* The group of a triangle: two for each material and for none. */
+/* Group of a triangle: two per material, and two without. */
 static size_t group_of(const ty_obj_triangle* triangle) {
     return 2 * (size_t)(triangle->material + 1) + has_normals(triangle);
 }

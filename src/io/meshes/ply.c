@@ -1,5 +1,5 @@
-/* PLY files: text or binary of either byte order; vertices and faces are kept, other elements passed over. Polygons
- * become fans of triangles about their first corner, which suits convex ones. */
+/* PLY files: text or binary of either byte order. Vertices and faces are read, other elements skipped. Polygons are
+ * split into triangle fans about their first corner, which is right for convex ones. */
 #include "io/meshes/ply.h"
 
 #include "base/context.h"
@@ -17,14 +17,14 @@ typedef struct builder {
     ty_model_mesh mesh;
     ply_triangle* triangles;
     size_t triangle_count, triangle_capacity;
-    float coded[256]; /* linear value of a byte coded as sRGB */
+    float coded[256]; /* linear value of an sRGB byte */
 } builder;
 
 static ty_result fail_short(const ty_ply* ply) {
     return ty_fail(ply->context, TY_ERROR_INPUT, "%s: the data are damaged or cut short", ply->path);
 }
 
-/* ---- Numbers ---- */
+/* ---- numbers ---- */
 
 static double load_number(const uint8_t bytes[8], ty_ply_type type) {
     uint16_t u16;
@@ -47,8 +47,8 @@ static double load_number(const uint8_t bytes[8], ty_ply_type type) {
     }
 }
 
-/* Takes the next number; false at the end of the data. */
-static bool take_number(ty_ply* ply, ty_ply_type type, double* out) {
+/* Reads the next number; false at the end of the data. */
+static bool read_number(ty_ply* ply, ty_ply_type type, double* out) {
     if (ply->format == TY_PLY_ASCII) return ty_next_number(&ply->data, out);
     const size_t size = ty_ply_type_size(type);
     if ((size_t)(ply->data.end - ply->data.at) < size) return false;
@@ -59,10 +59,10 @@ static bool take_number(ty_ply* ply, ty_ply_type type, double* out) {
     return true;
 }
 
-/* The count that begins a list; every item takes at least a byte. */
-static bool take_count(ty_ply* ply, ty_ply_type type, size_t* count) {
+/* Reads the count of a list; every item takes at least one byte. */
+static bool read_count(ty_ply* ply, ty_ply_type type, size_t* count) {
     double number = 0;
-    if (!take_number(ply, type, &number)) return false;
+    if (!read_number(ply, type, &number)) return false;
     if (!(number >= 0) || number != floor(number) || number > (double)(ply->data.end - ply->data.at)) return false;
     *count = (size_t)number;
     return true;
@@ -71,13 +71,13 @@ static bool take_count(ty_ply* ply, ty_ply_type type, size_t* count) {
 static bool skip_property(ty_ply* ply, const ty_ply_property* property) {
     size_t count = 1;
     double number;
-    if (property->list && !take_count(ply, property->count_type, &count)) return false;
+    if (property->list && !read_count(ply, property->count_type, &count)) return false;
     for (size_t i = 0; i < count; ++i)
-        if (!take_number(ply, property->type, &number)) return false;
+        if (!read_number(ply, property->type, &number)) return false;
     return true;
 }
 
-/* The fewest bytes that a row of an element can take. */
+/* Minimum bytes of one row of an element. */
 static size_t row_size_min(const ty_ply* ply, const ty_ply_element* element) {
     size_t size = 0;
     for (size_t i = 0; i < element->property_count; ++i) {
@@ -88,16 +88,16 @@ static size_t row_size_min(const ty_ply* ply, const ty_ply_element* element) {
     return size;
 }
 
-/* The last number of a text has no blank after it. */
+/* The last number of a text may lack a trailing blank. */
 static bool rows_fit(const ty_ply* ply, const ty_ply_element* element) {
     const size_t left = (size_t)(ply->data.end - ply->data.at) + (ply->format == TY_PLY_ASCII);
     size_t needed = 0;
     return !__builtin_mul_overflow(element->count, row_size_min(ply, element), &needed) && needed <= left;
 }
 
-/* ---- Vertices ---- */
+/* ---- vertices ---- */
 
-/* Integers are coded as sRGB, 0..largest; floats are linear. */
+/* Integers are sRGB, 0..max; floats are linear. */
 static float to_linear(const builder* b, double value, ty_ply_type type, bool alpha) {
     if (type >= TY_PLY_F32) return (float)value;
     const bool wide = type == TY_PLY_I16 || type == TY_PLY_U16;
@@ -115,22 +115,22 @@ static ty_result store_vertex(builder* b, size_t i, const double row[TY_PLY_ROW]
     }
     if (mesh->uv[0] != NULL) {
         mesh->uv[0][2 * i] = (float)row[TY_PLY_UV];
-        mesh->uv[0][2 * i + 1] = (float)(1 - row[TY_PLY_UV + 1]); /* v grows upwards in the file */
+        mesh->uv[0][2 * i + 1] = (float)(1 - row[TY_PLY_UV + 1]); /* v points up in the file */
     }
     for (size_t c = 0; c < 4 && mesh->colors != NULL; ++c) mesh->colors[4 * i + c] = (float)row[TY_PLY_COLOR + c];
     return TY_OK;
 }
 
-static ty_result read_vertices(builder* b, const ty_ply_element* element) {
+static ty_result parse_vertices(builder* b, const ty_ply_element* element) {
     ty_ply* ply = b->ply;
     double row[TY_PLY_ROW] = {[TY_PLY_ALPHA] = 1};
     for (size_t i = 0; i < element->count; ++i) {
         for (size_t k = 0; k < element->property_count; ++k) {
             const ty_ply_property* property = &ply->properties[element->first + k];
-            const bool kept = property->role < TY_PLY_ROW;
-            if (kept ? !take_number(ply, property->type, &row[property->role]) : !skip_property(ply, property))
+            const bool used = property->role < TY_PLY_ROW;
+            if (used ? !read_number(ply, property->type, &row[property->role]) : !skip_property(ply, property))
                 return fail_short(ply);
-            if (kept && property->role >= TY_PLY_COLOR)
+            if (used && property->role >= TY_PLY_COLOR)
                 row[property->role] = to_linear(b, row[property->role], property->type, property->role == TY_PLY_ALPHA);
         }
         const ty_result result = store_vertex(b, i, row);
@@ -139,12 +139,12 @@ static ty_result read_vertices(builder* b, const ty_ply_element* element) {
     return TY_OK;
 }
 
-/* ---- Faces ---- */
+/* ---- faces ---- */
 
-/* Takes a corner's index; those that no vertex has are refused. */
-static ty_result take_corner(builder* b, ty_ply_type type, uint32_t* out) {
+/* Reads a corner's vertex index; indices out of range are refused. */
+static ty_result read_corner(builder* b, ty_ply_type type, uint32_t* out) {
     double number = 0;
-    if (!take_number(b->ply, type, &number)) return fail_short(b->ply);
+    if (!read_number(b->ply, type, &number)) return fail_short(b->ply);
     if (!(number >= 0 && number < (double)b->mesh.vertex_count) || number != floor(number))
         return ty_fail(b->ply->context, TY_ERROR_INPUT, "%s: a face names vertex %.0f of %zu", b->ply->path, number,
                        b->mesh.vertex_count);
@@ -155,10 +155,10 @@ static ty_result take_corner(builder* b, ty_ply_type type, uint32_t* out) {
 static ty_result read_face(builder* b, const ty_ply_property* property) {
     ply_triangle triangle = {{0, 0, 0}};
     size_t count = 0;
-    if (!take_count(b->ply, property->count_type, &count)) return fail_short(b->ply);
+    if (!read_count(b->ply, property->count_type, &count)) return fail_short(b->ply);
     for (size_t i = 0; i < count; ++i) {
         uint32_t* corner = &triangle.corners[i < 2 ? i : 2];
-        const ty_result result = take_corner(b, property->type, corner);
+        const ty_result result = read_corner(b, property->type, corner);
         if (result != TY_OK) return result;
         if (i < 2) continue;
         if (!ty_grow_array(b->ply->context, (void**)&b->triangles, &b->triangle_capacity, b->triangle_count,
@@ -192,7 +192,7 @@ static ty_result skip_rows(ty_ply* ply, const ty_ply_element* element) {
     return TY_OK;
 }
 
-/* ---- The whole ---- */
+/* ---- whole file ---- */
 
 static bool has_all(const ty_ply* ply, const ty_ply_element* element, int32_t low, int32_t high) {
     uint32_t found = 0;
@@ -203,10 +203,10 @@ static bool has_all(const ty_ply* ply, const ty_ply_element* element, int32_t lo
     return found == (1u << (high - low + 1)) - 1;
 }
 
-static ty_result take_vertices(builder* b, unsigned want) {
+static ty_result read_vertices(builder* b, unsigned want) {
     const ty_ply* ply = b->ply;
     const ty_ply_element* element = ply->elements;
-    while (element->kind != TY_PLY_VERTEX) ++element; /* the header has been checked for it */
+    while (element->kind != TY_PLY_VERTEX) ++element; /* the header check guarantees a vertex element */
     if (!rows_fit(ply, element))
         return ty_fail(ply->context, TY_ERROR_INPUT, "%s: cut short: no room for %zu vertices", ply->path,
                        element->count);
@@ -223,7 +223,7 @@ static ty_result read_elements(builder* b) {
     for (size_t i = 0; i < ply->element_count && result == TY_OK; ++i) {
         const ty_ply_element* element = &ply->elements[i];
         if (!rows_fit(ply, element)) return fail_short(ply);
-        result = element->kind == TY_PLY_VERTEX ? read_vertices(b, element)
+        result = element->kind == TY_PLY_VERTEX ? parse_vertices(b, element)
                  : element->kind == TY_PLY_FACE ? read_faces(b, element)
                                                 : skip_rows(ply, element);
     }
@@ -232,7 +232,7 @@ static ty_result read_elements(builder* b) {
     return result;
 }
 
-/* The triangles into the mesh, the mesh into the model. */
+/* Moves the triangles to the mesh and the mesh to the model. */
 static ty_result finish(builder* b, unsigned want, ty_model* model) {
     ty_context* context = b->ply->context;
     ty_model_mesh* mesh = &b->mesh;
@@ -246,11 +246,11 @@ static ty_result finish(builder* b, unsigned want, ty_model* model) {
     const bool colored = mesh->colors != NULL;
     ty_model_tidy_shading(mesh);
     ty_result result = ty_model_add_mesh(model, mesh);
-    *mesh = (ty_model_mesh){0}; /* the model's, or freed */
+    *mesh = (ty_model_mesh){0}; /* the arrays now belong to the model, or are freed */
     const ty_affine identity = ty_affine_identity();
     if (result == TY_OK) result = ty_model_add_instance(model, 0, &identity, -1, NULL);
     if (result != TY_OK || (want & TY_MODEL_MATERIALS) == 0) return result;
-    /* Colours of vertices stand for those of a material. */
+    /* Vertex colors replace those of the material. */
     ty_model_material plain = ty_model_plain_material(colored ? 1 : ty_default_material_def().albedo[0]);
     plain.plain = true;
     plain.name = ty_copy_text(context, "");
@@ -264,7 +264,7 @@ ty_result ty_read_ply(ty_context* context, const char* path, const uint8_t* byte
     builder b = {.ply = &ply};
     for (int i = 0; i < 256; ++i) b.coded[i] = ty_linear_from_srgb((float)i / 255);
     ty_result result = ty_ply_read_header(&ply);
-    if (result == TY_OK) result = take_vertices(&b, want);
+    if (result == TY_OK) result = read_vertices(&b, want);
     if (result == TY_OK) result = read_elements(&b);
     if (result == TY_OK) result = finish(&b, want, model);
     ty_model_free_mesh(context, &b.mesh);

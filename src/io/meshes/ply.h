@@ -1,4 +1,4 @@
-/* What the parts of the PLY reader share. */
+/* Internal interface of the PLY reader's files. */
 #ifndef TY_IO_PLY_H
 #define TY_IO_PLY_H
 
@@ -19,7 +19,7 @@ typedef enum ty_ply_type {
     TY_PLY_TYPES
 } ty_ply_type;
 
-/* What a vertex has that is kept: places in a row of numbers. */
+/* Vertex properties that are read: their indices in a row of numbers. */
 enum {
     TY_PLY_X,
     TY_PLY_NORMAL = 3,
@@ -27,7 +27,7 @@ enum {
     TY_PLY_COLOR = 8,
     TY_PLY_ALPHA = 11,
     TY_PLY_ROW = 12,
-    TY_PLY_CORNERS, /* the list of a face */
+    TY_PLY_CORNERS, /* vertex index list of a face */
     TY_PLY_NOTHING
 };
 
@@ -53,10 +53,10 @@ typedef struct ty_ply {
     ty_ply_element* elements;
     ty_ply_property* properties;
     size_t element_count, element_capacity, property_count, property_capacity;
-    ty_words data; /* what follows the header */
+    ty_words data; /* bytes after the header */
 } ty_ply;
 
-/* ply_header.c; ply->data is the whole file before and what follows the header after. */
+/* ply_header.c; ply->data is the whole file before the call, and the bytes after the header afterwards. */
 ty_result ty_ply_read_header(ty_ply* ply);
 size_t ty_ply_type_size(ty_ply_type type);
 

@@ -1,6 +1,6 @@
-/* PLY: the header, which names the elements of the file and their properties. */
+/* PLY header: the file's elements and their properties. */
 #include "base/context.h"
-#include "io/number.h"
+#include "base/number.h"
 #include "io/meshes/ply.h"
 
 #include <string.h>

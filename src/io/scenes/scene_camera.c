@@ -1,7 +1,8 @@
-/* The camera of a scene file: from the file itself, from a glTF file, or looking at the origin. */
+/* Camera of a scene file: from the file itself, from a glTF file, or a default that looks at the origin. */
 #include "base/context.h"
 #include "io/scenes/scene_reader.h"
 #include "io/schema_text.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <string.h>
@@ -35,13 +36,13 @@ static ty_camera_def default_camera(const ty_scene_reader* reader) {
     return def;
 }
 
-/* ---- Cameras of glTF files ---- */
+/* ---- cameras of glTF files ---- */
 
 static bool is_gltf(const char* file) {
     return ty_has_extension(file, ty_gltf_extensions);
 }
 
-/* The first item of the geometry that names a file; NULL when none does. */
+/* First geometry item that references a file; NULL if none does. */
 static const json_t* find_geometry(const ty_scene_reader* reader, const char* file, ty_json_path* path) {
     const ty_json_path root = {.depth = 0};
     const ty_json_path geometry = ty_json_path_key(&root, "geometry");
@@ -66,33 +67,34 @@ static void describe_source(const ty_scene_reader* reader, const char* file, con
     ty_scene_set_camera_source(reader->scene, text);
 }
 
-/* Sets *def from the camera of that name, or the first, of the file that item, an object at path, names; messages about
- * the camera point to place. */
+/* Sets *def from the camera of the given name, or the first, in the file of `item`, an object at `path`; messages
+ * about the camera refer to json_path. */
 static ty_result read_file_camera(ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
-                                  const ty_json_path* place, const char* name, ty_camera_def* def, bool* found) {
+                                  const ty_json_path* json_path, const char* name, ty_camera_def* def, bool* found) {
     const char* file = json_string_value(json_object_get(item, "file"));
-    const ty_json_path file_place = ty_json_path_key(path, "file");
+    const ty_json_path file_json_path = ty_json_path_key(path, "file");
     ty_mesh_file_def placement = ty_default_mesh_file_def();
     const char* found_path = NULL;
     ty_result result = ty_read_mesh_placement(reader, item, path, 1, &placement);
-    if (result == TY_OK) result = ty_find_file(reader, &file_place, file, &found_path);
+    if (result == TY_OK) result = ty_find_file(reader, &file_json_path, file, &found_path);
     if (result == TY_OK)
-        result = ty_reader_below(reader, place,
-                                 ty_mesh_file_camera(reader->context, found_path, &placement, name, def, found));
+        result = ty_reader_prefix_error(reader, json_path,
+                                        ty_mesh_file_camera(reader->context, found_path, &placement, name, def, found));
     if (result == TY_OK && *found) describe_source(reader, file, name);
     return result;
 }
 
-/* The camera that the section names; where the geometry has the same file, the camera stands in it. */
+/* The camera that the section names; if the geometry has the same file, the camera is transformed with it. */
 static ty_result read_named(ty_scene_reader* reader, const json_t* camera, const ty_json_path* path,
                             ty_camera_def* def) {
     const char* file = json_string_value(json_object_get(camera, "file"));
     const char* name = json_string_value(json_object_get(camera, "name"));
-    const ty_json_path place = ty_json_path_key(path, name != NULL ? "name" : "file");
-    if (file == NULL) return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the key \"file\" is missing beside it");
+    const ty_json_path json_path = ty_json_path_key(path, name != NULL ? "name" : "file");
+    if (file == NULL)
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "the key \"file\" is missing beside it");
     if (!is_gltf(file)) {
-        const ty_json_path file_place = ty_json_path_key(path, "file");
-        return ty_reader_fail(reader, &file_place, TY_ERROR_INPUT,
+        const ty_json_path file_json_path = ty_json_path_key(path, "file");
+        return ty_reader_fail(reader, &file_json_path, TY_ERROR_INPUT,
                               "cannot read cameras of files of this type; known: .gltf, .glb");
     }
     ty_json_path item_path;
@@ -102,12 +104,12 @@ static ty_result read_named(ty_scene_reader* reader, const json_t* camera, const
         item_path = *path;
     }
     bool found = false;
-    const ty_result result = read_file_camera(reader, item, &item_path, &place, name, def, &found);
+    const ty_result result = read_file_camera(reader, item, &item_path, &json_path, name, def, &found);
     if (result != TY_OK || found) return result;
-    return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "there is no camera in this file");
+    return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "there is no camera in this file");
 }
 
-/* The first camera of the geometry's files, if there is one. */
+/* First camera in the geometry's files, if there is one. */
 static ty_result read_first(ty_scene_reader* reader, ty_camera_def* def) {
     const ty_json_path root = {.depth = 0};
     const ty_json_path geometry = ty_json_path_key(&root, "geometry");
@@ -117,9 +119,9 @@ static ty_result read_first(ty_scene_reader* reader, ty_camera_def* def) {
         const char* file = json_string_value(json_object_get(item, "file"));
         if (file == NULL || !is_gltf(file)) continue;
         const ty_json_path path = ty_json_path_index(&geometry, i);
-        const ty_json_path place = ty_json_path_key(&path, "file");
+        const ty_json_path json_path = ty_json_path_key(&path, "file");
         bool found = false;
-        const ty_result result = read_file_camera(reader, item, &path, &place, NULL, def, &found);
+        const ty_result result = read_file_camera(reader, item, &path, &json_path, NULL, def, &found);
         if (result != TY_OK) return result;
         if (!found) continue;
         ty_log(reader->context, TY_LOG_INFO, "%s: the camera is the first of %s", reader->name, file);
@@ -128,7 +130,7 @@ static ty_result read_first(ty_scene_reader* reader, ty_camera_def* def) {
     return TY_OK;
 }
 
-/* ---- The section ---- */
+/* ---- camera section ---- */
 
 ty_result ty_read_camera(ty_scene_reader* reader) {
     const ty_json_path root = {.depth = 0};
@@ -153,5 +155,5 @@ ty_result ty_read_camera(ty_scene_reader* reader) {
     const json_t* resolution = json_object_get(camera, "resolution");
     for (size_t a = 0; a < 2 && resolution != NULL; ++a)
         def.resolution[a] = (int32_t)json_number_value(json_array_get(resolution, a));
-    return ty_reader_below(reader, &path, ty_scene_set_camera(reader->scene, &def));
+    return ty_reader_prefix_error(reader, &path, ty_scene_set_camera(reader->scene, &def));
 }

@@ -1,6 +1,6 @@
-/* What a medium is made of, in scene files and in words: coefficients and presets. */
+/* Coefficients and presets of media, in scene files and as short text. */
 #include "base/context.h"
-#include "io/number.h"
+#include "base/number.h"
 #include "io/scenes/scene_reader.h"
 #include "io/schema_text.h"
 #include "scene/check.h"
@@ -8,10 +8,10 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- Presets ---- */
+/* ---- presets ---- */
 
-/* The index of a preset; negative after a message. */
-static int32_t find_preset(const ty_scene_reader* reader, const ty_json_path* place, const char* name) {
+/* Index of a preset; negative after an error message. */
+static int32_t find_preset(const ty_scene_reader* reader, const ty_json_path* json_path, const char* name) {
     const int32_t index = ty_medium_preset_find(name);
     if (index >= 0) return index;
     const char* nearest = ty_medium_preset_name(0);
@@ -20,11 +20,11 @@ static int32_t find_preset(const ty_scene_reader* reader, const ty_json_path* pl
         if (ty_word_distance(name, preset) < ty_word_distance(name, nearest)) nearest = preset;
     char text[256] = "there is no medium ";
     ty_append_quoted(text, sizeof text, name);
-    if (ty_word_near(name, nearest))
+    if (ty_word_is_similar(name, nearest))
         ty_append(text, sizeof text, "; did you mean \"%s\"?", nearest);
     else
         ty_append(text, sizeof text, "; 'tyndall info --media' lists all");
-    ty_reader_fail(reader, place, TY_ERROR_INPUT, "%s", text);
+    ty_reader_fail(reader, json_path, TY_ERROR_INPUT, "%s", text);
     return index;
 }
 
@@ -33,8 +33,8 @@ static ty_result read_preset(const ty_scene_reader* reader, const json_t* medium
     const char* name = json_string_value(json_object_get(medium, "preset"));
     const json_t* visibility = json_object_get(medium, "visibility");
     const json_t* dilution = json_object_get(medium, "dilution");
-    const ty_json_path place = ty_json_path_key(path, "preset");
-    const int32_t index = find_preset(reader, &place, name);
+    const ty_json_path json_path = ty_json_path_key(path, "preset");
+    const int32_t index = find_preset(reader, &json_path, name);
     if (index < 0) return TY_ERROR_INPUT;
     const ty_preset_kind kind = ty_medium_preset_kind(index);
     if (visibility != NULL && kind != TY_PRESET_VISIBILITY) {
@@ -50,39 +50,39 @@ static ty_result read_preset(const ty_scene_reader* reader, const json_t* medium
                               ty_medium_preset_name(index));
     }
     if (visibility == NULL && kind == TY_PRESET_VISIBILITY)
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT,
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
                               "%s needs its visibility in metres, the key \"visibility\"",
                               ty_medium_preset_name(index));
     const json_t* number = visibility != NULL ? visibility : dilution;
     const bool known =
         number != NULL ? ty_medium_preset_with(name, json_number_value(number), def) : ty_medium_preset(name, def);
-    return known ? TY_OK : ty_reader_fail(reader, &place, TY_ERROR_INTERNAL, "the schema lets a wrong number pass");
+    return known ? TY_OK : ty_reader_fail(reader, &json_path, TY_ERROR_INTERNAL, "the schema lets a wrong number pass");
 }
 
-/* ---- Coefficients ---- */
+/* ---- coefficients ---- */
 
-/* The first of two keys that the object has; NULL when it has neither. */
+/* First of two keys that the object has; NULL if it has neither. */
 static const char* first_key(const json_t* object, const char* a, const char* b) {
     return json_object_get(object, a) != NULL ? a : json_object_get(object, b) != NULL ? b : NULL;
 }
 
-/* Fails unless the coefficients are given in one form, whole. */
+/* Fails unless the coefficients are given completely in exactly one form. */
 static ty_result check_forms(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path) {
     const char* parts = first_key(medium, "sigma_s", "sigma_a");
     const char* total = first_key(medium, "sigma_t", "albedo");
     const char* preset = first_key(medium, "preset", "preset");
     const char* number = first_key(medium, "visibility", "dilution");
     if ((parts != NULL) + (total != NULL) + (preset != NULL) > 1) {
-        const char* kept = parts != NULL ? parts : total;
+        const char* present = parts != NULL ? parts : total;
         const char* extra = preset != NULL ? preset : total;
-        const ty_json_path place = ty_json_path_key(path, extra);
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT,
+        const ty_json_path json_path = ty_json_path_key(path, extra);
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
                               "does not go with \"%s\"; give sigma_s and sigma_a, or sigma_t and albedo, or preset",
-                              kept);
+                              present);
     }
     if (number != NULL && preset == NULL) {
-        const ty_json_path place = ty_json_path_key(path, number);
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the key \"preset\" is missing beside it");
+        const ty_json_path json_path = ty_json_path_key(path, number);
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "the key \"preset\" is missing beside it");
     }
     if (parts == NULL && total == NULL && preset == NULL)
         return ty_reader_fail(
@@ -91,16 +91,17 @@ static ty_result check_forms(const ty_scene_reader* reader, const json_t* medium
     const bool sigma_t = json_object_get(medium, "sigma_t") != NULL, albedo = json_object_get(medium, "albedo") != NULL;
     const bool points = ty_transfer_has_albedo(medium);
     if (points && !sigma_t) {
-        const ty_json_path place = ty_json_path_key(path, "transfer");
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "points with albedo need the key \"sigma_t\" beside it");
+        const ty_json_path json_path = ty_json_path_key(path, "transfer");
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
+                              "points with albedo need the key \"sigma_t\" beside it");
     }
     if (points && albedo) {
-        const ty_json_path place = ty_json_path_key(path, "albedo");
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the points of \"transfer\" give the albedo already");
+        const ty_json_path json_path = ty_json_path_key(path, "albedo");
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "the points of \"transfer\" give the albedo already");
     }
     if (total != NULL && !(sigma_t && (albedo || points))) {
-        const ty_json_path place = ty_json_path_key(path, total);
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the key \"%s\" is missing beside it",
+        const ty_json_path json_path = ty_json_path_key(path, total);
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "the key \"%s\" is missing beside it",
                               sigma_t ? "albedo" : "sigma_t");
     }
     return TY_OK;
@@ -113,15 +114,15 @@ ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medi
     if (result == TY_OK && preset != NULL) result = read_preset(reader, medium, path, def);
     if (result != TY_OK) return result;
     if (preset != NULL && json_is_object(json_object_get(medium, "g"))) {
-        const ty_json_path place = ty_json_path_key(path, "g");
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "a volume does not go with \"preset\"");
+        const ty_json_path json_path = ty_json_path_key(path, "g");
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "a volume does not go with \"preset\"");
     }
     const bool reduced = preset != NULL && ty_medium_preset_kind(ty_medium_preset_find(preset)) == TY_PRESET_MEASURED;
     double g[3] = {def->g[0], def->g[1], def->g[2]}, sigma_t[3] = {0, 0, 0}, albedo[3] = {0, 0, 0};
     ty_read_rgb(medium, "sigma_s", def->sigma_s);
     ty_read_rgb(medium, "sigma_a", def->sigma_a);
     ty_read_numbers(medium, "sigma_t", sigma_t);
-    ty_read_numbers(medium, "albedo", albedo); /* volumes, which take its place later, count as 0 */
+    ty_read_numbers(medium, "albedo", albedo); /* a volume, which replaces it later, counts as 0 */
     ty_read_numbers(medium, "g", g);
     const float below_one = nextafterf(1, 0);
     for (int c = 0; c < 3; ++c) {
@@ -130,15 +131,15 @@ ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medi
             def->sigma_s[c] = (float)(sigma_t[c] * albedo[c]);
             def->sigma_a[c] = (float)(sigma_t[c] * (1 - albedo[c]));
         }
-        /* Measured is sigma_s' = (1 - g) sigma_s. */
+        /* Measured values are reduced: sigma_s' = (1 - g) sigma_s. */
         if (reduced) def->sigma_s[c] /= 1 - def->g[c];
     }
     return TY_OK;
 }
 
-/* ---- A homogeneous medium in words ---- */
+/* ---- homogeneous medium as text ---- */
 
-/* Fails when there is more than what a homogeneous medium is made of. */
+/* Fails on properties that a homogeneous medium does not have. */
 static ty_result check_homogeneous(const ty_scene_reader* reader) {
     static const char* const known[] = {"preset",  "visibility", "dilution", "sigma_s", "sigma_a",
                                         "sigma_t", "albedo",     "scale",    "g"};
@@ -148,18 +149,18 @@ static ty_result check_homogeneous(const ty_scene_reader* reader) {
     json_object_foreach(reader->root, key, value) {
         size_t i = 0;
         while (i < sizeof known / sizeof known[0] && strcmp(key, known[i]) != 0) ++i;
-        const ty_json_path place = ty_json_path_key(&root, key);
+        const ty_json_path json_path = ty_json_path_key(&root, key);
         if (i == sizeof known / sizeof known[0])
-            return ty_reader_fail(reader, &place, TY_ERROR_INPUT,
+            return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
                                   "has no place here, where a medium is the same everywhere; give what it is made of");
         if (json_is_object(value))
-            return ty_reader_fail(reader, &place, TY_ERROR_INPUT,
+            return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
                                   "a volume has no place here, where a medium is the same everywhere");
     }
     return TY_OK;
 }
 
-/* "NAME" or "NAME:NUMBER" as the object that a scene file would have. */
+/* Parses "NAME" or "NAME:NUMBER" to the equivalent object of a scene file. */
 static ty_result parse_name(ty_scene_reader* reader, const char* text) {
     const ty_json_path root = {.depth = 0};
     const char* colon = strchr(text, ':');
@@ -195,8 +196,7 @@ ty_result ty_medium_parse(ty_context* context, const char* text, ty_medium_def* 
     if (context == NULL || text == NULL || medium == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_medium_parse: context, text or medium is NULL");
     const ty_json_path root = {.depth = 0};
-    ty_scene_reader reader = {
-        .context = context, .clean = ty_last_error(context)[0] == '\0', .name = "medium", .text = ""};
+    ty_scene_reader reader = {.context = context, .clean = !ty_has_error(context), .name = "medium", .text = ""};
     ty_medium_def def = ty_default_medium_def();
     const bool json = text[strspn(text, " \t\r\n")] == '{';
     if (json) {
@@ -217,7 +217,7 @@ ty_result ty_medium_parse(ty_context* context, const char* text, ty_medium_def* 
     }
     result = ty_check_rgb(context, "sigma_s", def.sigma_s, 0, TY_COLOR_MAX);
     if (result == TY_OK) result = ty_check_rgb(context, "sigma_a", def.sigma_a, 0, TY_COLOR_MAX);
-    if (result != TY_OK) return ty_reader_below(&reader, &root, result);
+    if (result != TY_OK) return ty_reader_prefix_error(&reader, &root, result);
     *medium = def;
     return TY_OK;
 }

@@ -1,10 +1,14 @@
-/* Scene files: text, overrides, schema, then calls of the scene's own functions. */
+/* Scene files: text, overrides, schema validation, then calls of the scene's own functions. */
 #include "base/context.h"
+#include "base/number.h"
 #include "io/scenes/builtin.h"
 #include "io/file.h"
 #include "io/scenes/scene_reader.h"
+#include "io/scenes/scene_schema.h"
 #include "io/scenes/schema.h"
 #include "io/schema_text.h"
+#include "option/option.h"
+#include "scene/scene.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,14 +18,10 @@ static const char builtin_prefix[] = "builtin:";
 
 enum { FILE_SIZE_MAX = 256 << 20 };
 
-const char* ty_scene_schema(void) {
-    return ty_scene_schema_text;
-}
-
-/* ---- From text to a checked tree ---- */
+/* ---- text to validated JSON ---- */
 
 ty_result ty_reader_parse(ty_scene_reader* reader) {
-    static const char mark[] = "\xef\xbb\xbf"; /* some editors begin UTF-8 with it */
+    static const char mark[] = "\xef\xbb\xbf"; /* UTF-8 byte order mark, which some editors write */
     if (reader->length >= 3 && memcmp(reader->text, mark, 3) == 0) {
         reader->text += 3;
         reader->length -= 3;
@@ -35,7 +35,7 @@ ty_result ty_reader_parse(ty_scene_reader* reader) {
 }
 
 ty_result ty_reader_check(const ty_scene_reader* reader, const char* part) {
-    json_t* schema = json_loadb(ty_scene_schema_text, ty_scene_schema_size, 0, NULL);
+    json_t* schema = ty_scene_schema_tree();
     if (schema != NULL && part != NULL) {
         json_t* whole = schema;
         schema = json_pack("{s:s+, s:O}", "$ref", "#/$defs/", part, "$defs", json_object_get(whole, "$defs"));
@@ -58,116 +58,42 @@ static ty_result hash_tree(ty_scene_reader* reader) {
     return TY_OK;
 }
 
-/* ---- Sections ---- */
+/* ---- sections ---- */
 
-/* A word; out stays as it is when the key is absent. */
-static void read_word(const json_t* object, const char* key, char out[16]) {
-    const char* word = json_string_value(json_object_get(object, key));
-    if (word != NULL) snprintf(out, 16, "%s", word);
+/* Formats an option's value for ty_scene_set_option. */
+static void option_text(const json_t* value, char text[TY_OPTION_TEXT_SIZE]) {
+    if (json_is_string(value))
+        snprintf(text, TY_OPTION_TEXT_SIZE, "%s", json_string_value(value));
+    else if (json_is_boolean(value))
+        snprintf(text, TY_OPTION_TEXT_SIZE, "%s", json_is_true(value) ? "true" : "false");
+    else
+        ty_format_number(json_number_value(value), text, TY_OPTION_TEXT_SIZE);
 }
 
-static void read_fld(const json_t* fld, ty_fld_settings* settings) {
-    const char* limiter = json_string_value(json_object_get(fld, "limiter"));
-    if (limiter != NULL) snprintf(settings->limiter, sizeof settings->limiter, "%s", limiter);
-    read_word(fld, "boundary", settings->boundary);
-    read_word(fld, "solver", settings->solver);
-    read_word(fld, "beam", settings->beam);
-    ty_read_number(fld, "larsen_power", &settings->larsen_power);
-    ty_read_number(fld, "streaming", &settings->streaming);
-    ty_read_number(fld, "relaxation", &settings->relaxation);
-    ty_read_number(fld, "tolerance", &settings->tolerance);
-    ty_read_number(fld, "sigma_eps", &settings->sigma_eps);
-    ty_read_number(fld, "ratio", &settings->ratio);
-    ty_read_number(fld, "step", &settings->step);
-    ty_read_int(fld, "resolution", &settings->resolution);
-    ty_read_int(fld, "iterations", &settings->iterations);
-    ty_read_int(fld, "environment_beams", &settings->environment_beams);
-    ty_read_int(fld, "surface_points", &settings->surface_points);
-    ty_read_int(fld, "spp", &settings->spp);
+/* Passes the options of single methods to the scene; the schema has checked them. */
+static ty_result read_options(const ty_scene_reader* reader, const json_t* render) {
+    const char *method, *key;
+    json_t *options, *value;
+    json_object_foreach((json_t*)render, method, options) json_object_foreach(options, key, value) {
+        char text[TY_OPTION_TEXT_SIZE];
+        option_text(value, text);
+        const ty_result result = ty_scene_set_option(reader->scene, method, key, text);
+        if (result != TY_OK) return result;
+    }
+    return TY_OK;
 }
 
-static void read_pop(const json_t* pop, ty_pop_settings* settings) {
-    read_word(pop, "mode", settings->mode);
-    ty_read_int(pop, "resolution", &settings->resolution);
-    ty_read_int(pop, "merged", &settings->merged);
-    ty_read_bool(pop, "sharp", &settings->sharp);
-    ty_read_int(pop, "direct", &settings->direct);
-    ty_read_int(pop, "ordinates", &settings->ordinates);
-    ty_read_number(pop, "prefilter", &settings->prefilter);
-    ty_read_bool(pop, "importance", &settings->importance);
-    ty_read_int(pop, "surface_points", &settings->surface_points);
-    ty_read_int(pop, "vpls", &settings->vpls);
-    ty_read_int(pop, "shadow_texels", &settings->shadow_texels);
-    ty_read_number(pop, "clamp", &settings->clamp);
-    ty_read_int(pop, "iterations", &settings->iterations);
-    ty_read_number(pop, "residuum", &settings->residuum);
-    ty_read_int(pop, "residuum_iterations", &settings->residuum_iterations);
-    ty_read_number(pop, "streaming", &settings->streaming);
-    ty_read_number(pop, "tolerance", &settings->tolerance);
-    ty_read_int(pop, "spp", &settings->spp);
-    ty_read_number(pop, "step", &settings->step);
-}
-
-static void read_lpv(const json_t* lpv, ty_lpv_settings* settings) {
-    read_word(lpv, "mode", settings->mode);
-    read_word(lpv, "parts", settings->parts);
-    read_word(lpv, "place", settings->place);
-    ty_read_int(lpv, "resolution", &settings->resolution);
-    ty_read_int(lpv, "cascades", &settings->cascades);
-    ty_read_int(lpv, "bands", &settings->bands);
-    ty_read_number(lpv, "extent", &settings->extent);
-    ty_read_number(lpv, "window", &settings->window);
-    ty_read_int(lpv, "iterations", &settings->iterations);
-    ty_read_number(lpv, "tolerance", &settings->tolerance);
-    ty_read_int(lpv, "map_side", &settings->map_side);
-    ty_read_int(lpv, "samples", &settings->samples);
-    ty_read_int(lpv, "block_side", &settings->block_side);
-    ty_read_int(lpv, "shadow_side", &settings->shadow_side);
-    ty_read_bool(lpv, "shadow_rays", &settings->shadow_rays);
-    ty_read_bool(lpv, "half", &settings->half);
-    ty_read_number(lpv, "step", &settings->step);
-    ty_read_int(lpv, "spp", &settings->spp);
-}
-
-static void read_dom(const json_t* dom, ty_dom_settings* settings) {
-    read_word(dom, "acceleration", settings->acceleration);
-    ty_read_int(dom, "resolution", &settings->resolution);
-    ty_read_int(dom, "direct", &settings->direct);
-    ty_read_int(dom, "directions", &settings->directions);
-    ty_read_int(dom, "last_directions", &settings->last_directions);
-    ty_read_int(dom, "bands", &settings->bands);
-    ty_read_number(dom, "tolerance", &settings->tolerance);
-    ty_read_int(dom, "iterations", &settings->iterations);
-    ty_read_int(dom, "environment_beams", &settings->environment_beams);
-    ty_read_int(dom, "surface_points", &settings->surface_points);
-    ty_read_int(dom, "spp", &settings->spp);
-    ty_read_number(dom, "step", &settings->step);
-}
-
-static void read_screen(const json_t* screen, ty_screen_settings* settings) {
-    read_word(screen, "variant", settings->variant);
-    read_word(screen, "spread", settings->spread);
-    read_word(screen, "environment", settings->environment);
-    ty_read_int(screen, "filter", &settings->filter);
-    ty_read_int(screen, "levels", &settings->levels);
-    ty_read_bool(screen, "balance", &settings->balance);
-}
-
-static void read_render(const ty_scene_reader* reader) {
+static ty_result read_render(const ty_scene_reader* reader) {
     const json_t* render = json_object_get(reader->root, "render");
     ty_render_settings settings = ty_scene_render_settings(reader->scene);
-    read_word(render, "method", settings.method);
+    const char* method = json_string_value(json_object_get(render, "method"));
+    if (method != NULL) snprintf(settings.method, sizeof settings.method, "%s", method);
     double seed = (double)settings.seed;
     ty_read_number(render, "seed", &seed);
     settings.seed = (uint64_t)seed;
     ty_read_int(render, "spp", &settings.spp);
-    ty_read_int(json_object_get(render, "path"), "max_depth", &settings.path.max_depth);
-    read_screen(json_object_get(render, "screen"), &settings.screen);
-    read_fld(json_object_get(render, "fld"), &settings.fld);
-    read_pop(json_object_get(render, "pop"), &settings.pop);
-    read_lpv(json_object_get(render, "lpv"), &settings.lpv);
-    read_dom(json_object_get(render, "dom"), &settings.dom);
     ty_scene_set_render_settings(reader->scene, &settings);
+    return read_options(reader, render);
 }
 
 static ty_result build_scene(ty_scene_reader* reader) {
@@ -182,8 +108,8 @@ static ty_result build_scene(ty_scene_reader* reader) {
     if (result == TY_OK) result = ty_read_media(reader);
     if (result == TY_OK) result = ty_read_lights(reader);
     if (result == TY_OK) result = ty_read_geometry(reader);
+    if (result == TY_OK) result = read_render(reader);
     if (result != TY_OK) return result;
-    read_render(reader);
     ty_scene_set_hash(reader->scene, reader->hash);
     return ty_scene_commit(reader->scene);
 }
@@ -194,14 +120,14 @@ static void free_reader(ty_scene_reader* reader) {
     json_decref(reader->root);
 }
 
-/* ---- Entrances ---- */
+/* ---- entry points ---- */
 
 ty_result ty_scene_parse(ty_context* context, const char* text, size_t length, const char* name, const char* folder,
                          const char* const* overrides, int32_t override_count, ty_scene** out) {
     if (context == NULL || text == NULL || out == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_scene_parse: context, text or out is NULL");
     ty_scene_reader reader = {.context = context,
-                              .clean = ty_last_error(context)[0] == '\0',
+                              .clean = !ty_has_error(context),
                               .name = name != NULL ? name : "scene",
                               .folder = folder,
                               .text = text,
@@ -226,8 +152,8 @@ static ty_result fail_builtin(ty_context* context, const char* path) {
     return ty_fail(context, TY_ERROR_INPUT, "%s", text);
 }
 
-/* What a file by such a name is in a scene, or NULL: volumes, meshes and images are easily given in its place. */
-static const char* part_of_scene(const char* path) {
+/* Role of a file in a scene, by its name, or NULL: volumes, meshes and images are easily passed instead of a scene. */
+static const char* file_role(const char* path) {
     static const char* const images[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", NULL};
     if (ty_has_extension(path, ty_volume_extensions))
         return "a volume; a scene has it as \"file\" of a medium's density";
@@ -250,7 +176,7 @@ ty_result ty_scene_load(ty_context* context, const char* path, const char* const
     size_t size;
     ty_result result = ty_read_file(context, path, FILE_SIZE_MAX, &bytes, &size);
     if (result != TY_OK) return result;
-    const char* part = part_of_scene(path);
+    const char* part = file_role(path);
     if (part != NULL) {
         ty_free_file(context, bytes, size);
         return ty_fail(context, TY_ERROR_INPUT, "%s: not a scene but %s (docs/scene.md)", path, part);

@@ -1,4 +1,4 @@
-/* The surfaces of a scene file. */
+/* Surfaces of a scene file. */
 #include "io/scenes/scene_reader.h"
 
 static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const ty_json_path* path) {
@@ -8,8 +8,8 @@ static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const t
     ty_result result = TY_OK;
     if (quad != NULL) {
         def.kind = TY_SHAPE_QUAD;
-        const ty_json_path place = ty_json_path_key(path, "quad");
-        result = ty_read_edges(reader, quad, &place, def.origin, def.u, def.v);
+        const ty_json_path json_path = ty_json_path_key(path, "quad");
+        result = ty_read_edges(reader, quad, &json_path, def.origin, def.u, def.v);
     } else if (sphere != NULL) {
         def.kind = TY_SHAPE_SPHERE;
         ty_read_vector(sphere, "center", reader->unit, def.origin);
@@ -23,7 +23,7 @@ static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const t
     const json_t* material = json_object_get(item, "material");
     ty_read_rgb(material, "albedo", def.albedo);
     ty_read_rgb(material, "emission", def.emission);
-    return result == TY_OK ? ty_reader_below(reader, path, ty_scene_add_shape(reader->scene, &def)) : result;
+    return result == TY_OK ? ty_reader_prefix_error(reader, path, ty_scene_add_shape(reader->scene, &def)) : result;
 }
 
 ty_result ty_read_mesh_placement(const ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
@@ -35,9 +35,9 @@ ty_result ty_read_mesh_placement(const ty_scene_reader* reader, const json_t* it
 
 static ty_result read_mesh_file(ty_scene_reader* reader, const json_t* item, const ty_json_path* path) {
     ty_mesh_file_def def = ty_default_mesh_file_def();
-    const ty_json_path place = ty_json_path_key(path, "file");
+    const ty_json_path json_path = ty_json_path_key(path, "file");
     const char* file = NULL;
-    ty_result result = ty_find_mesh_file(reader, &place, json_string_value(json_object_get(item, "file")), &file);
+    ty_result result = ty_find_mesh_file(reader, &json_path, json_string_value(json_object_get(item, "file")), &file);
     if (result == TY_OK) result = ty_read_mesh_placement(reader, item, path, 1, &def);
     if (result != TY_OK) return result;
     ty_read_bool(item, "meshes", &def.meshes);
@@ -49,7 +49,7 @@ static ty_result read_mesh_file(ty_scene_reader* reader, const json_t* item, con
     ty_read_rgb(material, "albedo", plain.albedo);
     ty_read_rgb(material, "emission", plain.emission);
     if (material != NULL) def.material = &plain;
-    return ty_reader_below(reader, &place, ty_scene_add_mesh_file(reader->scene, file, &def));
+    return ty_reader_prefix_error(reader, &json_path, ty_scene_add_mesh_file(reader->scene, file, &def));
 }
 
 ty_result ty_read_geometry(ty_scene_reader* reader) {

@@ -1,5 +1,5 @@
-/* Hashes of files together with the files that they name. Names that cannot be followed are left to the readers, which
- * report them. */
+/* Hashes of files including the files that they reference. References that cannot be resolved are skipped here; the
+ * readers report them. */
 #include "base/context.h"
 #include "io/file.h"
 #include "io/meshes/gltf.h"
@@ -12,7 +12,7 @@
 
 enum { LINE_SIZE = 4096, GLTF_SIZE_MAX = 1 << 30 };
 
-/* The path of a file that the file at path names, NULL when there is no such file; freed with ty_free_text. */
+/* Path of a file referenced by the file at path, NULL if it does not exist; freed with ty_free_text. */
 static ty_result find_named(ty_context* context, const char* path, const char* name, char** out) {
     *out = NULL;
     char* folder = ty_folder_of(context, path);
@@ -59,10 +59,10 @@ static ty_result hash_gltf_names(ty_context* context, const char* path, uint64_t
     return result;
 }
 
-/* ---- Text files ---- */
+/* ---- text files ---- */
 
-/* What a line has after one of the keys, ended by NULL; the last word when options stand before it, "-clamp on a.png".
- * NULL when it begins with none of them. The line is changed. */
+/* The rest of a line after one of the keys (a list ended by NULL), or its last word if options precede it, as in
+ * "-clamp on a.png". NULL if the line begins with none of them. The line is modified. */
 static char* name_after(char* line, const char* const* keys) {
     char* start = line + strspn(line, " \t");
     start[strcspn(start, "\r\n")] = '\0';

@@ -1,10 +1,10 @@
-/* The lights of a scene file. */
+/* Lights of a scene file. */
 #include "io/scenes/scene_reader.h"
 
 #include <string.h>
 
 static ty_result add_light(const ty_scene_reader* reader, const ty_json_path* path, const ty_light_def* def) {
-    return ty_reader_below(reader, path, ty_scene_add_light(reader->scene, def));
+    return ty_reader_prefix_error(reader, path, ty_scene_add_light(reader->scene, def));
 }
 
 static ty_result read_sky(const ty_scene_reader* reader, const json_t* sky, const ty_json_path* path,
@@ -19,7 +19,7 @@ static ty_result read_sky(const ty_scene_reader* reader, const json_t* sky, cons
     ty_read_int(sky, "resolution", &def.width);
     ty_image* image = NULL;
     float irradiance[3];
-    result = ty_reader_below(reader, path, ty_sky_image(reader->context, &def, &image, irradiance));
+    result = ty_reader_prefix_error(reader, path, ty_sky_create_image(reader->context, &def, &image, irradiance));
     if (result != TY_OK) return result;
     environment->image = image;
     result = add_light(reader, path, environment);
@@ -40,14 +40,14 @@ static ty_result read_environment(ty_scene_reader* reader, const json_t* light, 
     ty_read_number(light, "rotation", &def.rotation);
     const json_t* sky = json_object_get(light, "sky");
     if (sky != NULL) {
-        const ty_json_path place = ty_json_path_key(path, "sky");
-        return read_sky(reader, sky, &place, &def);
+        const ty_json_path json_path = ty_json_path_key(path, "sky");
+        return read_sky(reader, sky, &json_path, &def);
     }
     const char* file = json_string_value(json_object_get(light, "file"));
     if (file != NULL) {
-        const ty_json_path place = ty_json_path_key(path, "file");
-        const ty_result result = ty_read_map(reader, &place, file, &def.image);
-        return result == TY_OK ? add_light(reader, &place, &def) : result;
+        const ty_json_path json_path = ty_json_path_key(path, "file");
+        const ty_result result = ty_read_map(reader, &json_path, file, &def.image);
+        return result == TY_OK ? add_light(reader, &json_path, &def) : result;
     }
     ty_read_rgb(light, "radiance", def.color);
     for (int c = 0; c < 3; ++c) def.color[c] *= def.scale;

@@ -1,4 +1,4 @@
-/* The media of a scene file. */
+/* Media of a scene file. */
 #include "io/scenes/scene_reader.h"
 
 #include <stdint.h>
@@ -6,7 +6,7 @@
 
 #define NOISE_VOXELS_MAX 2147483648.0
 
-/* ---- Density ---- */
+/* ---- density ---- */
 
 static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, const ty_json_path* path,
                             ty_grid** out) {
@@ -20,8 +20,8 @@ static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, 
     double size[3] = {def.size[0], def.size[1], def.size[2]};
     ty_read_numbers(noise, "resolution", size);
     if (size[0] * size[1] * size[2] > NOISE_VOXELS_MAX) {
-        const ty_json_path place = ty_json_path_key(path, "resolution");
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "more than 2^31 voxels in all");
+        const ty_json_path json_path = ty_json_path_key(path, "resolution");
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "more than 2^31 voxels in all");
     }
     for (int a = 0; a < 3; ++a) def.size[a] = (int32_t)size[a];
     double seed = def.seed;
@@ -34,59 +34,60 @@ static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, 
     ty_read_float(noise, "lacunarity", &def.lacunarity);
     ty_read_float(noise, "coverage", &def.coverage);
     ty_read_float(noise, "sharpness", &def.sharpness);
-    return ty_reader_below(reader, path, ty_grid_noise(reader->context, &def, out));
+    return ty_reader_prefix_error(reader, path, ty_grid_create_noise(reader->context, &def, out));
 }
 
-/* Sets scale or density_grid; the caller destroys *noise, if it was made. */
+/* Sets scale or density_grid; the caller destroys *noise if it was created. */
 static ty_result read_density(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
                               ty_medium_def* def, ty_grid** noise) {
     double scale = 1;
     ty_read_number(medium, "scale", &scale);
     const json_t* density = json_object_get(medium, "density");
-    const ty_json_path place = ty_json_path_key(path, "density");
+    const ty_json_path json_path = ty_json_path_key(path, "density");
     if (json_is_number(density)) scale *= json_number_value(density);
     def->scale = (float)scale;
     if (!json_is_object(density)) return TY_OK;
     if (json_object_get(density, "file") != NULL)
-        return ty_read_volume(reader, density, &place, "density", def->bounds == TY_BOUNDS_BOX, &def->density_grid);
-    const ty_json_path noise_place = ty_json_path_key(&place, "noise");
-    const ty_result result = make_noise(reader, json_object_get(density, "noise"), &noise_place, noise);
+        return ty_read_volume(reader, density, &json_path, "density", def->bounds == TY_BOUNDS_BOX, &def->density_grid);
+    const ty_json_path noise_path = ty_json_path_key(&json_path, "noise");
+    const ty_result result = make_noise(reader, json_object_get(density, "noise"), &noise_path, noise);
     def->density_grid = *noise;
     return result;
 }
 
-/* ---- Bounds ---- */
+/* ---- bounds ---- */
 
-/* A closed mesh, in units of unit metres. */
+/* A closed mesh; lengths are in `unit` meters. */
 static ty_result read_shell(ty_scene_reader* reader, const json_t* bounds, const ty_json_path* path, double unit,
                             ty_medium_def* def) {
     def->bounds = TY_BOUNDS_SHELL;
     ty_mesh_file_def file = ty_default_mesh_file_def();
-    const ty_json_path place = ty_json_path_key(path, "file");
+    const ty_json_path json_path = ty_json_path_key(path, "file");
     const char* found = NULL;
-    ty_result result = ty_find_mesh_file(reader, &place, json_string_value(json_object_get(bounds, "file")), &found);
+    ty_result result =
+        ty_find_mesh_file(reader, &json_path, json_string_value(json_object_get(bounds, "file")), &found);
     if (result == TY_OK) result = ty_read_mesh_placement(reader, bounds, path, unit, &file);
-    return result == TY_OK ? ty_read_shell(reader, &place, found, &file, &def->shell) : result;
+    return result == TY_OK ? ty_read_shell(reader, &json_path, found, &file, &def->shell) : result;
 }
 
-/* Bounds are in units of unit metres. Fails where the density needs bounds that are not there. */
+/* Bounds in `unit` meters. Fails if the density needs bounds and there are none. */
 static ty_result read_bounds(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, double unit,
                              ty_medium_def* def) {
     const json_t* bounds = json_object_get(medium, "bounds");
     const json_t* density = json_object_get(medium, "density");
-    const ty_json_path place = ty_json_path_key(path, "bounds");
+    const ty_json_path json_path = ty_json_path_key(path, "bounds");
     const double factor = reader->unit / unit;
     if (json_is_array(bounds)) {
         def->bounds = TY_BOUNDS_BOX;
         return ty_read_box(reader, medium, path, "bounds", factor, def->box_min, def->box_max);
     }
     if (json_object_get(density, "noise") != NULL)
-        return ty_reader_fail(reader, bounds != NULL ? &place : path, TY_ERROR_INPUT,
+        return ty_reader_fail(reader, bounds != NULL ? &json_path : path, TY_ERROR_INPUT,
                               "noise needs bounds that are a box, [[x,y,z],[x,y,z]]");
     if (bounds == NULL && json_object_get(density, "file") != NULL) return TY_OK;
     if (bounds == NULL)
         return ty_reader_fail(reader, path, TY_ERROR_INPUT, "a homogeneous medium needs the key \"bounds\"");
-    if (json_object_get(bounds, "file") != NULL) return read_shell(reader, bounds, &place, unit, def);
+    if (json_object_get(bounds, "file") != NULL) return read_shell(reader, bounds, &json_path, unit, def);
     const json_t* sphere = json_object_get(bounds, "sphere");
     def->bounds = TY_BOUNDS_SPHERE;
     ty_read_vector(sphere, "center", factor, def->sphere_center);
@@ -95,7 +96,7 @@ static ty_result read_bounds(ty_scene_reader* reader, const json_t* medium, cons
     return TY_OK;
 }
 
-/* ---- Media ---- */
+/* ---- media ---- */
 
 static bool is_file(const json_t* object, const char* key) {
     return json_object_get(json_object_get(object, key), "file") != NULL;
@@ -105,8 +106,8 @@ static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, cons
     ty_medium_def def = ty_default_medium_def();
     const char* name = json_string_value(json_object_get(medium, "name"));
     if (name != NULL) def.name = name;
-    /* Volumes from files are placed in the file's units, so bounds stay in them too, and the transform takes all to
-     * metres; without files everything is in metres before the transform. */
+    /* Volumes from files are placed in the file's units, so bounds use these too, and the transform converts all to
+     * meters; without files all lengths are in meters before the transform. */
     const bool files = is_file(medium, "density") || is_file(medium, "albedo") || is_file(medium, "g") ||
                        is_file(json_object_get(medium, "emission"), "temperature");
     const double unit = files ? reader->unit : 1;
@@ -117,8 +118,8 @@ static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, cons
     if (result == TY_OK) result = ty_read_transform(reader, medium, path, unit, 1, &def.transform);
     if (result == TY_OK) result = ty_read_fields(reader, medium, path, &def, points);
     if (result == TY_OK) result = read_density(reader, medium, path, &def, &noise);
-    if (result == TY_OK) result = ty_reader_below(reader, path, ty_scene_add_medium(reader->scene, &def));
-    ty_grid_destroy(noise);
+    if (result == TY_OK) result = ty_reader_prefix_error(reader, path, ty_scene_add_medium(reader->scene, &def));
+    ty_grid_release(noise);
     return result;
 }
 

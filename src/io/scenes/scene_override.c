@@ -1,4 +1,4 @@
-/* Overrides of scene files: "media[0].g=0.5" sets one value before the file is checked. */
+/* Overrides of scene files: "media[0].g=0.5" sets one value before validation. */
 #include "base/context.h"
 #include "io/scenes/scene_reader.h"
 #include "io/schema_text.h"
@@ -12,7 +12,7 @@ static ty_result fail_override(const ty_scene_reader* reader, const ty_scene_ove
     return ty_fail(reader->context, TY_ERROR_ARGUMENT, "override %s: %s", text, reason);
 }
 
-/* Reads "[12]" at *at and steps over it. */
+/* Parses "[12]" at *at and advances. */
 static bool parse_index(char** at, size_t* index) {
     char* digit = *at + 1;
     size_t value = 0;
@@ -23,7 +23,7 @@ static bool parse_index(char** at, size_t* index) {
     return true;
 }
 
-/* Takes "media[0].g" apart; the keys stay where they are and are ended with zeros. */
+/* Splits "media[0].g"; keys point into the text, which is zero-terminated between them. */
 static bool parse_path(char* text, ty_json_path* path) {
     path->depth = 0;
     char* at = text;
@@ -46,7 +46,7 @@ static bool parse_path(char* text, ty_json_path* path) {
     }
 }
 
-/* JSON, or else a bare word. NULL when the value is meant as JSON but is not, or is not UTF-8. */
+/* Parses JSON, or else a bare word. NULL for malformed JSON and for invalid UTF-8. */
 static json_t* parse_value(const char* text) {
     json_t* value = json_loads(text, JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
     if (value != NULL) return value;
@@ -54,8 +54,8 @@ static json_t* parse_value(const char* text) {
     return *first != '\0' && strchr("{[\"", *first) != NULL ? NULL : json_string(text);
 }
 
-/* The member or element one step below container, made an object when it is a missing member and create is asked for;
- * NULL after a message. */
+/* The member or element one step below container; a missing member is created as an object if `create` is set. NULL
+ * after an error message. */
 static json_t* descend(const ty_scene_reader* reader, const ty_scene_override* override, json_t* container, size_t i) {
     const ty_json_step* step = &override->path.steps[i];
     if (step->key == NULL) return json_array_get(container, step->index);
@@ -67,22 +67,22 @@ static json_t* descend(const ty_scene_reader* reader, const ty_scene_override* o
     return NULL;
 }
 
-/* Fails unless container has a place for step i of the override's path. */
+/* Fails unless container can hold step i of the override's path. */
 static ty_result check_step(const ty_scene_reader* reader, const ty_scene_override* override, const json_t* container,
                             size_t i) {
     const ty_json_step* step = &override->path.steps[i];
     const size_t size = json_array_size(container);
     if (step->key == NULL ? json_is_array(container) && step->index < size : json_is_object(container)) return TY_OK;
-    char reason[256] = "", place[200];
+    char reason[256] = "", json_path[200];
     ty_json_path above = override->path;
     above.depth = i;
-    ty_json_path_text(&above, place, sizeof place);
+    ty_json_path_text(&above, json_path, sizeof json_path);
     if (step->key == NULL && json_is_array(container)) {
-        ty_append(reason, sizeof reason, "%s has %zu element%s", place, size, size == 1 ? "" : "s");
+        ty_append(reason, sizeof reason, "%s has %zu element%s", json_path, size, size == 1 ? "" : "s");
     } else if (step->key == NULL && json_is_object(container) && json_object_size(container) == 0) {
-        ty_append(reason, sizeof reason, "%s has no elements", place);
+        ty_append(reason, sizeof reason, "%s has no elements", json_path);
     } else {
-        ty_append(reason, sizeof reason, "%s is ", i == 0 ? "the scene" : place);
+        ty_append(reason, sizeof reason, "%s is ", i == 0 ? "the scene" : json_path);
         ty_append_value(reason, sizeof reason, container);
         ty_append(reason, sizeof reason, ", not an %s", step->key == NULL ? "array" : "object");
     }

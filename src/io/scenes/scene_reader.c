@@ -1,4 +1,4 @@
-/* What the parts of the scene file reader share. */
+/* Common functions of the scene file reader. */
 #include "io/scenes/scene_reader.h"
 
 #include "base/context.h"
@@ -11,10 +11,10 @@
 
 enum { MESSAGE_SIZE = 1024 };
 
-/* ---- Messages ---- */
+/* ---- messages ---- */
 
-/* The override that the value at path came from: the last one that set it or what it lies in, or, when the text of the
- * file does not have the place at all, set something in it. NULL when there is none. */
+/* The override that set the value at path: the last one to set it or a container of it, or, for a path absent from
+ * the file's text, the last one to set a value within it. NULL if there is none. */
 static const ty_scene_override* origin(const ty_scene_reader* reader, const ty_json_path* path, int32_t line) {
     for (int32_t i = reader->override_count; i-- > 0;)
         if (ty_json_path_within(path, &reader->overrides[i].path)) return &reader->overrides[i];
@@ -38,9 +38,9 @@ ty_result ty_reader_fail(const ty_scene_reader* reader, const ty_json_path* path
         ty_append(text, sizeof text, "%s: ", reader->name);
     }
     if (path->depth > 0) {
-        char place[MESSAGE_SIZE / 2];
-        ty_json_path_text(path, place, sizeof place);
-        ty_append(text, sizeof text, "%s: ", place);
+        char json_path[MESSAGE_SIZE / 2];
+        ty_json_path_text(path, json_path, sizeof json_path);
+        ty_append(text, sizeof text, "%s: ", json_path);
     }
     const size_t used = strlen(text);
     va_list arguments;
@@ -50,17 +50,16 @@ ty_result ty_reader_fail(const ty_scene_reader* reader, const ty_json_path* path
     return ty_fail(reader->context, result, "%s", text);
 }
 
-ty_result ty_reader_below(const ty_scene_reader* reader, const ty_json_path* path, ty_result result) {
+ty_result ty_reader_prefix_error(const ty_scene_reader* reader, const ty_json_path* path, ty_result result) {
     if (result == TY_OK) return TY_OK;
     if (result == TY_ERROR_ARGUMENT) result = TY_ERROR_INPUT;
     if (!reader->clean) return result;
-    char below[MESSAGE_SIZE];
-    snprintf(below, sizeof below, "%s", ty_last_error(reader->context));
-    ty_clear_error(reader->context);
-    return ty_reader_fail(reader, path, result, "%s", below[0] != '\0' ? below : ty_result_text(result));
+    char message[MESSAGE_SIZE];
+    snprintf(message, sizeof message, "%s", ty_take_error(reader->context));
+    return ty_reader_fail(reader, path, result, "%s", message[0] != '\0' ? message : ty_result_text(result));
 }
 
-/* ---- Values ---- */
+/* ---- values ---- */
 
 void ty_read_number(const json_t* object, const char* key, double* out) {
     const json_t* value = json_object_get(object, key);
@@ -111,8 +110,8 @@ ty_result ty_read_direction(const ty_scene_reader* reader, const json_t* object,
     ty_read_vector(object, key, 1, direction);
     const double length = sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
     if (!(length > 1e-9)) {
-        const ty_json_path place = ty_json_path_key(path, key);
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "a direction must not be zero");
+        const ty_json_path json_path = ty_json_path_key(path, key);
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "a direction must not be zero");
     }
     memcpy(out, direction, sizeof direction);
     return TY_OK;
@@ -125,9 +124,9 @@ ty_result ty_read_box(const ty_scene_reader* reader, const json_t* object, const
     read_array(json_array_get(corners, 1), factor, upper);
     for (int a = 0; a < 3; ++a)
         if (!(upper[a] > lower[a])) {
-            const ty_json_path place = ty_json_path_key(path, key);
-            return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the second corner must be above the first along %c",
-                                  "xyz"[a]);
+            const ty_json_path json_path = ty_json_path_key(path, key);
+            return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
+                                  "the second corner must be above the first along %c", "xyz"[a]);
         }
     return TY_OK;
 }
@@ -145,7 +144,7 @@ ty_result ty_read_edges(const ty_scene_reader* reader, const json_t* object, con
 ty_result ty_read_transform(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path,
                             double from_unit, double to_unit, ty_affine* out) {
     const json_t* transform = json_object_get(object, "transform");
-    const ty_json_path place = ty_json_path_key(path, "transform");
+    const ty_json_path json_path = ty_json_path_key(path, "transform");
     ty_affine map = ty_affine_identity();
     if (json_is_array(transform)) {
         for (size_t i = 0; i < 16; ++i) {
@@ -153,7 +152,8 @@ ty_result ty_read_transform(const ty_scene_reader* reader, const json_t* object,
             if (i < 12)
                 map.m[i] = value;
             else if (value != (i == 15 ? 1 : 0))
-                return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the last row of the matrix must be 0, 0, 0, 1");
+                return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
+                                      "the last row of the matrix must be 0, 0, 0, 1");
         }
     } else if (transform != NULL) {
         double translate[3] = {0, 0, 0}, rotate[3] = {0, 0, 0}, scale[3] = {1, 1, 1};
@@ -168,7 +168,7 @@ ty_result ty_read_transform(const ty_scene_reader* reader, const json_t* object,
     }
     ty_affine inverse;
     if (!ty_affine_invert(&map, &inverse))
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the matrix cannot be inverted");
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "the matrix cannot be inverted");
     *out = map;
     return TY_OK;
 }

@@ -1,4 +1,4 @@
-/* Checks a JSON tree against a schema; see schema.h for what is read of it. */
+/* Validation of JSON against a schema; schema.h lists the supported keywords. */
 #include "io/scenes/schema.h"
 #include "io/schema_text.h"
 
@@ -10,12 +10,12 @@
 enum { BRANCHES_MAX = 16, REF_MAX = 16 };
 
 typedef struct checker {
-    const json_t* root; /* the schema, for $defs */
+    const json_t* root; /* the whole schema, for $defs */
     ty_json_path path;
     ty_schema_issue* issue;
 } checker;
 
-/* The branches of an anyOf or oneOf that may still be meant. */
+/* Branches of an anyOf or oneOf that are still candidates. */
 typedef struct branch_set {
     const json_t* items[BRANCHES_MAX];
     size_t count;
@@ -23,7 +23,7 @@ typedef struct branch_set {
 
 static bool check(checker* c, const json_t* schema, const json_t* value);
 
-/* Begins the issue's text at the current path; always false, for return. */
+/* Begins the issue's text at the current path; returns false. */
 static bool fail(checker* c, const char* format, ...) __attribute__((format(printf, 2, 3)));
 static bool fail(checker* c, const char* format, ...) {
     c->issue->path = c->path;
@@ -34,7 +34,7 @@ static bool fail(checker* c, const char* format, ...) {
     return false;
 }
 
-/* ---- Reading the schema ---- */
+/* ---- reading the schema ---- */
 
 static const json_t* resolve(const checker* c, const json_t* schema) {
     static const char prefix[] = "#/$defs/";
@@ -79,7 +79,7 @@ static const json_t* schema_property(const json_t* schema, const char* key) {
     return json_object_get(json_object_get(schema, "properties"), key);
 }
 
-/* ---- Scalars and arrays ---- */
+/* ---- scalars and arrays ---- */
 
 static bool fail_type(checker* c, const branch_set* set, const json_t* value) {
     fail(c, "expected ");
@@ -104,7 +104,7 @@ static bool check_range(checker* c, const json_t* schema, const json_t* value) {
     const json_t* minimum = json_object_get(schema, "minimum");
     const json_t* maximum = json_object_get(schema, "maximum");
     const json_t* above = json_object_get(schema, "exclusiveMinimum");
-    const json_t* below = json_object_get(schema, "exclusiveMaximum");
+    const json_t* exclusive_maximum = json_object_get(schema, "exclusiveMaximum");
     const json_t* multiple = json_object_get(schema, "multipleOf");
     const double number = json_number_value(value);
     char* text = c->issue->text;
@@ -112,9 +112,9 @@ static bool check_range(checker* c, const json_t* schema, const json_t* value) {
     if ((minimum != NULL && number < json_number_value(minimum)) ||
         (maximum != NULL && number > json_number_value(maximum)) ||
         (above != NULL && !(number > json_number_value(above))) ||
-        (below != NULL && !(number < json_number_value(below)))) {
+        (exclusive_maximum != NULL && !(number < json_number_value(exclusive_maximum)))) {
         const json_t* lower = above != NULL ? above : minimum;
-        const json_t* upper = below != NULL ? below : maximum;
+        const json_t* upper = exclusive_maximum != NULL ? exclusive_maximum : maximum;
         fail(c, "%s", "");
         ty_append_value(text, size, value);
         ty_append(text, size, " is outside %s", above != NULL || lower == NULL ? "(" : "[");
@@ -127,7 +127,7 @@ static bool check_range(checker* c, const json_t* schema, const json_t* value) {
             ty_append_number(text, size, json_number_value(upper));
         else
             ty_append(text, size, "inf");
-        ty_append(text, size, "%s", below != NULL || upper == NULL ? ")" : "]");
+        ty_append(text, size, "%s", exclusive_maximum != NULL || upper == NULL ? ")" : "]");
         return false;
     }
     if (multiple != NULL && fmod(number, json_number_value(multiple)) != 0) {
@@ -165,7 +165,7 @@ static bool check_array(checker* c, const json_t* schema, const json_t* value) {
     return true;
 }
 
-/* Fails: value is none of the words, one of which may have been meant. */
+/* Fails since value is none of the words; suggests a similar one. */
 static bool fail_words(checker* c, const json_t* value, const char* const* words, size_t count) {
     char* text = c->issue->text;
     const size_t size = sizeof c->issue->text;
@@ -179,7 +179,7 @@ static bool fail_words(checker* c, const json_t* value, const char* const* words
     const char* word = json_string_value(value);
     const char* nearest = NULL;
     for (size_t i = 0; word != NULL && i < count; ++i)
-        if (ty_word_near(word, words[i]) &&
+        if (ty_word_is_similar(word, words[i]) &&
             (nearest == NULL || ty_word_distance(word, words[i]) < ty_word_distance(word, nearest)))
             nearest = words[i];
     if (nearest != NULL) ty_append(text, size, "; did you mean \"%s\"?", nearest);
@@ -197,7 +197,7 @@ static bool check_enum(checker* c, const json_t* words, const json_t* value) {
     return fail_words(c, value, names, count);
 }
 
-/* ---- Objects ---- */
+/* ---- objects ---- */
 
 static bool has_required(const json_t* branch, const json_t* value) {
     size_t i;
@@ -207,8 +207,8 @@ static bool has_required(const json_t* branch, const json_t* value) {
     return true;
 }
 
-/* The key that makes a branch what it is: the first required one whose value is not fixed. */
-static const char* own_key(const json_t* branch) {
+/* Distinguishing key of a branch: the first required one without a const value. */
+static const char* distinguishing_key(const json_t* branch) {
     size_t i;
     json_t* key;
     json_array_foreach(json_object_get(branch, "required"), i,
@@ -217,7 +217,24 @@ static const char* own_key(const json_t* branch) {
     return NULL;
 }
 
-/* Fails: no branch of the set knows the key. */
+/* The intended key for an unknown one: a key whose schema gives that name under "x-formerly", or the key nearest in
+ * spelling; NULL: none is similar. */
+static const char* find_meant(const branch_set* set, const char* unknown) {
+    const char* nearest = NULL;
+    const char* key;
+    json_t* property;
+    for (size_t i = 0; i < set->count; ++i)
+        json_object_foreach(json_object_get(set->items[i], "properties"), key, property) {
+            const char* earlier = json_string_value(json_object_get(property, "x-formerly"));
+            if (earlier != NULL && strcmp(earlier, unknown) == 0) return key;
+            if (ty_word_is_similar(unknown, key) &&
+                (nearest == NULL || ty_word_distance(unknown, key) < ty_word_distance(unknown, nearest)))
+                nearest = key;
+        }
+    return nearest;
+}
+
+/* Fails since no branch of the set has the key. */
 static bool fail_unknown(checker* c, const branch_set* set, const char* unknown) {
     const ty_json_path here = c->path;
     c->path = ty_json_path_key(&here, unknown);
@@ -227,12 +244,7 @@ static bool fail_unknown(checker* c, const branch_set* set, const char* unknown)
     const size_t size = sizeof c->issue->text;
     const char* key;
     json_t* property;
-    const char* nearest = NULL;
-    for (size_t i = 0; i < set->count; ++i)
-        json_object_foreach(json_object_get(set->items[i], "properties"), key,
-                            property) if (ty_word_near(unknown, key) &&
-                                          (nearest == NULL || ty_word_distance(unknown, key) <
-                                                                  ty_word_distance(unknown, nearest))) nearest = key;
+    const char* nearest = find_meant(set, unknown);
     if (nearest != NULL) {
         ty_append(text, size, "did you mean \"%s\"?", nearest);
         return false;
@@ -250,8 +262,8 @@ static bool fail_unknown(checker* c, const branch_set* set, const char* unknown)
     return false;
 }
 
-/* Fails when the value has a key that no branch of the set knows. */
-static bool check_stray(checker* c, const branch_set* set, const json_t* value) {
+/* Fails if the value has a key that no branch of the set has. */
+static bool check_unknown_keys(checker* c, const branch_set* set, const json_t* value) {
     const char* key;
     json_t* member;
     json_object_foreach((json_t*)value, key, member) {
@@ -262,9 +274,9 @@ static bool check_stray(checker* c, const branch_set* set, const json_t* value) 
     return true;
 }
 
-/* Fails when the value has a key that the chosen branch does not know, but another one does. */
-static bool check_mixed(checker* c, const json_t* chosen, const branch_set* others, const char* reason,
-                        const char* reason_value, const json_t* value) {
+/* Fails if the value has a key that the chosen branch lacks but another one has. */
+static bool check_foreign_keys(checker* c, const json_t* chosen, const branch_set* others, const char* reason,
+                               const char* reason_value, const json_t* value) {
     const char* key;
     json_t* member;
     json_object_foreach((json_t*)value, key, member) {
@@ -291,7 +303,7 @@ static bool check_object(checker* c, const json_t* schema, const json_t* value) 
     const json_t* properties = json_object_get(schema, "properties");
     const char* key;
     json_t *member, *property;
-    json_object_foreach((json_t*)properties, key, property) { /* a wrong version explains whatever else is wrong */
+    json_object_foreach((json_t*)properties, key, property) { /* const members (the version) first */
         member = json_object_get(value, key);
         if (member != NULL && json_object_get(property, "const") != NULL && !check_member(c, property, key, member))
             return false;
@@ -310,9 +322,9 @@ static bool check_object(checker* c, const json_t* schema, const json_t* value) 
     return true;
 }
 
-/* ---- Choosing a branch ---- */
+/* ---- branch selection ---- */
 
-/* Narrows the set to the branches whose fixed value under a common key is the value's; false when there is none. */
+/* Narrows the set to the branches whose const value of a common key equals the value's; false if none remains. */
 static bool choose_by_const(checker* c, branch_set* set, const json_t* value, const char** common) {
     *common = NULL;
     const char* key;
@@ -322,7 +334,7 @@ static bool choose_by_const(checker* c, branch_set* set, const json_t* value, co
         while (fixed < set->count && json_object_get(schema_property(set->items[fixed], key), "const") != NULL) ++fixed;
         if (fixed < set->count) continue;
         const json_t* member = json_object_get(value, key);
-        if (member == NULL) return check_stray(c, set, value) && fail(c, "the key \"%s\" is missing", key);
+        if (member == NULL) return check_unknown_keys(c, set, value) && fail(c, "the key \"%s\" is missing", key);
         branch_set left = {.count = 0};
         const char* words[BRANCHES_MAX];
         size_t count = 0;
@@ -351,31 +363,51 @@ static size_t known_keys(const json_t* branch, const json_t* value) {
     return count;
 }
 
-/* Narrows the set to one branch by the keys it knows; false when the value does not say which is meant. */
+/* Narrows the set to one branch by the number of known keys; false if it is ambiguous. */
 static bool choose_by_keys(checker* c, branch_set* set, const json_t* value) {
-    size_t most = 0;
+    size_t max_known = 0;
     for (size_t i = 0; i < set->count; ++i) {
         const size_t known = known_keys(set->items[i], value);
-        if (known > most) most = known;
+        if (known > max_known) max_known = known;
     }
     branch_set best = {.count = 0};
     const json_t* whole = NULL;
     for (size_t i = 0; i < set->count; ++i) {
-        if (known_keys(set->items[i], value) < most) continue;
+        if (known_keys(set->items[i], value) < max_known) continue;
         best.items[best.count++] = set->items[i];
         if (whole == NULL && has_required(set->items[i], value)) whole = set->items[i];
     }
     if (best.count > 1 && whole == NULL) {
-        if (!check_stray(c, set, value)) return false;
+        if (!check_unknown_keys(c, set, value)) return false;
         fail(c, "one of the keys");
         for (size_t i = 0; i < best.count; ++i)
-            ty_append(c->issue->text, sizeof c->issue->text, "%s \"%s\"", i > 0 ? "," : "", own_key(best.items[i]));
+            ty_append(c->issue->text, sizeof c->issue->text, "%s \"%s\"", i > 0 ? "," : "",
+                      distinguishing_key(best.items[i]));
         ty_append(c->issue->text, sizeof c->issue->text, " is missing");
         return false;
     }
     set->items[0] = whole != NULL ? whole : best.items[0];
     set->count = 1;
     return true;
+}
+
+/* Passes where any branch of the value's type does; the issue is the first branch's, and names a word that other
+ * branches allow. */
+static bool check_scalar(checker* c, const branch_set* all, const branch_set* fitting, const json_t* value) {
+    const ty_json_path here = c->path;
+    for (size_t i = fitting->count; i-- > 0; c->path = here)
+        if (check(c, fitting->items[i], value)) return true;
+    for (size_t i = 0; i < all->count; ++i) {
+        const char* word = json_string_value(json_object_get(all->items[i], "const"));
+        if (word == NULL) continue;
+        if (json_is_number(value)) {
+            ty_append(c->issue->text, sizeof c->issue->text, "; write \"%s\" for the default choice", word);
+        } else {
+            fail(c, "expected %s or \"%s\", found ", type_name(schema_type(all->items[0])), word);
+            ty_append_value(c->issue->text, sizeof c->issue->text, value);
+        }
+    }
+    return false;
 }
 
 static bool check_branches(checker* c, const json_t* branches, const json_t* value) {
@@ -389,16 +421,17 @@ static bool check_branches(checker* c, const json_t* branches, const json_t* val
         if (has_type(value, schema_type(resolved))) fitting.items[fitting.count++] = resolved;
     }
     if (fitting.count == 0) return fail_type(c, &all, value);
-    if (fitting.count == 1 || !json_is_object(value)) return check(c, fitting.items[0], value);
+    if (!json_is_object(value)) return check_scalar(c, &all, &fitting, value);
+    if (fitting.count == 1) return check(c, fitting.items[0], value);
     const char* common;
     branch_set alike = fitting;
     if (!choose_by_const(c, &alike, value, &common)) return false;
     branch_set chosen = alike;
     if (!choose_by_keys(c, &chosen, value)) return false;
-    const char* own = own_key(chosen.items[0]);
-    if (own != NULL && !check_mixed(c, chosen.items[0], &alike, own, NULL, value)) return false;
-    if (common != NULL &&
-        !check_mixed(c, chosen.items[0], &fitting, common, json_string_value(json_object_get(value, common)), value))
+    const char* own = distinguishing_key(chosen.items[0]);
+    if (own != NULL && !check_foreign_keys(c, chosen.items[0], &alike, own, NULL, value)) return false;
+    if (common != NULL && !check_foreign_keys(c, chosen.items[0], &fitting, common,
+                                              json_string_value(json_object_get(value, common)), value))
         return false;
     return check(c, chosen.items[0], value);
 }

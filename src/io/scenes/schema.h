@@ -1,11 +1,10 @@
-/* Checks a JSON tree against a JSON Schema (the part of draft 2020-12 named below) and says in one clear sentence what
- * is wrong with it.
- *
- * Read: type (one name), const, enum, minimum, maximum, exclusiveMinimum, exclusiveMaximum, multipleOf (integers),
- * minLength, items, minItems, maxItems, properties, additionalProperties (false), required, anyOf, oneOf, $defs, $ref
- * ("#/$defs/NAME", which may stand beside annotations only). Annotations: $schema, title, description, default.
- * The branches of anyOf and oneOf must exclude each other: the branch the writer meant is chosen, by JSON type, by the
- * value of a shared "const" key, then by which knows most of the keys, and only that branch is checked. */
+/* Validates JSON against a JSON Schema (the subset of draft 2020-12 listed below) and describes the first issue in one
+ * sentence.
+ * Supported: type (one name), const, enum, minimum, maximum, exclusiveMinimum, exclusiveMaximum, multipleOf
+ * (integers), minLength, items, minItems, maxItems, properties, additionalProperties (false), required, anyOf,
+ * oneOf, $defs, $ref ("#/$defs/NAME", beside annotations only). Annotations: $schema, title, description, default.
+ * The branches of anyOf and oneOf must be mutually exclusive: one branch is selected, by JSON type, by the value of
+ * a shared "const" key, then by the number of known keys, and only that branch is validated. */
 #ifndef TY_IO_SCHEMA_H
 #define TY_IO_SCHEMA_H
 
@@ -18,7 +17,7 @@ typedef struct ty_schema_issue {
     char text[512];    /* "1.2 is outside (-1, 1)" */
 } ty_schema_issue;
 
-/* False, with the first issue, when value does not keep to the schema. */
+/* False, with the first issue, if value does not conform to the schema. */
 bool ty_schema_check(const json_t* schema, const json_t* value, ty_schema_issue* issue);
 
 #endif

@@ -1,5 +1,6 @@
-/* NanoVDB grids. The portable header trusts what it reads, so it reads through functions that check every access; and
- * nodes are only entered when they lie in the grid whole and do not add up to more than it. */
+/* NanoVDB grids. The portable header does not validate its input, so it reads through functions that check every
+ * access; a node is entered only if it lies within the grid, and the total size of entered nodes is limited to the
+ * grid's. */
 #include "io/volumes/nanovdb.h"
 
 #include "base/context.h"
@@ -10,7 +11,7 @@
 
 #include <string.h>
 
-/* A grid in memory; bad is set by the first access beyond it, which gives 0. */
+/* A grid in memory; `bad` is set by the first access out of bounds, which reads 0. */
 typedef struct pnanovdb_buf_t {
     const uint8_t* bytes;
     uint64_t size;
@@ -53,7 +54,7 @@ static const char* type_name(uint32_t type) {
     return type_names[type < TYPE_NAMES ? type : 0];
 }
 
-/* Values per voxel; 0 for types that cannot be read. */
+/* Values per voxel; 0 for unsupported types. */
 static int32_t components_of(uint32_t type) {
     switch (type) {
     case PNANOVDB_GRID_TYPE_FLOAT:
@@ -107,19 +108,19 @@ static ty_result find_grid(const ty_nanovdb_file* file, const char* name, const 
                    file->count == 1 ? "is" : "are", file->count == 0 ? "none" : names);
 }
 
-/* A tree being read. */
+/* State of reading a tree. */
 typedef struct tree {
     pnanovdb_buf_t buf;
     uint32_t type;
     int32_t component;
     ty_sparse* sparse;
-    uint64_t claimed; /* bytes of the nodes entered so far */
+    uint64_t visited_bytes; /* total bytes of the nodes entered */
     bool no_memory;
 } tree;
 
 #define TY_LAYOUT(t, member) ((uint64_t)pnanovdb_grid_type_constants[(t)->type].member)
 
-/* The value of a tile, or the background. */
+/* Value of a tile, or the background. */
 static float read_value(const tree* t, uint64_t at) {
     const pnanovdb_address_t address = {at};
     switch (t->type) {
@@ -129,20 +130,20 @@ static float read_value(const tree* t, uint64_t at) {
     }
 }
 
-/* Whether a node of size bytes may be entered: it lies in the grid, and no bytes are claimed by several nodes. */
-static bool enter(tree* t, uint64_t at, uint64_t size) {
-    if (at > t->buf.size || size > t->buf.size - at || size > t->buf.size - t->claimed) *t->buf.bad = true;
+/* True if a node of `size` bytes lies within the grid and no bytes belong to several nodes. */
+static bool enter_node(tree* t, uint64_t at, uint64_t size) {
+    if (at > t->buf.size || size > t->buf.size - at || size > t->buf.size - t->visited_bytes) *t->buf.bad = true;
     if (*t->buf.bad) return false;
-    t->claimed += size;
+    t->visited_bytes += size;
     return true;
 }
 
-static bool keep(tree* t, bool added) {
+static bool check_added(tree* t, bool added) {
     if (!added) t->no_memory = *t->buf.bad = true;
     return added;
 }
 
-/* The codes of a leaf of variable bit width follow it; log2 of their bits is in its flags. */
+/* The codes of a variable-bit-width leaf follow it; log2 of their bits is in its flags. */
 static uint64_t leaf_size(tree* t, uint64_t at) {
     const uint64_t size = TY_LAYOUT(t, leaf_size);
     if (t->type != PNANOVDB_GRID_TYPE_FPN) return size;
@@ -153,11 +154,11 @@ static uint64_t leaf_size(tree* t, uint64_t at) {
 }
 
 static bool read_leaf(tree* t, uint64_t at, const int32_t origin[3]) {
-    return enter(t, at, leaf_size(t, at)) &&
-           keep(t, ty_sparse_add_leaf(t->sparse, origin, t->buf.bytes + at + PNANOVDB_LEAF_OFF_VALUE_MASK, at));
+    return enter_node(t, at, leaf_size(t, at)) &&
+           check_added(t, ty_sparse_add_leaf(t->sparse, origin, t->buf.bytes + at + PNANOVDB_LEAF_OFF_VALUE_MASK, at));
 }
 
-/* Where slot n of an inner node begins, which has 2^log2 of them a side. */
+/* Corner of slot n of an inner node with 2^log2 slots per side. */
 static void slot_origin(const int32_t origin[3], uint32_t n, unsigned log2, int32_t side, int32_t to[3]) {
     const uint32_t last = (1u << log2) - 1;
     const uint32_t index[3] = {n >> 2 * log2, n >> log2 & last, n & last};
@@ -166,18 +167,19 @@ static void slot_origin(const int32_t origin[3], uint32_t n, unsigned log2, int3
 
 static bool read_lower(tree* t, uint64_t at, const int32_t origin[3]) {
     enum { LOG2 = 4 };
-    if (!enter(t, at, TY_LAYOUT(t, lower_size))) return false;
+    if (!enter_node(t, at, TY_LAYOUT(t, lower_size))) return false;
     const pnanovdb_lower_handle_t node = {{at}};
     const uint64_t table = at + TY_LAYOUT(t, lower_off_table);
     for (uint32_t n = 0; n < PNANOVDB_LOWER_TABLE_COUNT; ++n) {
-        int32_t place[3];
-        slot_origin(origin, n, LOG2, TY_LEAF_SIDE, place);
+        int32_t slot_corner[3];
+        slot_origin(origin, n, LOG2, TY_LEAF_SIDE, slot_corner);
         const uint64_t slot = table + TY_LAYOUT(t, table_stride) * n;
         if (pnanovdb_lower_get_child_mask(t->buf, node, n)) {
-            if (!read_leaf(t, at + pnanovdb_buf_read_uint64(t->buf, slot), place)) return false;
+            if (!read_leaf(t, at + pnanovdb_buf_read_uint64(t->buf, slot), slot_corner)) return false;
         } else {
             const bool active = pnanovdb_lower_get_value_mask(t->buf, node, n);
-            if (!keep(t, ty_sparse_add_tile(t->sparse, place, TY_LEAF_SIDE, active, read_value(t, slot)))) return false;
+            if (!check_added(t, ty_sparse_add_tile(t->sparse, slot_corner, TY_LEAF_SIDE, active, read_value(t, slot))))
+                return false;
         }
     }
     return true;
@@ -185,25 +187,25 @@ static bool read_lower(tree* t, uint64_t at, const int32_t origin[3]) {
 
 static bool read_upper(tree* t, uint64_t at, const int32_t origin[3]) {
     enum { LOG2 = 5 };
-    if (!enter(t, at, TY_LAYOUT(t, upper_size))) return false;
+    if (!enter_node(t, at, TY_LAYOUT(t, upper_size))) return false;
     const pnanovdb_upper_handle_t node = {{at}};
     const uint64_t table = at + TY_LAYOUT(t, upper_off_table);
     for (uint32_t n = 0; n < PNANOVDB_UPPER_TABLE_COUNT; ++n) {
-        int32_t place[3];
-        slot_origin(origin, n, LOG2, TY_LOWER_SIDE, place);
+        int32_t slot_corner[3];
+        slot_origin(origin, n, LOG2, TY_LOWER_SIDE, slot_corner);
         const uint64_t slot = table + TY_LAYOUT(t, table_stride) * n;
         if (pnanovdb_upper_get_child_mask(t->buf, node, n)) {
-            if (!read_lower(t, at + pnanovdb_buf_read_uint64(t->buf, slot), place)) return false;
+            if (!read_lower(t, at + pnanovdb_buf_read_uint64(t->buf, slot), slot_corner)) return false;
         } else {
             const bool active = pnanovdb_upper_get_value_mask(t->buf, node, n);
-            if (!keep(t, ty_sparse_add_tile(t->sparse, place, TY_LOWER_SIDE, active, read_value(t, slot))))
+            if (!check_added(t, ty_sparse_add_tile(t->sparse, slot_corner, TY_LOWER_SIDE, active, read_value(t, slot))))
                 return false;
         }
     }
     return true;
 }
 
-/* A key is the three coordinates in units of an upper node, 21 bits each, z lowest. */
+/* A key holds the three coordinates in units of an upper node, 21 bits each, z lowest. */
 static void origin_of_key(uint64_t key, int32_t origin[3]) {
     enum { BITS = 21, SIDE_LOG2 = 12 };
     for (int a = 0; a < 3; ++a) origin[a] = (int32_t)((uint32_t)(key >> BITS * (2 - a)) << SIDE_LOG2);
@@ -214,8 +216,8 @@ static bool read_root(tree* t) {
     const pnanovdb_root_handle_t root = pnanovdb_tree_get_root(t->buf, pnanovdb_grid_get_tree(t->buf, grid));
     const uint64_t at = root.address.byte_offset;
     const uint32_t tiles = pnanovdb_root_get_tile_count(t->buf, root);
-    if (!enter(t, at, TY_LAYOUT(t, root_size)) ||
-        !enter(t, at + TY_LAYOUT(t, root_size), TY_LAYOUT(t, root_tile_size) * tiles))
+    if (!enter_node(t, at, TY_LAYOUT(t, root_size)) ||
+        !enter_node(t, at + TY_LAYOUT(t, root_size), TY_LAYOUT(t, root_tile_size) * tiles))
         return false;
     t->sparse->background = read_value(t, at + TY_LAYOUT(t, root_off_background));
     for (uint32_t n = 0; n < tiles; ++n) {
@@ -223,14 +225,14 @@ static bool read_root(tree* t) {
         const uint64_t child = (uint64_t)pnanovdb_root_tile_get_child(t->buf, tile);
         int32_t origin[3];
         origin_of_key(pnanovdb_root_tile_get_key(t->buf, tile), origin);
-        if (!keep(t, ty_sparse_add_root(t->sparse, origin))) return false;
+        if (!check_added(t, ty_sparse_add_root(t->sparse, origin))) return false;
         if (child != 0) {
             if (!read_upper(t, at + child, origin)) return false;
             continue;
         }
         const float value = read_value(t, tile.address.byte_offset + TY_LAYOUT(t, root_tile_off_value));
         const bool active = pnanovdb_root_tile_get_state(t->buf, tile) != 0;
-        if (!keep(t, ty_sparse_add_tile(t->sparse, origin, TY_UPPER_SIDE, active, value))) return false;
+        if (!check_added(t, ty_sparse_add_tile(t->sparse, origin, TY_UPPER_SIDE, active, value))) return false;
     }
     return !*t->buf.bad;
 }
@@ -249,7 +251,7 @@ static bool decode_leaf(const void* user, uint64_t leaf, void* to) {
     bool bad = false;
     const pnanovdb_buf_t buf = {t->buf.bytes, t->buf.size, &bad};
     const uint64_t table = leaf + TY_LAYOUT(t, leaf_off_table);
-    const uint8_t* values = buf.bytes + table; /* read_leaf has checked that the leaf is whole */
+    const uint8_t* values = buf.bytes + table; /* read_leaf has validated the leaf's size */
     float* floats = to;
     switch (t->type) {
     case PNANOVDB_GRID_TYPE_FLOAT: memcpy(to, values, TY_LEAF_VOXELS * sizeof(float)); break;
@@ -274,7 +276,7 @@ static bool decode_leaf(const void* user, uint64_t leaf, void* to) {
     return !bad;
 }
 
-/* The head of a grid must agree with what its segment says; *map places it. */
+/* Checks that a grid's header agrees with the segment's metadata; *map is its transform. */
 static ty_result check_head(const ty_nanovdb_file* file, const ty_nanovdb_grid* entry, const tree* t, ty_affine* map) {
     const pnanovdb_grid_handle_t grid = {{0}};
     const pnanovdb_map_handle_t stored = pnanovdb_grid_get_map(t->buf, grid);

@@ -1,4 +1,4 @@
-/* The only file that sees NanoVDB's C++: writing. Exceptions end here. */
+/* The only file that includes NanoVDB's C++ library, for writing. No exception leaves it. */
 #include "io/volumes/nanovdb.h"
 
 extern "C" {
@@ -33,7 +33,7 @@ nanovdb::Map make_map(const ty_affine& map) {
     return made;
 }
 
-/* A voxel is active where it differs from the background. */
+/* A voxel is active if it differs from the background. */
 void write_grid(const ty_grid* grid, const char* name, bool zip, const char* temporary) {
     const ty_grid_info info = ty_grid_get_info(grid);
     nanovdb::GridBuilder<float> builder(info.background);
@@ -47,7 +47,7 @@ void write_grid(const ty_grid* grid, const char* name, bool zip, const char* tem
     stream.close();
 }
 
-} // namespace
+} /* namespace */
 
 ty_result ty_nanovdb_build(ty_context* context, const ty_grid* grid, const char* name, bool zip, const char* path,
                            const char* temporary) {

@@ -1,6 +1,6 @@
-/* NanoVDB files in three parts: nanovdb_file.c reads the container (segments, what they say of their grids) and unpacks
- * grids, nanovdb.c reads grids through the portable C header with every access checked, nanovdb.cpp alone sees the C++
- * library, which writes. */
+/* NanoVDB files in three parts: nanovdb_file.c reads the container (segments and grid metadata) and decompresses
+ * grids, nanovdb.c reads grids through the portable C header with every access checked, and nanovdb.cpp contains the
+ * C++ library, which writes. */
 #ifndef TY_IO_NANOVDB_H
 #define TY_IO_NANOVDB_H
 
@@ -16,12 +16,12 @@ typedef enum ty_nanovdb_codec { TY_NANOVDB_PLAIN = 0, TY_NANOVDB_ZIP = 1, TY_NAN
 
 typedef struct ty_nanovdb_grid {
     char name[TY_NANOVDB_NAME_SIZE];
-    uint32_t type; /* as the format numbers them */
+    uint32_t type; /* number in the format */
     int64_t active_voxels;
     int32_t lower[3], upper[3];
     double voxel_size[3];
     uint32_t codec;
-    uint64_t at, stored_size, size; /* where the grid is in the file, bytes there, bytes unpacked */
+    uint64_t at, stored_size, size; /* offset of the grid in the file, compressed bytes, decompressed bytes */
 } ty_nanovdb_grid;
 
 typedef struct ty_nanovdb_file {
@@ -35,11 +35,11 @@ typedef struct ty_nanovdb_file {
 
 ty_result ty_nanovdb_open(ty_context* context, const char* path, ty_nanovdb_file* file);
 void ty_nanovdb_close(ty_nanovdb_file* file);
-/* The grid->size bytes of a grid, from ty_alloc_array. */
+/* Reads the grid->size bytes of a grid, from ty_alloc_array. */
 ty_result ty_nanovdb_load(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid, uint8_t** bytes);
 ty_result ty_nanovdb_damaged(const ty_nanovdb_file* file, const char* what);
 
-/* The C++ library's part: writes to the file named temporary, which exists; path is for messages. */
+/* C++ part: writes to the existing file `temporary`; path is for messages. */
 ty_result ty_nanovdb_build(ty_context* context, const ty_grid* grid, const char* name, bool zip, const char* path,
                            const char* temporary);
 

@@ -1,5 +1,5 @@
-/* The container of NanoVDB files: segments, each with a head, what it says of its grids, then the grids, plain or zip.
- * Little-endian throughout. */
+/* Container of NanoVDB files: segments, each with a header, grid metadata, then the grids, plain or zip.
+ * Little-endian. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/volumes/nanovdb.h"
 
@@ -16,7 +16,7 @@ enum {
     SEGMENT_SIZE = 16,
     METADATA_SIZE = 176,
     GRIDS_MAX = 65536,
-    /* Offsets in what a segment says of a grid. */
+    /* Offsets in a grid's metadata. */
     OFFSET_SIZE = 0,
     OFFSET_STORED = 8,
     OFFSET_VOXELS = 24,
@@ -41,7 +41,7 @@ bool ty_is_nanovdb(const char* path) {
     return read && memcmp(head, "NanoVDB", sizeof head) == 0;
 }
 
-static bool take(const ty_nanovdb_file* file, uint64_t* at, void* to, uint64_t size) {
+static bool read_bytes(const ty_nanovdb_file* file, uint64_t* at, void* to, uint64_t size) {
     if (size > file->size - *at || fread(to, 1, (size_t)size, file->stream) != size) return false;
     *at += size;
     return true;
@@ -53,17 +53,17 @@ static bool move_to(const ty_nanovdb_file* file, uint64_t* at, uint64_t to) {
     return true;
 }
 
-/* A name with its zero; what does not fit is cut. */
-static bool take_name(const ty_nanovdb_file* file, uint64_t* at, uint32_t size, char name[TY_NANOVDB_NAME_SIZE]) {
-    const uint32_t kept = size < TY_NANOVDB_NAME_SIZE ? size : TY_NANOVDB_NAME_SIZE - 1;
+/* Reads a name of `size` bytes with its zero; excess is truncated. */
+static bool read_name(const ty_nanovdb_file* file, uint64_t* at, uint32_t size, char name[TY_NANOVDB_NAME_SIZE]) {
+    const uint32_t stored = size < TY_NANOVDB_NAME_SIZE ? size : TY_NANOVDB_NAME_SIZE - 1;
     memset(name, 0, TY_NANOVDB_NAME_SIZE);
-    return take(file, at, name, kept) && move_to(file, at, *at + (size - kept));
+    return read_bytes(file, at, name, stored) && move_to(file, at, *at + (size - stored));
 }
 
-static bool take_metadata(const ty_nanovdb_file* file, uint64_t* at, uint32_t codec, ty_nanovdb_grid* grid) {
+static bool read_metadata(const ty_nanovdb_file* file, uint64_t* at, uint32_t codec, ty_nanovdb_grid* grid) {
     uint8_t bytes[METADATA_SIZE];
     uint32_t name_size;
-    if (!take(file, at, bytes, sizeof bytes)) return false;
+    if (!read_bytes(file, at, bytes, sizeof bytes)) return false;
     *grid = (ty_nanovdb_grid){.codec = codec};
     memcpy(&grid->size, bytes + OFFSET_SIZE, sizeof grid->size);
     memcpy(&grid->stored_size, bytes + OFFSET_STORED, sizeof grid->stored_size);
@@ -73,7 +73,7 @@ static bool take_metadata(const ty_nanovdb_file* file, uint64_t* at, uint32_t co
     memcpy(grid->upper, bytes + OFFSET_UPPER, sizeof grid->upper);
     memcpy(grid->voxel_size, bytes + OFFSET_VOXEL_SIZE, sizeof grid->voxel_size);
     memcpy(&name_size, bytes + OFFSET_NAME_SIZE, sizeof name_size);
-    return take_name(file, at, name_size, grid->name);
+    return read_name(file, at, name_size, grid->name);
 }
 
 static ty_result check_segment(const ty_nanovdb_file* file, const uint8_t head[SEGMENT_SIZE]) {
@@ -92,11 +92,11 @@ static ty_result check_segment(const ty_nanovdb_file* file, const uint8_t head[S
     return codec > TY_NANOVDB_BLOSC ? ty_nanovdb_damaged(file, "codec") : TY_OK;
 }
 
-/* A segment's head and metadata; leaves the stream behind its grids. */
+/* Reads a segment's header and metadata; the stream ends up after its grids. */
 static ty_result read_segment(ty_nanovdb_file* file, uint64_t* at) {
     uint8_t head[SEGMENT_SIZE];
     uint16_t grids, codec;
-    if (!take(file, at, head, sizeof head))
+    if (!read_bytes(file, at, head, sizeof head))
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: not a NanoVDB file", file->path);
     const ty_result result = check_segment(file, head);
     if (result != TY_OK) return result;
@@ -106,7 +106,7 @@ static ty_result read_segment(ty_nanovdb_file* file, uint64_t* at) {
     for (int i = 0; i < grids; ++i) {
         if (!ty_grow_array(file->context, (void**)&file->grids, &file->capacity, file->count, sizeof *file->grids))
             return TY_ERROR_MEMORY;
-        if (!take_metadata(file, at, codec, &file->grids[file->count]))
+        if (!read_metadata(file, at, codec, &file->grids[file->count]))
             return ty_nanovdb_damaged(file, "what is said of a grid");
         ++file->count;
     }
@@ -137,7 +137,7 @@ void ty_nanovdb_close(ty_nanovdb_file* file) {
     *file = (ty_nanovdb_file){0};
 }
 
-/* Zip: a byte count, then the bytes. */
+/* Zip block: a byte count, then the bytes. */
 static bool unpack(const uint8_t* stored, uint64_t stored_size, uint8_t* to, uint64_t size) {
     uint64_t packed;
     if (stored_size < sizeof packed) return false;
@@ -148,7 +148,7 @@ static bool unpack(const uint8_t* stored, uint64_t stored_size, uint8_t* to, uin
 }
 
 ty_result ty_nanovdb_load(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid, uint8_t** bytes) {
-    enum { RATIO_MAX = 1032 }; /* of deflate */
+    enum { RATIO_MAX = 1032 }; /* maximum compression ratio of deflate */
     const bool zip = grid->codec == TY_NANOVDB_ZIP;
     if (zip ? grid->size / RATIO_MAX > grid->stored_size : grid->size != grid->stored_size)
         return ty_nanovdb_damaged(file, grid->name);
@@ -156,7 +156,7 @@ ty_result ty_nanovdb_load(const ty_nanovdb_file* file, const ty_nanovdb_grid* gr
     uint8_t* stored = ty_alloc_array(file->context, grid->stored_size, 1, false);
     uint8_t* plain = zip ? ty_alloc_array(file->context, grid->size, 1, false) : stored;
     ty_result result = stored == NULL || plain == NULL ? TY_ERROR_MEMORY : TY_OK;
-    if (result == TY_OK && (!move_to(file, &at, grid->at) || !take(file, &at, stored, grid->stored_size) ||
+    if (result == TY_OK && (!move_to(file, &at, grid->at) || !read_bytes(file, &at, stored, grid->stored_size) ||
                             (zip && !unpack(stored, grid->stored_size, plain, grid->size))))
         result = ty_nanovdb_damaged(file, grid->name);
     if (zip || result != TY_OK) ty_free_array(file->context, stored, grid->stored_size, 1);

@@ -1,11 +1,11 @@
-/* The voxels of NRRD files: after the header or in a file beside it, raw, gzip or text. */
+/* Voxels of NRRD files: after the header or in a separate file; raw, gzip or text. */
 #include "io/volumes/nrrd.h"
 
 #include "base/context.h"
 #include "base/half.h"
 #include "grid/grid.h"
 #include "io/file.h"
-#include "io/number.h"
+#include "base/number.h"
 #include "io/volumes/volume_file.h"
 
 #include <string.h>
@@ -13,7 +13,7 @@
 
 static const size_t file_size_max = (size_t)1 << 36;
 
-/* A file in memory, and what is left of it to read. */
+/* A file in memory and its unread rest. */
 typedef struct source {
     ty_context* context;
     const char* path;
@@ -25,8 +25,8 @@ static void close_source(source* s) {
     ty_free_file(s->context, s->bytes, s->size);
 }
 
-/* Data may lie in the header's folder or below it, nowhere else. */
-static bool stays_below(const char* relative) {
+/* True for data files in the header's folder or below it; others are refused. */
+static bool is_inside_folder(const char* relative) {
     if (relative[0] == '/' || relative[0] == '\0') return false;
     for (const char* part = relative; part != NULL; part = strchr(part, '/')) {
         part += *part == '/';
@@ -38,7 +38,7 @@ static bool stays_below(const char* relative) {
 static ty_result open_data(const source* file, const ty_nrrd* nrrd, char** path, source* data) {
     if (strncmp(nrrd->data_file, "LIST", 4) == 0 || strchr(nrrd->data_file, '%') != NULL)
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: data in more than one file cannot be read", file->path);
-    if (!stays_below(nrrd->data_file))
+    if (!is_inside_folder(nrrd->data_file))
         return ty_fail(file->context, TY_ERROR_INPUT,
                        "%s: the data file %s is not in the folder of the header or below", file->path, nrrd->data_file);
     char* folder = ty_folder_of(file->context, file->path);
@@ -79,15 +79,15 @@ static uInt at_most(size_t size) {
     return size > UINT32_MAX ? UINT32_MAX : (uInt)size;
 }
 
-/* Fills to with what one or several gzip (or zlib) streams hold; *got is how much that was, and the result whether the
- * streams were whole and held no more. */
+/* Decompresses one or several gzip (or zlib) streams to `to`; *got is their total size. Returns true if all streams
+ * are complete and fit. */
 static bool inflate_all(const uint8_t* from, size_t from_size, uint8_t* to, size_t to_size, size_t* got) {
     enum { WINDOW_DETECT = 15 + 32 };
     z_stream z = {0};
     if (inflateInit2(&z, WINDOW_DETECT) != Z_OK) return false;
     size_t in = 0;
     int status = Z_OK;
-    uint8_t beyond; /* where a byte too many would go */
+    uint8_t beyond; /* target of one byte beyond the limit */
     *got = 0;
     while (status == Z_OK) {
         const uInt in_part = at_most(from_size - in), out_part = *got < to_size ? at_most(to_size - *got) : 1;
@@ -107,7 +107,7 @@ static bool inflate_all(const uint8_t* from, size_t from_size, uint8_t* to, size
 
 static ty_result read_gzip(source* s, const ty_nrrd* nrrd, size_t size, ty_samples* samples, const ty_grid_def* def,
                            ty_grid** out) {
-    enum { RATIO_MAX = 1032 }; /* of deflate */
+    enum { RATIO_MAX = 1032 }; /* maximum compression ratio of deflate */
     const size_t packed = s->size - s->at;
     if ((uint64_t)nrrd->byte_skip > SIZE_MAX / 2 || size + (size_t)nrrd->byte_skip > packed * RATIO_MAX)
         return wrong_size(s, nrrd, false, packed);

@@ -1,4 +1,4 @@
-/* NRRD files in two parts: nrrd_header.c reads what the header says, nrrd.c the voxels. */
+/* NRRD files in two parts: nrrd_header.c parses the header, nrrd.c reads the voxels. */
 #ifndef TY_IO_NRRD_H
 #define TY_IO_NRRD_H
 
@@ -12,14 +12,14 @@ typedef struct ty_nrrd {
     bool big_endian;
     int32_t size[3], components;
     size_t voxels;
-    bool components_last; /* whether they are the slowest axis instead of the fastest */
+    bool components_last; /* true: components are the slowest axis, else the fastest */
     ty_affine index_to_local;
-    int64_t line_skip, byte_skip; /* byte_skip -1: as many as there are too many */
-    const char* data_file;        /* within the header's text; NULL: the data follows the header */
-    size_t data;                  /* where the header ends */
+    int64_t line_skip, byte_skip; /* byte_skip -1: all bytes before the samples at the end of the file */
+    const char* data_file;        /* in the header's text; NULL: the data follows the header */
+    size_t data;                  /* offset of the end of the header */
 } ty_nrrd;
 
-/* Reads the header at the start of bytes, which end with a zero at bytes[size] and are cut into lines meanwhile. */
+/* Parses the header at the start of bytes, which end with a zero at bytes[size] and are split into lines in place. */
 ty_result ty_nrrd_parse(ty_context* context, const char* path, uint8_t* bytes, size_t size, ty_nrrd* out);
 
 #endif

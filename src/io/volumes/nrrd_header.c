@@ -1,8 +1,8 @@
-/* Headers of NRRD files, versions 1 to 5. Fields are kept as text first and understood when all are there. */
+/* Headers of NRRD files, versions 1 to 5. Fields are collected as text and interpreted once all are present. */
 #include "io/volumes/nrrd.h"
 
 #include "base/context.h"
-#include "io/number.h"
+#include "base/number.h"
 #include "io/schema_text.h"
 #include "io/volumes/volume_file.h"
 
@@ -12,7 +12,7 @@
 
 enum { AXES_MAX = 4, COMPONENTS_GUESSED_MAX = 4, COMPONENTS_MAX = 65536 };
 
-/* The fields that matter; FIELD_IGNORED stands for all others that a header may have. */
+/* Fields that are read; FIELD_IGNORED stands for all other valid fields. */
 typedef enum field {
     FIELD_DIMENSION,
     FIELD_TYPE,
@@ -138,17 +138,17 @@ typedef struct header {
 } header;
 
 static ty_result fail_line(const header* h, const char* line, const char* matter) {
-    char shown[80] = "";
-    ty_append_quoted(shown, sizeof shown, line);
-    return ty_fail(h->context, TY_ERROR_INPUT, "%s: NRRD header: %s %s", h->path, shown, matter);
+    char quoted[80] = "";
+    ty_append_quoted(quoted, sizeof quoted, line);
+    return ty_fail(h->context, TY_ERROR_INPUT, "%s: NRRD header: %s %s", h->path, quoted, matter);
 }
 
 static ty_result fail_field(const header* h, field which, const char* matter) {
     int name = 0;
     while (field_names[name].field != which) ++name;
-    char shown[80] = "";
-    ty_append_quoted(shown, sizeof shown, h->fields[which]);
-    return ty_fail(h->context, TY_ERROR_INPUT, "%s: NRRD field %s: %s %s", h->path, field_names[name].name, shown,
+    char quoted[80] = "";
+    ty_append_quoted(quoted, sizeof quoted, h->fields[which]);
+    return ty_fail(h->context, TY_ERROR_INPUT, "%s: NRRD field %s: %s %s", h->path, field_names[name].name, quoted,
                    matter);
 }
 
@@ -156,8 +156,8 @@ static const char* skip_blanks(const char* text) {
     return text + strspn(text, " \t");
 }
 
-/* "name: value"; comments and "key:=value" are passed over. */
-static ty_result keep_line(header* h, char* line) {
+/* Stores a "name: value" line; comments and "key:=value" are skipped. */
+static ty_result store_line(header* h, char* line) {
     char* colon = strchr(line, ':');
     if (line[0] == '#') return TY_OK;
     if (colon == NULL) return fail_line(h, line, "is not a field");
@@ -173,7 +173,7 @@ static ty_result keep_line(header* h, char* line) {
     return TY_OK;
 }
 
-/* Cuts the header into lines up to an empty one or the end; *data is what follows. */
+/* Splits the header into lines up to an empty one or the end; *data is the rest. */
 static ty_result split_lines(header* h, uint8_t* bytes, size_t size, size_t* data) {
     size_t at = 0;
     for (int number = 0; at < size; ++number) {
@@ -184,7 +184,7 @@ static ty_result split_lines(header* h, uint8_t* bytes, size_t size, size_t* dat
         while (end > line && memchr("\r \t", end[-1], 3) != NULL) --end;
         *end = '\0';
         if (number > 0 && line[0] == '\0') break;
-        const ty_result result = number > 0 ? keep_line(h, line) : TY_OK;
+        const ty_result result = number > 0 ? store_line(h, line) : TY_OK;
         if (result != TY_OK) return result;
     }
     *data = at;
@@ -234,11 +234,11 @@ static ty_result read_encoding(const header* h, ty_nrrd* out) {
     return fail_field(h, FIELD_ENDIAN, "is neither little nor big");
 }
 
-static ty_result read_skip(const header* h, field which, int64_t least, int64_t* out) {
+static ty_result read_skip(const header* h, field which, int64_t min_value, int64_t* out) {
     if (h->fields[which] == NULL) return TY_OK;
     const char* end;
     *out = ty_parse_integer(h->fields[which], &end);
-    if (end == h->fields[which] || *end != '\0' || *out < least)
+    if (end == h->fields[which] || *end != '\0' || *out < min_value)
         return fail_field(h, which, "is not a number of lines or bytes to skip");
     return TY_OK;
 }
@@ -260,7 +260,7 @@ static ty_result read_axes(header* h) {
     return TY_OK;
 }
 
-/* The next word of *text, up to a blank. */
+/* Length of the next word of *text, up to a blank. */
 static size_t next_word(const char** text) {
     *text = skip_blanks(*text);
     return strcspn(*text, " \t");
@@ -277,8 +277,8 @@ static bool is_component_kind(const char* text, size_t length) {
     return length > 0;
 }
 
-/* Which of four axes holds the components: the only one that kinds say so of, else the first or the last if it is
- * short; -1 if that is not clear. */
+/* Component axis of four: the only one so declared by kinds, else the first or the last if it is short; -1 if
+ * ambiguous. */
 static int find_component_axis(const header* h) {
     int found = -1, count = 0;
     const char* kinds = h->fields[FIELD_KINDS];
@@ -312,7 +312,7 @@ static ty_result choose_axes(header* h, ty_nrrd* out) {
     return result;
 }
 
-/* "(x, y, z)"; false when it is anything else. */
+/* Parses "(x, y, z)"; false for other text. */
 static bool read_vector(const char** text, double vector[3]) {
     const char* at = skip_blanks(*text);
     if (*at != '(') return false;

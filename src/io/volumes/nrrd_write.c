@@ -31,7 +31,7 @@ static void write_header(FILE* stream, const ty_grid_info* info, bool gzip) {
             __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? "big" : "little", gzip ? "gzip" : "raw", origin);
 }
 
-/* What the voxels go through: the stream itself, or deflate before it. */
+/* Output of the voxels: the stream itself, or deflate before it. */
 typedef struct sink {
     FILE* stream;
     bool gzip;
@@ -64,7 +64,7 @@ static ty_result write_voxels(ty_context* context, const ty_grid* grid, const ty
             good = put(s, row, nx * sizeof *row, k == info->size[2] - 1 && j == info->size[1] - 1);
         }
     ty_free_array(context, row, nx, sizeof *row);
-    return TY_OK; /* what could not be written is the stream's error, which the commit finds */
+    return TY_OK; /* write errors set the stream's error flag, which the commit checks */
 }
 
 static ty_result write_content(ty_context* context, const ty_grid* grid, bool gzip, FILE* stream, const char* path) {
@@ -84,12 +84,12 @@ static ty_result write_content(ty_context* context, const ty_grid* grid, bool gz
     return result;
 }
 
-ty_result ty_nrrd_write(ty_context* context, const ty_grid* grid, bool gzip, const char* path) {
+ty_result ty_nrrd_write(ty_context* context, const ty_grid* grid, ty_nrrd_codec codec, const char* path) {
     if (grid == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_nrrd_write: the grid is NULL");
     ty_output output;
     ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    result = write_content(context, grid, gzip, output.stream, path);
+    result = write_content(context, grid, codec == TY_NRRD_CODEC_GZIP, output.stream, path);
     if (result == TY_OK) return ty_output_commit(context, &output);
     ty_output_discard(context, &output);
     return result;

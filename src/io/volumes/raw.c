@@ -1,4 +1,4 @@
-/* Volumes without any header. */
+/* Raw volumes without a header. */
 #include "io/volumes/samples.h"
 #include "io/volumes/volume_file.h"
 
@@ -25,7 +25,7 @@ static ty_result check_spacing(ty_context* context, const ty_volume_def* def, ty
     return TY_OK;
 }
 
-/* Where the samples begin in a file of size bytes. */
+/* Offset of the samples in a file of `size` bytes. */
 static ty_result find_start(ty_context* context, const char* path, const ty_volume_def* def, size_t size, size_t needed,
                             size_t* start) {
     const size_t extra = size > needed ? size - needed : 0;

@@ -1,4 +1,4 @@
-/* Voxels as raw bytes. */
+/* Conversion of raw voxel samples. */
 #include "io/volumes/samples.h"
 
 #include "base/context.h"
@@ -35,7 +35,7 @@ ty_grid_type ty_sample_grid_type(ty_sample_type type) {
     return type == TY_SAMPLE_HALF || type == TY_SAMPLE_INT8 || type == TY_SAMPLE_UINT8 ? TY_GRID_F16 : TY_GRID_F32;
 }
 
-/* The unsigned number of 1, 2, 4 or 8 bytes at from. */
+/* Loads an unsigned number of 1, 2, 4 or 8 bytes. */
 static uint64_t load(const uint8_t* from, size_t size, bool swap) {
     uint64_t bits = 0;
     if (size == 1) return *from;
@@ -57,13 +57,13 @@ static float float_of(uint64_t bits) {
     return ty_float_from_bits((uint32_t)bits);
 }
 
-static float narrowed(uint64_t bits) {
+static float double_to_float(uint64_t bits) {
     double value;
     memcpy(&value, &bits, sizeof value);
     return (float)value;
 }
 
-/* A row of voxels, step bytes apart: each is loaded and turned into a value by an expression of its bits. */
+/* Converts a row of voxels `step` bytes apart by an expression of their bits. */
 #define TY_CONVERT_ROW(size, output, expression)                                                                       \
     for (size_t i = 0; i < count; ++i) {                                                                               \
         const uint64_t bits = load(from + step * i, size, swap);                                                       \
@@ -83,7 +83,7 @@ static void convert_row(ty_sample_type type, bool swap, const uint8_t* from, siz
     case TY_SAMPLE_UINT64: TY_CONVERT_ROW(8, float, (float)bits);
     case TY_SAMPLE_HALF: TY_CONVERT_ROW(2, uint16_t, (uint16_t)bits);
     case TY_SAMPLE_FLOAT: TY_CONVERT_ROW(4, float, float_of(bits));
-    case TY_SAMPLE_DOUBLE: TY_CONVERT_ROW(8, float, narrowed(bits));
+    case TY_SAMPLE_DOUBLE: TY_CONVERT_ROW(8, float, double_to_float(bits));
     case TY_SAMPLE_TYPES: break;
     }
 }

@@ -1,4 +1,4 @@
-/* Voxels as raw bytes: of ten types, in either byte order, one component among several. */
+/* Raw voxel samples: ten types, either byte order, one of several components. */
 #ifndef TY_IO_SAMPLES_H
 #define TY_IO_SAMPLES_H
 
@@ -23,17 +23,17 @@ typedef enum ty_sample_type {
 ty_sample_type ty_sample_type_of(const char* name);
 const char* ty_sample_name(ty_sample_type type);
 size_t ty_sample_size(ty_sample_type type);
-/* What a grid of such samples is: half for half, int8 and uint8, which it holds exactly, else float. */
+/* Grid type that represents the samples exactly: half for half, int8 and uint8, else float. */
 ty_grid_type ty_sample_grid_type(ty_sample_type type);
 
 typedef struct ty_samples {
     const uint8_t* bytes;
     ty_sample_type type;
     bool big_endian;
-    size_t first, step; /* in samples: where the component begins, and from voxel to voxel */
+    size_t first, step; /* in samples: offset of the component, and stride between voxels */
 } ty_samples;
 
-/* A grid of def->size such voxels, x fastest, of ty_sample_grid_type; placed as def says. */
+/* Creates a grid of def->size voxels, x fastest, of ty_sample_grid_type, placed by def. */
 ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out);
 
 #endif

@@ -1,4 +1,4 @@
-/* Sparse trees made dense. */
+/* Conversion of sparse trees to dense grids. */
 #include "io/volumes/sparse.h"
 
 #include "base/context.h"
@@ -49,8 +49,8 @@ static int compare_origins(const void* a, const void* b) {
     return memcmp(a, b, sizeof(int32_t[3]));
 }
 
-/* Whether no two of the root's entries are for the same place. */
-static bool roots_differ(const ty_sparse* sparse) {
+/* True if all root entries have different origins. */
+static bool roots_are_unique(const ty_sparse* sparse) {
     if (sparse->root_count == 0) return true;
     qsort(sparse->roots, sparse->root_count, sizeof *sparse->roots, compare_origins);
     for (size_t i = 1; i < sparse->root_count; ++i)
@@ -68,7 +68,7 @@ bool ty_sparse_add_tile(ty_sparse* sparse, const int32_t origin[3], int32_t side
     return add_cell(sparse, &cell);
 }
 
-/* The lowest and highest bit that is set among the lowest 8. */
+/* Extends the active range along an axis by the lowest and highest set bit of 8. */
 static void include_bits(ty_sparse* sparse, int axis, int32_t origin, unsigned bits) {
     include(sparse, axis, origin + __builtin_ctz(bits), origin + (31 - __builtin_clz(bits)));
 }
@@ -87,14 +87,14 @@ bool ty_sparse_add_leaf(ty_sparse* sparse, const int32_t origin[3], const uint8_
     return add_cell(sparse, &cell);
 }
 
-/* Work for ty_parallel_for: slices get their background, then groups of cells their values. */
+/* Job of ty_parallel_for: slices get the background, then groups of cells their values. */
 typedef struct fill_job {
     const ty_sparse* sparse;
     ty_sparse_decode decode;
     const void* user;
     const int32_t *lower, *size; /* of the dense box */
     void* values;
-    _Atomic bool damaged;
+    _Atomic bool fail_corrupt;
 } fill_job;
 
 static void fill_values(const fill_job* job, size_t at, size_t count, float value) {
@@ -115,7 +115,7 @@ static void fill_slice(void* user, int64_t k, int32_t worker) {
     fill_values(job, voxels * (size_t)k, voxels, job->sparse->background);
 }
 
-/* The part of a cell inside the dense box, in voxels of the box: [first, last). */
+/* Intersection of a cell with the dense box, in voxels of the box: [first, last). */
 static bool clip_cell(const fill_job* job, const ty_sparse_cell* cell, int64_t first[3], int64_t last[3]) {
     for (int a = 0; a < 3; ++a) {
         const int64_t start = (int64_t)cell->origin[a] - job->lower[a], end = start + cell->side;
@@ -159,7 +159,7 @@ static void fill_cell(fill_job* job, const ty_sparse_cell* cell) {
     if (job->decode(job->user, cell->leaf, leaf))
         copy_leaf(job, cell, leaf, first, last);
     else
-        atomic_store(&job->damaged, true);
+        atomic_store(&job->fail_corrupt, true);
 }
 
 static void fill_cells(void* user, int64_t task, int32_t worker) {
@@ -170,11 +170,11 @@ static void fill_cells(void* user, int64_t task, int32_t worker) {
         fill_cell(job, &job->sparse->cells[i]);
 }
 
-static ty_result damaged(const ty_sparse* sparse) {
+static ty_result fail_corrupt(const ty_sparse* sparse) {
     return ty_fail(sparse->context, TY_ERROR_INPUT, "%s: damaged or cut short (%s)", sparse->path, sparse->name);
 }
 
-/* Everything but the values: the active box and where it lies. */
+/* Sets the dense grid's def without its values: the active box and its transform. */
 static ty_result describe_grid(const ty_sparse* sparse, const ty_affine* index_to_world, ty_grid_def* def,
                                int32_t lower[3], size_t* voxels) {
     const bool empty = sparse->active == 0;
@@ -205,7 +205,7 @@ ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, 
     ty_grid_def def;
     int32_t lower[3];
     size_t voxels = 0;
-    if (!roots_differ(sparse)) return damaged(sparse);
+    if (!roots_are_unique(sparse)) return fail_corrupt(sparse);
     const ty_result result = describe_grid(sparse, index_to_world, &def, lower, &voxels);
     if (result != TY_OK) return result;
     const size_t value_size = ty_grid_value_size(sparse->type);
@@ -216,10 +216,10 @@ ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, 
                     .size = def.size,
                     .values = ty_alloc_array(context, voxels, value_size, false)};
     if (job.values == NULL) return TY_ERROR_MEMORY;
-    atomic_init(&job.damaged, false);
+    atomic_init(&job.fail_corrupt, false);
     ty_parallel_for(context, def.size[2], fill_slice, &job);
     ty_parallel_for(context, (int64_t)((sparse->count + CELLS_A_TASK - 1) / CELLS_A_TASK), fill_cells, &job);
-    if (!atomic_load(&job.damaged)) return ty_grid_adopt(context, &def, job.values, out);
+    if (!atomic_load(&job.fail_corrupt)) return ty_grid_adopt(context, &def, job.values, out);
     ty_free_array(context, job.values, voxels, value_size);
-    return damaged(sparse);
+    return fail_corrupt(sparse);
 }

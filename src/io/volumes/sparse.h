@@ -1,4 +1,4 @@
-/* Sparse trees as OpenVDB and NanoVDB hold them, leaves of 8^3 voxels and larger tiles of one value, made dense. */
+/* Sparse trees of OpenVDB and NanoVDB, leaves of 8^3 voxels and larger constant tiles, converted to dense grids. */
 #ifndef TY_IO_SPARSE_H
 #define TY_IO_SPARSE_H
 
@@ -7,8 +7,8 @@
 enum {
     TY_LEAF_SIDE = 8,
     TY_LEAF_VOXELS = 512,
-    TY_LOWER_SIDE = 128,  /* of what a lower inner node spans: 16^3 leaves */
-    TY_UPPER_SIDE = 4096, /* of what an upper inner node spans: 32^3 lower nodes */
+    TY_LOWER_SIDE = 128,  /* side of a lower inner node: 16^3 leaves */
+    TY_UPPER_SIDE = 4096, /* side of an upper inner node: 32^3 lower nodes */
 };
 
 #define TY_SPARSE_TILE UINT64_MAX
@@ -17,37 +17,38 @@ enum {
 typedef struct ty_sparse_cell {
     int32_t origin[3], side;
     float value;
-    uint64_t leaf; /* what its reader knows a leaf by; TY_SPARSE_TILE: a tile */
+    uint64_t leaf; /* the reader's id of a leaf; TY_SPARSE_TILE: a tile */
 } ty_sparse_cell;
 
-/* No two cells may share a voxel; where there is no cell there is background. */
+/* Cells must not overlap; voxels without a cell have the background value. */
 typedef struct ty_sparse {
     ty_context* context;
     const char *path, *name; /* of the file and the grid, for messages */
     ty_grid_type type;
     float background;
-    int64_t active;             /* voxels */
-    int32_t lower[3], upper[3]; /* box of active voxels, inclusive; lower > upper while there are none */
+    int64_t active;             /* active voxels */
+    int32_t lower[3], upper[3]; /* box of active voxels, inclusive; lower > upper if there are none */
     ty_sparse_cell* cells;
     size_t count, capacity;
-    int32_t (*roots)[3]; /* origins of what the root holds */
+    int32_t (*roots)[3]; /* origins of the root's entries */
     size_t root_count, root_capacity;
 } ty_sparse;
 
 ty_sparse ty_sparse_begin(ty_context* context, const char* path, const char* name);
 void ty_sparse_end(ty_sparse* sparse);
-/* All are false, with a message, when memory is short. The origin of each of the root's entries, a multiple of
- * TY_UPPER_SIDE, is told, so that the same one twice is found. A leaf's mask has 64 bytes: bit 64 x + 8 y + z of a
- * little-endian number says whether voxel (x, y, z) is active. */
+/* All return false, with a message, if memory runs out. Root entries are added with their origin, a multiple of
+ * TY_UPPER_SIDE, so that duplicates are detected. A leaf's mask has 64 bytes: bit 64 x + 8 y + z of a little-endian
+ * number is the state of voxel (x, y, z). */
 bool ty_sparse_add_root(ty_sparse* sparse, const int32_t origin[3]);
 bool ty_sparse_add_tile(ty_sparse* sparse, const int32_t origin[3], int32_t side, bool active, float value);
 bool ty_sparse_add_leaf(ty_sparse* sparse, const int32_t origin[3], const uint8_t* mask, uint64_t leaf);
 
-/* Writes the 512 values of a leaf, the one of voxel (x, y, z) at 64 x + 8 y + z, floats or halves as sparse->type
- * says; false when they are damaged. Called from several threads. */
+/* Writes the 512 values of a leaf, voxel (x, y, z) at 64 x + 8 y + z, floats or halves by sparse->type; false if the
+ * data is corrupt. Called from several threads. */
 typedef bool (*ty_sparse_decode)(const void* user, uint64_t leaf, void* values);
 
-/* The grid dense over its active box, placed by index_to_world; an empty one gives one voxel of background at 0. */
+/* Creates the grid dense over its active box, placed by index_to_world; an empty grid gives one voxel of background
+ * at 0. */
 ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, const void* user,
                               const ty_affine* index_to_world, ty_grid** out);
 

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* "Tree_vec3s_5_4_3" -> "vec3s"; a float grid stored as half is "half". */
-static void show_type(const ty_vdb_grid* grid, char* text, size_t size) {
+static void format_type(const ty_vdb_grid* grid, char* text, size_t size) {
     const char* start = strncmp(grid->type, "Tree_", 5) == 0 ? grid->type + 5 : grid->type;
     if (grid->half && strcmp(start, "float_5_4_3") == 0) start = "half";
     snprintf(text, size, "%.*s", (int)strcspn(start, "_"), start);
@@ -22,14 +22,14 @@ static const ty_vdb_grid* find_grid(const ty_vdb_file* file, const char* name) {
     return NULL;
 }
 
-/* The grid whose tree is stored: the grid itself, or the one it is an instance of. */
+/* The grid that stores the tree: the grid itself, or the one that it is an instance of. */
 static const ty_vdb_grid* tree_owner(const ty_vdb_file* file, const ty_vdb_grid* grid) {
     if (grid->parent[0] == '\0') return grid;
     const ty_vdb_grid* parent = find_grid(file, grid->parent);
     return parent != NULL && parent->parent[0] == '\0' ? parent : NULL;
 }
 
-/* Statistics that the file does not state are taken from the tree; -1 voxels when that cannot be read. */
+/* Missing statistics are computed from the tree; -1 voxels if it cannot be read. */
 static ty_result complete_statistics(const ty_vdb_file* file, ty_vdb_grid* grid) {
     if (grid->has_statistics) return TY_OK;
     const ty_vdb_grid* owner = tree_owner(file, grid);
@@ -56,7 +56,7 @@ ty_result ty_vdb_list(ty_context* context, const char* path, ty_vdb_entry* entri
         result = complete_statistics(&file, grid);
         ty_vdb_entry entry = {.active_voxels = grid->active_voxels};
         memcpy(entry.name, grid->name, sizeof entry.name);
-        show_type(grid, entry.type, sizeof entry.type);
+        format_type(grid, entry.type, sizeof entry.type);
         memcpy(entry.lower, grid->lower, sizeof entry.lower);
         memcpy(entry.upper, grid->upper, sizeof entry.upper);
         if (grid->active_voxels == 0)
@@ -86,7 +86,7 @@ static ty_result find_readable(const ty_vdb_file* file, const char* name, const 
     *grid = find_grid(file, name);
     if (*grid == NULL) return missing_grid(file, name);
     char type[32];
-    show_type(*grid, type, sizeof type);
+    format_type(*grid, type, sizeof type);
     if (ty_vdb_value_of(*grid).bytes == 0)
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: grid \"%s\" is of type %s, not float, half, double or vec3s",
                        file->path, name, type);

@@ -1,11 +1,11 @@
-/* The only file that sees OpenVDB, which unpacks blosc and writes. Exceptions end here. */
+/* The only file that includes OpenVDB, for blosc decompression and writing. No exception leaves it. */
 #include "io/volumes/vdb.h"
 
 extern "C" {
 #include "base/context.h"
 }
 
-/* OpenVDB's templates keep static data that this library must share with libopenvdb: never hidden. */
+/* OpenVDB's templates have static data that must be shared with libopenvdb, so they keep default visibility. */
 #pragma GCC visibility push(default)
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int64_t leaf_side = 8;
 
-/* Runs body and turns whatever it throws into a message about path. */
+/* Runs body and converts any exception to a message about path. */
 template <typename Body>
 ty_result guarded(ty_context* context, const char* path, ty_result failure, Body body) {
     try {
@@ -37,7 +37,7 @@ ty_result guarded(ty_context* context, const char* path, ty_result failure, Body
     }
 }
 
-/* A stream over memory, which is not copied. */
+/* A stream over memory without a copy. */
 struct memory_buffer : std::streambuf {
     memory_buffer(const void* bytes, size_t size) {
         char* begin = const_cast<char*>(static_cast<const char*>(bytes));
@@ -45,14 +45,14 @@ struct memory_buffer : std::streambuf {
     }
 };
 
-/* An archive that writes to a stream of ours, so that failures are noticed. */
+/* An archive with a stream of ours, so that write errors are detected. */
 struct stream_archive : openvdb::io::Archive {
     void write_grid(std::ostream& stream, const openvdb::GridBase::Ptr& grid) const {
-        openvdb::io::Archive::write(stream, openvdb::GridPtrVec{grid}, /*seekable=*/true);
+        openvdb::io::Archive::write(stream, openvdb::GridPtrVec{grid}, /* seekable= */ true);
     }
 };
 
-/* A voxel is active where it differs from the background. */
+/* A voxel is active if it differs from the background. */
 void fill_tree(const ty_grid* grid, const ty_grid_info& info, openvdb::FloatTree& tree) {
     openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(tree);
     for (int32_t z = 0; z < info.size[2]; ++z)
@@ -77,7 +77,7 @@ openvdb::math::Transform::Ptr make_transform(const ty_affine& map) {
     return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
-} // namespace
+} /* namespace */
 
 bool ty_openvdb_unpack_blosc(const void* block, size_t size, void* to, size_t raw) {
     try {

@@ -1,5 +1,5 @@
-/* OpenVDB files in three parts: vdb_file.c reads the container (grids, statistics, transforms), vdb_tree.c reads trees,
- * checking every count and length in them, and vdb.cpp alone sees OpenVDB, which unpacks blosc and writes. */
+/* OpenVDB files in three parts: vdb_file.c reads the container (grids, statistics, transforms), vdb_tree.c reads
+ * trees and validates every count and length, and vdb.cpp contains OpenVDB, which decompresses blosc and writes. */
 #ifndef TY_IO_VDB_H
 #define TY_IO_VDB_H
 
@@ -14,17 +14,17 @@ extern "C" {
 enum { TY_VDB_NAME_SIZE = 128 };
 
 typedef struct ty_vdb_grid {
-    char name[TY_VDB_NAME_SIZE];   /* "density", or "density[1]" for the second of two alike */
+    char name[TY_VDB_NAME_SIZE];   /* "density", or "density[1]" for the second grid of that name */
     char type[TY_VDB_NAME_SIZE];   /* "Tree_float_5_4_3" */
-    char parent[TY_VDB_NAME_SIZE]; /* the grid whose tree this one shares, or "" */
+    char parent[TY_VDB_NAME_SIZE]; /* grid that owns the shared tree, or "" */
     bool half;
     uint32_t compression;
-    bool has_statistics; /* whether the next three are known */
+    bool has_statistics; /* true if the next three are known */
     int64_t active_voxels;
     int32_t lower[3], upper[3];
-    bool affine; /* whether index_to_world is known; frustum maps are not affine */
+    bool affine; /* true if index_to_world is known; frustum maps are not affine */
     ty_affine index_to_world;
-    uint64_t tree, end; /* where the tree begins and the grid ends; tree is 0 when the map is not affine */
+    uint64_t tree, end; /* file offsets of the tree and of the grid's end; tree is 0 if the map is not affine */
 } ty_vdb_grid;
 
 typedef struct ty_vdb_file {
@@ -37,29 +37,29 @@ typedef struct ty_vdb_file {
     size_t count, capacity;
 } ty_vdb_file;
 
-/* Reads what the file holds, without any tree. */
+/* Reads the container without any tree. */
 ty_result ty_vdb_open(ty_context* context, const char* path, ty_vdb_file* file);
 void ty_vdb_close(ty_vdb_file* file);
-/* The bytes of a grid's tree, from ty_alloc_array. */
+/* Reads the bytes of a grid's tree, from ty_alloc_array. */
 ty_result ty_vdb_load(const ty_vdb_file* file, const ty_vdb_grid* grid, uint8_t** bytes, size_t* size);
 ty_result ty_vdb_damaged(const ty_vdb_file* file, const char* what);
 
-/* What one value of a tree is; bytes is 0 for trees that cannot be read. */
+/* Value type of a tree; bytes is 0 for unsupported ones. */
 typedef struct ty_vdb_value {
     uint32_t bytes;     /* of a component: 4 or 8 */
     int32_t components; /* 1, or 3 for vectors */
 } ty_vdb_value;
 
 ty_vdb_value ty_vdb_value_of(const ty_vdb_grid* grid);
-/* Fills in a grid's statistics from the topology of a tree. */
+/* Computes a grid's statistics from the topology of a tree. */
 ty_result ty_vdb_measure(const ty_vdb_file* file, const ty_vdb_grid* owner, ty_vdb_grid* grid);
-/* One component of a tree, dense over its active box. */
+/* Reads one component of a tree, dense over its active box. */
 ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, int32_t component,
                            const ty_affine* index_to_world, ty_grid** out);
 
-/* OpenVDB's part. Whether a blosc block of size bytes, its byte count among them, unpacks to raw bytes. */
+/* OpenVDB's part. True if a blosc block of `size` bytes, its byte count included, decompresses to `raw` bytes. */
 bool ty_openvdb_unpack_blosc(const void* block, size_t size, void* to, size_t raw);
-/* Writes to the file named temporary, which exists; path is for messages. */
+/* Writes to the existing file `temporary`; path is for messages. */
 ty_result ty_openvdb_write(ty_context* context, const ty_grid* grid, const char* name, const char* codec,
                            const char* path, const char* temporary);
 

@@ -1,5 +1,5 @@
-/* The trees of OpenVDB files, formats 222 to 224. A tree is its topology (the root's entries, and inner nodes with
- * their masks and values down to the leaves' masks), then the leaves' values in the same order. */
+/* Trees of OpenVDB files, formats 222 to 224. A tree is its topology (the root's entries, and inner nodes with their
+ * masks and values down to the leaves' masks), then the leaves' values in the same order. */
 #include "io/volumes/vdb.h"
 
 #include "base/context.h"
@@ -10,7 +10,7 @@
 
 enum {
     NODE_SLOTS_MAX = 32768,
-    VALUE_SIZE_MAX = 12, /* of three floats */
+    VALUE_SIZE_MAX = 12, /* three floats */
     BLOSC_HEAD = 16,
     COMPRESS_ZIP = 1,
     COMPRESS_MASK = 2,
@@ -24,23 +24,23 @@ typedef struct tree {
     uint32_t compression;
     bool half;
     ty_vdb_value value;
-    size_t value_size, stored_size; /* bytes of a value on its own, and of one among a node's values */
+    size_t value_size, stored_size; /* bytes of a single value, and of one in a node's block */
     int32_t component;
     float background;
 } tree;
 
-/* A position in a tree. The first read past the end, or of something impossible, sets bad; all later ones fail. */
-typedef struct walk {
+/* A position in a tree. The first read past the end, or of an invalid value, sets `bad`, and all later reads fail. */
+typedef struct tree_cursor {
     const tree* tree;
     ty_sparse* sparse;
     size_t at;
     bool bad, no_memory;
     uint64_t leaves;
-    uint8_t* unpacked; /* room for the values of any node */
-    float* values;     /* likewise */
-} walk;
+    uint8_t* unpacked; /* scratch for the values of any node */
+    float* values;     /* the same as floats */
+} tree_cursor;
 
-static const uint8_t* take(walk* w, size_t size) {
+static const uint8_t* read_bytes(tree_cursor* w, size_t size) {
     if (w->bad || size > w->tree->size - w->at) {
         w->bad = true;
         return NULL;
@@ -50,9 +50,9 @@ static const uint8_t* take(walk* w, size_t size) {
     return found;
 }
 
-static uint32_t take_u32(walk* w) {
+static uint32_t read_u32(tree_cursor* w) {
     uint32_t value = 0;
-    const uint8_t* found = take(w, sizeof value);
+    const uint8_t* found = read_bytes(w, sizeof value);
     if (found != NULL) memcpy(&value, found, sizeof value);
     return value;
 }
@@ -73,22 +73,22 @@ static float component_of(const tree* t, const uint8_t* value, size_t bytes) {
     return number;
 }
 
-/* The values of a node as they are stored. */
+/* Stored values of a node. */
 typedef struct node_values {
-    const uint8_t* active; /* a bit per slot */
-    const uint8_t* choice; /* a bit per slot: which of the two inactive values it has; NULL: the first */
+    const uint8_t* active; /* one bit per slot */
+    const uint8_t* choice; /* one bit per slot that selects one of two inactive values; NULL: the first */
     float inactive[2];
-    bool sparse; /* only active slots' values are stored */
+    bool sparse; /* true if only active slots' values are stored */
     const uint8_t* stored;
-    size_t stored_count, packed_size; /* packed_size 0: stored plainly */
+    size_t stored_count, packed_size; /* packed_size 0: uncompressed */
 } node_values;
 
-/* What a codec at most makes of raw bytes. */
+/* Upper bound of a codec's output for raw bytes. */
 static size_t packed_size_max(size_t raw) {
     return raw + raw / 256 + 64;
 }
 
-/* Blosc believes its own header (flags, raw size, block size, compressed size), so that must be right. */
+/* Blosc trusts its own header (flags, raw size, block size, compressed size), so these are validated here. */
 static bool check_blosc(const uint8_t* packed, size_t size, size_t raw) {
     uint32_t head[4];
     if (size < BLOSC_HEAD) return false;
@@ -96,26 +96,27 @@ static bool check_blosc(const uint8_t* packed, size_t size, size_t raw) {
     return head[1] == raw && head[2] != 0 && head[3] == size;
 }
 
-/* The values as one block: plain, or a byte count (negative for stored, positive for compressed) and the bytes. */
-static bool take_block(walk* w, node_values* values) {
+/* Reads the values as one block: plain, or a byte count (negative: uncompressed, positive: compressed) and the
+ * bytes. */
+static bool read_block(tree_cursor* w, node_values* values) {
     const tree* t = w->tree;
     const size_t raw = values->stored_count * t->stored_size;
     values->stored = t->bytes;
-    if (t->half && values->stored_count == 0) return true; /* not even an empty block is there */
+    if (t->half && values->stored_count == 0) return true; /* an empty block is omitted */
     int64_t stored = -(int64_t)raw;
     if ((t->compression & (COMPRESS_BLOSC | COMPRESS_ZIP)) != 0) {
-        const uint8_t* count = take(w, sizeof stored);
+        const uint8_t* count = read_bytes(w, sizeof stored);
         if (count == NULL) return false;
         memcpy(&stored, count, sizeof stored);
     }
     if (stored <= 0) {
         if (stored != -(int64_t)raw) w->bad = true;
-        values->stored = take(w, raw);
+        values->stored = read_bytes(w, raw);
         return values->stored != NULL;
     }
     if ((uint64_t)stored > packed_size_max(raw)) w->bad = true;
     values->packed_size = (size_t)stored;
-    values->stored = take(w, (size_t)stored);
+    values->stored = read_bytes(w, (size_t)stored);
     if (values->stored != NULL && (t->compression & COMPRESS_BLOSC) != 0 &&
         !check_blosc(values->stored, values->packed_size, raw))
         w->bad = true;
@@ -136,12 +137,12 @@ static bool bit(const uint8_t* mask, size_t index) {
     return (mask[index / 8] >> index % 8 & 1) != 0;
 }
 
-/* The values of a node with slots places: how inactive values are coded (0..6), up to two of those values, a mask that
- * selects between them, then the block. */
-static bool take_values(walk* w, size_t slots, const uint8_t* active, node_values* values) {
+/* Reads the values of a node with `slots` slots: the encoding of inactive values (0..6), up to two such values, a
+ * selection mask, then the block. */
+static bool read_values(tree_cursor* w, size_t slots, const uint8_t* active, node_values* values) {
     const tree* t = w->tree;
     *values = (node_values){.active = active};
-    const uint8_t* coding = take(w, 1);
+    const uint8_t* coding = read_bytes(w, 1);
     if (coding == NULL || *coding > 6) {
         w->bad = true;
         return false;
@@ -150,14 +151,14 @@ static bool take_values(walk* w, size_t slots, const uint8_t* active, node_value
     values->inactive[0] = *coding == 0 ? t->background : -t->background;
     const int given = *coding == 5 ? 2 : *coding == 2 || *coding == 4 ? 1 : 0;
     for (int i = 0; i < given; ++i) {
-        const uint8_t* value = take(w, t->value_size);
+        const uint8_t* value = read_bytes(w, t->value_size);
         if (value == NULL) return false;
         values->inactive[i] = component_of(t, value, t->value.bytes);
     }
-    if (*coding >= 3 && *coding <= 5) values->choice = take(w, slots / 8);
+    if (*coding >= 3 && *coding <= 5) values->choice = read_bytes(w, slots / 8);
     values->sparse = (t->compression & COMPRESS_MASK) != 0 && *coding != 6;
     values->stored_count = values->sparse ? count_bits(active, slots / 8) : slots;
-    return take_block(w, values);
+    return read_block(w, values);
 }
 
 static bool unpack(const tree* t, const node_values* values, uint8_t* to, const uint8_t** plain) {
@@ -186,7 +187,7 @@ static void expand(const tree* t, const node_values* values, const uint8_t* plai
     }
 }
 
-/* The same where the grid stays half. */
+/* The same for grids that stay half. */
 static void expand_halves(const tree* t, const node_values* values, const uint8_t* plain, size_t slots, uint16_t* to) {
     const uint16_t inactive[2] = {ty_float_to_half(values->inactive[0]), ty_float_to_half(values->inactive[1])};
     const uint8_t* from = plain + sizeof(uint16_t) * (size_t)t->component;
@@ -200,7 +201,7 @@ static void expand_halves(const tree* t, const node_values* values, const uint8_
     }
 }
 
-static bool keep(walk* w, bool added) {
+static bool check_added(tree_cursor* w, bool added) {
     if (!added) w->no_memory = w->bad = true;
     return added;
 }
@@ -211,20 +212,21 @@ static void offset_origin(const int32_t origin[3], size_t slot, unsigned log2, i
     for (int a = 0; a < 3; ++a) to[a] = origin[a] + (int32_t)index[a] * side;
 }
 
-static bool take_leaf(walk* w, const int32_t origin[3]) {
-    const uint8_t* mask = take(w, TY_LEAF_VOXELS / 8);
+static bool read_leaf(tree_cursor* w, const int32_t origin[3]) {
+    const uint8_t* mask = read_bytes(w, TY_LEAF_VOXELS / 8);
     ++w->leaves;
-    return mask != NULL && keep(w, ty_sparse_add_leaf(w->sparse, origin, mask, 0));
+    return mask != NULL && check_added(w, ty_sparse_add_leaf(w->sparse, origin, mask, 0));
 }
 
-/* An inner node with 2^(3 log2) slots that each span side: child and value masks, values, then the children in turn. */
-static bool take_node(walk* w, const int32_t origin[3], unsigned log2, int32_t side) {
+/* Reads an inner node with 2^(3 log2) slots of size `side`: child and value masks, values, then the children in
+ * order. */
+static bool read_node(tree_cursor* w, const int32_t origin[3], unsigned log2, int32_t side) {
     const size_t slots = (size_t)1 << 3 * log2;
-    const uint8_t* children = take(w, slots / 8);
-    const uint8_t* active = take(w, slots / 8);
+    const uint8_t* children = read_bytes(w, slots / 8);
+    const uint8_t* active = read_bytes(w, slots / 8);
     node_values values;
     const uint8_t* plain;
-    if (active == NULL || !take_values(w, slots, active, &values)) return false;
+    if (active == NULL || !read_values(w, slots, active, &values)) return false;
     if (!unpack(w->tree, &values, w->unpacked, &plain)) {
         w->bad = true;
         return false;
@@ -234,65 +236,65 @@ static bool take_node(walk* w, const int32_t origin[3], unsigned log2, int32_t s
     for (size_t i = 0; i < slots; ++i) {
         if (bit(children, i)) continue;
         offset_origin(origin, i, log2, side, at);
-        if (!keep(w, ty_sparse_add_tile(w->sparse, at, side, bit(active, i), w->values[i]))) return false;
+        if (!check_added(w, ty_sparse_add_tile(w->sparse, at, side, bit(active, i), w->values[i]))) return false;
     }
     for (size_t i = 0; i < slots; ++i) {
         if (!bit(children, i)) continue;
         offset_origin(origin, i, log2, side, at);
-        if (!(side == TY_LEAF_SIDE ? take_leaf(w, at) : take_node(w, at, log2 - 1, TY_LEAF_SIDE))) return false;
+        if (!(side == TY_LEAF_SIDE ? read_leaf(w, at) : read_node(w, at, log2 - 1, TY_LEAF_SIDE))) return false;
     }
     return true;
 }
 
-static bool take_origin(walk* w, int32_t origin[3]) {
-    const uint8_t* found = take(w, 3 * sizeof(int32_t));
+static bool read_origin(tree_cursor* w, int32_t origin[3]) {
+    const uint8_t* found = read_bytes(w, 3 * sizeof(int32_t));
     if (found == NULL) return false;
     memcpy(origin, found, 3 * sizeof(int32_t));
     for (int a = 0; a < 3; ++a)
         if (origin[a] % TY_UPPER_SIDE != 0) w->bad = true;
-    return !w->bad && keep(w, ty_sparse_add_root(w->sparse, origin));
+    return !w->bad && check_added(w, ty_sparse_add_root(w->sparse, origin));
 }
 
-static bool take_root(walk* w, tree* t) {
+static bool read_root(tree_cursor* w, tree* t) {
     enum { UPPER_LOG2 = 5 };
-    if (take_u32(w) != 1) w->bad = true; /* buffers */
-    const uint8_t* background = take(w, t->value_size);
+    if (read_u32(w) != 1) w->bad = true; /* number of buffers */
+    const uint8_t* background = read_bytes(w, t->value_size);
     if (background == NULL) return false;
     t->background = w->sparse->background = component_of(t, background, t->value.bytes);
-    const uint32_t tiles = take_u32(w), children = take_u32(w);
+    const uint32_t tiles = read_u32(w), children = read_u32(w);
     int32_t origin[3];
     for (uint32_t i = 0; i < tiles; ++i) {
-        const uint8_t* tile = take_origin(w, origin) ? take(w, t->value_size + 1) : NULL;
+        const uint8_t* tile = read_origin(w, origin) ? read_bytes(w, t->value_size + 1) : NULL;
         if (tile == NULL) return false;
         const uint8_t active = tile[t->value_size];
         if (active > 1) w->bad = true;
         const float value = component_of(t, tile, t->value.bytes);
-        if (!keep(w, ty_sparse_add_tile(w->sparse, origin, TY_UPPER_SIDE, active != 0, value))) return false;
+        if (!check_added(w, ty_sparse_add_tile(w->sparse, origin, TY_UPPER_SIDE, active != 0, value))) return false;
     }
     for (uint32_t i = 0; i < children; ++i)
-        if (!take_origin(w, origin) || !take_node(w, origin, UPPER_LOG2, TY_LOWER_SIDE)) return false;
+        if (!read_origin(w, origin) || !read_node(w, origin, UPPER_LOG2, TY_LOWER_SIDE)) return false;
     return !w->bad;
 }
 
-/* Finds where each leaf's values are: the leaves' cells come in the order of the file. */
-static void locate_leaves(walk* w) {
+/* Finds the offset of each leaf's values; leaves are in file order. */
+static void locate_leaves(tree_cursor* w) {
     for (size_t i = 0; i < w->sparse->count && !w->bad; ++i) {
         if (w->sparse->cells[i].leaf == TY_SPARSE_TILE) continue;
         w->sparse->cells[i].leaf = w->at;
-        const uint8_t* mask = take(w, TY_LEAF_VOXELS / 8);
+        const uint8_t* mask = read_bytes(w, TY_LEAF_VOXELS / 8);
         node_values values;
-        if (mask != NULL) take_values(w, TY_LEAF_VOXELS, mask, &values);
+        if (mask != NULL) read_values(w, TY_LEAF_VOXELS, mask, &values);
     }
 }
 
 static bool decode_leaf(const void* user, uint64_t leaf, void* to) {
     const tree* t = user;
-    walk w = {.tree = t, .at = (size_t)leaf};
+    tree_cursor w = {.tree = t, .at = (size_t)leaf};
     uint8_t unpacked[TY_LEAF_VOXELS * VALUE_SIZE_MAX];
     const uint8_t* plain;
     node_values values;
-    const uint8_t* mask = take(&w, TY_LEAF_VOXELS / 8);
-    if (mask == NULL || !take_values(&w, TY_LEAF_VOXELS, mask, &values) || !unpack(t, &values, unpacked, &plain))
+    const uint8_t* mask = read_bytes(&w, TY_LEAF_VOXELS / 8);
+    if (mask == NULL || !read_values(&w, TY_LEAF_VOXELS, mask, &values) || !unpack(t, &values, unpacked, &plain))
         return false;
     if (t->half && t->value.bytes == sizeof(float))
         expand_halves(t, &values, plain, TY_LEAF_VOXELS, to);
@@ -319,14 +321,15 @@ static tree describe(const ty_vdb_grid* owner, int32_t component) {
                   .component = component};
 }
 
-/* Walks a tree that is in memory: the topology and, if wanted, to the leaves' values. */
-static ty_result walk_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, tree* t, bool leaves, ty_sparse* sparse) {
-    walk w = {.tree = t,
-              .sparse = sparse,
-              .unpacked = ty_alloc_array(file->context, NODE_SLOTS_MAX, VALUE_SIZE_MAX, false),
-              .values = ty_alloc_array(file->context, NODE_SLOTS_MAX, sizeof(float), false)};
+/* Reads a tree in memory: the topology and, if wanted, the offsets of the leaves' values. */
+static ty_result read_topology(const ty_vdb_file* file, const ty_vdb_grid* owner, tree* t, bool leaves,
+                               ty_sparse* sparse) {
+    tree_cursor w = {.tree = t,
+                     .sparse = sparse,
+                     .unpacked = ty_alloc_array(file->context, NODE_SLOTS_MAX, VALUE_SIZE_MAX, false),
+                     .values = ty_alloc_array(file->context, NODE_SLOTS_MAX, sizeof(float), false)};
     const bool allocated = w.unpacked != NULL && w.values != NULL;
-    if (allocated && take_root(&w, t) && leaves) locate_leaves(&w);
+    if (allocated && read_root(&w, t) && leaves) locate_leaves(&w);
     ty_free_array(file->context, w.unpacked, NODE_SLOTS_MAX, VALUE_SIZE_MAX);
     ty_free_array(file->context, w.values, NODE_SLOTS_MAX, sizeof(float));
     if (!allocated || w.no_memory) return TY_ERROR_MEMORY;
@@ -340,7 +343,7 @@ ty_result ty_vdb_measure(const ty_vdb_file* file, const ty_vdb_grid* owner, ty_v
     if (result != TY_OK) return result;
     t.bytes = bytes;
     ty_sparse sparse = ty_sparse_begin(file->context, file->path, owner->name);
-    result = walk_tree(file, owner, &t, false, &sparse);
+    result = read_topology(file, owner, &t, false, &sparse);
     grid->active_voxels = sparse.active;
     memcpy(grid->lower, sparse.lower, sizeof grid->lower);
     memcpy(grid->upper, sparse.upper, sizeof grid->upper);
@@ -358,7 +361,7 @@ ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, in
     t.bytes = bytes;
     ty_sparse sparse = ty_sparse_begin(file->context, file->path, owner->name);
     sparse.type = t.half && t.value.bytes == sizeof(float) ? TY_GRID_F16 : TY_GRID_F32;
-    result = walk_tree(file, owner, &t, true, &sparse);
+    result = read_topology(file, owner, &t, true, &sparse);
     if (result == TY_OK) result = ty_sparse_make_grid(&sparse, decode_leaf, &t, index_to_world, out);
     ty_sparse_end(&sparse);
     ty_free_array(file->context, bytes, t.size, 1);

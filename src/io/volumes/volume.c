@@ -1,4 +1,4 @@
-/* Volumes of any kind: which reader a file is for, file sequences, checks that readers share. */
+/* Volumes of any format: choice of the reader, file sequences, common validation. */
 #include "io/volumes/volume_file.h"
 
 #include "base/context.h"
@@ -12,8 +12,9 @@ enum { PATH_SIZE = 4096 };
 
 static const double voxels_max = 4e9;
 
-ty_volume_def ty_default_volume_def(void) {
-    return (ty_volume_def){.cookie = TY_DEF_COOKIE, .grid = "density", .raw_type = "uint8"};
+void ty_init_volume_def(void* def, size_t bytes) {
+    const ty_volume_def own = {.grid = "density", .raw_type = "uint8"};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 ty_result ty_check_volume_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels) {
@@ -47,7 +48,7 @@ ty_result ty_check_component(ty_context* context, const char* path, const char* 
 ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, char* out, size_t size) {
     if (path == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_path: path or out is NULL");
     if (frame < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "frame is %d, below 0", frame);
-    const char* slash = strrchr(path, '/'); /* folders keep their #s */
+    const char* slash = strrchr(path, '/'); /* #s in folders are literal */
     const size_t name = slash != NULL ? (size_t)(slash + 1 - path) : 0;
     const size_t first = name + strcspn(path + name, "#"), digits = strspn(path + first, "#");
     char number[64] = "";
@@ -68,7 +69,7 @@ static bool has_extension(const char* path, const char* extension) {
     return length > size && strcasecmp(path + length - size, extension) == 0;
 }
 
-/* Told by the first bytes; a file that is none of the known kinds is raw unless its name says otherwise. */
+/* Detects the format from the first bytes; an unknown file is raw unless its extension says otherwise. */
 static ty_result find_kind(ty_context* context, const char* path, volume_kind* kind) {
     static const struct {
         const char *magic, *extensions[2];
@@ -94,8 +95,10 @@ static ty_result find_kind(ty_context* context, const char* path, volume_kind* k
     return TY_OK;
 }
 
-static ty_result check_def(ty_context* context, const ty_volume_def* def, const void* out) {
-    const ty_result result = ty_check_def(context, def, "ty_default_volume_def");
+static ty_result check_def(ty_context* context, const ty_volume_def** given, ty_volume_def* own, const void* out) {
+    *own = ty_default_volume_def();
+    const ty_result result = ty_take_def(context, *given, "ty_default_volume_def", own, sizeof *own);
+    const ty_volume_def* def = *given = own;
     if (result != TY_OK) return result;
     if (out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: out is NULL");
     if (def->grid == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: grid is NULL");
@@ -104,25 +107,26 @@ static ty_result check_def(ty_context* context, const ty_volume_def* def, const 
     return TY_OK;
 }
 
-/* Raw files need a size, which also tells that a file is meant to be one. */
+/* Raw files need a size, which also marks a file as raw. */
 static ty_result check_raw(ty_context* context, const char* path, const ty_volume_def* def) {
     if (def->raw_size[0] > 0 && def->raw_size[1] > 0 && def->raw_size[2] > 0) return TY_OK;
     return ty_fail(context, TY_ERROR_INPUT,
                    "%s: neither OpenVDB nor NanoVDB nor NRRD; a raw volume needs its size (raw_size)", path);
 }
 
-/* The file that a call means, frame and all, and its kind. out is only looked at for NULL. */
-static ty_result find_file(ty_context* context, const char* path, const ty_volume_def* def, const void* out,
-                           char file[PATH_SIZE], volume_kind* kind) {
-    ty_result result = check_def(context, def, out);
-    if (result == TY_OK) result = ty_volume_path(context, path, def->frame, file, PATH_SIZE);
+/* File of a call, with the frame number, and its format. `out` is only checked for NULL. */
+static ty_result find_file(ty_context* context, const char* path, const ty_volume_def** given, ty_volume_def* own,
+                           const void* out, char file[PATH_SIZE], volume_kind* kind) {
+    ty_result result = check_def(context, given, own, out);
+    if (result == TY_OK) result = ty_volume_path(context, path, own->frame, file, PATH_SIZE);
     return result == TY_OK ? find_kind(context, file, kind) : result;
 }
 
 ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
     char file[PATH_SIZE];
     volume_kind kind = VOLUME_RAW;
-    ty_result result = find_file(context, path, def, out, file, &kind);
+    ty_volume_def own;
+    ty_result result = find_file(context, path, &def, &own, out, file, &kind);
     if (result != TY_OK) return result;
     switch (kind) {
     case VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, out);
@@ -137,7 +141,8 @@ ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_
 ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out) {
     char file[PATH_SIZE];
     volume_kind kind = VOLUME_RAW;
-    ty_result result = find_file(context, path, def, out, file, &kind);
+    ty_volume_def own;
+    ty_result result = find_file(context, path, &def, &own, out, file, &kind);
     if (result != TY_OK) return result;
     switch (kind) {
     case VOLUME_VDB: return ty_vdb_components(context, file, def->grid, out);

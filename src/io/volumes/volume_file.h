@@ -1,5 +1,5 @@
-/* Readers of volume files, by format, and what they share. component is -1 where only grids of one value per voxel will
- * do. */
+/* Readers of volume files by format, and common functions. component is -1 if only grids of one value per voxel are
+ * accepted. */
 #ifndef TY_IO_VOLUME_FILE_H
 #define TY_IO_VOLUME_FILE_H
 
@@ -7,7 +7,7 @@
 
 /* Refuses sides outside a grid's limits and more voxels than a dense grid may have; *voxels is the product. */
 ty_result ty_check_volume_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels);
-/* Refuses a component that a grid with so many values per voxel does not have. */
+/* Refuses a component that a grid with that many values per voxel does not have. */
 ty_result ty_check_component(ty_context* context, const char* path, const char* name, int32_t component,
                              int32_t components);
 

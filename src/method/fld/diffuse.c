@@ -1,25 +1,26 @@
-/* The diffuse light: what fld's options say of its solves. */
-#include "direct/inside.h"
+/* Diffuse light: solver settings from the options. */
+#include "direct/lights/interior_light.h"
 #include "method/fld/job.h"
 
 #include <string.h>
 
-/* Where a lamp's own cells outshine all others, the first residual is small whatever the rest is like. */
-enum { LEAST_ITERATIONS = 2 };
+/* Minimum iterations: where the cells of a point light outshine all others, the first residual is small regardless of
+ * the rest. */
+enum { MIN_ITERATIONS = 2 };
 
-/* Of light that comes from outside. */
-static const double streaming_outside = 0.55;
+/* Maximum flux fraction for light from outside. */
+static const double max_flux_fraction_outside = 0.55;
 
-static double own_streaming(const ty_fld_job* job) {
-    ty_inside sum = {0, 0};
-    for (int32_t i = 0; i < job->source_count; ++i) {
-        const ty_source* source = &job->sources[i];
-        if (source->kind == TY_SOURCE_BEAM)
-            ty_inside_add_beam(&sum, &job->fine->box, source->direction, source->color);
+static double flux_fraction_of_sources(const ty_fld_job* job) {
+    ty_interior_light sum = {0, 0};
+    for (int32_t i = 0; i < job->sources.count; ++i) {
+        const ty_discrete_light* source = &job->sources.items[i];
+        if (source->kind == TY_DISCRETE_DIRECTIONAL)
+            ty_interior_light_add_directional(&sum, &job->fine->box, source->direction, source->color);
         else
-            ty_inside_add_lamp(&sum, &job->fine->box, source->position, source->color);
+            ty_interior_light_add_point(&sum, &job->fine->box, source->position, source->color);
     }
-    return ty_inside_streaming(&sum, streaming_outside);
+    return ty_interior_light_max_flux(&sum, max_flux_fraction_outside);
 }
 
 ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {
@@ -29,16 +30,16 @@ ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {
     static const ty_boundary_kind boundaries[] = {TY_BOUNDARY_MARSHAK, TY_BOUNDARY_DIRICHLET};
     static const ty_diffusion_solver solvers[] = {TY_DIFFUSION_MULTIGRID, TY_DIFFUSION_SOR, TY_DIFFUSION_SOR_FLOAT};
     ty_diffusion_def def = ty_default_diffusion_def();
-    def.least_extinction = fld->sigma_eps;
+    def.min_extinction = fld->sigma_eps == TY_AUTO ? 0 : fld->sigma_eps;
     def.limiter = limiters[fld->limiter];
     def.larsen_power = fld->larsen_power;
-    def.streaming = fld->streaming > 0 ? fld->streaming : own_streaming(job);
+    def.streaming = fld->max_flux_fraction > 0 ? fld->max_flux_fraction : flux_fraction_of_sources(job);
     for (int side = 0; side < 6; ++side) def.boundary[side].kind = boundaries[fld->boundary];
     def.solver = solvers[fld->solver];
     def.relaxation = fld->relaxation;
     def.tolerance = fld->tolerance;
-    def.iterations = fld->iterations;
-    def.least_iterations = fld->limiter != TY_FLD_LIMITER_NONE ? LEAST_ITERATIONS : 0;
+    def.iterations = fld->iterations == TY_AUTO ? 0 : fld->iterations;
+    def.min_iterations = fld->limiter != TY_FLD_LIMITER_NONE ? MIN_ITERATIONS : 0;
     return def;
 }
 

@@ -4,23 +4,23 @@
 #include "base/context.h"
 #include "image/march.h"
 #include "scene/scene.h"
-#include "solve/diffusion.h"
+#include "solve/diffusion/diffusion.h"
 
-/* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
-static const double medium_until = 0.15, direct_until = 0.5, diffuse_until = 0.9, solve_share = 0.5;
+/* Fractions of a solve's work done after each stage, and fraction of a render spent on the solve: for progress. */
+static const double medium_until = 0.15, direct_until = 0.5, diffuse_until = 0.9, solve_fraction = 0.5;
 
 /* ---- solving ---- */
 
 static void end_job(ty_fld_job* job) {
     if (job->coarse != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->coarse->cells, sizeof(float));
-    ty_sources_destroy(job->context, job->sources, job->source_count);
+    ty_discrete_light_set_destroy(job->context, &job->sources);
     ty_grid_medium_destroy(job->coarse);
     ty_grid_medium_destroy(job->fine);
 }
 
-static ty_result run_part(ty_fld_job* job, const char* stage, double until, ty_result (*run)(ty_fld_job* job),
-                          double* seconds) {
+static ty_result run_stage(ty_fld_job* job, const char* stage, double until, ty_result (*run)(ty_fld_job* job),
+                           double* seconds) {
     const double begun = ty_wall_seconds();
     ty_result result = ty_part_next(&job->progress, stage, until);
     if (result == TY_OK) result = run(job);
@@ -28,24 +28,24 @@ static ty_result run_part(ty_fld_job* job, const char* stage, double until, ty_r
     return result;
 }
 
-static ty_result run_parts(ty_fld_job* job, double share) {
+static ty_result run_stages(ty_fld_job* job, double fraction) {
     ty_fld_stats* stats = &job->stats;
-    ty_result result = run_part(job, "media", share * medium_until, ty_fld_sample_media, &stats->medium_seconds);
+    ty_result result = run_stage(job, "media", fraction * medium_until, ty_fld_sample_media, &stats->medium_seconds);
     if (result == TY_OK)
-        result = run_part(job, "direct light", share * direct_until, ty_fld_light_directly, &stats->direct_seconds);
+        result = run_stage(job, "direct light", fraction * direct_until, ty_fld_direct_light, &stats->direct_seconds);
     if (result == TY_OK)
-        result = run_part(job, "fluence", share * diffuse_until, ty_fld_diffuse, &stats->solve_seconds);
+        result = run_stage(job, "fluence", fraction * diffuse_until, ty_fld_diffuse, &stats->solve_seconds);
     double seconds = 0;
-    if (result == TY_OK) result = run_part(job, "finer fluence", share, ty_fld_refine, &seconds);
+    if (result == TY_OK) result = run_stage(job, "finer fluence", fraction, ty_fld_refine, &seconds);
     stats->solve_seconds += seconds;
     return result;
 }
 
-/* share: of the caller's progress that the solve is. */
-static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double share, ty_fld** out, ty_fld_stats* stats) {
+/* fraction: of the caller's progress covered by the solve. */
+static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double fraction, ty_fld** out,
+                       ty_fld_stats* stats) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_fld_check(context, def);
-    if (result == TY_OK) result = ty_scene_check_media(scene, "fld");
+    ty_result result = ty_scene_check_media(scene, "fld");
     if (result != TY_OK) return result;
     ty_fld_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
@@ -53,7 +53,7 @@ static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double shar
     if (job.light == NULL) return TY_ERROR_MEMORY;
     job.light->context = context;
     job.light->reduced = def->beam == TY_FLD_BEAM_REDUCED;
-    result = run_parts(&job, share);
+    result = run_stages(&job, fraction);
     job.stats.seconds = ty_wall_seconds() - job.progress.begun;
     end_job(&job);
     if (result != TY_OK) {
@@ -67,12 +67,14 @@ static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double shar
 
 ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** out, ty_fld_stats* stats) {
     *out = NULL;
-    return solve(scene, def, 1, out, stats);
+    ty_fld_def known;
+    const ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
+    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
 }
 
 void ty_fld_destroy(ty_fld* light) {
     if (light == NULL) return;
-    for (int i = 0; i <= TY_FLD_OWN_MAX; ++i) ty_light_field_destroy(light->beam[i]);
+    for (int i = 0; i <= TY_FLD_DEDICATED_FIELDS_MAX; ++i) ty_light_field_destroy(light->beam[i]);
     ty_diffuse_light_destroy(light->diffuse);
     ty_free_array(light->context, light, 1, sizeof *light);
 }
@@ -89,8 +91,8 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
     march.light_count = light->light_count;
     march.reduced = light->reduced;
     march.field = &field;
-    march.guided = 0;
-    march.keeps_means = true;
+    march.bilateral_sigma = 0;
+    march.preserve_means = true;
     march.unscattered = def->unscattered;
     march.progress = ty_part_report;
     march.progress_user = &progress;
@@ -107,7 +109,8 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
 ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_image** out,
                       ty_fld_stats* stats) {
     *out = NULL;
-    const ty_result result = ty_fld_check(ty_scene_context(scene), def);
+    ty_fld_def known;
+    const ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
     if (result != TY_OK) return result;
     const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
     return view(light, scene, def, progress, out, stats);
@@ -116,14 +119,16 @@ ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
 ty_result ty_fld_render(const ty_scene* scene, const ty_fld_def* def, ty_image** out, ty_fld_stats* stats) {
     *out = NULL;
     ty_fld* light = NULL;
-    ty_fld_stats own = {0};
+    ty_fld_stats local_stats = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_share, &light, &own);
+    ty_fld_def known;
+    ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &local_stats);
     if (result != TY_OK) return result;
-    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
+    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_fraction, 1 - solve_fraction);
     progress.begun = begun;
-    result = view(light, scene, def, progress, out, &own);
+    result = view(light, scene, def, progress, out, &local_stats);
     ty_fld_destroy(light);
-    if (stats != NULL) *stats = own;
+    if (stats != NULL) *stats = local_stats;
     return result;
 }

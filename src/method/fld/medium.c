@@ -1,4 +1,4 @@
-/* The cells of direct light and of diffusion, and the media on them. */
+/* The grids of direct light and of diffusion, and the media on them. */
 #include "method/fld/job.h"
 
 #include "scene/scene.h"
@@ -9,8 +9,8 @@
 enum { RATIO = 3, FEW_RATIO = 2, FEW_CELLS = 48 };
 
 static int32_t longest_side(const int32_t size[3]) {
-    const int32_t most = size[0] > size[1] ? size[0] : size[1];
-    return most > size[2] ? most : size[2];
+    const int32_t longest = size[0] > size[1] ? size[0] : size[1];
+    return longest > size[2] ? longest : size[2];
 }
 
 static double choose_ratio(const ty_fld_def* def, const int32_t size[3]) {

@@ -1,14 +1,14 @@
-/* Coarse diffusion made finer: what is within its cells settles in a few sweeps of Algorithm 1 on cells half as large,
- * with the coefficients that they have. */
+/* Refinement of coarse diffusion: sub-cell detail converges in a few sweeps of Algorithm 1 (Koerner 2014) on cells of
+ * half the size, with the coefficients of those cells. */
 #include "method/fld/job.h"
 
 #include "base/context.h"
 #include "scene/scene.h"
 
-/* Cells along a side per coarse one; sweeps, of which more gain little, and their omega. */
+/* Cells per coarse cell along a side; number of sweeps (more gain little) and their omega. */
 enum { FINER = 2, SWEEPS = 6 };
 static const double OMEGA = 1.5;
-/* Up to this ratio of direct light's cells to those of diffusion it does not pay. */
+/* Ratio of direct light cells to diffusion cells up to which refinement does not pay. */
 static const double FINE_ENOUGH = 3;
 
 static ty_result relax(ty_fld_job* job, const ty_grid_medium* medium, float* const source[3]) {
@@ -30,8 +30,8 @@ ty_result ty_fld_refine(ty_fld_job* job) {
     if (job->def->ratio <= FINE_ENOUGH) return TY_OK;
     int32_t size[3];
     for (int a = 0; a < 3; ++a) {
-        const int32_t most = job->fine->box.size[a], finer = FINER * job->coarse->box.size[a];
-        size[a] = finer < most ? finer : most;
+        const int32_t limit = job->fine->box.size[a], finer = FINER * job->coarse->box.size[a];
+        size[a] = finer < limit ? finer : limit;
     }
     ty_grid_medium* medium = NULL;
     float* source[3] = {NULL, NULL, NULL};

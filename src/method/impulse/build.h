@@ -1,89 +1,86 @@
-/* Tables in the making. Lengths are optical, the albedo is 1. */
+/* State of table construction. Lengths are optical, the albedo is 1. */
 #ifndef TY_METHOD_IMPULSE_BUILD_H
 #define TY_METHOD_IMPULSE_BUILD_H
 
 #include "method/impulse/harmonics.h"
 #include "method/impulse/nodes.h"
 #include "method/impulse/tables.h"
+#include "scene/phase.k.h"
 
 /* Products of y_l^m at the receiver and y_k^m at the emitter, l, k >= m: sorted by m, l, k. */
 enum { TY_IMPULSE_PRODUCTS = 556 };
 
-/* A response about the axis to the emitter, in the plane of that and the emitter's normal: what y_l^m is multiplied by,
- * m >= 0. */
+/* Spherical harmonic coefficients of a response, m >= 0, about the axis to the emitter, in the plane of that axis and
+ * the emitter's normal. */
 typedef struct ty_impulse_pairs {
     double at[TY_IMPULSE_PAIRS];
 } ty_impulse_pairs;
 
-/* What single scattering of areas is summed from: of every angle, its pairs. */
+/* Single scattering of areas: coefficients at every tabulated angle. */
 typedef struct ty_impulse_angles {
     ty_impulse_pairs angle[TY_IMPULSE_ANGLES];
 } ty_impulse_angles;
 
-/* Henyey and Greenstein's phase function. */
-static inline double ty_impulse_phase(double cosine, double g) {
-    const double across = 1 + g * g - 2 * g * cosine;
-    return (1 - g * g) / (4 * TY_IMPULSE_PI * across * sqrt(across));
-}
-
 typedef struct ty_impulse_work {
     ty_impulse* tables;
     ty_impulse_recurrence recurrence;
-    double angles[TY_IMPULSE_ANGLES][TY_IMPULSE_SENT]; /* harmonics at the angles of areas */
+    double angles[TY_IMPULSE_ANGLES][TY_IMPULSE_EMITTED_PAIRS]; /* harmonics at the angles of areas */
 
-    /* Fluence is known at the bins' distances and beyond, as far as light comes back from. */
-    int32_t places;
+    /* Fluence is known at the distances of the bins and beyond, as far as light returns from. */
+    int32_t distance_count;
     double* distances;
 
-    /* Single scattering: lattice points of directions and what they weigh. */
+    /* Single scattering: lattice points of directions and their weights. */
     struct ty_impulse_lattice* lattice;
     ty_impulse_angles* singles; /* [bin][phase] */
 
-    /* What one scattering makes of fluence at all places: [place][order][place] of areas, [place][term][place] by
-     * depth. */
-    double *spread, *sink;
-    /* Of lights that scattered 1, 2, .. times: [bounce - 1][order][place] of areas (times distance), [bounce -
-     * 1][place] by depth. */
-    double *fluence, *depth;
+    /* Operators of one scattering on the fluence at all distances: [distance][order][distance] for areas,
+     * [distance][term][distance] for the half space. */
+    double *fluence_operator, *half_space_operator;
+    /* Fluence of each bounce: [bounce - 1][order][distance] for areas (times distance), [bounce - 1][distance] for the
+     * half space. */
+    double *fluence, *half_space_fluence;
     double* products; /* [worker][bounce - 2][product] */
 } ty_impulse_work;
 
 static inline double* ty_impulse_fluence(const ty_impulse_work* work, int32_t bounce, int32_t order) {
-    return work->fluence + ((size_t)(bounce - 1) * TY_IMPULSE_ORDERS + (size_t)order) * (size_t)work->places;
+    return work->fluence + ((size_t)(bounce - 1) * TY_IMPULSE_ORDERS + (size_t)order) * (size_t)work->distance_count;
 }
 
-static inline double* ty_impulse_depth(const ty_impulse_work* work, int32_t bounce) {
-    return work->depth + (size_t)(bounce - 1) * (size_t)work->places;
+static inline double* ty_impulse_half_space_fluence(const ty_impulse_work* work, int32_t bounce) {
+    return work->half_space_fluence + (size_t)(bounce - 1) * (size_t)work->distance_count;
 }
 
-/* The four places about a distance and their weights, for cubic interpolation; the nearest place stands for what is
- * nearer. False: it is beyond the last. */
-bool ty_impulse_around(const ty_impulse_work* work, double distance, int32_t* first, double weight[4]);
-/* Nodes from 0 to where light comes back from, for integrands that are singular at 0 and at a distance. */
+/* Cubic interpolation: the first of four nodes about a distance and their weights; distances below the first node use
+ * it. False: the distance is beyond the last node. */
+bool ty_impulse_cubic_weights(const ty_impulse_work* work, double distance, int32_t* first, double weight[4]);
+/* Nodes from 0 to the farthest distance from which light returns, for integrands singular at 0 and at `distance`. */
 void ty_impulse_add_radii(const ty_impulse_work* work, double distance, ty_impulse_nodes* out);
-/* Tables an emitter's response to a scattering: phase 0..2 of single scattering, or bounce 2.. */
-void ty_impulse_keep(const ty_impulse_work* work, ty_impulse_emitter emitter, int32_t angle, int32_t bin,
-                     int32_t vector, const double zonal[TY_IMPULSE_TERMS]);
+/* Stores an emitter's response to a scattering: vector 0..2 for the phases of single scattering, or those of bounce 2..
+ */
+void ty_impulse_store(const ty_impulse_work* work, ty_impulse_emitter emitter, int32_t angle, int32_t bin,
+                      int32_t vector, const double zonal[TY_IMPULSE_TERMS]);
 
-/* Steps; each is a parallel loop's body whose user is the work.
- * Single scattering of points and areas, TY_IMPULSE_BLOCK places a time. */
+/* Steps; each is the body of a parallel loop whose user is the work.
+ * Single scattering of points and areas, TY_IMPULSE_BLOCK distances at a time. */
 enum { TY_IMPULSE_BLOCK = 8 };
 ty_result ty_impulse_make_lattice(ty_impulse_work* work);
 void ty_impulse_free_lattice(ty_impulse_work* work);
-void ty_impulse_scatter_once(void* user, int64_t block, int32_t worker);
-/* By depth, once, at one place. */
-void ty_impulse_sink_once(void* user, int64_t place, int32_t worker);
-/* A place's rows of spread and sink. */
-void ty_impulse_make_spread(void* user, int64_t place, int32_t worker);
-void ty_impulse_make_sink(void* user, int64_t place, int32_t worker);
-/* A bin's responses to light that scattered before. */
-void ty_impulse_scatter_again(void* user, int64_t bin, int32_t worker);
-void ty_impulse_sink_again(void* user, int64_t bin, int32_t worker);
+void ty_impulse_single_scattering(void* user, int64_t block, int32_t worker);
+/* Single scattering in the half space, at one distance. */
+void ty_impulse_half_space_single(void* user, int64_t index, int32_t worker);
+/* Rows of the operators for one distance. */
+void ty_impulse_make_fluence_operator(void* user, int64_t index, int32_t worker);
+void ty_impulse_make_half_space_operator(void* user, int64_t index, int32_t worker);
+/* Multiple scattering responses of one bin. */
+void ty_impulse_multiple_scattering(void* user, int64_t bin, int32_t worker);
+void ty_impulse_half_space_multiple(void* user, int64_t bin, int32_t worker);
 
-/* The sine of the angle by which the axis of the best zonal function leans from the axis of pairs (Sec. 4.2). */
-double ty_impulse_fit(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response);
-/* Zonal harmonics about that axis. */
-void ty_impulse_lean(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response, double shift,
-                     double zonal[TY_IMPULSE_TERMS]);
+/* Sine of the angle between the fitted axis of the best zonal function and the axis to the emitter: d_fit, Eq. 16
+ * (Dubouchet 2019). */
+double ty_impulse_fit_axis(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response);
+/* Zonal harmonics about the fitted axis. */
+void ty_impulse_project(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response, double axis_tilt,
+                        double zonal[TY_IMPULSE_TERMS]);
 
 #endif

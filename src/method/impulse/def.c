@@ -1,18 +1,20 @@
-/* Options and tables' lives. */
+/* Options, creation and destruction of tables. */
 #include "method/impulse/tables.h"
-#include "scene/check.h"
+#include "option/option.h"
 
 #include <math.h>
 
-ty_impulse_def ty_default_impulse_def(void) {
-    return (ty_impulse_def){.cookie = TY_DEF_COOKIE, .bounces = 10, .range = 20};
-}
+static const ty_option options[] = {
+    {TY_OPTION_FIELD(ty_impulse_def, bounces), .type = TY_OPTION_INT, .min = 1, .max = TY_IMPULSE_BOUNCES_MAX,
+     .preset = 10, .doc = "Scatterings at most."},
+    {TY_OPTION_FIELD(ty_impulse_def, range), .type = TY_OPTION_DOUBLE, .min = 1, .max = 100, .preset = 20,
+     .doc = "Optical distance that the tables go to."},
+};
 
-ty_result ty_impulse_check(ty_context* context, const ty_impulse_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_impulse_def");
-    if (result == TY_OK) result = ty_check_number(context, "impulse.bounces", def->bounces, 1, TY_IMPULSE_BOUNCES_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "impulse.range", def->range, 1, 100);
-    return result;
+static const ty_option_table table = TY_OPTION_TABLE("impulse", ty_impulse_def, "ty_default_impulse_def", options);
+
+void ty_init_impulse_def(void* def, size_t bytes) {
+    ty_options_init(&table, def, bytes);
 }
 
 ty_result ty_impulse_allocate(ty_context* context, const ty_impulse_def* def, ty_impulse** out) {
@@ -22,7 +24,7 @@ ty_result ty_impulse_allocate(ty_context* context, const ty_impulse_def* def, ty
     tables->bounces = def->bounces;
     tables->range = def->range;
     tables->density = 1;
-    tables->density = (TY_IMPULSE_DISTANCES - 1) / ty_impulse_place(tables, def->range);
+    tables->density = (TY_IMPULSE_DISTANCES - 1) / ty_impulse_bin_position(tables, def->range);
     tables->row = (TY_IMPULSE_PHASES + def->bounces - 1) * TY_IMPULSE_VECTOR;
     tables->count = (size_t)TY_IMPULSE_ROWS * (size_t)tables->row;
     tables->values = ty_alloc_array(context, tables->count, sizeof *tables->values, true);
@@ -39,9 +41,11 @@ void ty_impulse_destroy(ty_impulse* tables) {
 }
 
 ty_result ty_impulse_create(ty_context* context, const ty_impulse_def* def, ty_impulse** out, ty_impulse_stats* stats) {
-    ty_result result = ty_impulse_check(context, def);
+    ty_impulse_def known;
+    ty_result result = ty_options_take(context, &table, def, &known);
     if (result == TY_OK && out == NULL) result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_impulse_create: out is NULL");
     if (result != TY_OK) return result;
+    def = &known;
     ty_impulse_stats made = {0};
     const double start = ty_wall_seconds();
     ty_impulse* tables = NULL;

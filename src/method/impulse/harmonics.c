@@ -1,6 +1,8 @@
 /* Spherical harmonics of order 11 about an axis. */
 #include "method/impulse/harmonics.h"
 
+#include "base/legendre.k.h"
+
 const int32_t ty_impulse_orders[TY_IMPULSE_ORDERS] = {0, 1, 2, 4, 6, 8, 10, 12, 14, 16, 18};
 
 /* 2 pi times the integral of x y_l^0 over 0..1 (Ramamoorthi and Hanrahan 2001). */
@@ -20,7 +22,7 @@ void ty_impulse_make_recurrence(ty_impulse_recurrence* out) {
 }
 
 void ty_impulse_legendre(const ty_impulse_recurrence* r, double cosine, double sine, double out[TY_IMPULSE_PAIRS]) {
-    double diagonal = sqrt(0.25 / TY_IMPULSE_PI);
+    double diagonal = sqrt(0.25 / TY_PI_F64);
     for (int32_t m = 0, at = 0; m < TY_IMPULSE_TERMS; ++m) {
         if (m > 0) diagonal *= r->side[m] * sine;
         double before = 0, last = diagonal;
@@ -34,8 +36,9 @@ void ty_impulse_legendre(const ty_impulse_recurrence* r, double cosine, double s
     }
 }
 
-void ty_impulse_legendre_sent(const ty_impulse_recurrence* r, double cosine, double sine, double out[TY_IMPULSE_SENT]) {
-    double diagonal = sqrt(0.25 / TY_IMPULSE_PI);
+void ty_impulse_legendre_emitted(const ty_impulse_recurrence* r, double cosine, double sine,
+                                 double out[TY_IMPULSE_EMITTED_PAIRS]) {
+    double diagonal = sqrt(0.25 / TY_PI_F64);
     for (int32_t m = 0, at = 0; m < TY_IMPULSE_TERMS; ++m) {
         if (m > 0) diagonal *= r->side[m] * sine;
         double before = 0, last = diagonal;
@@ -50,7 +53,7 @@ void ty_impulse_legendre_sent(const ty_impulse_recurrence* r, double cosine, dou
 }
 
 /* (2 l + 1) / 2 times the integral of x P_l over 0..1. */
-double ty_impulse_cosine_share(int32_t l) {
+double ty_impulse_cosine_coefficient(int32_t l) {
     if (l < 2) return l == 0 ? 0.25 : 0.5;
     if (l % 2 == 1) return 0;
     double central = 1; /* l! / (2^l (l/2)!^2) */
@@ -61,8 +64,8 @@ double ty_impulse_cosine_share(int32_t l) {
 void ty_impulse_zonal(double cosine, double out[TY_IMPULSE_TERMS]) {
     double before = 0, last = 1;
     for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) {
-        out[l] = sqrt((2 * l + 1) / (4 * TY_IMPULSE_PI)) * last;
-        const double next = ((2 * l + 1) * cosine * last - l * before) / (l + 1);
+        out[l] = sqrt((2 * l + 1) / (4 * TY_PI_F64)) * last;
+        const double next = ty_legendre_next_f64(l, cosine, last, before);
         before = last;
         last = next;
     }

@@ -1,5 +1,4 @@
-/* Where integrands are looked at: Gauss-Legendre in panels that shrink towards what is singular, tanh-sinh where both
- * ends may be. */
+/* Quadrature nodes: Gauss-Legendre in panels that shrink towards a singularity, tanh-sinh for singular ends. */
 #ifndef TY_METHOD_IMPULSE_NODES_H
 #define TY_METHOD_IMPULSE_NODES_H
 
@@ -12,12 +11,12 @@ typedef struct ty_impulse_nodes {
     double x[TY_IMPULSE_NODES_MAX], weight[TY_IMPULSE_NODES_MAX];
 } ty_impulse_nodes;
 
-/* Adds the nodes of a smooth function of x, of a..b. Nodes beyond the most that there may be are left out; no caller
- * comes near. */
+/* Adds nodes for a smooth function of x on a..b. Nodes beyond TY_IMPULSE_NODES_MAX are dropped; no caller comes close.
+ */
 void ty_impulse_add_gauss(ty_impulse_nodes* nodes, double a, double b);
-/* Of a function of ln x that falls as exp(-x) beyond 1: 0 < a < b. */
+/* Adds nodes for a function of ln x that decays as exp(-x) beyond 1: 0 < a < b. */
 void ty_impulse_add_logarithmic(ty_impulse_nodes* nodes, double a, double b);
-/* Of one with singular ends that can be integrated: count nodes. */
+/* Adds `count` nodes for an integrand with integrable singularities at its ends. */
 void ty_impulse_add_singular(ty_impulse_nodes* nodes, double a, double b, int32_t count);
 
 #endif

@@ -1,29 +1,28 @@
-/* What a solve leaves behind, and one call on its way through the parts of the method. */
+/* The result of a solve, and the state of a running solve. */
 #ifndef TY_METHOD_LPV_JOB_H
 #define TY_METHOD_LPV_JOB_H
 
 #include "base/progress.h"
-#include "direct/lit.h"
-#include "method/lpv/inject.h"
-#include "method/lpv/pixels.h"
+#include "direct/shadow/shadow_hierarchy.h"
+#include "method/lpv/inject/inject.h"
+#include "option/option.h"
 
-/* A light and what it meets first of the surfaces. */
-typedef struct ty_lpv_source {
+/* A light and its maps. */
+typedef struct ty_lpv_light_maps {
     const ty_light_view* light;
-    const ty_light_map* map;   /* reflective */
-    const ty_light_map* sharp; /* of more texels; may be the same */
-    ty_light_map *own, *finer; /* that were traced; NULL: a caller's */
-    ty_lit_map* lit;           /* of sharp */
-} ty_lpv_source;
+    const ty_rsm* rsm;                /* reflective shadow map for injection */
+    const ty_rsm* shadow_map;         /* of higher resolution, for images; may be the same map */
+    ty_rsm *own_rsm, *own_shadow_map; /* the traced ones, owned; NULL: a caller's map */
+    ty_shadow_hierarchy* hierarchy;   /* of shadow_map */
+} ty_lpv_light_maps;
 
 struct ty_lpv {
     ty_context* context;
-    const ty_scene* scene;
     ty_lattice* lattices[TY_LPV_CASCADES_MAX]; /* finest first */
     int32_t count;
-    ty_lpv_source* sources; /* one per light of the scene */
+    ty_lpv_light_maps* sources; /* one per light of the scene */
     int32_t source_count;
-    ty_grid_medium* medium; /* fine; NULL: vacuum */
+    ty_grid_medium* medium; /* fine cells; NULL: vacuum */
 };
 
 typedef struct ty_lpv_job {
@@ -36,15 +35,22 @@ typedef struct ty_lpv_job {
     ty_lpv_stats stats;
 } ty_lpv_job;
 
-/* Fails with the first field that is out of its range. */
-ty_result ty_lpv_check(ty_context* context, const ty_lpv_def* def);
+/* A caller's def and its view, in the library's own sizes. */
+typedef struct ty_lpv_known {
+    ty_lpv_def def;
+    ty_lpv_view_def view; /* where def.view points, if the caller gave one */
+} ty_lpv_known;
+
+extern const ty_option_table ty_lpv_options;
+/* Copies the caller's def to own, checks all ranges, and makes *def point to the copy. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_lpv_take_def(ty_context* context, const ty_lpv_def** def, ty_lpv_known* own);
 /* Whether def's maps are those of the scene's lights. */
 ty_result ty_lpv_check_maps(const ty_scene* scene, const ty_lpv_def* def);
 
-/* Maps of all lights. */
+/* Traces the maps of all lights, or takes the caller's. */
 ty_result ty_lpv_find_maps(ty_lpv_job* job);
 void ty_lpv_free_maps(ty_lpv* light);
-/* Blockers of a lattice: the scene's surfaces, or where it has none, what a caller's maps and view see. */
+/* Finds the blockers of a lattice from the scene's surfaces, or if it has none, from a caller's maps and view. */
 ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice);
 
 #endif

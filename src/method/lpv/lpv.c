@@ -1,13 +1,15 @@
 /* Entry points. */
 #include "base/context.h"
 #include "base/isa.h"
-#include "direct/cover.h"
+#include "direct/media/coverage.h"
+#include "method/lpv/image/image.h"
 #include "method/lpv/job.h"
+#include "method/lpv/propagate/propagate.h"
 #include "scene/scene.h"
 
 #include <string.h>
 
-/* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
+/* Progress after each stage of a solve, and the fraction of a render that the solve takes. */
 static const double medium_until = 0.05, map_until = 0.4, inject_until = 0.7, solve_share = 0.4;
 
 /* ---- solving ---- */
@@ -16,7 +18,7 @@ static bool scatters(const ty_lpv_job* job) {
     return (job->def->parts & TY_LPV_SCATTERING) != 0 && ty_scene_get_view(job->scene)->medium_count > 0;
 }
 
-/* Lattices, and the media on their cells. */
+/* Creates the lattices and the media on their cells. */
 static ty_result place(ty_lpv_job* job) {
     ty_grid_box boxes[TY_LPV_CASCADES_MAX];
     ty_lpv* light = job->light;
@@ -29,8 +31,8 @@ static ty_result place(ty_lpv_job* job) {
         ++light->count;
         if (scatters(job)) result = ty_grid_medium_create(job->scene, &boxes[i], &light->lattices[i]->medium);
         if (result == TY_OK && job->def->mode == TY_LPV_MODE_LINKS)
-            result = ty_lattice_spread(light->lattices[i], ty_scene_get_view(job->scene)->lights.lights,
-                                       (int32_t)job->scene->light_count);
+            result = ty_lattice_find_extinction_floor(light->lattices[i], ty_scene_get_view(job->scene)->lights.lights,
+                                                      (int32_t)job->scene->light_count);
         for (int a = 0; a < 3; ++a) job->stats.size[i][a] = boxes[i].size[a];
         job->stats.cell[i] = (double)light->lattices[i]->cell;
     }
@@ -43,7 +45,7 @@ static ty_result place(ty_lpv_job* job) {
     return result;
 }
 
-typedef ty_result (*inject_fn)(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_lamp* lamp,
+typedef ty_result (*inject_fn)(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_light* lpv_light,
                                const ty_grid_medium* medium, double power[3]);
 
 static ty_result inject(ty_lpv_job* job, ty_lattice* lattice, inject_fn function, double power[3], double* seconds) {
@@ -51,32 +53,32 @@ static ty_result inject(ty_lpv_job* job, ty_lattice* lattice, inject_fn function
     const ty_grid_medium* medium = scatters(job) ? job->light->medium : NULL;
     ty_result result = TY_OK;
     for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i) {
-        const ty_lpv_source* source = &job->light->sources[i];
-        const ty_lpv_lamp lamp = {source->light, source->map};
-        result = function(lattice, job->def, &lamp, medium, power);
+        const ty_lpv_light_maps* source = &job->light->sources[i];
+        const ty_lpv_light lpv_light = {source->light, source->rsm};
+        result = function(lattice, job->def, &lpv_light, medium, power);
     }
     *seconds += ty_wall_seconds() - begun;
     return result;
 }
 
-/* A copy of what flows: what of it is seen where it was injected. */
-static ty_result keep_flow(const ty_lattice* lattice, float* seen[3][TY_SH_TERMS]) {
+/* Copies the injected power that counts as light in its own cell. */
+static ty_result copy_propagated_sh(const ty_lattice* lattice, float* own_cell_sh[3][TY_SH_TERMS]) {
     for (int c = 0; c < 3; ++c)
         for (int32_t t = 0; t < lattice->terms; ++t) {
-            seen[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), false);
-            if (seen[c][t] == NULL) return TY_ERROR_MEMORY;
-            memcpy(seen[c][t], lattice->flow[c][t], lattice->cells * sizeof(float));
+            own_cell_sh[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), false);
+            if (own_cell_sh[c][t] == NULL) return TY_ERROR_MEMORY;
+            memcpy(own_cell_sh[c][t], lattice->propagated_sh[c][t], lattice->cells * sizeof(float));
         }
     return TY_OK;
 }
 
-static void free_flow(const ty_lattice* lattice, float* seen[3][TY_SH_TERMS]) {
+static void free_propagated_sh(const ty_lattice* lattice, float* own_cell_sh[3][TY_SH_TERMS]) {
     for (int c = 0; c < 3; ++c)
         for (int32_t t = 0; t < lattice->terms; ++t)
-            ty_free_array(lattice->context, seen[c][t], lattice->cells, sizeof(float));
+            ty_free_array(lattice->context, own_cell_sh[c][t], lattice->cells, sizeof(float));
 }
 
-/* What the statistics say is of the widest lattice. */
+/* The energy balance of the statistics is that of the coarsest cascade. */
 static void take_power(ty_lpv_job* job, const ty_lattice_power* power, bool widest) {
     ty_lpv_stats* stats = &job->stats;
     if (power->iterations > stats->iterations) stats->iterations = power->iterations;
@@ -94,7 +96,7 @@ static void take_power(ty_lpv_job* job, const ty_lattice_power* power, bool wide
 static ty_result propagate(ty_lpv_job* job, int32_t index, double until) {
     ty_lattice* lattice = job->light->lattices[index];
     const bool widest = index == job->light->count - 1, published = job->def->mode == TY_LPV_MODE_PUBLISHED;
-    float* seen[3][TY_SH_TERMS] = {{NULL}};
+    float* own_cell_sh[3][TY_SH_TERMS] = {{NULL}};
     double narrower[3] = {0, 0, 0}, ignored[3] = {0, 0, 0};
     double* reflected = widest ? job->stats.reflected : narrower;
     double* scattered = widest ? job->stats.scattered : ignored;
@@ -102,16 +104,16 @@ static ty_result propagate(ty_lpv_job* job, int32_t index, double until) {
     if (result == TY_OK) result = ty_lpv_find_blockers(job, lattice);
     if (result == TY_OK && (job->def->parts & TY_LPV_REFLECTED) != 0)
         result = inject(job, lattice, ty_lattice_inject_reflected, reflected, &job->stats.reflected_seconds);
-    if (result == TY_OK && published) result = keep_flow(lattice, seen);
+    if (result == TY_OK && published) result = copy_propagated_sh(lattice, own_cell_sh);
     if (result == TY_OK && (job->def->parts & TY_LPV_SCATTERED) != 0 && scatters(job))
         result = inject(job, lattice, ty_lattice_inject_scattered, scattered, &job->stats.scattered_seconds);
     ty_lattice_power power = {.iterations = 0};
     if (result == TY_OK)
-        result = ty_lattice_propagate(lattice, job->def, published ? seen : NULL,
+        result = ty_lattice_propagate(lattice, job->def, published ? own_cell_sh : NULL,
                                       widest ? NULL : job->light->lattices[index + 1], ty_part_report, &job->progress,
                                       &power);
     take_power(job, &power, widest);
-    free_flow(lattice, seen);
+    free_propagated_sh(lattice, own_cell_sh);
     return result;
 }
 
@@ -125,13 +127,11 @@ static ty_result run_parts(ty_lpv_job* job, double share) {
     return result;
 }
 
-/* share: of the caller's progress that the solve is. */
+/* share: fraction of the caller's progress that the solve covers. */
 static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double share, ty_lpv** out, ty_lpv_stats* stats) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_lpv_check(context, def);
-    if (result != TY_OK) return result;
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
-    result = ty_lpv_check_scene(scene);
+    ty_result result = ty_lpv_check_scene(scene);
     if (result == TY_OK) result = ty_lpv_check_maps(scene, def);
     if (result != TY_OK) return result;
     ty_lpv_job job = {.context = context, .scene = scene, .def = def};
@@ -155,7 +155,9 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double shar
 
 ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_lpv** out, ty_lpv_stats* stats) {
     *out = NULL;
-    return solve(scene, def, 1, out, stats);
+    ty_lpv_known known;
+    const ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
+    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
 }
 
 void ty_lpv_destroy(ty_lpv* light) {
@@ -174,30 +176,30 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
     const size_t count = (size_t)light->source_count;
     ty_lpv_def sized = *def;
     ty_airlight* airlight = NULL;
-    const ty_lit_map** maps = ty_alloc_array(light->context, count, sizeof(const ty_lit_map*), false);
+    const ty_shadow_hierarchy** maps = ty_alloc_array(light->context, count, sizeof(const ty_shadow_hierarchy*), false);
     if (maps == NULL) return TY_ERROR_MEMORY;
     sized.width = def->width > 0 ? def->width : camera.resolution[0];
     sized.height = def->width > 0 ? def->height : camera.resolution[1];
-    for (size_t i = 0; i < count; ++i) maps[i] = light->sources[i].lit;
+    for (size_t i = 0; i < count; ++i) maps[i] = light->sources[i].hierarchy;
     ty_result result = TY_OK;
     if (light->medium != NULL) {
-        const ty_airlight_def air = {.medium = light->medium, .maps = maps, .count = light->source_count};
-        result = ty_airlight_create(scene, &air, &airlight);
+        const ty_airlight_def airlight_def = {.medium = light->medium, .maps = maps, .count = light->source_count};
+        result = ty_airlight_create(scene, &airlight_def, &airlight);
     }
     const ty_lpv_image_job job = {.scene = scene,
                                   .def = &sized,
                                   .light = {light->lattices, light->count},
                                   .medium = light->medium,
                                   .airlight = airlight,
-                                  .maps = maps,
-                                  .map_count = light->source_count};
+                                  .shadow_maps = maps,
+                                  .shadow_map_count = light->source_count};
     if (result == TY_OK) result = ty_lpv_image(&job, out, stats);
     ty_airlight_destroy(airlight);
-    ty_free_array(light->context, maps, count, sizeof(const ty_lit_map*));
+    ty_free_array(light->context, maps, count, sizeof(const ty_shadow_hierarchy*));
     return result;
 }
 
-/* With the caller's progress from there on. */
+/* Renders with the rest of the caller's progress. */
 static ty_result view_from(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def,
                            ty_part_progress* progress, ty_image** out, ty_lpv_stats* stats) {
     ty_lpv_def own = *def;
@@ -214,7 +216,8 @@ static ty_result view_from(const ty_lpv* light, const ty_scene* scene, const ty_
 ty_result ty_lpv_view(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def, ty_image** out,
                       ty_lpv_stats* stats) {
     *out = NULL;
-    const ty_result result = ty_lpv_check(ty_scene_context(scene), def);
+    ty_lpv_known known;
+    const ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
     return view_from(light, scene, def, &progress, out, stats);
@@ -225,7 +228,9 @@ ty_result ty_lpv_render(const ty_scene* scene, const ty_lpv_def* def, ty_image**
     ty_lpv* light = NULL;
     ty_lpv_stats own = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_share, &light, &own);
+    ty_lpv_known known;
+    ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
     progress.begun = begun;
@@ -235,15 +240,15 @@ ty_result ty_lpv_render(const ty_scene* scene, const ty_lpv_def* def, ty_image**
     return result;
 }
 
-/* ---- the light itself ---- */
+/* ---- fluence and irradiance ---- */
 
 typedef struct fluence_job {
     const ty_lpv* light;
-    ty_cover_box cells;
+    ty_coverage_box cells;
     double* fluence;
 } fluence_job;
 
-/* The finest lattice that a cell of the caller's lies in; the widest if none. */
+/* The finest cascade that contains a cell of the caller's; the coarsest if none does. */
 static const ty_lattice* lattice_around(const fluence_job* job, const int32_t cell[3]) {
     for (int32_t i = 0; i < job->light->count - 1; ++i) {
         const ty_grid_box* box = &job->light->lattices[i]->box;
@@ -266,20 +271,20 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
         const int32_t cell[3] = {i, (int32_t)(row % job->cells.size[1]), (int32_t)(row / job->cells.size[1])};
         const size_t at = (size_t)row * (size_t)job->cells.size[0] + (size_t)i;
         const ty_lattice* lattice = lattice_around(job, cell);
-        ty_cover axes[3];
-        ty_cover_cell(&lattice->box, &job->cells, cell, axes);
+        ty_coverage axes[3];
+        ty_coverage_of_cell(&lattice->box, &job->cells, cell, axes);
         for (int c = 0; c < 3; ++c) {
             const float* terms[1] = {lattice->light[c][0]};
             job->fluence[3 * at + (size_t)c] = 0;
-            ty_cover_add(&lattice->box, axes, terms, 1, per_term, &job->fluence[3 * at + (size_t)c]);
+            ty_coverage_add(&lattice->box, axes, terms, 1, per_term, &job->fluence[3 * at + (size_t)c]);
         }
     }
 }
 
 ty_result ty_lpv_fluence(const ty_lpv* light, const double lower[3], const double upper[3], const int32_t size[3],
                          double* fluence) {
-    const ty_cover_box cells = {lower, upper, size};
-    const ty_result result = ty_cover_check(light->context, &cells);
+    const ty_coverage_box cells = {lower, upper, size};
+    const ty_result result = ty_coverage_check(light->context, &cells);
     if (result != TY_OK) return result;
     fluence_job job = {light, cells, fluence};
     ty_parallel_for(light->context, (int64_t)size[1] * size[2], fill_row, &job);

@@ -1,15 +1,15 @@
-/* The image of a run: which channels there are and what they hold. */
+/* Output image of a run: its channels and their values. */
 #include "method/path/aov.h"
 
 #include "image/aovs.h"
 
 #include <math.h>
 
-bool ty_aovs_need_parts(uint32_t aovs) {
+bool ty_aovs_need_classes(uint32_t aovs) {
     return (aovs & ~(uint32_t)(TY_AOV_VARIANCE | TY_AOV_SAMPLES)) != 0;
 }
 
-bool ty_aovs_need_look(uint32_t aovs) {
+bool ty_aovs_need_first_hit(uint32_t aovs) {
     return (aovs & (uint32_t)(TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH | TY_AOV_NORMAL | TY_AOV_ALBEDO)) != 0;
 }
 
@@ -33,23 +33,23 @@ ty_result ty_path_image_create(const ty_path_run* run, ty_image** out) {
     return result;
 }
 
-static double unit_normal(const ty_path_parts* parts, int c) {
-    const double* n = parts->normal;
+static double unit_normal(const ty_path_aov_sums* aov_sums, int c) {
+    const double* n = aov_sums->normal;
     const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     return length > 0 ? n[c] / length : 0;
 }
 
-/* parts is NULL only for channels that need none. */
-static double pixel_value(uint32_t aov, const ty_path_item* item, const ty_path_parts* parts, int c) {
+/* aov_sums may be NULL only for channels that do not read it. */
+static double pixel_value(uint32_t aov, const ty_path_item* item, const ty_path_aov_sums* aov_sums, int c) {
     const double n = item->count > 0 ? item->count : 1;
     switch (aov) {
     case TY_AOV_VARIANCE: return ty_path_item_variance(item, c);
-    case TY_AOV_TRANSMITTANCE: return parts->transmittance[c] / n;
-    case TY_AOV_DEPTH: return parts->hits > 0 ? parts->depth / parts->hits : 0;
-    case TY_AOV_NORMAL: return unit_normal(parts, c);
-    case TY_AOV_ALBEDO: return parts->albedo[c] / n;
-    case TY_AOV_SINGLE: return parts->single[c] / n;
-    case TY_AOV_MULTIPLE: return parts->multiple[c] / n;
+    case TY_AOV_TRANSMITTANCE: return aov_sums->transmittance[c] / n;
+    case TY_AOV_DEPTH: return aov_sums->hits > 0 ? aov_sums->depth / aov_sums->hits : 0;
+    case TY_AOV_NORMAL: return unit_normal(aov_sums, c);
+    case TY_AOV_ALBEDO: return aov_sums->albedo[c] / n;
+    case TY_AOV_SINGLE: return aov_sums->single[c] / n;
+    case TY_AOV_MULTIPLE: return aov_sums->multiple[c] / n;
     case TY_AOV_SAMPLES: return item->count;
     default: return ty_path_item_mean(item, c);
     }
@@ -58,10 +58,10 @@ static double pixel_value(uint32_t aov, const ty_path_item* item, const ty_path_
 void ty_path_image_fill(const ty_path_run* run, ty_image* image) {
     int32_t channel = 0;
     for (int g = 0; g < TY_AOV_GROUPS; ++g)
-        for (int c = 0; ty_aov_asked(&ty_aov_groups[g], run->def->aovs) && c < ty_aov_groups[g].count; ++c) {
+        for (int c = 0; ty_aov_is_requested(&ty_aov_groups[g], run->def->aovs) && c < ty_aov_groups[g].count; ++c) {
             float* plane = ty_image_plane(image, channel++);
             for (int64_t i = 0; i < run->item_count; ++i)
                 plane[i] = (float)pixel_value(ty_aov_groups[g].aov, &run->items[i],
-                                              run->parts != NULL ? &run->parts[i] : NULL, c);
+                                              run->aov_sums != NULL ? &run->aov_sums[i] : NULL, c);
         }
 }

@@ -1,48 +1,16 @@
-/* What every run begins with: checked options, lights that guide, the kernel, memory. */
+/* Preparation common to all runs: option checks, guiding lights, kernel, memory. */
 #include "method/path/driver.h"
 
 #include "base/context.h"
-#include "base/isa.h"
-#include "image/options.h"
+#include "base/dispatch.h"
 #include "method/path/equiangular.k.h"
-#include "scene/check.h"
 #include "scene/light.h"
 
-/* Of the radiance that an isotropic medium scatters under the typical light. */
-static const float faint_fraction = 0.5f;
+/* Contributions are traced by chance below this fraction of the radiance that an isotropic medium scatters under the
+ * typical light. */
+static const float contribution_fraction = 0.5f;
 
-ty_path_def ty_default_path_def(void) {
-    return (ty_path_def){.cookie = TY_DEF_COOKIE, .spp = 64, .aovs = TY_AOV_VARIANCE, .state_seconds = 60};
-}
-
-/* The best kernel this processor runs. */
-static ty_path_kernel choose_kernel(const char** isa) {
-    const ty_isa best = ty_best_isa();
-    *isa = ty_isa_name(best);
-#if TY_ISA_X86
-    static const ty_path_kernel kernels[TY_ISA_COUNT] = {ty_path_kernel_v1, ty_path_kernel_v3, ty_path_kernel_v4};
-    return kernels[best];
-#else
-    return ty_path_kernel_v1;
-#endif
-}
-
-static ty_result check_def(ty_context* context, const ty_path_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_path_def");
-    if (result == TY_OK) result = ty_check_number(context, "path.spp", def->spp, 1, TY_PATH_SPP_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "path.max_depth", def->max_depth, 0, INT32_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "path.seconds", def->seconds, 0, 1e9);
-    if (result == TY_OK) result = ty_check_number(context, "path.error", def->error, 0, 1e9);
-    if (result == TY_OK) result = ty_check_number(context, "path.aovs", def->aovs, 0, TY_AOV_ALL);
-    if (result == TY_OK) result = ty_check_number(context, "path.state_seconds", def->state_seconds, 0, 1e9);
-    if (result != TY_OK) return result;
-    if (def->resume == NULL && def->resume_size > 0)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "path.resume is NULL, and path.resume_size is %zu",
-                       def->resume_size);
-    return ty_check_resolution(context, "path", def->width, def->height);
-}
-
-/* Lights with a place or direction of their own, the likeliest first: what high-g media are guided towards. */
+/* Chooses the guiding lights of high-g media: local and directional lights, most probable first. */
 static void choose_guides(ty_path_request* request) {
     const ty_scene_view* scene = request->scene;
     float sum = 0;
@@ -55,24 +23,24 @@ static void choose_guides(ty_path_request* request) {
         }
         if (best < 0) break;
         sum += scene->lights.lights[best].typical;
-        request->guide_share[request->guide_count] = scene->lights.lights[best].typical;
+        request->guide_weight[request->guide_count] = scene->lights.lights[best].typical;
         request->guide_light[request->guide_count++] = best;
     }
-    for (int32_t j = 0; j < request->guide_count; ++j) request->guide_share[j] /= sum;
+    for (int32_t j = 0; j < request->guide_count; ++j) request->guide_weight[j] /= sum;
 }
 
-static float faint_radiance(const ty_light_set* lights) {
+static float contribution_threshold(const ty_light_set* lights) {
     float sum = 0;
-    for (int32_t i = 0; i < lights->count; ++i) sum += faint_fraction * lights->lights[i].typical * TY_INV_4PI;
+    for (int32_t i = 0; i < lights->count; ++i) sum += contribution_fraction * lights->lights[i].typical * TY_INV_4PI;
     return sum;
 }
 
 ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path_run* run) {
     memset(run, 0, sizeof *run);
     run->context = ty_scene_context(scene);
-    run->def = def;
-    const ty_result result = check_def(run->context, def);
+    const ty_result result = ty_path_take_def(run->context, def, &run->known);
     if (result != TY_OK) return result;
+    def = run->def = &run->known;
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     run->view = *view;
@@ -83,12 +51,13 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     run->request.seed = def->seed;
     run->request.max_depth = def->max_depth;
     run->request.unscattered = def->unscattered && run->view.medium_count > 0;
-    run->kernel = choose_kernel(&run->stats.isa);
+    run->kernel = TY_BEST_KERNELS(ty_path_kernel);
+    run->stats.isa = ty_isa_name(ty_best_isa());
     return TY_OK;
 }
 
-/* How far apart a scene's things are decides which lights are likely, so without its media lights are others. */
-static ty_result take_lights(ty_path_run* run, const ty_scene* scene) {
+/* Lights for a scene without its media: their sampling probabilities depend on the scene's extent. */
+static ty_result replace_lights(ty_path_run* run, const ty_scene* scene) {
     ty_light_set* set = &run->view.lights;
     if (!run->def->ignore_media || set->count == 0) return TY_OK;
     double lower[3], upper[3];
@@ -96,37 +65,38 @@ static ty_result take_lights(ty_path_run* run, const ty_scene* scene) {
     if (run->lights == NULL) return TY_ERROR_MEMORY;
     memcpy(run->lights, set->lights, (size_t)set->count * sizeof *run->lights);
     ty_scene_surface_extent(scene, lower, upper);
-    set->placed = ty_light_set_choice(run->lights, (size_t)set->count, lower, upper);
+    set->tree_probability = ty_light_set_choice(run->lights, (size_t)set->count, lower, upper);
     set->lights = run->lights;
     return TY_OK;
 }
 
-static ty_result take_items(ty_path_run* run, bool with_parts) {
+static ty_result allocate_items(ty_path_run* run, bool with_aov_sums) {
     const size_t count = (size_t)run->item_count;
     run->items = ty_alloc_array(run->context, count, sizeof *run->items, true);
-    if (run->items != NULL && with_parts) run->parts = ty_alloc_array(run->context, count, sizeof *run->parts, true);
-    return run->items != NULL && (run->parts != NULL) == with_parts ? TY_OK : TY_ERROR_MEMORY;
+    if (run->items != NULL && with_aov_sums)
+        run->aov_sums = ty_alloc_array(run->context, count, sizeof *run->aov_sums, true);
+    return run->items != NULL && (run->aov_sums != NULL) == with_aov_sums ? TY_OK : TY_ERROR_MEMORY;
 }
 
-ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_parts) {
-    ty_result result = take_lights(run, scene);
-    if (result == TY_OK) result = take_items(run, with_parts);
+ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_aov_sums) {
+    ty_result result = replace_lights(run, scene);
+    if (result == TY_OK) result = allocate_items(run, with_aov_sums);
     if (result != TY_OK) {
         ty_path_run_end(run);
         return result;
     }
     choose_guides(&run->request);
-    run->request.faint = faint_radiance(&run->view.lights);
+    run->request.min_contribution = contribution_threshold(&run->view.lights);
     return TY_OK;
 }
 
 void ty_path_run_end(ty_path_run* run) {
     ty_free_array(run->context, run->lights, (size_t)run->view.lights.count, sizeof *run->lights);
     ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);
-    ty_free_array(run->context, run->parts, (size_t)run->item_count, sizeof *run->parts);
+    ty_free_array(run->context, run->aov_sums, (size_t)run->item_count, sizeof *run->aov_sums);
     run->lights = NULL;
     run->items = NULL;
-    run->parts = NULL;
+    run->aov_sums = NULL;
 }
 
 double ty_path_item_mean(const ty_path_item* item, int channel) {

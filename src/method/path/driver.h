@@ -1,12 +1,13 @@
-/* What rendering images, rays and cells share: options, kernels, time. */
+/* Common driver of images, rays and cells: options, kernels, time. */
 #ifndef TY_PATH_DRIVER_H
 #define TY_PATH_DRIVER_H
 
 #include "method/path/kernel.h"
+#include "option/option.h"
 
 #include <tyndall/path.h>
 
-/* Items whose samples come in together: all of them have equally many. */
+/* Items sampled together in a block: all of them have the same number of samples. */
 enum { TY_PATH_BLOCK = 64, TY_PATH_SPP_MAX = 1 << 24 };
 
 /* Accumulated samples of one item. */
@@ -17,33 +18,38 @@ typedef struct ty_path_item {
 
 typedef struct ty_path_run {
     ty_context* context;
-    const ty_path_def* def;
+    const ty_path_def* def; /* known, but for a bake, which has none once it samples */
+    ty_path_def known;      /* the caller's def in the library's own size */
     const char* stage;
-    ty_scene_view view; /* what paths see of the scene: its media may be left out */
+    ty_scene_view view; /* scene as seen by paths; media may be left out */
     ty_path_request request;
     ty_sobol sobol;
-    int32_t height;        /* of the whole frame; pixels only */
-    uint64_t scene_hash;   /* pixels only */
-    ty_path_item* items;   /* item_count, zeroed or as a state says */
-    ty_path_parts* parts;  /* the same; NULL: not kept */
-    ty_light_view* lights; /* of the scene without its media; NULL: those of the scene */
+    int32_t height;             /* of the whole frame; pixels only */
+    uint64_t scene_hash;        /* pixels only */
+    ty_path_item* items;        /* item_count items, zeroed or resumed from a state */
+    ty_path_aov_sums* aov_sums; /* item_count; NULL: not needed */
+    ty_light_view* lights;      /* lights of the scene without its media; NULL: the scene's own */
     int64_t item_count;
     ty_path_kernel kernel;
-    ty_path_stats stats; /* result; before sampling, what the runs before this one did */
+    ty_path_stats stats; /* result; before sampling, the statistics of earlier runs */
 } ty_path_run;
+
+extern const ty_option_table ty_path_options;
+/* Copies a caller's def to own, in the library's own size, and checks it. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_path_take_def(ty_context* context, const ty_path_def* def, ty_path_def* own);
 
 /* Checks def and the scene and fills in everything but kind, geometry and items. */
 ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path_run* run);
 
-/* Finds the lights that guide, and takes memory for item_count items and, if asked, for their parts. */
-ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_parts);
+/* Chooses the guiding lights, and allocates item_count items and, if asked, their AOV sums. */
+ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_aov_sums);
 void ty_path_run_end(ty_path_run* run);
 
-/* Samples all items in passes until def's bounds are met. TY_OK or TY_CANCELLED, and items are valid either way;
- * TY_ERROR_MEMORY before any work. */
+/* Samples all items in passes until def's bounds are met. Items are valid after TY_OK and TY_CANCELLED;
+ * TY_ERROR_MEMORY comes before any work. */
 ty_result ty_path_sample(ty_path_run* run);
 
-/* The mean of an item's samples, and the variance of that mean (0 from fewer than two samples). */
+/* Mean of an item's samples, and variance of that mean (0 for fewer than two samples). */
 double ty_path_item_mean(const ty_path_item* item, int channel);
 double ty_path_item_variance(const ty_path_item* item, int channel);
 

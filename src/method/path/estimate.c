@@ -1,6 +1,6 @@
-/* Radiance along given rays, fluence in cells, transmittance between points. */
+/* Estimates without a camera: radiance along given rays, fluence in cells, transmittance between points. */
 #include "base/context.h"
-#include "direct/transmittance.k.h"
+#include "direct/media/transmittance.k.h"
 #include "method/path/driver.h"
 #include "scene/check.h"
 
@@ -13,23 +13,19 @@ static ty_result sample_items(ty_path_run* run, const ty_scene* scene, double* m
     for (int64_t i = 0; i < run->item_count; ++i)
         for (int c = 0; c < 3; ++c) {
             mean[3 * i + c] = ty_path_item_mean(&run->items[i], c);
-            if (uncollided != NULL) uncollided[3 * i + c] = run->parts[i].uncollided[c] / fmax(run->items[i].count, 1);
+            if (uncollided != NULL)
+                uncollided[3 * i + c] = run->aov_sums[i].uncollided[c] / fmax(run->items[i].count, 1);
             if (variance != NULL) variance[3 * i + c] = ty_path_item_variance(&run->items[i], c);
         }
     ty_path_run_end(run);
     return result;
 }
 
-ty_result ty_path_radiance(const ty_scene* scene, const ty_path_def* def, int64_t count, const double* rays,
+ty_result ty_path_radiance(const ty_scene* scene, const ty_path_def* def, const double* rays, int64_t count,
                            double* radiance, double* variance) {
     ty_path_run run;
     ty_result result = ty_path_prepare(scene, def, &run);
-    if (result != TY_OK) return result;
-    if (count < 1) return ty_fail(run.context, TY_ERROR_ARGUMENT, "path: a count of %lld rays", (long long)count);
-    for (int64_t i = 0; i < count && result == TY_OK; ++i) {
-        result = ty_check_point(run.context, "rays: origin", rays + 6 * i);
-        if (result == TY_OK) result = ty_check_direction(run.context, "rays: direction", rays + 6 * i + 3);
-    }
+    if (result == TY_OK) result = ty_check_rays(run.context, rays, count, radiance);
     if (result != TY_OK) return result;
     run.stage = "radiance";
     run.request.kind = TY_PATH_RAYS;
@@ -68,14 +64,14 @@ ty_result ty_path_transmittance(const ty_scene* scene, const ty_path_def* def, c
     if (result == TY_OK) result = ty_check_point(run.context, "transmittance: to", to);
     if (result != TY_OK) return result;
     const ty_vec origin = ty_vec_make((float)from[0], (float)from[1], (float)from[2]);
-    const ty_vec way = ty_vec_make((float)(to[0] - from[0]), (float)(to[1] - from[1]), (float)(to[2] - from[2]));
-    const float length = sqrtf(ty_dot(way, way));
+    const ty_vec offset = ty_vec_make((float)(to[0] - from[0]), (float)(to[1] - from[1]), (float)(to[2] - from[2]));
+    const float length = sqrtf(ty_dot(offset, offset));
     for (int c = 0; c < 3; ++c) transmittance[c] = length > 0 ? 0 : 1;
     for (int32_t sample = 0; sample < def->spp && length > 0; ++sample) {
-        ty_random random = ty_random_begin(&run.sobol, def->seed, 0, (uint32_t)sample);
+        ty_sampler random = ty_sampler_begin(&run.sobol, def->seed, 0, (uint32_t)sample);
         float estimate[3];
         ty_transmittance(run.request.scene->media, run.request.scene->medium_count, origin,
-                         ty_scale(way, 1.0f / length), length, &random, estimate);
+                         ty_scale(offset, 1.0f / length), length, &random, estimate);
         for (int c = 0; c < 3; ++c) transmittance[c] += (double)estimate[c] / def->spp;
     }
     return TY_OK;

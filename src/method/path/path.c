@@ -1,4 +1,4 @@
-/* Rendering an image. */
+/* Rendering of an image. */
 #include "base/context.h"
 #include "image/options.h"
 #include "method/path/aov.h"
@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-/* The part of the frame to render: all of it unless the def crops. */
+/* Pixel rectangle to render: the whole frame unless the def crops. */
 static ty_result choose_crop(ty_path_run* run) {
     const int32_t* crop = run->def->crop;
     int32_t* out = run->request.crop;
@@ -24,14 +24,14 @@ static ty_result choose_crop(ty_path_run* run) {
     return TY_OK;
 }
 
-/* Fills in what to render of which frame. */
+/* Sets the frame, the crop and the camera. */
 static ty_result prepare_pixels(const ty_scene* scene, ty_path_run* run) {
     const ty_path_def* def = run->def;
     const ty_camera_def camera = ty_scene_camera(scene);
     run->stage = "path";
     run->scene_hash = ty_scene_hash(scene);
     run->request.kind = TY_PATH_PIXELS;
-    run->request.look = ty_aovs_need_look(def->aovs);
+    run->request.first_hit = ty_aovs_need_first_hit(def->aovs);
     int32_t size[2];
     ty_image_resolution(scene, def->width, def->height, size);
     run->request.width = size[0];
@@ -42,9 +42,10 @@ static ty_result prepare_pixels(const ty_scene* scene, ty_path_run* run) {
     return result;
 }
 
-/* Tells at once when items, image and state together do not fit. */
+/* Reports early if items, image and state together exceed the memory limit. */
 static ty_result check_memory(const ty_path_run* run) {
-    const double item = (double)(sizeof *run->items + (ty_aovs_need_parts(run->def->aovs) ? sizeof *run->parts : 0));
+    const double item =
+        (double)(sizeof *run->items + (ty_aovs_need_classes(run->def->aovs) ? sizeof *run->aov_sums : 0));
     const double pixel = item * (run->def->state != NULL ? 2 : 1) + (double)ty_aovs_pixel_size(run->def->aovs);
     char what[64];
     snprintf(what, sizeof what, "path: %d x %d pixels", run->request.crop[2], run->request.crop[3]);
@@ -70,7 +71,7 @@ ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image
     ty_result result = ty_path_prepare(scene, def, &run);
     if (result == TY_OK) result = prepare_pixels(scene, &run);
     if (result == TY_OK) result = check_memory(&run);
-    if (result == TY_OK) result = ty_path_run_begin(&run, scene, ty_aovs_need_parts(def->aovs));
+    if (result == TY_OK) result = ty_path_run_begin(&run, scene, ty_aovs_need_classes(def->aovs));
     if (result != TY_OK) return result;
     result = render_pixels(&run, out);
     if (stats != NULL && (result == TY_OK || result == TY_CANCELLED)) *stats = run.stats;

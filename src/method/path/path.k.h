@@ -1,59 +1,60 @@
-/* One light path, from the eye towards the lights: docs/method/path.md explains it. */
+/* One light path from the camera towards the lights, with next-event estimation and multiple importance sampling.
+ * docs/method/path.md gives the estimators. */
 #ifndef TY_PATH_PATH_K_H
 #define TY_PATH_PATH_K_H
 
 #include "method/path/equiangular.k.h"
 #include "scene/phase.k.h"
 
-/* Vertices after which even a path that loses nothing is slowly ended. */
-enum { TY_PATH_PATIENCE = 2000 };
+/* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
+enum { TY_PATH_ROULETTE_DEPTH = 2000 };
 
-/* What became of light between its source and the eye. */
+/* Path classes: the interactions of light between its source and the camera. */
 enum {
-    TY_PART_UNCOLLIDED = 0, /* nothing */
-    TY_PART_REFLECTED = 1,  /* only surfaces reflected it */
-    TY_PART_SINGLE = 2,     /* one scattering in a medium, and nothing else */
-    TY_PART_MULTIPLE = 3,   /* anything else */
-    TY_PART_COUNT = 4
+    TY_PATH_UNCOLLIDED = 0, /* no interaction */
+    TY_PATH_REFLECTED = 1,  /* reflections at surfaces only */
+    TY_PATH_SINGLE = 2,     /* one scattering in a medium and no other interaction */
+    TY_PATH_MULTIPLE = 3,   /* any other sequence */
+    TY_PATH_CLASS_COUNT = 4
 };
 
 typedef struct ty_path {
     const ty_path_request* request;
-    ty_random random;
+    ty_sampler random;
     ty_vec origin, direction;
-    ty_vec normal;     /* of the surface that the path last left, on its side; 0 in media and at the eye */
-    float beta[3];     /* throughput */
-    float survival;    /* throughput without what directions were weighted with: what Russian roulette looks at */
-    float pdf;         /* per steradian, of direction; 0 where no light sampling competes (the eye) */
-    int32_t scattered; /* whether the last vertex is in a medium, where equi-angular sampling competed */
-    float phase;       /* the phase function (green) of that vertex in direction, per steradian */
+    ty_vec normal;       /* unit normal of the last surface vertex, on the path's side; 0 in media and at the camera */
+    float beta[3];       /* throughput */
+    float rr_throughput; /* throughput without the weights of sampled directions; Russian roulette decides by it */
+    float pdf;           /* solid-angle density of direction, 1/sr; 0 at the camera, where no light was sampled */
+    int32_t scattered; /* nonzero if the last vertex is in a medium, where equiangular sampling shares the MIS weight */
+    float phase;       /* phase function (green) of that vertex in direction, 1/sr */
     int32_t depth;     /* scatterings and reflections so far */
     int32_t run;       /* scatterings since the last reflection */
-    int32_t part;      /* what became of light that the path finds now */
-    float radiance[TY_PART_COUNT][3]; /* found so far */
+    int32_t path_class;                     /* class of the light that the path finds next */
+    float radiance[TY_PATH_CLASS_COUNT][3]; /* estimate so far per class, W m^-2 sr^-1 */
 } ty_path;
 
-/* The part after one more scattering, or reflection. */
-TY_FN int32_t ty_part_scattered(int32_t part) {
-    return part == TY_PART_UNCOLLIDED ? TY_PART_SINGLE : TY_PART_MULTIPLE;
+/* The path class after one more scattering, or one more reflection. */
+TY_FN int32_t ty_path_class_scattered(int32_t path_class) {
+    return path_class == TY_PATH_UNCOLLIDED ? TY_PATH_SINGLE : TY_PATH_MULTIPLE;
 }
 
-TY_FN int32_t ty_part_reflected(int32_t part) {
-    return part <= TY_PART_REFLECTED ? TY_PART_REFLECTED : TY_PART_MULTIPLE;
+TY_FN int32_t ty_path_class_reflected(int32_t path_class) {
+    return path_class <= TY_PATH_REFLECTED ? TY_PATH_REFLECTED : TY_PATH_MULTIPLE;
 }
 
 TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
-    for (int c = 0; c < 3; ++c) path->radiance[path->part][c] += radiance[c];
+    for (int c = 0; c < 3; ++c) path->radiance[path->path_class][c] += radiance[c];
 }
 
-/* What a ray that hit a surface finds there. */
-typedef struct ty_encounter {
+/* A ray's surface intersection and the material at that point. */
+typedef struct ty_intersection {
     ty_hit hit;
     ty_surface_point point;
-} ty_encounter;
+} ty_intersection;
 
-/* The share of light met on a surface that light sampling from where the ray began leaves to the ray. */
-TY_FN float ty_path_met_weight(const ty_path* path, const ty_encounter* end) {
+/* MIS weight (balance heuristic) of emission that a ray hits, against light sampling from the ray's origin. */
+TY_FN float ty_path_mis_weight_emission(const ty_path* path, const ty_intersection* end) {
     const ty_light_set* lights = &path->request->scene->lights;
     const float distance = end->hit.distance;
     float weight = 1.0f;
@@ -64,18 +65,18 @@ TY_FN float ty_path_met_weight(const ty_path* path, const ty_encounter* end) {
         const float chosen = ty_lights_probability(lights, end->point.light, path->origin, path->normal);
         weight = path->pdf / (path->pdf + chosen * density);
     }
-    if (path->scattered != 0 && ty_light_is_lamp(light->kind))
-        weight *= ty_lamp_rest(distance * distance, light->reach2, density, path->phase);
+    if (path->scattered != 0 && ty_light_is_local(light->kind))
+        weight *= ty_mis_weight_collision(distance * distance, light->reach2, density, path->phase);
     return weight;
 }
 
-/* Light that the ray meets at its end. end: NULL where it meets no surface. */
-TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const ty_encounter* end) {
+/* Adds emission at the ray's end. end: NULL if the ray leaves the scene, which adds the environments. */
+TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const ty_intersection* end) {
     const ty_light_set* lights = &path->request->scene->lights;
     float radiance[3];
     if (end != NULL) {
         if (!(ty_max3(end->point.emission) > 0.0f)) return;
-        const float weight = ty_path_met_weight(path, end);
+        const float weight = ty_path_mis_weight_emission(path, end);
         for (int c = 0; c < 3; ++c) radiance[c] = throughput[c] * end->point.emission[c] * weight;
         ty_path_add(path, radiance);
         return;
@@ -94,18 +95,19 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
 
 /* ---- directions in media ---- */
 
-/* What scatters at a vertex: phase functions per channel, mixed by throughput, and lobes about lights. */
-typedef struct ty_scatter {
+/* Direction sampling at a vertex in a medium: a mixture over channels of their phase functions, weighted by throughput,
+ * and of Henyey-Greenstein lobes about the directions of lights (guiding). */
+typedef struct ty_scatter_vertex {
     ty_vec incoming;
     float g[3];
-    float share[3]; /* of the channels in the mixture; add up to 1 */
+    float weight[3]; /* mixture weights of the channels; their sum is 1 */
     int32_t gray;
     float guided;     /* probability of sampling a lobe about a light */
     float guide_g[3]; /* g, g^2, g^4: light that scatters once, twice, four times more */
     int32_t guide_count;
     ty_vec axis[TY_GUIDES_MAX];
     const float* axis_share;
-} ty_scatter;
+} ty_scatter_vertex;
 
 TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
     if (light->kind == TY_KIND_DIRECTIONAL) return ty_scale(light->direction, -1.0f);
@@ -117,16 +119,16 @@ TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
     return d2 > 1e-30f ? ty_scale(to, 1.0f / sqrtf(d2)) : ty_vec_make(0, 0, 1);
 }
 
-/* How much of the directions at a path's vertex of some depth (1: the first) is given to lobes about lights: much only
- * where g nears 1, and falling with depth fast enough that the weights of paths that never take a lobe stay bounded
- * (by 14). Both were chosen by measured cost of noise, in thin and in thick media. */
+/* Probability of sampling a guiding lobe at a vertex of the given depth (1: the first). It is large only for g near 1
+ * and falls with depth fast enough to bound the weight of a path without guided directions (by 14). Both factors
+ * minimise the measured cost of noise (variance times time) in thin and in thick media. */
 TY_FN float ty_guided_fraction(float g, int32_t depth) {
     const float g2 = ty_maxf(g, 0.0f) * ty_maxf(g, 0.0f), g4 = g2 * g2;
     const float fall = 1.0f / (1.0f + 0.25f * (float)(depth - 1));
     return 0.6f * g4 * g4 * fall * fall;
 }
 
-TY_FN void ty_scatter_begin(ty_scatter* s, const ty_path* path, const ty_medium_view* medium) {
+TY_FN void ty_scatter_vertex_begin(ty_scatter_vertex* s, const ty_path* path, const ty_medium_view* medium) {
     const ty_path_request* request = path->request;
     const float sum = ty_sum3(path->beta);
     float g = 0.0f;
@@ -134,11 +136,11 @@ TY_FN void ty_scatter_begin(ty_scatter* s, const ty_path* path, const ty_medium_
     s->gray = medium->gray_g;
     ty_medium_g(medium, path->origin, s->g);
     for (int c = 0; c < 3; ++c) {
-        s->share[c] = path->beta[c] / sum;
-        g += s->share[c] * s->g[c];
+        s->weight[c] = path->beta[c] / sum;
+        g += s->weight[c] * s->g[c];
     }
     s->guide_count = request->guide_count;
-    s->axis_share = request->guide_share;
+    s->axis_share = request->guide_weight;
     s->guided = s->guide_count > 0 ? ty_guided_fraction(g, path->depth) : 0.0f;
     if (s->guided <= 0.0f) return;
     s->guide_g[0] = g;
@@ -149,15 +151,15 @@ TY_FN void ty_scatter_begin(ty_scatter* s, const ty_path* path, const ty_medium_
 }
 
 /* The phase function per channel. */
-TY_FN void ty_scatter_phase(const ty_scatter* s, ty_vec direction, float phase[3]) {
+TY_FN void ty_scatter_vertex_phase(const ty_scatter_vertex* s, ty_vec direction, float phase[3]) {
     const float mu = ty_clampf(ty_dot(s->incoming, direction), -1.0f, 1.0f);
     phase[0] = ty_hg(mu, s->g[0]);
     phase[1] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[1]);
     phase[2] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[2]);
 }
 
-TY_FN float ty_scatter_pdf(const ty_scatter* s, ty_vec direction, const float phase[3]) {
-    const float plain = s->share[0] * phase[0] + s->share[1] * phase[1] + s->share[2] * phase[2];
+TY_FN float ty_scatter_vertex_pdf(const ty_scatter_vertex* s, ty_vec direction, const float phase[3]) {
+    const float plain = s->weight[0] * phase[0] + s->weight[1] * phase[1] + s->weight[2] * phase[2];
     if (s->guided <= 0.0f) return plain;
     float lobes = 0.0f;
     for (int32_t i = 0; i < s->guide_count; ++i) {
@@ -167,113 +169,114 @@ TY_FN float ty_scatter_pdf(const ty_scatter* s, ty_vec direction, const float ph
     return ty_lerpf(plain, lobes * (1.0f / 3.0f), s->guided);
 }
 
-TY_FN ty_vec ty_scatter_sample(const ty_scatter* s, ty_random* random) {
-    const float v = ty_random_next(random);
-    float u = ty_random_next(random);
+TY_FN ty_vec ty_scatter_vertex_sample(const ty_scatter_vertex* s, ty_sampler* random) {
+    const float v = ty_sobol_next(random);
+    float u = ty_sobol_next(random);
     ty_vec axis = s->incoming;
     float g = s->g[0];
     if (u < s->guided) {
         const float lobes[3] = {1.0f, 1.0f, 1.0f};
         u /= s->guided;
-        axis = s->axis[ty_pick(s->axis_share, s->guide_count, 1.0f, &u)];
-        g = s->guide_g[ty_pick(lobes, 3, 3.0f, &u)];
+        axis = s->axis[ty_sample_discrete(s->axis_share, s->guide_count, 1.0f, &u)];
+        g = s->guide_g[ty_sample_discrete(lobes, 3, 3.0f, &u)];
     } else {
         u = (u - s->guided) / (1.0f - s->guided);
-        if (s->gray == 0) g = s->g[ty_pick(s->share, 3, 1.0f, &u)];
+        if (s->gray == 0) g = s->g[ty_sample_discrete(s->weight, 3, 1.0f, &u)];
     }
     return ty_hg_sample(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
 }
 
 /* ---- vertices ---- */
 
-/* The light chosen for a vertex with what probability, and its sample, unshadowed; NULL if there is none. */
+/* Chooses a light for a vertex and samples a point on it, without visibility. *chosen: the discrete probability of that
+ * light. NULL: there is no light, or the sample carries no radiance. */
 TY_FN const ty_light_view* ty_path_choose_light(ty_path* path, ty_vec from, float* chosen, ty_light_sample* sample) {
     const ty_light_set* lights = &path->request->scene->lights;
     if (lights->count == 0) return NULL;
-    float pick = lights->count > 1 ? ty_random_next(&path->random) : 0.0f;
+    float pick = lights->count > 1 ? ty_sobol_next(&path->random) : 0.0f;
     const int32_t i = ty_lights_choose(lights, from, path->normal, &pick, chosen);
     if (i < 0) return NULL;
     const ty_light_view* light = &lights->lights[i];
     float u = 0.5f, v = 0.5f;
     if (light->kind >= TY_KIND_AREA) {
-        u = ty_random_next(&path->random);
-        v = ty_random_next(&path->random);
+        u = ty_sobol_next(&path->random);
+        v = ty_sobol_next(&path->random);
     }
     return ty_light_sample_from(light, from, u, v, sample) ? light : NULL;
 }
 
-/* Whether no surface lies between a point and a light sample. */
-TY_FN bool ty_path_sees(const ty_path* path, ty_vec from, const ty_light_sample* sample) {
-    const ty_mesh* mesh = path->request->scene->mesh;
+/* Visibility of a light sample from a point: true if no surface lies between them. */
+TY_FN bool ty_path_light_visible(const ty_path* path, ty_vec from, const ty_light_sample* sample) {
+    const ty_accel* mesh = path->request->scene->mesh;
     const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : TY_FLOAT_MAX;
-    return mesh == NULL || !ty_mesh_occluded(mesh, from, sample->look, far);
+    return mesh == NULL || !ty_accel_occluded(mesh, from, sample->wi, far);
 }
 
-/* Adds a light sample, with factor per channel (throughput, phase or reflectance, cosine), if nothing shadows it;
- * media attenuate it. */
+/* Radiance of a light sample times factor (throughput, phase function or BRDF, cosine) times visibility and
+ * transmittance. Contributions below request->min_contribution are traced by Russian roulette. */
 TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample* sample, const float factor[3],
                              float radiance[3]) {
     const ty_scene_view* scene = path->request->scene;
     float transmittance[3];
     for (int c = 0; c < 3; ++c) radiance[c] = factor[c] * sample->radiance[c];
     const float most = ty_max3(radiance);
-    if (most < path->request->faint) {
-        const float chance = most / path->request->faint;
-        const bool traced = ty_random_white(&path->random) < chance;
+    if (most < path->request->min_contribution) {
+        const float chance = most / path->request->min_contribution;
+        const bool traced = ty_rng_uniform(&path->random) < chance;
         for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
     }
-    if (ty_sum3(radiance) > 0.0f && !ty_path_sees(path, origin, sample))
+    if (ty_sum3(radiance) > 0.0f && !ty_path_light_visible(path, origin, sample))
         for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
     if (!(ty_sum3(radiance) > 0.0f)) return;
-    ty_transmittance(scene->media, scene->medium_count, origin, sample->look, sample->distance, &path->random,
+    ty_transmittance(scene->media, scene->medium_count, origin, sample->wi, sample->distance, &path->random,
                      transmittance);
     for (int c = 0; c < 3; ++c) radiance[c] *= transmittance[c];
 }
 
-/* Samples a light from a vertex whose factor (see above) the caller knows how to evaluate: the weight is shared with
- * the vertex taking that direction itself, with density pdf, and with equi-angular sampling of the last stretch. phase:
- * in media, the phase function (green) towards the sample. */
+/* Next-event estimation at a vertex. factor: phase function or BRDF times cosine, per channel. The MIS weight accounts
+ * for directional sampling with solid-angle density pdf, and in media for equiangular sampling of the last ray. phase:
+ * in media, the phase function (green) towards the sample, 1/sr. */
 TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, float chosen,
                                     const ty_light_sample* sample, const float factor[3], float pdf, float phase) {
     float weight = 1.0f / chosen, weighted[3], radiance[3];
     if (sample->pdf > 0.0f) weight = sample->pdf / (chosen * sample->pdf + pdf);
-    if (path->scattered != 0 && ty_light_is_lamp(light->kind))
-        weight *= ty_lamp_rest(sample->distance * sample->distance, light->reach2, sample->pdf, phase);
+    if (path->scattered != 0 && ty_light_is_local(light->kind))
+        weight *= ty_mis_weight_collision(sample->distance * sample->distance, light->reach2, sample->pdf, phase);
     for (int c = 0; c < 3; ++c) weighted[c] = path->beta[c] * factor[c] * weight;
     ty_path_add_light(path, path->origin, sample, weighted, radiance);
     ty_path_add(path, radiance);
 }
 
-/* The equi-angular technique on the ray that the path has just begun: adds light scattered once along it. Rays that
- * pass a lamp at a distance take part by chance. */
-TY_FN void ty_path_add_lamps(ty_path* path, const ty_spans* spans) {
+/* Equiangular sampling (Kulla and Fajardo 2012) along the path's current ray: adds the light of a local light that is
+ * scattered into the ray. Russian roulette skips rays that pass the light at a distance. */
+TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     const ty_scene_view* scene = path->request->scene;
-    const ty_stretch stretch = ty_spans_stretch(spans);
-    float pick = scene->lights.lamp_count > 1 ? ty_random_white(&path->random) : 0.0f, chosen = 1.0f;
-    const int32_t lamp = ty_lights_choose_lamp(&scene->lights, path->origin, path->direction, stretch.enter,
-                                               stretch.leave, &pick, &chosen);
-    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
-    const float along = ty_random_next(&path->random);
+    const ty_media_interval interval = ty_spans_interval(spans);
+    float pick = scene->lights.local_count > 1 ? ty_rng_uniform(&path->random) : 0.0f, chosen = 1.0f;
+    const int32_t lamp = ty_lights_choose_local(&scene->lights, path->origin, path->direction, interval.enter,
+                                                interval.leave, &pick, &chosen);
+    const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
+    const float along = ty_sobol_next(&path->random);
     if (lamp < 0) return;
     const ty_light_view* light = &scene->lights.lights[lamp];
     float b1, b2;
     const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
-    const ty_vec place = flat ? ty_light_place(light, u, v, &b1, &b2) : light->position;
+    const ty_vec place = flat ? ty_light_point(light, u, v, &b1, &b2) : light->position;
     const ty_vec to = ty_sub(place, path->origin);
     const float nearest = ty_dot(to, path->direction);
     const ty_vec off = ty_mad(to, path->direction, -nearest);
     const float off2 = ty_dot(off, off) + 1e-10f * light->reach2;
-    const float beyond = nearest - ty_clampf(nearest, stretch.enter, stretch.leave);
-    const float chance = ty_lamp_nearness(off2 + beyond * beyond, light->reach2);
-    if (ty_random_white(&path->random) >= chance) return;
+    const float beyond = nearest - ty_clampf(nearest, interval.enter, interval.leave);
+    const float chance = ty_mis_near_weight(off2 + beyond * beyond, light->reach2);
+    if (ty_rng_uniform(&path->random) >= chance) return;
     float t;
-    const float density = ty_equiangular_sample(stretch, nearest, sqrtf(off2), along, &t);
+    const float density = ty_equiangular_sample(interval, nearest, sqrtf(off2), along, &t);
     const ty_vec at = ty_mad(path->origin, path->direction, t);
     ty_light_sample sample;
     if (!ty_light_sample_from(light, at, u, v, &sample)) return;
-    const float near = ty_lamp_nearness(sample.distance * sample.distance, light->reach2);
+    const float near = ty_mis_near_weight(sample.distance * sample.distance, light->reach2);
     const float weight = near / (chosen * density * chance);
-    const float mu = ty_clampf(ty_dot(path->direction, sample.look), -1.0f, 1.0f);
+    const float mu = ty_clampf(ty_dot(path->direction, sample.wi), -1.0f, 1.0f);
     float factor[3] = {0.0f, 0.0f, 0.0f}, transmittance[3], radiance[3];
     for (int32_t i = 0; i < spans->count; ++i) {
         if (t < spans->enter[i] || t > spans->leave[i]) continue;
@@ -281,93 +284,94 @@ TY_FN void ty_path_add_lamps(ty_path* path, const ty_spans* spans) {
         float sigma_s[3], g[3];
         ty_medium_sigma_s(medium, at, sigma_s);
         ty_medium_g(medium, at, g);
-        const float share = ty_lamp_smallness(sample.pdf, ty_hg(mu, g[1]));
-        const float amount = share * weight * ty_medium_density(medium, at, &path->random);
+        const float mis_weight = ty_mis_small_light_weight(sample.pdf, ty_hg(mu, g[1]));
+        const float amount = mis_weight * weight * ty_medium_density(medium, at, &path->random);
         for (int c = 0; c < 3; ++c) factor[c] += path->beta[c] * amount * sigma_s[c] * ty_hg(mu, g[c]);
     }
     if (!(ty_sum3(factor) > 0.0f)) return;
     ty_path_add_light(path, at, &sample, factor, radiance);
     if (!(ty_sum3(radiance) > 0.0f)) return;
     ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, t, &path->random, transmittance);
-    for (int c = 0; c < 3; ++c) path->radiance[ty_part_scattered(path->part)][c] += radiance[c] * transmittance[c];
+    for (int c = 0; c < 3; ++c)
+        path->radiance[ty_path_class_scattered(path->path_class)][c] += radiance[c] * transmittance[c];
 }
 
-/* Light scattered at path->origin by a medium, and the direction in which the path goes on. */
+/* A scattering vertex at path->origin: next-event estimation, then the next direction. */
 TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
-    ty_scatter scatter;
+    ty_scatter_vertex scatter;
     ty_light_sample sample;
     float phase[3], chosen;
     path->normal = ty_vec_make(0, 0, 0);
-    ty_scatter_begin(&scatter, path, medium);
+    ty_scatter_vertex_begin(&scatter, path, medium);
     const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
     if (light != NULL) {
-        ty_scatter_phase(&scatter, sample.look, phase);
+        ty_scatter_vertex_phase(&scatter, sample.wi, phase);
         ty_path_add_vertex_light(path, light, chosen, &sample, phase,
-                                 sample.pdf > 0.0f ? ty_scatter_pdf(&scatter, sample.look, phase) : 0.0f, phase[1]);
+                                 sample.pdf > 0.0f ? ty_scatter_vertex_pdf(&scatter, sample.wi, phase) : 0.0f,
+                                 phase[1]);
     }
-    path->direction = ty_scatter_sample(&scatter, &path->random);
-    ty_scatter_phase(&scatter, path->direction, phase);
+    path->direction = ty_scatter_vertex_sample(&scatter, &path->random);
+    ty_scatter_vertex_phase(&scatter, path->direction, phase);
     path->phase = phase[1];
-    path->pdf = ty_scatter_pdf(&scatter, path->direction, phase);
+    path->pdf = ty_scatter_vertex_pdf(&scatter, path->direction, phase);
     for (int c = 0; c < 3; ++c) path->beta[c] *= phase[c] / path->pdf;
 }
 
-/* A cosine-distributed direction about the normal of the point where the path is. */
-TY_FN void ty_path_turn(ty_path* path) {
-    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
+/* Samples a cosine-weighted direction about the vertex normal. */
+TY_FN void ty_path_sample_cosine_hemisphere(ty_path* path) {
+    const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
     const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
     path->direction = ty_direction_about(path->normal, cosine, v);
     path->pdf = cosine * (1.0f / TY_PI);
 }
 
-/* Any direction with equal density. */
-TY_FN void ty_path_turn_anywhere(ty_path* path) {
-    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
+/* Samples a direction uniformly on the sphere. */
+TY_FN void ty_path_sample_sphere(ty_path* path) {
+    const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
     path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
     path->pdf = TY_INV_4PI;
 }
 
-/* Light reflected by a Lambertian surface, and the direction in which the path goes on. Cosines are those of the
- * smoothed normal; nothing comes from behind the face itself. */
-TY_FN void ty_path_reflect(ty_path* path, const ty_encounter* at) {
+/* A vertex on a Lambertian surface: next-event estimation, then the next direction. Cosines use the shading normal;
+ * directions behind the geometric normal carry no light. */
+TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     const ty_surface_point* point = &at->point;
     ty_light_sample sample;
     float factor[3], chosen;
-    path->origin = ty_hit_leave(&at->hit, point->facing);
-    path->normal = point->normal;
+    path->origin = ty_hit_leave(&at->hit, point->ng);
+    path->normal = point->ns;
     const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
-    const float facing = light != NULL ? ty_dot(point->normal, sample.look) * (1.0f / TY_PI) : 0.0f;
-    if (facing > 0.0f && ty_dot(point->facing, sample.look) > 0.0f) {
+    const float facing = light != NULL ? ty_dot(point->ns, sample.wi) * (1.0f / TY_PI) : 0.0f;
+    if (facing > 0.0f && ty_dot(point->ng, sample.wi) > 0.0f) {
         for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * facing;
         ty_path_add_vertex_light(path, light, chosen, &sample, factor, facing, 0.0f);
     }
-    ty_path_turn(path);
-    const bool outside = ty_dot(point->facing, path->direction) > 0.0f;
+    ty_path_sample_cosine_hemisphere(path);
+    const bool outside = ty_dot(point->ng, path->direction) > 0.0f;
     for (int c = 0; c < 3; ++c) path->beta[c] *= outside ? point->albedo[c] : 0.0f;
-    path->survival *= ty_max3(point->albedo);
+    path->rr_throughput *= ty_max3(point->albedo);
 }
 
-/* Ends paths that have little left to bring, by a chance that keeps the mean. */
-TY_FN bool ty_path_survives(ty_path* path, float before) {
+/* Russian roulette on rr_throughput, unbiased. beta_before: sum of beta before the last interaction. */
+TY_FN bool ty_path_survives(ty_path* path, float beta_before) {
     const float now = ty_sum3(path->beta);
     if (!(now > 0.0f)) return false;
-    path->survival *= ty_minf(1.0f, now / before);
-    /* What lobes took away can come back, but not more than the phase functions differ by. */
-    path->survival = ty_minf(path->survival, 1e6f * now);
-    /* Light that nothing absorbs in a closed room would go round for ever. */
-    if (path->depth >= TY_PATH_PATIENCE) path->survival *= 0.99f;
-    if (path->survival >= 0.2f) return true;
-    const float chance = ty_maxf(path->survival * 2.5f, 0.02f);
-    if (ty_random_white(&path->random) >= chance) return false;
+    path->rr_throughput *= ty_minf(1.0f, now / beta_before);
+    /* Guiding weights can lower beta and later vertices can restore it, by at most the ratio of the phase functions. */
+    path->rr_throughput = ty_minf(path->rr_throughput, 1e6f * now);
+    /* A closed scene without absorption would otherwise never end a path. */
+    if (path->depth >= TY_PATH_ROULETTE_DEPTH) path->rr_throughput *= 0.99f;
+    if (path->rr_throughput >= 0.2f) return true;
+    const float chance = ty_maxf(path->rr_throughput * 2.5f, 0.02f);
+    if (ty_rng_uniform(&path->random) >= chance) return false;
     for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
-    path->survival /= chance;
+    path->rr_throughput /= chance;
     return true;
 }
 
-/* Without scattering: the path goes on to its ray's end (NULL: it meets no surface), as much of it as media let pass.
- * True when it stands at a surface that reflects. Means of several estimates towards the eye would cost what they save.
- */
-TY_FN bool ty_path_pass(ty_path* path, const ty_encounter* end, float before) {
+/* The next event where media only attenuate: throughput times transmittance to the ray's end (NULL: the ray leaves the
+ * scene). True at a reflecting surface. Averaging several transmittance estimates costs as much time as it saves. */
+TY_FN bool ty_path_pass_unscattered(ty_path* path, const ty_intersection* end, float beta_before) {
     const ty_scene_view* scene = path->request->scene;
     const float far = end != NULL ? end->hit.distance : TY_FLOAT_MAX;
     float transmittance[3];
@@ -375,89 +379,91 @@ TY_FN bool ty_path_pass(ty_path* path, const ty_encounter* end, float before) {
                      transmittance);
     for (int c = 0; c < 3; ++c) path->beta[c] *= transmittance[c];
     ty_path_add_emission(path, path->beta, end);
-    return end != NULL && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, before);
+    return end != NULL && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, beta_before);
 }
 
-/* The next event of a path: true when it now stands at a vertex, in *medium or, where that is NULL, at *end. */
-TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_encounter* end) {
+/* The next event of a path: true at a new vertex, which lies in *medium or, if that is NULL, on the surface *end. */
+TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_intersection* end) {
     const ty_scene_view* scene = path->request->scene;
     const ty_medium_view* media = scene->media;
-    const float before = ty_sum3(path->beta);
-    if (!(before > 1e-30f)) return false;
+    const float beta_before = ty_sum3(path->beta);
+    if (!(beta_before > 1e-30f)) return false;
     const bool last = (path->request->max_depth > 0 && path->depth >= path->request->max_depth) ||
                       (path->request->max_run > 0 && path->run >= path->request->max_run);
     const bool on_surface =
-        scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
+        scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
     *medium = NULL;
-    if (path->request->unscattered != 0) return ty_path_pass(path, on_surface ? end : NULL, before);
+    if (path->request->unscattered != 0) return ty_path_pass_unscattered(path, on_surface ? end : NULL, beta_before);
     ty_spans spans;
     ty_collision collision;
-    float glow[3] = {0.0f, 0.0f, 0.0f};
+    float emitted[3] = {0.0f, 0.0f, 0.0f};
     ty_spans_find(media, scene->medium_count, path->origin, path->direction,
                   on_surface ? end->hit.distance : TY_FLOAT_MAX, &spans);
-    if (spans.count > 0 && scene->lights.lamp_count > 0 && !last) ty_path_add_lamps(path, &spans);
-    if (spans.varies != 0) {
-        const bool collides =
-            ty_flight_null(media, &spans, path->origin, path->direction, &path->random, path->beta, glow, &collision);
-        if (spans.emits != 0) ty_path_add(path, glow);
+    if (spans.count > 0 && scene->lights.local_count > 0 && !last) ty_path_add_equiangular(path, &spans);
+    if (spans.heterogeneous != 0) {
+        const bool collides = ty_delta_tracking(media, &spans, path->origin, path->direction, &path->random, path->beta,
+                                                emitted, &collision);
+        if (spans.emits != 0) ty_path_add(path, emitted);
         if (collides) {
             *medium = &media[collision.medium];
             path->scattered = 1;
             path->origin = ty_mad(path->origin, path->direction, collision.t);
-            return ty_path_survives(path, before);
+            return ty_path_survives(path, beta_before);
         }
         ty_path_add_emission(path, path->beta, on_surface ? end : NULL);
         path->scattered = 0;
-        return on_surface && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, before);
+        return on_surface && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, beta_before);
     }
-    /* Homogeneous media: what reaches the end is known, so its light is taken in full and the path goes where it has
-     * more to bring. */
-    float depth[3], stopped[3], passing[3], reflecting = 0.0f, colliding = 0.0f;
-    ty_spans_depth(media, &spans, TY_FLOAT_MAX, depth);
+    /* Homogeneous media: the transmittance to the end is known, so emission there is added in full, and the path either
+     * collides or goes on to the surface with probabilities proportional to the throughput of both. */
+    float depth[3], collided[3], transmitted[3], reflecting = 0.0f, colliding = 0.0f;
+    ty_spans_optical_depth(media, &spans, TY_FLOAT_MAX, depth);
     if (spans.emits != 0) {
-        ty_spans_glow(media, &spans, glow);
-        for (int c = 0; c < 3; ++c) glow[c] *= path->beta[c];
-        ty_path_add(path, glow);
+        ty_spans_emitted_radiance(media, &spans, emitted);
+        for (int c = 0; c < 3; ++c) emitted[c] *= path->beta[c];
+        ty_path_add(path, emitted);
     }
     for (int c = 0; c < 3; ++c) {
-        stopped[c] = ty_stopped(depth[c]);
-        passing[c] = path->beta[c] * ty_expf(-depth[c]);
-        colliding += path->beta[c] * stopped[c];
-        if (on_surface) reflecting += passing[c] * end->point.albedo[c];
+        collided[c] = ty_collision_probability(depth[c]);
+        transmitted[c] = path->beta[c] * ty_expf(-depth[c]);
+        colliding += path->beta[c] * collided[c];
+        if (on_surface) reflecting += transmitted[c] * end->point.albedo[c];
     }
-    ty_path_add_emission(path, passing, on_surface ? end : NULL);
+    ty_path_add_emission(path, transmitted, on_surface ? end : NULL);
     const float sum = colliding + reflecting;
     if (!(sum > 0.0f)) return false;
     const float chance = colliding / sum;
-    const float u = ty_random_next(&path->random);
+    const float u = ty_sobol_next(&path->random);
     if (u < chance) {
-        if (!ty_flight_homogeneous(media, &spans, stopped, u / chance, &path->random, path->beta, &collision))
+        if (!ty_sample_homogeneous_collision(media, &spans, collided, u / chance, &path->random, path->beta,
+                                             &collision))
             return false;
         for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
         *medium = &media[collision.medium];
         path->scattered = 1;
         path->origin = ty_mad(path->origin, path->direction, collision.t);
     } else {
-        for (int c = 0; c < 3; ++c) path->beta[c] = passing[c] / (1.0f - chance);
+        for (int c = 0; c < 3; ++c) path->beta[c] = transmitted[c] / (1.0f - chance);
         path->scattered = 0;
     }
-    return ty_path_survives(path, before);
+    return ty_path_survives(path, beta_before);
 }
 
-/* Follows a path to its end; returns its vertices. */
+/* Traces a path to its end and returns its number of vertices. */
 TY_FN uint32_t ty_path_follow(ty_path* path) {
     const int32_t max_depth = path->request->max_depth;
     const ty_medium_view* medium;
-    ty_encounter end;
+    ty_intersection end;
     uint32_t vertices = 0;
-    while (ty_path_advance(path, &medium, &end)) {
+    while (ty_path_next_event(path, &medium, &end)) {
         if (max_depth > 0 && path->depth >= max_depth) break;
         path->run = medium != NULL ? path->run + 1 : 0;
         if (path->request->max_run > 0 && path->run > path->request->max_run) break;
         ++path->depth;
         ++vertices;
-        path->part = medium != NULL ? ty_part_scattered(path->part) : ty_part_reflected(path->part);
+        path->path_class =
+            medium != NULL ? ty_path_class_scattered(path->path_class) : ty_path_class_reflected(path->path_class);
         if (medium != NULL)
             ty_path_scatter(path, medium);
         else
@@ -468,20 +474,20 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
 
 TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t item, uint32_t sample) {
     path->request = request;
-    path->random = ty_random_begin(request->sobol, request->seed, item, sample);
-    path->survival = 1.0f;
+    path->random = ty_sampler_begin(request->sobol, request->seed, item, sample);
+    path->rr_throughput = 1.0f;
     path->pdf = 0.0f;
     path->scattered = 0;
     path->phase = 0.0f;
     path->depth = 0;
     path->run = 0;
-    path->part = TY_PART_UNCOLLIDED;
+    path->path_class = TY_PATH_UNCOLLIDED;
     path->normal = ty_vec_make(0, 0, 0);
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
     memset(path->radiance, 0, sizeof path->radiance);
 }
 
-/* Starts a path that measures fluence at point: light from everywhere, with equal weight. */
+/* Starts a path that estimates the fluence at a point: the integral of radiance over all directions, W m^-2. */
 TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     const float factor[3] = {1.0f, 1.0f, 1.0f};
     ty_light_sample sample;
@@ -489,7 +495,7 @@ TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     path->origin = point;
     const ty_light_view* light = ty_path_choose_light(path, point, &chosen, &sample);
     if (light != NULL) ty_path_add_vertex_light(path, light, chosen, &sample, factor, TY_INV_4PI, 0.0f);
-    ty_path_turn_anywhere(path);
+    ty_path_sample_sphere(path);
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / TY_INV_4PI;
 }
 

@@ -1,6 +1,8 @@
-/* Sampling many items in passes over threads, with progress, states, bounds on time and error, and cancelling. */
+/* Sampling of many items in passes over threads, with progress, saved states, bounds on time and error, and
+ * cancelling. */
 #define _POSIX_C_SOURCE 200809L
 #include "base/context.h"
+#include "base/progress.h"
 #include "method/path/driver.h"
 #include "method/path/state.h"
 
@@ -11,30 +13,28 @@
 
 enum { PASS_MAX = 16, STRIDE_FIRST = 16, STRIDE_MAX = TY_PATH_BLOCK * PASS_MAX };
 
-static const double progress_interval = 0.1;
-
-/* What a thread does between two looks at whether to stop, seconds. */
+/* Target duration of a thread's work between two checks for an early stop, seconds. */
 static const double stride_seconds = 2e-3;
 
 typedef struct sampling {
     ty_path_run* run;
     uint32_t last;        /* samples of each item after this pass */
-    uint32_t done_before; /* samples that every item has had before this pass */
-    double begun;         /* when the work would have begun, had it been done in one go */
+    uint32_t done_before; /* samples of each item before this pass */
+    double begun;         /* start time as if the work had been done in one go */
     double cpu_begun;     /* the same in processor seconds */
-    pthread_mutex_t lock; /* guards reporting and saving, so that callbacks come one at a time */
+    pthread_mutex_t lock; /* serialises reports and saved states, so that callbacks never overlap */
     double reported;
-    pthread_rwlock_t items; /* blocks come in side by side ("readers"), but not while a state is copied */
-    uint8_t* state;         /* NULL: nobody asks for it */
+    pthread_rwlock_t items; /* read-locked while blocks are merged concurrently, write-locked while a state is copied */
+    uint8_t* state;         /* NULL: no state is saved */
     size_t state_size;
-    double saved;             /* when the last state was handed out */
-    _Atomic int64_t finished; /* blocks of this pass */
+    double saved;                /* time of the last saved state */
+    _Atomic int64_t blocks_done; /* blocks of this pass */
     _Atomic uint64_t vertices, paths;
     _Atomic uint32_t stride; /* paths that take about stride_seconds */
     _Atomic bool cancelled, out_of_time;
 } sampling;
 
-/* Root mean square standard error over the mean, all items and channels together. */
+/* Root mean square standard error divided by the mean, over all items and channels. */
 static double relative_error(const ty_path_run* run) {
     double variance = 0, mean = 0;
     for (int64_t i = 0; i < run->item_count; ++i)
@@ -50,7 +50,7 @@ static int64_t block_count(const ty_path_run* run) {
     return (run->item_count + TY_PATH_BLOCK - 1) / TY_PATH_BLOCK;
 }
 
-/* Fraction of the work that is done, whichever bound is nearest. */
+/* Fraction of the work done, by the bound that is nearest. */
 static double fraction_done(const sampling* pass, double seconds, double samples) {
     const ty_path_def* def = pass->run->def;
     double fraction = samples / def->spp;
@@ -62,25 +62,19 @@ static double fraction_done(const sampling* pass, double seconds, double samples
     return fmin(fraction, 1);
 }
 
-/* Tells the caller where things stand, if it is time to; sets cancelled when the caller wishes. */
+/* Reports progress if due; sets cancelled if the caller asks for it. */
 static void report(sampling* pass, bool always) {
     const ty_path_def* def = pass->run->def;
     const double seconds = ty_wall_seconds() - pass->begun;
     if (def->seconds > 0 && seconds >= def->seconds) atomic_store(&pass->out_of_time, true);
     if (def->progress == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
-    if (always || seconds - pass->reported >= progress_interval) {
-        pass->reported = seconds;
-        const double share = (double)atomic_load(&pass->finished) / (double)block_count(pass->run);
-        const double samples = pass->done_before + share * (pass->last - pass->done_before);
+    if (ty_report_due(&pass->reported) || always) {
+        const double pass_fraction = (double)atomic_load(&pass->blocks_done) / (double)block_count(pass->run);
+        const double samples = pass->done_before + pass_fraction * (pass->last - pass->done_before);
         const double fraction = fraction_done(pass, seconds, samples);
-        const ty_progress progress = {
-            .stage = pass->run->stage,
-            .fraction = fraction,
-            .seconds = seconds,
-            .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
-            .done = pass->done_before,
-            .total = def->spp < TY_PATH_SPP_MAX ? (uint64_t)def->spp : 0,
-        };
+        ty_progress progress = ty_progress_at(pass->run->stage, fraction, seconds);
+        progress.done = pass->done_before;
+        progress.total = def->spp < TY_PATH_SPP_MAX ? (uint64_t)def->spp : 0;
         if (!def->progress(def->progress_user, &progress)) atomic_store(&pass->cancelled, true);
     }
     pthread_mutex_unlock(&pass->lock);
@@ -96,7 +90,7 @@ static ty_path_stats totals(sampling* pass) {
     return stats;
 }
 
-/* Hands out the state, if it is time to. The other threads wait only while it is copied. */
+/* Saves the state if due. Other threads wait only while it is copied. */
 static void save(sampling* pass, bool always) {
     const ty_path_def* def = pass->run->def;
     if (pass->state == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
@@ -112,22 +106,22 @@ static void save(sampling* pass, bool always) {
     pthread_mutex_unlock(&pass->lock);
 }
 
-/* Time ends work only once every item has a sample. */
-static bool stopped(sampling* pass) {
+/* The time bound applies only once every item has a sample. */
+static bool should_stop(sampling* pass) {
     return atomic_load_explicit(&pass->cancelled, memory_order_relaxed) ||
            (pass->done_before > 0 && atomic_load_explicit(&pass->out_of_time, memory_order_relaxed));
 }
 
-/* A part of a block on its way: what its items have so far, not yet seen by others. */
+/* Range of a block in progress: samples of its items, not yet merged. */
 typedef struct block_work {
     int64_t begin, end;
     uint32_t first, count; /* samples */
     uint64_t vertices;
     ty_path_sums sums[TY_PATH_BLOCK];
-    ty_path_parts parts[TY_PATH_BLOCK];
+    ty_path_aov_sums aov_sums[TY_PATH_BLOCK];
 } block_work;
 
-/* Samples in strides that take a few milliseconds; how they are cut changes no result. False when told to stop. */
+/* Samples in strides of a few milliseconds; their lengths change no result. Returns false if the run stops. */
 static bool sample_in_strides(sampling* pass, block_work* work) {
     const ty_path_run* run = pass->run;
     int64_t item = work->begin;
@@ -141,7 +135,7 @@ static bool sample_in_strides(sampling* pass, block_work* work) {
         const double begun = ty_wall_seconds();
         work->vertices +=
             run->kernel(&run->request, item, next, work->first + sample, samples, work->sums + (item - work->begin),
-                        run->parts != NULL ? work->parts + (item - work->begin) : NULL);
+                        run->aov_sums != NULL ? work->aov_sums + (item - work->begin) : NULL);
         const double seconds = ty_wall_seconds() - begun;
         uint32_t better = stride;
         if (seconds > 2 * stride_seconds && stride > 1) better = stride / 2;
@@ -150,7 +144,7 @@ static bool sample_in_strides(sampling* pass, block_work* work) {
         sample = sample + samples < work->count ? sample + samples : 0;
         if (sample == 0) item = next;
         report(pass, false);
-        if (stopped(pass)) return false;
+        if (should_stop(pass)) return false;
     }
     return true;
 }
@@ -159,7 +153,7 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
     (void)worker;
     sampling* pass = user;
     ty_path_run* run = pass->run;
-    if (stopped(pass)) return;
+    if (should_stop(pass)) return;
     block_work work = {.begin = block * TY_PATH_BLOCK};
     work.end = work.begin + TY_PATH_BLOCK < run->item_count ? work.begin + TY_PATH_BLOCK : run->item_count;
     work.first = run->items[work.begin].count;
@@ -167,41 +161,41 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
         const size_t size = (size_t)(work.end - work.begin);
         work.count = pass->last - work.first;
         for (size_t i = 0; i < size; ++i) work.sums[i] = run->items[(size_t)work.begin + i].sums;
-        if (run->parts != NULL) memcpy(work.parts, run->parts + work.begin, size * sizeof *run->parts);
+        if (run->aov_sums != NULL) memcpy(work.aov_sums, run->aov_sums + work.begin, size * sizeof *run->aov_sums);
         if (!sample_in_strides(pass, &work)) return;
         pthread_rwlock_rdlock(&pass->items);
         for (size_t i = 0; i < size; ++i) {
             run->items[(size_t)work.begin + i].sums = work.sums[i];
             run->items[(size_t)work.begin + i].count = pass->last;
         }
-        if (run->parts != NULL) memcpy(run->parts + work.begin, work.parts, size * sizeof *run->parts);
+        if (run->aov_sums != NULL) memcpy(run->aov_sums + work.begin, work.aov_sums, size * sizeof *run->aov_sums);
         atomic_fetch_add(&pass->vertices, work.vertices);
         atomic_fetch_add(&pass->paths, (uint64_t)size * work.count);
         pthread_rwlock_unlock(&pass->items);
     }
-    atomic_fetch_add(&pass->finished, 1);
+    atomic_fetch_add(&pass->blocks_done, 1);
     save(pass, false);
 }
 
-/* Samples of the next pass: few at first so that time and error are noticed soon, then more. */
+/* Samples per item in the next pass: few at first, so that bounds on time and error are checked early, then more. */
 static uint32_t next_pass(const ty_path_run* run, uint32_t done) {
     uint32_t count = done < 1 ? 1 : done < PASS_MAX ? done : PASS_MAX;
     if (done + count > (uint32_t)run->def->spp) count = (uint32_t)run->def->spp - done;
     return count;
 }
 
-/* Samples that every item has; *whole tells whether none has more. */
-static uint32_t fewest_samples(const ty_path_run* run, bool* whole) {
-    uint32_t fewest = UINT32_MAX, most = 0;
+/* Minimum of samples over items; *uniform is true if all items have the same number. */
+static uint32_t min_samples(const ty_path_run* run, bool* uniform) {
+    uint32_t min_count = UINT32_MAX, max_count = 0;
     for (int64_t i = 0; i < run->item_count; i += TY_PATH_BLOCK) {
-        if (run->items[i].count < fewest) fewest = run->items[i].count;
-        if (run->items[i].count > most) most = run->items[i].count;
+        if (run->items[i].count < min_count) min_count = run->items[i].count;
+        if (run->items[i].count > max_count) max_count = run->items[i].count;
     }
-    *whole = fewest == most;
-    return fewest;
+    *uniform = min_count == max_count;
+    return min_count;
 }
 
-/* Whether a bound other than that on samples is met, between passes. */
+/* True if a bound other than that on samples is met, between passes. */
 static bool bounds_met(sampling* pass) {
     ty_path_run* run = pass->run;
     if (run->def->error > 0 && pass->done_before > 0) {
@@ -213,20 +207,22 @@ static bool bounds_met(sampling* pass) {
 
 static void sample_passes(sampling* pass) {
     const uint32_t spp = (uint32_t)pass->run->def->spp;
-    bool whole;
-    pass->done_before = pass->last = fewest_samples(pass->run, &whole);
-    /* A pass that was interrupted is ended before bounds are looked at: so the error is that of the same samples. */
-    for (; pass->done_before < spp && !(whole && bounds_met(pass)); whole = true) {
+    bool uniform;
+    pass->done_before = pass->last = min_samples(pass->run, &uniform);
+    /* An interrupted pass is completed before bounds are checked, so that the error refers to equal samples of all
+     * items. */
+    for (; pass->done_before < spp && !(uniform && bounds_met(pass)); uniform = true) {
         pass->last = pass->done_before + next_pass(pass->run, pass->done_before);
-        atomic_store(&pass->finished, 0);
+        atomic_store(&pass->blocks_done, 0);
         ty_parallel_for(pass->run->context, block_count(pass->run), sample_block, pass);
-        if (atomic_load(&pass->finished) < block_count(pass->run)) return;
+        if (atomic_load(&pass->blocks_done) < block_count(pass->run)) return;
         pass->done_before = pass->last;
     }
 }
 
 ty_result ty_path_sample(ty_path_run* run) {
-    sampling pass = {.run = run, .begun = ty_wall_seconds() - run->stats.seconds};
+    sampling pass = {.run = run, .reported = ty_wall_seconds()};
+    pass.begun = pass.reported - run->stats.seconds;
     pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds;
     pass.saved = ty_wall_seconds();
     atomic_init(&pass.paths, run->stats.paths);

@@ -1,4 +1,4 @@
-/* The state of a render: a header that tells which render it is of, then items and parts as they are in memory. */
+/* Serialised state of a render: a header that identifies the render, then items and AOV sums as in memory. */
 #include "method/path/state.h"
 
 #include "base/context.h"
@@ -13,26 +13,26 @@ static const char state_magic[8] = "tyndstat";
 typedef struct state_header {
     char magic[8];
     uint32_t version, byte_order;
-    uint32_t item_size, parts_size; /* bytes of one; parts_size 0: without parts */
-    uint64_t size;                  /* of the whole state */
-    uint64_t checksum;              /* of all that follows */
-    char library[16];               /* version, since another one may trace other paths */
+    uint32_t item_size, aov_sums_size; /* bytes of one element; aov_sums_size 0: no AOV sums */
+    uint64_t size;                     /* of the whole state, bytes */
+    uint64_t checksum;                 /* of all following bytes */
+    char library[16];                  /* library version, since another one may trace other paths */
     uint64_t scene, seed;
     int32_t width, height, crop[4], max_depth;
     uint32_t aovs, ignore_media, unscattered;
-    double seconds, cpu_seconds; /* so far */
+    double seconds, cpu_seconds; /* elapsed */
     uint64_t paths, vertices;
 } state_header;
 
-static uint32_t parts_size(const ty_path_run* run) {
-    return run->parts != NULL ? sizeof *run->parts : 0;
+static uint32_t aov_sums_size(const ty_path_run* run) {
+    return run->aov_sums != NULL ? sizeof *run->aov_sums : 0;
 }
 
 size_t ty_path_state_size(const ty_path_run* run) {
-    return sizeof(state_header) + (size_t)run->item_count * (sizeof *run->items + parts_size(run));
+    return sizeof(state_header) + (size_t)run->item_count * (sizeof *run->items + aov_sums_size(run));
 }
 
-/* Eight bytes at a time: states are large, and threads wait for them. size is a multiple of 8. */
+/* Checksum over 8-byte words: states are large, and threads wait for it. size is a multiple of 8. */
 static uint64_t checksum(const uint8_t* bytes, size_t size) {
     uint64_t hash = 0xcbf29ce484222325u;
     for (size_t i = 0; i < size; i += sizeof hash) {
@@ -46,7 +46,7 @@ static uint64_t checksum(const uint8_t* bytes, size_t size) {
 
 static const size_t checked_from = offsetof(state_header, library);
 
-/* What this run's state begins with. */
+/* Header of this run's state. */
 static state_header make_header(const ty_path_run* run, const ty_path_stats* stats) {
     state_header header;
     memset(&header, 0, sizeof header);
@@ -54,7 +54,7 @@ static state_header make_header(const ty_path_run* run, const ty_path_stats* sta
     header.version = STATE_VERSION;
     header.byte_order = BYTE_ORDER_MARK;
     header.item_size = sizeof *run->items;
-    header.parts_size = parts_size(run);
+    header.aov_sums_size = aov_sums_size(run);
     header.size = ty_path_state_size(run);
     memcpy(header.library, TY_VERSION, sizeof TY_VERSION);
     header.scene = run->scene_hash;
@@ -78,8 +78,8 @@ void ty_path_state_copy(const ty_path_run* run, const ty_path_stats* stats, uint
     const size_t count = (size_t)run->item_count;
     memcpy(state, &header, sizeof header);
     memcpy(state + sizeof header, run->items, count * sizeof *run->items);
-    if (run->parts != NULL)
-        memcpy(state + sizeof header + count * sizeof *run->items, run->parts, count * sizeof *run->parts);
+    if (run->aov_sums != NULL)
+        memcpy(state + sizeof header + count * sizeof *run->items, run->aov_sums, count * sizeof *run->aov_sums);
 }
 
 void ty_path_state_seal(uint8_t* state, size_t size) {
@@ -88,7 +88,7 @@ void ty_path_state_seal(uint8_t* state, size_t size) {
     memcpy(state + offsetof(state_header, checksum), &sum, sizeof sum);
 }
 
-/* Whether these are the whole bytes of a state that this build understands. */
+/* Checks that the bytes are a complete state of a known layout. */
 static ty_result check_form(ty_context* context, const uint8_t* state, size_t size, state_header* header) {
     if (size < sizeof *header)
         return ty_fail(context, TY_ERROR_INPUT, "the state of a render is cut short: %zu bytes", size);
@@ -110,7 +110,7 @@ static ty_result check_form(ty_context* context, const uint8_t* state, size_t si
     return TY_OK;
 }
 
-/* Whether it is of the same render. */
+/* Checks that the state is of the same render. */
 static ty_result check_render(ty_context* context, const state_header* was, const state_header* is) {
     if (was->scene != is->scene)
         return ty_fail(context, TY_ERROR_INPUT, "the state is of scene %016" PRIx64 ", not %016" PRIx64, was->scene,
@@ -135,13 +135,13 @@ static ty_result check_render(ty_context* context, const state_header* was, cons
         return ty_fail(context, TY_ERROR_INPUT,
                        "the state has other channels beside R, G and B: aovs %" PRIu32 ", not %" PRIu32, was->aovs,
                        is->aovs);
-    if (was->item_size != is->item_size || was->parts_size != is->parts_size || was->size != is->size)
+    if (was->item_size != is->item_size || was->aov_sums_size != is->aov_sums_size || was->size != is->size)
         return ty_fail(context, TY_ERROR_INPUT, "the state is damaged: %" PRIu64 " bytes, not %" PRIu64, was->size,
                        is->size);
     return TY_OK;
 }
 
-/* Blocks have equally many samples of all items, at most as many as are wanted. */
+/* Checks sample counts: equal within a block, at most the number wanted. */
 static ty_result check_counts(const ty_path_run* run) {
     for (int64_t i = 0; i < run->item_count; ++i) {
         const uint32_t count = run->items[i].count;
@@ -166,8 +166,8 @@ ty_result ty_path_state_resume(ty_path_run* run) {
     if (result != TY_OK) return result;
     const size_t count = (size_t)run->item_count;
     memcpy(run->items, state + sizeof was, count * sizeof *run->items);
-    if (run->parts != NULL)
-        memcpy(run->parts, state + sizeof was + count * sizeof *run->items, count * sizeof *run->parts);
+    if (run->aov_sums != NULL)
+        memcpy(run->aov_sums, state + sizeof was + count * sizeof *run->items, count * sizeof *run->aov_sums);
     result = check_counts(run);
     if (result != TY_OK) return result;
     if (!(was.seconds >= 0 && was.seconds < 1e12 && was.cpu_seconds >= 0 && was.cpu_seconds < 1e15))

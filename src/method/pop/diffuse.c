@@ -1,54 +1,54 @@
-/* Split mode: what turns aside of all light, and its diffusion. */
+/* Split mode: the diffusion source from all light, and its diffusion. */
 #include "base/context.h"
-#include "direct/inside.h"
-#include "direct/turned.h"
+#include "direct/lights/interior_light.h"
+#include "direct/uncollided/first_collision_source.h"
 #include "method/pop/job.h"
 
-/* Adds what turns aside of the ordinates' light and of sharp beams. */
-static void turn_aside(ty_pop_job* job) {
+/* Adds the reduced scattering of the ordinates' light and the delta-Eddington sources of beams. */
+static void add_source(ty_pop_job* job) {
     const ty_grid_medium* medium = job->medium;
     for (int32_t c = 0; c < 3; ++c) {
         const int32_t plane = medium->planes == 3 ? c : 0;
         const float* fluence = job->light->merged.fluence[c];
         for (size_t i = 0; i < medium->cells; ++i)
-            job->source[c][i] += fluence[i] * ty_turned_coefficient(medium->scattering[plane][i], medium->g[plane][i]);
-        for (size_t i = 0; i < job->carried.cells; ++i) job->source[c][i] += job->carried.of[c][0][i];
+            job->source[c][i] += fluence[i] * ty_reduced_scattering(medium->scattering[plane][i], medium->g[plane][i]);
+        for (size_t i = 0; i < job->delta_source.cells; ++i) job->source[c][i] += job->delta_source.arrays[c][0][i];
     }
 }
 
-/* Of light that comes from outside. */
-static const double streaming_outside = 0.5;
+/* Default max flux fraction for light sources outside the box. */
+static const double max_flux_outside = 0.5;
 
-static double own_streaming(const ty_pop* light) {
+static double default_max_flux(const ty_pop* light) {
     const ty_grid_box* box = &light->merged.box;
-    ty_inside sum = {0, 0};
+    ty_interior_light sum = {0, 0};
     for (int32_t i = 0; i < light->light_count; ++i) {
-        const ty_source* source = &light->sources[i];
-        if (source->kind == TY_SOURCE_BEAM)
-            ty_inside_add_beam(&sum, box, source->direction, source->color);
+        const ty_discrete_light* source = &light->lights[i].sample;
+        if (source->kind == TY_DISCRETE_DIRECTIONAL)
+            ty_interior_light_add_directional(&sum, box, source->direction, source->color);
         else
-            ty_inside_add_lamp(&sum, box, source->position, source->color);
+            ty_interior_light_add_point(&sum, box, source->position, source->color);
     }
     for (int32_t i = 0; i < light->count; ++i) {
-        const ty_light_part* ordinate = &light->ordinates[i].ordinate;
-        if (ordinate->kind == TY_LIGHT_PART_PARALLEL)
-            ty_inside_add_beam(&sum, box, ordinate->direction, ordinate->color);
+        const ty_discrete_light* ordinate = &light->ordinates[i].ordinate;
+        if (ordinate->kind == TY_DISCRETE_DIRECTIONAL)
+            ty_interior_light_add_directional(&sum, box, ordinate->direction, ordinate->color);
         else
-            ty_inside_add_lamp(&sum, box, ordinate->position, ordinate->color);
+            ty_interior_light_add_point(&sum, box, ordinate->position, ordinate->color);
     }
-    return ty_inside_streaming(&sum, streaming_outside);
+    return ty_interior_light_max_flux(&sum, max_flux_outside);
 }
 
 ty_result ty_pop_diffuse(ty_pop_job* job) {
     ty_diffusion_def def = ty_default_diffusion_def();
     ty_diffuse_stats stats = {.converged = false};
     const double begun = ty_wall_seconds();
-    def.streaming = job->def->streaming > 0 ? job->def->streaming : own_streaming(job->light);
+    def.streaming = job->def->max_flux_fraction > 0 ? job->def->max_flux_fraction : default_max_flux(job->light);
     def.tolerance = job->def->tolerance;
-    turn_aside(job);
+    add_source(job);
     const ty_result result =
         ty_diffuse_light_solve(&def, true, job->medium, job->source, &job->progress, &job->light->diffuse, &stats);
-    if (result == TY_OK) ty_pop_carried_add(&job->carried, job->light->diffuse);
+    if (result == TY_OK) ty_pop_delta_source_add_fluence(&job->delta_source, job->light->diffuse);
     job->stats.residuum_seconds = ty_wall_seconds() - begun;
     job->stats.converged = stats.converged;
     for (int c = 0; c < 3; ++c)

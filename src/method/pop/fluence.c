@@ -1,62 +1,62 @@
-/* Fluence on a caller's cells, and radiance at a point. */
+/* Fluence on a caller's grid, and radiance at a point. */
+#include "base/constants.h"
 #include "base/context.h"
-#include "direct/cover.h"
+#include "direct/media/coverage.h"
 #include "method/pop/job.h"
+#include "scene/check.h"
 
-#include <string.h>
+#include <math.h>
 
-static const double four_pi = 12.566370614359172;
-
-/* Points along each axis of a caller's cell at which uncollided light of ordinates is taken. */
+/* Sample points per axis of a caller's cell for the ordinates' uncollided fluence. */
 enum { POINTS = 2 };
 
 typedef struct fluence_job {
     const ty_pop* light;
-    ty_cover_box cells;
+    ty_coverage_box cells;
     double *fluence, *uncollided;
 } fluence_job;
 
-/* Adds what sharp lights bring: all that keeps its direction, and what has not scattered. */
-static void add_sharp(const fluence_job* job, const int32_t cell[3], int c, double* fluence, double* uncollided) {
+/* Adds the fine-grid lights: fluence in their forward lobes, and uncollided fluence. */
+static void add_fine_lights(const fluence_job* job, const int32_t cell[3], int c, double* fluence, double* uncollided) {
     const ty_pop* light = job->light;
-    ty_cover axes[3];
-    ty_cover_cell(&light->fine_box, &job->cells, cell, axes);
+    ty_coverage axes[3];
+    ty_coverage_of_cell(&light->fine_box, &job->cells, cell, axes);
     for (int32_t l = 0; l < light->light_count; ++l) {
-        const ty_single_light* single = &light->lights[l];
+        const ty_light_fluence* single = &light->lights[l];
         const int32_t plane = single->shared != 0 ? 0 : c;
-        const float* kept = single->fluence[plane];
-        const float* straight = single->lobes != 0 ? single->straight[plane] : kept;
-        ty_cover_add(&light->fine_box, axes, &kept, 1, (double)single->color[c], fluence);
-        ty_cover_add(&light->fine_box, axes, &straight, 1, (double)single->color[c], uncollided);
+        const float* forward_fluence = single->fluence[plane];
+        const float* uncollided_fluence = single->lobe_order != 0 ? single->unscattered[plane] : forward_fluence;
+        ty_coverage_add(&light->fine_box, axes, &forward_fluence, 1, (double)single->color[c], fluence);
+        ty_coverage_add(&light->fine_box, axes, &uncollided_fluence, 1, (double)single->color[c], uncollided);
     }
 }
 
-/* What has not scattered of the ordinates' light: the mean of some points. */
-static void add_straight(const fluence_job* job, const int32_t cell[3], double uncollided[3]) {
+/* Adds the ordinates' uncollided fluence, averaged over sample points of the cell. */
+static void add_uncollided(const fluence_job* job, const int32_t cell[3], double uncollided[3]) {
     const ty_pop* light = job->light;
     for (int p = 0; p < POINTS * POINTS * POINTS; ++p) {
-        const int at[3] = {p % POINTS, p / POINTS % POINTS, p / (POINTS * POINTS)};
-        float point[3], scattered[3] = {0}, straight[3] = {0};
+        const int position[3] = {p % POINTS, p / POINTS % POINTS, p / (POINTS * POINTS)};
+        float point[3], scattered[3] = {0}, uncollided_fluence[3] = {0};
         for (int a = 0; a < 3; ++a)
             point[a] = (float)(job->cells.lower[a] + (job->cells.upper[a] - job->cells.lower[a]) *
-                                                         (cell[a] + (at[a] + 0.5) / POINTS) / job->cells.size[a]);
+                                                         (cell[a] + (position[a] + 0.5) / POINTS) / job->cells.size[a]);
         for (int32_t i = 0; i < light->count; ++i)
             ty_pop_light_radiance(light->medium, &light->ordinates[i], ty_vec_load(point), ty_vec_make(0, 0, 1),
-                                  scattered, straight);
-        for (int c = 0; c < 3; ++c) uncollided[c] += (double)straight[c] / (POINTS * POINTS * POINTS);
+                                  scattered, uncollided_fluence);
+        for (int c = 0; c < 3; ++c) uncollided[c] += (double)uncollided_fluence[c] / (POINTS * POINTS * POINTS);
     }
 }
 
-/* Adds a channel's light on merged cells. */
-static void add_merged(const ty_pop* light, const ty_cover axes[3], int c, double* fluence) {
+/* Adds one channel's light on merged cells: ordinates, residuum, diffusion. */
+static void add_merged(const ty_pop* light, const ty_coverage axes[3], int c, double* fluence) {
     const float* planes[] = {light->merged.fluence[c], light->residuum.fluence[c]};
     for (int i = 0; i < 2; ++i)
-        if (planes[i] != NULL) ty_cover_add(&light->merged.box, axes, &planes[i], 1, 1, fluence);
+        if (planes[i] != NULL) ty_coverage_add(&light->merged.box, axes, &planes[i], 1, 1, fluence);
     if (light->diffuse == NULL) return;
     const bool shared = light->diffuse->shared;
     const float* diffuse = light->diffuse->terms[shared ? 0 : c][0];
-    ty_cover_add(&light->merged.box, axes, &diffuse, 1, four_pi * (shared ? (double)light->diffuse->color[c] : 1),
-                 fluence);
+    ty_coverage_add(&light->merged.box, axes, &diffuse, 1,
+                    4 * TY_PI_F64 * (shared ? (double)light->diffuse->color[c] : 1), fluence);
 }
 
 static void fill_row(void* user, int64_t row, int32_t worker) {
@@ -66,16 +66,16 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
     for (int32_t i = 0; i < size[0]; ++i) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         double fluence[3] = {0}, uncollided[3] = {0};
-        ty_cover axes[3];
-        ty_cover_cell(&job->light->merged.box, &job->cells, cell, axes);
+        ty_coverage axes[3];
+        ty_coverage_of_cell(&job->light->merged.box, &job->cells, cell, axes);
         for (int c = 0; c < 3; ++c) {
             add_merged(job->light, axes, c, &fluence[c]);
-            add_sharp(job, cell, c, &fluence[c], &uncollided[c]);
+            add_fine_lights(job, cell, c, &fluence[c], &uncollided[c]);
         }
-        if (job->uncollided != NULL) add_straight(job, cell, uncollided);
-        const size_t at = 3 * ((size_t)row * (size_t)size[0] + (size_t)i);
-        memcpy(job->fluence + at, fluence, sizeof fluence);
-        if (job->uncollided != NULL) memcpy(job->uncollided + at, uncollided, sizeof uncollided);
+        if (job->uncollided != NULL) add_uncollided(job, cell, uncollided);
+        const size_t index = 3 * ((size_t)row * (size_t)size[0] + (size_t)i);
+        memcpy(job->fluence + index, fluence, sizeof fluence);
+        if (job->uncollided != NULL) memcpy(job->uncollided + index, uncollided, sizeof uncollided);
     }
 }
 
@@ -86,8 +86,8 @@ static ty_result check_lobes(const ty_pop* light, const char* what) {
 
 ty_result ty_pop_fluence(const ty_pop* light, const double lower[3], const double upper[3], const int32_t size[3],
                          double* fluence, double* uncollided) {
-    const ty_cover_box cells = {lower, upper, size};
-    ty_result result = ty_cover_check(light->context, &cells);
+    const ty_coverage_box cells = {lower, upper, size};
+    ty_result result = ty_coverage_check(light->context, &cells);
     if (result == TY_OK && uncollided != NULL) result = check_lobes(light, "uncollided fluence");
     if (result != TY_OK) return result;
     fluence_job job = {light, cells, fluence, uncollided};
@@ -98,60 +98,59 @@ ty_result ty_pop_fluence(const ty_pop* light, const double lower[3], const doubl
 /* ---- radiance ---- */
 
 static ty_cell_point locate(const ty_grid_box* box, ty_vec point) {
-    const float at[3] = {point.x, point.y, point.z};
-    float cells[3];
-    for (int a = 0; a < 3; ++a)
-        cells[a] = (float)(((double)at[a] - box->lower[a]) * box->size[a] / (box->upper[a] - box->lower[a]));
-    return ty_cell_locate(box->size, ty_vec_load(cells));
+    const double position[3] = {(double)point.x, (double)point.y, (double)point.z};
+    return ty_cover_locate(box, position);
 }
 
-/* What sharp lights bring that has scattered and kept its direction. */
-static void add_sharp_radiance(const ty_pop* light, ty_vec point, ty_vec way, float radiance[3]) {
-    static const float whole[TY_SINGLE_FLUENCES][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
-    /* Scattered once more without being turned, it is the light itself. */
-    static const float straight_on[3] = {1, 1, 1};
+/* Adds the forward-scattered radiance of fine-grid lights. */
+static void add_fine_radiance(const ty_pop* light, ty_vec point, ty_vec direction, float radiance[3]) {
+    static const float ones[TY_FLUENCE_COUNT][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
+    /* A phase function of unit moments leaves the lobe's own radiance. */
+    static const float unit_lobe[3] = {1, 1, 1};
     static const ty_forward_fit none = {.bands = 0};
-    const ty_cell_point place = locate(&light->fine_box, point);
+    const ty_cell_point position = locate(&light->fine_box, point);
     for (int32_t l = 0; l < light->light_count; ++l) {
-        ty_single_sent sent = {{0}, {0}, {0}};
-        if (light->lights[l].lobes == 0) continue;
-        ty_single_forward(&light->lights[l], &place, ty_single_cosine(&light->lights[l], point, way), whole,
-                          straight_on, &none, &sent);
+        ty_single_radiance sent = {{0}, {0}, {0}};
+        if (light->lights[l].lobe_order == 0) continue;
+        ty_single_with_lobe(&light->lights[l], &position, ty_light_fluence_cosine(&light->lights[l], point, direction),
+                            ones, unit_lobe, &none, &sent);
         for (int c = 0; c < 3; ++c) radiance[c] += sent.again[c];
     }
 }
 
-static void add_diffuse_radiance(const ty_pop* light, ty_vec point, ty_vec way, float radiance[3]) {
+static void add_diffuse_radiance(const ty_pop* light, ty_vec point, ty_vec direction, float radiance[3]) {
     const ty_diffuse_light* diffuse = light->diffuse;
-    const ty_cell_point place = locate(&diffuse->box, point);
+    const ty_cell_point position = locate(&diffuse->box, point);
     for (int c = 0; c < 3; ++c) {
         float* const* terms = diffuse->terms[diffuse->shared ? 0 : c];
         const float factor = diffuse->shared ? diffuse->color[c] : 1;
-        radiance[c] += factor * (ty_cell_value(terms[0], &place) + ty_cell_value(terms[1], &place) * way.x +
-                                 ty_cell_value(terms[2], &place) * way.y + ty_cell_value(terms[3], &place) * way.z);
+        radiance[c] += factor * (ty_cell_value(terms[0], &position) + ty_cell_value(terms[1], &position) * direction.x +
+                                 ty_cell_value(terms[2], &position) * direction.y +
+                                 ty_cell_value(terms[3], &position) * direction.z);
     }
 }
 
-static void add_isotropic_rest(const ty_pop* light, ty_vec point, float radiance[3]) {
-    const ty_cell_point place = locate(&light->residuum.box, point);
-    for (int c = 0; c < 3; ++c) radiance[c] += ty_cell_value(light->residuum.seen[c], &place);
+static void add_residuum(const ty_pop* light, ty_vec point, float radiance[3]) {
+    const ty_cell_point position = locate(&light->residuum.box, point);
+    for (int c = 0; c < 3; ++c) radiance[c] += ty_cell_value(light->residuum.accumulated_radiance[c], &position);
 }
 
-ty_result ty_pop_radiance(const ty_pop* light, const double point[3], const float* directions, int32_t count,
-                          float* radiance) {
-    const ty_result result = check_lobes(light, "radiance");
+ty_result ty_pop_radiance(const ty_pop* light, const double* rays, int64_t count, double* radiance) {
+    ty_result result = check_lobes(light, "radiance");
+    if (result == TY_OK) result = ty_check_rays(light->context, rays, count, radiance);
     if (result != TY_OK) return result;
-    const ty_vec at = ty_vec_make((float)point[0], (float)point[1], (float)point[2]);
-    for (int32_t d = 0; d < count; ++d) {
-        const ty_vec way = ty_vec_load(directions + 3 * d);
-        float* out = radiance + 3 * d;
-        out[0] = out[1] = out[2] = 0;
-        for (int32_t i = 0; i < light->count; ++i)
-            ty_pop_light_radiance(light->medium, &light->ordinates[i], at, way, out, NULL);
-        add_sharp_radiance(light, at, way, out);
-        if (light->diffuse != NULL) add_diffuse_radiance(light, at, way, out);
-        if (light->residuum.seen[0] != NULL) add_isotropic_rest(light, at, out);
-        for (int c = 0; c < 3; ++c) out[c] = ty_maxf(0, out[c]);
+    for (int64_t i = 0; i < count; ++i) {
+        const double *point = rays + 6 * i, *w = point + 3;
+        const double length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+        const ty_vec position = ty_vec_make((float)point[0], (float)point[1], (float)point[2]);
+        const ty_vec direction = ty_vec_make((float)(w[0] / length), (float)(w[1] / length), (float)(w[2] / length));
+        float out[3] = {0, 0, 0};
+        for (int32_t o = 0; o < light->count; ++o)
+            ty_pop_light_radiance(light->medium, &light->ordinates[o], position, direction, out, NULL);
+        add_fine_radiance(light, position, direction, out);
+        if (light->diffuse != NULL) add_diffuse_radiance(light, position, direction, out);
+        if (light->residuum.accumulated_radiance[0] != NULL) add_residuum(light, position, out);
+        for (int c = 0; c < 3; ++c) radiance[3 * i + c] = (double)ty_maxf(0, out[c]);
     }
     return TY_OK;
 }

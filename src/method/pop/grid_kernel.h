@@ -1,116 +1,115 @@
-/* Loops over columns and cells of ordinates' grids, built once per instruction set. */
+/* Loops over columns and cells of ordinates' grids, compiled once per instruction set. */
 #ifndef TY_METHOD_POP_GRID_KERNEL_H
 #define TY_METHOD_POP_GRID_KERNEL_H
 
+#include "base/dispatch.h"
 #include "method/pop/columns.h"
 
-/* A slab of cells across some columns: coefficients, means over the part of each cell that is in the medium's box. */
+/* One slab of cells across a block of columns. Coefficients are means over the part of each cell inside the medium's
+ * box. */
 typedef struct ty_pop_slab {
     const ty_pop_columns* columns;
     const ty_grid_medium* medium;
-    float ends[2];        /* m along columns */
-    float middle;         /* of its cells, m along columns */
-    float per_metre[3];   /* the medium's cells */
-    float usual_g[3];     /* per plane; where nothing scatters */
-    int32_t multiples;    /* whether g is that everywhere, and all coefficients are plane 0's extinction times these: */
+    float ends[2];        /* distances along columns, m */
+    float center;         /* cell centers, m along columns */
+    float per_metre[3];   /* cells of the medium per meter */
+    float default_g[3];   /* g where the scattering coefficient is 0, per plane */
+    int32_t proportional; /* nonzero if g is default_g everywhere and all coefficients are plane 0's extinction times
+                             these: */
     float multiple[2][3]; /* extinction and scattering, per plane */
-    float length[TY_POP_BLOCK]; /* of the part in the box, m */
+    float length[TY_POP_BLOCK]; /* length inside the medium's box, m */
     float extinction[3][TY_POP_BLOCK], scattering[3][TY_POP_BLOCK], g[3][TY_POP_BLOCK];
-    float lit[TY_POP_BLOCK]; /* light before the medium, as a share of the ordinate's color; in parallel grids of a lamp
-                                its fall with distance, too, 1/m^2 */
+    float incident[TY_POP_BLOCK]; /* incident light before attenuation, as a fraction of the ordinate's color; for a
+                                     point light in a parallel grid times 1 / r^2, 1/m^2 */
 } ty_pop_slab;
 
 /* Transmittances U, R, S of grid.h per plane. */
 typedef struct ty_pop_transmittance {
-    int32_t orders;                  /* 1: U alone; 3 */
-    float along[3][3][TY_POP_BLOCK]; /* up to the slab */
-    float* mean[3][3];               /* over cells, times lit */
+    int32_t orders;                  /* 1: U only; 3: all */
+    float along[3][3][TY_POP_BLOCK]; /* at the slab's entry */
+    float* mean[3][3];               /* cell means, times incident light */
 } ty_pop_transmittance;
 
-/* What is seen of a slab. */
-typedef struct ty_pop_look {
+/* View of a slab from the eye. */
+typedef struct ty_pop_eye_view {
     float eye[3];                    /* m from the medium's lower corner */
-    float mu[TY_POP_BLOCK];          /* cosines of light that scatters towards the eye */
+    float mu[TY_POP_BLOCK];          /* cosine between the light's direction and the direction to the eye */
     float cosine;                    /* a_n */
-    float width;                     /* of the disc that has this mean cosine (ty_pop_disc_width) */
+    float width;                     /* width of the disc with this mean cosine (ty_pop_disc_width) */
     const float* mean[3][3];         /* U, R, S per plane */
-    float radiance[3][TY_POP_BLOCK]; /* per plane */
-} ty_pop_look;
+    float radiance[3][TY_POP_BLOCK]; /* towards the eye, per plane */
+} ty_pop_eye_view;
 
-/* Modes published and collided. Slices of cells have a ring around them, in which factors and light are 0. */
-enum { TY_POP_WALK_PLANE_ARRAYS = 7, TY_POP_WALK_ARRAYS = 4, TY_POP_WALK_SLICES = 13 };
+/* Array counts of modes published and collided. Slices of cells have ghost cells, in which factors and light are 0. */
+enum { TY_POP_PROPAGATION_PLANE_ARRAYS = 7, TY_POP_PROPAGATION_ARRAYS = 4, TY_POP_PROPAGATION_SLICES = 13 };
 
-/* What half a cell does to light that comes in or goes out, along k and across: how much absorption leaves, and how
- * much scattering leaves of mean cosines. */
+/* Factors of half a cell on light that enters or leaves it, along k and across: transmittance of absorption, and the
+ * retained fraction of the mean cosine. */
 typedef struct ty_pop_half_cells {
-    const float *pass[2], *keep[2];
+    const float *pass[2], *anisotropy_retained[2];
 } ty_pop_half_cells;
 
-/* What a slice of cells hands to those in front, beside and behind, and that times its mean cosine. */
-typedef struct ty_pop_handed {
-    float *front, *side, *back, *front_turned, *side_turned, *back_turned;
-} ty_pop_handed;
+/* Light that a slice of cells sends to its neighbours in front, beside and behind, and its first moments (light
+ * times mean cosine). */
+typedef struct ty_pop_outgoing {
+    float *front, *side, *back, *front_moment, *side_moment, *back_moment;
+} ty_pop_outgoing;
 
-/* What the walk starts from in a slab. */
-typedef struct ty_pop_start {
-    int32_t collided; /* whether mode is; else it is published */
+/* Initial light of a propagation in one slab. */
+typedef struct ty_pop_initial_slab {
+    int32_t collided; /* nonzero in mode collided, else mode published */
     int32_t plane;
-    float across;      /* how far it is to the next cell beside, as part of the slab's thickness */
-    const float* mean; /* light that has not scattered, with surfaces' shadows */
-    float light[TY_POP_BLOCK], again[TY_POP_BLOCK]; /* as in ty_pop_take */
-    float pass[2][TY_POP_BLOCK], keep[2][TY_POP_BLOCK];
-} ty_pop_start;
+    float across;      /* distance to the neighbour beside, relative to the slab's thickness */
+    const float* mean; /* uncollided fluence, with surfaces' shadows */
+    float light[TY_POP_BLOCK], next_g[TY_POP_BLOCK]; /* as in ty_pop_gather_slice */
+    float pass[2][TY_POP_BLOCK], anisotropy_retained[2][TY_POP_BLOCK];
+} ty_pop_initial_slab;
 
-/* What has been seen of it before the first iteration. */
-typedef struct ty_pop_begin {
+/* Accumulated light before the first iteration. */
+typedef struct ty_pop_initial_cells {
     int32_t count, collided;
     float cosine; /* a_n */
-    const float *uncollided, *light, *again, *tilt;
-    float *cosines, *fluence, *seen;
-} ty_pop_begin;
+    const float *uncollided, *light, *next_g, *two_one_minus_mu;
+    float *cosines, *fluence, *accumulated_radiance;
+} ty_pop_initial_cells;
 
-typedef struct ty_pop_give {
+typedef struct ty_pop_scatter_slice {
     int32_t count;
     ty_pop_half_cells half;
     const float *light, *cosine;
-    ty_pop_handed out;
-} ty_pop_give;
+    ty_pop_outgoing out;
+} ty_pop_scatter_slice;
 
-typedef struct ty_pop_take {
-    int32_t row;        /* cells of a row, ring included */
-    int32_t begin, end; /* cells; sides reach a row further */
+typedef struct ty_pop_gather_slice {
+    int32_t row;        /* cells of a row, ghosts included */
+    int32_t begin, end; /* cell range; neighbours beside reach one row further */
     ty_pop_half_cells half;
-    ty_pop_handed before, beside, after; /* slices k - 1, k, k + 1 */
-    const float *tilt,
-        *again; /* 2 (1 - mu) towards the eye; mean cosine of what scatters there once more, 1: nothing */
+    ty_pop_outgoing before, beside, after; /* slices k - 1, k, k + 1 */
+    const float *two_one_minus_mu,
+        *next_g; /* 2 (1 - mu) towards the eye; factor on the mean cosine for one more scattering, 1: none */
     float *light, *cosine;
-    float *fluence, *seen; /* added to */
-} ty_pop_take;
+    float *fluence, *accumulated_radiance; /* accumulated */
+} ty_pop_gather_slice;
 
 typedef struct ty_pop_grid_kernels {
-    /* By how much more than allowed, all cells together, a plane is not a multiple of another, and g not a value where
-     * there is scattering. */
-    float (*misfit)(const float* plane, const float* other, float multiple, float allowed, int32_t cells);
-    float (*unevenness)(const float* g, const float* scattering, float value, float allowed, int32_t cells);
+    /* Sums of the errors above `allowed`: of a plane as a multiple of another, and of g as one value wherever
+     * scattering is not 0. */
+    float (*proportionality_error)(const float* plane, const float* other, float multiple, float allowed,
+                                   int32_t cells);
+    float (*g_variation)(const float* g, const float* scattering, float value, float allowed, int32_t cells);
     void (*sample)(ty_pop_slab* slab);
-    void (*light)(ty_pop_slab* slab);
-    void (*pass)(const ty_pop_slab* slab, ty_pop_transmittance* transmittance);
-    /* What a plane turns aside of a fluence R, W per color. */
-    float (*turned)(const ty_pop_slab* slab, int32_t plane, const float* kept);
-    void (*look)(const ty_pop_slab* slab, ty_pop_look* look);
-    void (*scatter)(const ty_pop_slab* slab, ty_pop_look* look);
-    void (*start)(const ty_pop_slab* slab, ty_pop_start* start);
-    void (*begin)(const ty_pop_begin* begin);
+    void (*incident_light)(ty_pop_slab* slab);
+    void (*attenuate)(const ty_pop_slab* slab, ty_pop_transmittance* transmittance);
+    /* Power that a plane scatters out of a forward lobe of the given fluence R, W per unit color. */
+    float (*diffuse_power)(const ty_pop_slab* slab, int32_t plane, const float* fluence);
+    void (*eye_cosines)(const ty_pop_slab* slab, ty_pop_eye_view* look);
+    void (*scatter)(const ty_pop_slab* slab, ty_pop_eye_view* look);
+    void (*initial_slab)(const ty_pop_slab* slab, ty_pop_initial_slab* start);
+    void (*initial_cells)(const ty_pop_initial_cells* begin);
     float (*sum)(const float* values, int32_t count);
-    void (*give)(const ty_pop_give* give);
-    void (*take)(const ty_pop_take* take);
+    void (*scatter_to_neighbours)(const ty_pop_scatter_slice* slice);
+    void (*gather_from_neighbours)(const ty_pop_gather_slice* slice);
 } ty_pop_grid_kernels;
-
-extern const ty_pop_grid_kernels ty_pop_grid_kernels_v1;
-extern const ty_pop_grid_kernels ty_pop_grid_kernels_v3;
-extern const ty_pop_grid_kernels ty_pop_grid_kernels_v4;
-
-/* Those for this processor. */
-const ty_pop_grid_kernels* ty_pop_grid_kernels_best(void);
+TY_DECLARE_KERNELS(ty_pop_grid_kernels);
 
 #endif

@@ -1,6 +1,7 @@
-/* How much the camera sees of light from each direction (Sec. 5.2). */
+/* Importance of each direction of incident light for the camera: Sec. 5.2 (Elek 2014). */
 #include "scene/environment_map.k.h"
 
+#include "base/constants.h"
 #include "base/context.h"
 #include "base/parallel.h"
 #include "image/options.h"
@@ -9,166 +10,165 @@
 #include "scene/camera.h"
 #include "scene/scene.h"
 
-/* Cells of the grid in the camera's frustum: columns across, and layers along it, in steps of the march. */
+/* Grid in the camera's frustum: columns across, layers in depth, ray-march steps per layer. */
 enum { COLUMNS = 16, LAYERS = 16, STEPS = 2 };
 
-/* Layers whose scattering is taken for one lobe; blocks of lobes that share ways out of the medium. */
+/* Layers merged into one lobe; blocks of lobes that share transmittances out of the medium. */
 enum { GROUP = 4, GROUPS = LAYERS / GROUP, ACROSS = 4, BLOCKS = COLUMNS / ACROSS * (COLUMNS / ACROSS) * GROUPS };
 
 enum {
     WIDTH = TY_POP_IMPORTANCE_WIDTH,
     HEIGHT = TY_POP_IMPORTANCE_HEIGHT,
     DIRECTIONS = WIDTH * HEIGHT,
-    WAYS_WIDTH = WIDTH / 2, /* of the map of ways out */
-    WAYS_HEIGHT = HEIGHT / 2,
-    WAY_STEPS = 8
+    OUT_WIDTH = WIDTH / 2, /* resolution of the map of transmittances */
+    OUT_HEIGHT = HEIGHT / 2,
+    OUT_STEPS = 8
 };
 
-/* The kernel that smooths the map falls to 1/e a texel (11.25 degrees) away. */
+/* Smoothing kernel of the map: it falls to 1/e at one texel (11.25 degrees). */
 static const float SMOOTHNESS = 52.0f;
 
-/* Of this frame in what is returned, where there was one before. */
-static const float FRESH = 0.5f;
+/* Weight of the new map against the history. */
+static const float NEW_WEIGHT = 0.5f;
 
 typedef struct frustum {
     ty_camera_view camera;
-    float from[2], to[2]; /* the part of the image that sees the box, pixels */
-    float near, far;      /* depths */
-} frustum;
+    float from[2], to[2]; /* image rectangle that covers the box, pixels */
+    float near, far;      /* depth range */
+} view_frustum;
 
-typedef struct gaze_job {
+typedef struct importance_job {
     const ty_scene* scene;
-    ty_pop_murk_view murk;
-    frustum view;
-    float look[3][DIRECTIONS]; /* unit */
+    ty_pop_occlusion_view medium;
+    view_frustum frustum;
+    float direction_of[3][DIRECTIONS]; /* unit */
     ty_vec ray[COLUMNS * COLUMNS];
-    ty_pop_glance glances[COLUMNS * COLUMNS][GROUPS];
-    float aside[BLOCKS];               /* of glances */
-    float out[BLOCKS][DIRECTIONS];     /* transmittance of the ways out, of light that keeps its direction */
-    float outward[BLOCKS][DIRECTIONS]; /* and of light that has none */
-    float seen[DIRECTIONS];
-    float smooth[DIRECTIONS];
-} gaze_job;
+    ty_pop_visibility_sample samples[COLUMNS * COLUMNS][GROUPS];
+    float diffuse[BLOCKS];                 /* sum over the block's samples */
+    float out[BLOCKS][DIRECTIONS];         /* transmittance out of the medium of directional light */
+    float diffuse_out[BLOCKS][DIRECTIONS]; /* the same for diffuse light */
+    float importance[DIRECTIONS];
+    float smoothed[DIRECTIONS];
+} importance_job;
 
 static float row_solid_angle(int32_t row) {
-    const double pi = 3.14159265358979323846;
-    return (float)(2 * pi / WIDTH * (cos(pi * row / HEIGHT) - cos(pi * (row + 1) / HEIGHT)));
+    return (float)(2 * TY_PI_F64 / WIDTH * (cos(TY_PI_F64 * row / HEIGHT) - cos(TY_PI_F64 * (row + 1) / HEIGHT)));
 }
 
-/* Where one looks at the middle of a texel of a map, as in an environment that is not turned. */
-static ty_vec look_at(ty_axis up, int32_t column, int32_t row, int32_t width, int32_t height) {
-    const double pi = 3.14159265358979323846;
-    const double angle = 2 * pi * (0.5 - (column + 0.5) / width), down = pi * (row + 0.5) / height;
+/* Direction of a texel's center, as in an environment without rotation. */
+static ty_vec texel_direction(ty_axis up, int32_t column, int32_t row, int32_t width, int32_t height) {
+    const double angle = 2 * TY_PI_F64 * (0.5 - (column + 0.5) / width), down = TY_PI_F64 * (row + 0.5) / height;
     const float across = (float)(sin(down) * cos(angle)), along = (float)(sin(down) * sin(angle));
     return up == TY_AXIS_Z ? ty_vec_make(across, along, (float)cos(down))
                            : ty_vec_make(across, (float)cos(down), -along);
 }
 
-/* ---- the frustum ---- */
+/* ---- frustum ---- */
 
-static void widen(frustum* view, float x, float y) {
-    view->from[0] = ty_minf(view->from[0], x);
-    view->from[1] = ty_minf(view->from[1], y);
-    view->to[0] = ty_maxf(view->to[0], x);
-    view->to[1] = ty_maxf(view->to[1], y);
+static void widen(view_frustum* frustum, float x, float y) {
+    frustum->from[0] = ty_minf(frustum->from[0], x);
+    frustum->from[1] = ty_minf(frustum->from[1], y);
+    frustum->to[0] = ty_maxf(frustum->to[0], x);
+    frustum->to[1] = ty_maxf(frustum->to[1], y);
 }
 
-/* Fits the grid to what the camera sees of the box; false where that is nothing. */
-static bool fit_frustum(const ty_grid_box* box, int32_t width, int32_t height, frustum* view) {
-    const ty_camera_view* camera = &view->camera;
+/* Fits the grid to the visible part of the box; false if there is none. */
+static bool fit_frustum(const ty_grid_box* box, int32_t width, int32_t height, view_frustum* frustum) {
+    const ty_camera_view* camera = &frustum->camera;
     const ty_vec forward =
         ty_mad(ty_mad(camera->corner, camera->dx, 0.5f * (float)width), camera->dy, 0.5f * (float)height);
     const float per_x = 1.0f / ty_dot(camera->dx, camera->dx), per_y = 1.0f / ty_dot(camera->dy, camera->dy);
     bool behind = false;
-    view->near = view->from[0] = view->from[1] = TY_FLOAT_MAX;
-    view->far = view->to[0] = view->to[1] = -TY_FLOAT_MAX;
+    frustum->near = frustum->from[0] = frustum->from[1] = TY_FLOAT_MAX;
+    frustum->far = frustum->to[0] = frustum->to[1] = -TY_FLOAT_MAX;
     for (int32_t i = 0; i < 8; ++i) {
         const ty_vec corner = ty_vec_make((float)((i & 1) != 0 ? box->upper[0] : box->lower[0]),
                                           (float)((i & 2) != 0 ? box->upper[1] : box->lower[1]),
                                           (float)((i & 4) != 0 ? box->upper[2] : box->lower[2]));
         const ty_vec off = ty_sub(corner, camera->origin);
         const float depth = ty_dot(off, forward);
-        view->near = ty_minf(view->near, depth);
-        view->far = ty_maxf(view->far, depth);
+        frustum->near = ty_minf(frustum->near, depth);
+        frustum->far = ty_maxf(frustum->far, depth);
         behind |= !(depth > 0.0f);
         if (depth > 0.0f)
-            widen(view, 0.5f * (float)width + ty_dot(off, camera->dx) * per_x / depth,
+            widen(frustum, 0.5f * (float)width + ty_dot(off, camera->dx) * per_x / depth,
                   0.5f * (float)height + ty_dot(off, camera->dy) * per_y / depth);
     }
     if (behind) {
-        widen(view, 0.0f, 0.0f);
-        widen(view, (float)width, (float)height);
+        widen(frustum, 0.0f, 0.0f);
+        widen(frustum, (float)width, (float)height);
     }
-    view->near = ty_maxf(0.0f, view->near);
-    const float whole[2] = {(float)width, (float)height};
+    frustum->near = ty_maxf(0.0f, frustum->near);
+    const float image_size[2] = {(float)width, (float)height};
     for (int a = 0; a < 2; ++a) {
-        view->from[a] = ty_clampf(view->from[a], 0.0f, whole[a]);
-        view->to[a] = ty_clampf(view->to[a], 0.0f, whole[a]);
+        frustum->from[a] = ty_clampf(frustum->from[a], 0.0f, image_size[a]);
+        frustum->to[a] = ty_clampf(frustum->to[a], 0.0f, image_size[a]);
     }
-    return view->far > view->near && view->to[0] > view->from[0] && view->to[1] > view->from[1];
+    return frustum->far > frustum->near && frustum->to[0] > frustum->from[0] && frustum->to[1] > frustum->from[1];
 }
 
-/* ---- from the eye into the medium ---- */
+/* ---- ray march from the eye ---- */
 
-/* One column; a ray's vector is a unit of depth long. */
-static void follow_column(gaze_job* job, int32_t column, int32_t row) {
-    const frustum* view = &job->view;
-    const float x = ty_lerpf(view->from[0], view->to[0], ((float)column + 0.5f) / COLUMNS);
-    const float y = ty_lerpf(view->from[1], view->to[1], ((float)row + 0.5f) / COLUMNS);
-    const ty_vec along = ty_mad(ty_mad(view->camera.corner, view->camera.dx, x), view->camera.dy, y);
-    const float stretch = sqrtf(ty_dot(along, along)), step = (view->far - view->near) / (LAYERS * STEPS);
-    const ty_mesh* mesh = job->scene->view.mesh;
+/* One column. The ray's vector has unit depth. */
+static void march_column(importance_job* job, int32_t column, int32_t row) {
+    const view_frustum* frustum = &job->frustum;
+    const float x = ty_lerpf(frustum->from[0], frustum->to[0], ((float)column + 0.5f) / COLUMNS);
+    const float y = ty_lerpf(frustum->from[1], frustum->to[1], ((float)row + 0.5f) / COLUMNS);
+    const ty_vec along = ty_mad(ty_mad(frustum->camera.corner, frustum->camera.dx, x), frustum->camera.dy, y);
+    const float per_depth = sqrtf(ty_dot(along, along)), step = (frustum->far - frustum->near) / (LAYERS * STEPS);
+    const ty_accel* mesh = job->scene->view.mesh;
     const int32_t at = COLUMNS * row + column;
-    ty_pop_gaze gaze = {.straight = 1, .first = 1, .second = 1};
-    float end = view->far;
+    ty_pop_importance_transmittance transmittance = {.uncollided = 1, .first = 1, .second = 1};
+    float end = frustum->far;
     ty_hit hit;
-    job->ray[at] = ty_scale(along, 1.0f / stretch);
-    if (mesh != NULL && ty_mesh_intersect(mesh, view->camera.origin, job->ray[at], stretch * end, &hit))
-        end = hit.distance / stretch;
+    job->ray[at] = ty_scale(along, 1.0f / per_depth);
+    if (mesh != NULL && ty_accel_intersect(mesh, frustum->camera.origin, job->ray[at], per_depth * end, &hit))
+        end = hit.distance / per_depth;
     for (int32_t k = 0; k < LAYERS * STEPS; ++k) {
-        const float depth = view->near + step * (float)k, length = ty_minf(step, end - depth);
+        const float depth = frustum->near + step * (float)k, length = ty_minf(step, end - depth);
         if (!(length > 0.0f)) return;
-        const ty_vec point = ty_mad(view->camera.origin, along, depth + 0.5f * length);
-        const ty_pop_murk murk = ty_pop_murk_at(&job->murk, point);
-        ty_pop_glance_add(&job->glances[at][k / (STEPS * GROUP)], &gaze, &murk, point, length * stretch);
+        const ty_vec point = ty_mad(frustum->camera.origin, along, depth + 0.5f * length);
+        const ty_pop_occlusion_medium medium = ty_pop_occlusion_medium_at(&job->medium, point);
+        ty_pop_visibility_sample_add(&job->samples[at][k / (STEPS * GROUP)], &transmittance, &medium, point,
+                                     length * per_depth);
     }
 }
 
-static void follow_row(void* user, int64_t row, int32_t worker) {
+static void march_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
-    for (int32_t column = 0; column < COLUMNS; ++column) follow_column(user, column, (int32_t)row);
+    for (int32_t column = 0; column < COLUMNS; ++column) march_column(user, column, (int32_t)row);
 }
 
-/* ---- and out of it to where light comes from ---- */
+/* ---- transmittance out of the medium ---- */
 
 static int32_t block_of(int32_t column, int32_t row, int32_t group) {
     const int32_t blocks = COLUMNS / ACROSS;
     return group + GROUPS * (column / ACROSS + blocks * (row / ACROSS));
 }
 
-/* Where a block's importance is, in the mean, and what turns aside; false where there is none. */
-static bool place_block(gaze_job* job, int32_t block, ty_vec* place) {
+/* Importance-weighted mean position of a block, and its sum of diffuse light; false if its importance is 0. */
+static bool block_position(importance_job* job, int32_t block, ty_vec* position) {
     const int32_t blocks = COLUMNS / ACROSS, group = block % GROUPS;
     const int32_t left = ACROSS * (block / GROUPS % blocks), top = ACROSS * (block / GROUPS / blocks);
     float weight = 0.0f;
-    *place = ty_vec_make(0.0f, 0.0f, 0.0f);
+    *position = ty_vec_make(0.0f, 0.0f, 0.0f);
     for (int32_t row = top; row < top + ACROSS; ++row)
         for (int32_t column = left; column < left + ACROSS; ++column) {
-            const ty_pop_glance* glance = &job->glances[COLUMNS * row + column][group];
-            weight += glance->straight + glance->forward;
-            *place = ty_add(*place, glance->place);
-            job->aside[block] += glance->aside;
+            const ty_pop_visibility_sample* sample = &job->samples[COLUMNS * row + column][group];
+            weight += sample->uncollided + sample->forward;
+            *position = ty_add(*position, sample->weighted_position);
+            job->diffuse[block] += sample->diffuse;
         }
     if (!(weight > 0.0f)) return false;
-    *place = ty_scale(*place, 1.0f / weight);
+    *position = ty_scale(*position, 1.0f / weight);
     return true;
 }
 
-/* Distance to the box's sides from within. */
-static float way_to_side(const ty_pop_murk_view* murk, ty_vec point, ty_vec way) {
-    const float from[3] = {point.x, point.y, point.z}, along[3] = {way.x, way.y, way.z};
-    const float lower[3] = {murk->lower.x, murk->lower.y, murk->lower.z};
-    const float upper[3] = {murk->upper.x, murk->upper.y, murk->upper.z};
+/* Distance from an inside point to the box's side. */
+static float distance_to_side(const ty_pop_occlusion_view* medium, ty_vec point, ty_vec direction) {
+    const float from[3] = {point.x, point.y, point.z}, along[3] = {direction.x, direction.y, direction.z};
+    const float lower[3] = {medium->lower.x, medium->lower.y, medium->lower.z};
+    const float upper[3] = {medium->upper.x, medium->upper.y, medium->upper.z};
     float nearest = TY_FLOAT_MAX;
     for (int a = 0; a < 3; ++a) {
         const float side = along[a] > 0.0f ? upper[a] : lower[a];
@@ -177,163 +177,168 @@ static float way_to_side(const ty_pop_murk_view* murk, ty_vec point, ty_vec way)
     return ty_maxf(0.0f, nearest);
 }
 
-/* Optical depth, reduced, as ordinates carry light; what surfaces are before counts as deep. */
-static float depth_outward(const gaze_job* job, ty_vec point, ty_vec way) {
-    const float length = way_to_side(&job->murk, point, way) / WAY_STEPS;
+/* Optical depth to the box's side with first-order scaled extinction, as for ordinates' light; infinite behind
+ * surfaces. */
+static float optical_depth_out(const importance_job* job, ty_vec point, ty_vec direction) {
+    const float length = distance_to_side(&job->medium, point, direction) / OUT_STEPS;
     float tau = 0.0f;
-    if (job->scene->view.mesh != NULL && ty_mesh_occluded(job->scene->view.mesh, point, way, TY_FLOAT_MAX))
+    if (job->scene->view.mesh != NULL && ty_accel_occluded(job->scene->view.mesh, point, direction, TY_FLOAT_MAX))
         return TY_FLOAT_MAX;
-    for (int32_t i = 0; i < WAY_STEPS; ++i) {
-        const ty_pop_murk murk = ty_pop_murk_at(&job->murk, ty_mad(point, way, ((float)i + 0.5f) * length));
-        tau += length * ty_pop_murk_reduced(&murk, 1);
+    for (int32_t i = 0; i < OUT_STEPS; ++i) {
+        const ty_pop_occlusion_medium medium =
+            ty_pop_occlusion_medium_at(&job->medium, ty_mad(point, direction, ((float)i + 0.5f) * length));
+        tau += length * ty_pop_occlusion_scaled_extinction(&medium, 1);
     }
     return tau;
 }
 
-static void refine_ways(const float* coarse, float* out) {
+static void upsample_map(const float* coarse, float* out) {
     for (int32_t i = 0; i < DIRECTIONS; ++i)
-        out[i] = ty_environment_map_at(coarse, WAYS_WIDTH, WAYS_HEIGHT, ((float)(i % WIDTH) + 0.5f) / WIDTH,
+        out[i] = ty_environment_map_at(coarse, OUT_WIDTH, OUT_HEIGHT, ((float)(i % WIDTH) + 0.5f) / WIDTH,
                                        ((float)(i / WIDTH) + 0.5f) / HEIGHT);
 }
 
-/* Light without a direction gets through a layer as in two-stream diffusion. */
-static void follow_ways(void* user, int64_t index, int32_t worker) {
+/* Diffuse light crosses a layer with the transmittance of two-stream diffusion, 1 / (1 + 3/4 tau). */
+static void find_out_transmittances(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    gaze_job* job = user;
-    float straight[WAYS_WIDTH * WAYS_HEIGHT], diffuse[WAYS_WIDTH * WAYS_HEIGHT];
-    ty_vec place;
-    if (!place_block(job, (int32_t)index, &place)) return;
-    for (int32_t i = 0; i < WAYS_WIDTH * WAYS_HEIGHT; ++i) {
-        const ty_vec way = look_at(job->scene->up, i % WAYS_WIDTH, i / WAYS_WIDTH, WAYS_WIDTH, WAYS_HEIGHT);
-        const float tau = depth_outward(job, place, way);
-        straight[i] = ty_decay(tau);
+    importance_job* job = user;
+    float directional[OUT_WIDTH * OUT_HEIGHT], diffuse[OUT_WIDTH * OUT_HEIGHT];
+    ty_vec position;
+    if (!block_position(job, (int32_t)index, &position)) return;
+    for (int32_t i = 0; i < OUT_WIDTH * OUT_HEIGHT; ++i) {
+        const ty_vec direction = texel_direction(job->scene->up, i % OUT_WIDTH, i / OUT_WIDTH, OUT_WIDTH, OUT_HEIGHT);
+        const float tau = optical_depth_out(job, position, direction);
+        directional[i] = ty_attenuation(tau);
         diffuse[i] = 1.0f / (1.0f + 0.75f * tau);
     }
-    refine_ways(straight, job->out[index]);
-    refine_ways(diffuse, job->outward[index]);
+    upsample_map(directional, job->out[index]);
+    upsample_map(diffuse, job->diffuse_out[index]);
 }
 
-/* Adds what one lobe sees of each direction of a row of the map. */
-static void add_glance(gaze_job* job, const ty_pop_glance* glance, ty_vec ray, const float* out, int32_t row) {
-    if (!(glance->straight + glance->forward > 0.0f)) return;
-    const ty_pop_lobe lobe = ty_pop_lobe_of(glance);
+/* Adds one lobe's importance to each direction in a row of the map. */
+static void add_sample(importance_job* job, const ty_pop_visibility_sample* sample, ty_vec ray, const float* out,
+                       int32_t row) {
+    if (!(sample->uncollided + sample->forward > 0.0f)) return;
+    const ty_pop_importance_lobe lobe = ty_pop_importance_lobe_of(sample);
     const int32_t first = WIDTH * row;
-    const float *x = job->look[0] + first, *y = job->look[1] + first, *z = job->look[2] + first;
-    float* seen = job->seen + first;
+    const float *x = job->direction_of[0] + first, *y = job->direction_of[1] + first, *z = job->direction_of[2] + first;
+    float* importance = job->importance + first;
 #pragma omp simd
     for (int32_t i = 0; i < WIDTH; ++i) {
         const float mu = x[i] * ray.x + y[i] * ray.y + z[i] * ray.z;
-        seen[i] += ty_pop_lobe_at(&lobe, mu) * out[first + i];
+        importance[i] += ty_pop_importance_lobe_at(&lobe, mu) * out[first + i];
     }
 }
 
-static void see_row(void* user, int64_t index, int32_t worker) {
+static void sum_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    gaze_job* job = user;
+    importance_job* job = user;
     for (int32_t row = 0; row < COLUMNS; ++row)
         for (int32_t column = 0; column < COLUMNS; ++column)
             for (int32_t group = 0; group < GROUPS; ++group) {
                 const int32_t at = COLUMNS * row + column;
-                add_glance(job, &job->glances[at][group], job->ray[at], job->out[block_of(column, row, group)],
+                add_sample(job, &job->samples[at][group], job->ray[at], job->out[block_of(column, row, group)],
                            (int32_t)index);
             }
     for (int32_t block = 0; block < BLOCKS; ++block)
         for (int32_t i = WIDTH * (int32_t)index; i < WIDTH * ((int32_t)index + 1); ++i)
-            job->seen[i] += TY_INV_4PI * job->aside[block] * job->outward[block][i];
+            job->importance[i] += TY_INV_4PI * job->diffuse[block] * job->diffuse_out[block][i];
 }
 
-/* ---- the map ---- */
+/* ---- map ---- */
 
-/* Means about each direction of a row, on the sphere: poles are as any other place. */
-static void smooth_row(void* user, int64_t index, int32_t worker) {
+/* Spherical convolution for one row of the map; the kernel is isotropic at the poles too. */
+static void smooth_map_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    gaze_job* job = user;
+    importance_job* job = user;
     float sum[WIDTH] = {0}, weight = 0.0f;
     const int32_t row = (int32_t)index;
     for (int32_t other = 0; other < HEIGHT; ++other) {
         const float solid_angle = row_solid_angle(other);
         for (int32_t shift = 0; shift < WIDTH; ++shift) {
             const int32_t a = WIDTH * row, b = WIDTH * other + shift;
-            const float mu = job->look[0][a] * job->look[0][b] + job->look[1][a] * job->look[1][b] +
-                             job->look[2][a] * job->look[2][b];
-            const float share = solid_angle * ty_expf(SMOOTHNESS * (mu - 1.0f));
-            weight += share;
-            for (int32_t i = 0; i < WIDTH; ++i) sum[i] += share * job->seen[WIDTH * other + (i + shift) % WIDTH];
+            const float mu = job->direction_of[0][a] * job->direction_of[0][b] +
+                             job->direction_of[1][a] * job->direction_of[1][b] +
+                             job->direction_of[2][a] * job->direction_of[2][b];
+            const float kernel = solid_angle * ty_expf(SMOOTHNESS * (mu - 1.0f));
+            weight += kernel;
+            for (int32_t i = 0; i < WIDTH; ++i) sum[i] += kernel * job->importance[WIDTH * other + (i + shift) % WIDTH];
         }
     }
-    for (int32_t i = 0; i < WIDTH; ++i) job->smooth[WIDTH * row + i] = sum[i] / weight;
+    for (int32_t i = 0; i < WIDTH; ++i) job->smoothed[WIDTH * row + i] = sum[i] / weight;
 }
 
-static void make_even(float* map) {
+static void make_uniform(float* map) {
     for (int32_t i = 0; i < DIRECTIONS; ++i) map[i] = 1.0f;
 }
 
-/* To a mean of 1 over the sphere; a map of nothing becomes even. */
+/* Scales to a mean of 1 over the sphere; a map of zeros becomes uniform. */
 static void normalize(float* map) {
     double sum = 0;
     for (int32_t i = 0; i < DIRECTIONS; ++i) sum += (double)(map[i] * row_solid_angle(i / WIDTH) * TY_INV_4PI);
     if (!(sum > 0 && isfinite(sum))) {
-        make_even(map);
+        make_uniform(map);
         return;
     }
     for (int32_t i = 0; i < DIRECTIONS; ++i) map[i] = (float)((double)map[i] / sum);
 }
 
-static void mix_with(float* history, float* map) {
+static void blend_history(float* history, float* map) {
     if (history == NULL) return;
-    float most = 0.0f;
-    for (int32_t i = 0; i < DIRECTIONS; ++i) most = ty_maxf(most, history[i]);
-    for (int32_t i = 0; i < DIRECTIONS && most > 0.0f; ++i) map[i] = ty_lerpf(history[i], map[i], FRESH);
+    float max_importance = 0.0f;
+    for (int32_t i = 0; i < DIRECTIONS; ++i) max_importance = ty_maxf(max_importance, history[i]);
+    for (int32_t i = 0; i < DIRECTIONS && max_importance > 0.0f; ++i) map[i] = ty_lerpf(history[i], map[i], NEW_WEIGHT);
     normalize(map);
     memcpy(history, map, DIRECTIONS * sizeof *map);
 }
 
-static ty_pop_murk_view murk_of(const ty_grid_medium* medium) {
+static ty_pop_occlusion_view occlusion_view(const ty_grid_medium* medium) {
     const ty_grid_box* box = &medium->box;
-    ty_pop_murk_view murk = {.planes = medium->planes};
+    ty_pop_occlusion_view view = {.planes = medium->planes};
     for (int c = 0; c < 3; ++c) {
-        murk.extinction[c] = medium->extinction[c];
-        murk.scattering[c] = medium->scattering[c];
-        murk.g[c] = medium->g[c];
-        murk.size[c] = box->size[c];
+        view.extinction[c] = medium->extinction[c];
+        view.scattering[c] = medium->scattering[c];
+        view.g[c] = medium->g[c];
+        view.size[c] = box->size[c];
     }
-    murk.lower = ty_vec_make((float)box->lower[0], (float)box->lower[1], (float)box->lower[2]);
-    murk.upper = ty_vec_make((float)box->upper[0], (float)box->upper[1], (float)box->upper[2]);
-    murk.per_cell =
+    view.lower = ty_vec_make((float)box->lower[0], (float)box->lower[1], (float)box->lower[2]);
+    view.upper = ty_vec_make((float)box->upper[0], (float)box->upper[1], (float)box->upper[2]);
+    view.per_cell =
         ty_vec_make((float)(1 / medium->cell[0]), (float)(1 / medium->cell[1]), (float)(1 / medium->cell[2]));
-    return murk;
+    return view;
 }
 
-static void look_around(gaze_job* job, float* map) {
+static void find_importance(importance_job* job, float* map) {
     ty_context* context = job->scene->context;
     for (int32_t i = 0; i < DIRECTIONS; ++i) {
-        const ty_vec look = look_at(job->scene->up, i % WIDTH, i / WIDTH, WIDTH, HEIGHT);
-        job->look[0][i] = look.x;
-        job->look[1][i] = look.y;
-        job->look[2][i] = look.z;
+        const ty_vec direction = texel_direction(job->scene->up, i % WIDTH, i / WIDTH, WIDTH, HEIGHT);
+        job->direction_of[0][i] = direction.x;
+        job->direction_of[1][i] = direction.y;
+        job->direction_of[2][i] = direction.z;
     }
-    ty_parallel_flushed(context, COLUMNS, follow_row, job);
-    ty_parallel_flushed(context, BLOCKS, follow_ways, job);
-    ty_parallel_flushed(context, HEIGHT, see_row, job);
-    ty_parallel_flushed(context, HEIGHT, smooth_row, job);
-    memcpy(map, job->smooth, sizeof job->smooth);
+    ty_parallel_flushed(context, COLUMNS, march_row, job);
+    ty_parallel_flushed(context, BLOCKS, find_out_transmittances, job);
+    ty_parallel_flushed(context, HEIGHT, sum_row, job);
+    ty_parallel_flushed(context, HEIGHT, smooth_map_row, job);
+    memcpy(map, job->smoothed, sizeof job->smoothed);
     normalize(map);
 }
 
+/* Sec. 5.2 (Elek 2014). */
 ty_result ty_pop_importance_find(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
                                  float* map) {
-    gaze_job* job = ty_alloc_array(scene->context, 1, sizeof *job, true);
+    importance_job* job = ty_alloc_array(scene->context, 1, sizeof *job, true);
     if (job == NULL) return TY_ERROR_MEMORY;
     int32_t size[2];
     ty_image_resolution(scene, def->width, def->height, size);
     job->scene = scene;
-    job->murk = murk_of(medium);
-    job->view.camera = ty_camera_get_view(&scene->camera, size[0], size[1]);
-    if (fit_frustum(&medium->box, size[0], size[1], &job->view))
-        look_around(job, map);
+    job->medium = occlusion_view(medium);
+    job->frustum.camera = ty_camera_get_view(&scene->camera, size[0], size[1]);
+    if (fit_frustum(&medium->box, size[0], size[1], &job->frustum))
+        find_importance(job, map);
     else
-        make_even(map);
-    mix_with(def->history, map);
+        make_uniform(map);
+    blend_history(def->history, map);
     ty_free_array(scene->context, job, 1, sizeof *job);
     return TY_OK;
 }

@@ -1,106 +1,106 @@
-/* Importance from the camera: a column of cells along a ray of it, and what light that comes along some direction adds
- * to what the camera sees there. */
+/* Importance from the camera: march along a ray's column of cells, and the lobe by which incident light from a
+ * direction contributes to the camera's radiance. */
 #ifndef TY_METHOD_POP_IMPORTANCE_K_H
 #define TY_METHOD_POP_IMPORTANCE_K_H
 
-#include "direct/beam.k.h"
-#include "direct/single.k.h"
+#include "direct/media/attenuation.k.h"
+#include "direct/single/single.k.h"
 #include "scene/phase.k.h"
 
-/* The medium where importance goes, means of the channels. */
-typedef struct ty_pop_murk {
+/* Medium coefficients at a point, averaged over channels. */
+typedef struct ty_pop_occlusion_medium {
     float extinction, scattering; /* 1/m */
     float g;
-} ty_pop_murk;
+} ty_pop_occlusion_medium;
 
-typedef struct ty_pop_murk_view {
+typedef struct ty_pop_occlusion_view {
     TY_GLOBAL const float* extinction[3];
     TY_GLOBAL const float* scattering[3];
     TY_GLOBAL const float* g[3];
     int32_t planes, size[3];
     ty_vec lower, upper, per_cell; /* m, cells per m */
-} ty_pop_murk_view;
+} ty_pop_occlusion_view;
 
-TY_FN ty_pop_murk ty_pop_murk_at(const ty_pop_murk_view* view, ty_vec point) {
-    ty_pop_murk murk;
+TY_FN ty_pop_occlusion_medium ty_pop_occlusion_medium_at(const ty_pop_occlusion_view* view, ty_vec point) {
+    ty_pop_occlusion_medium medium;
     const ty_vec from = ty_sub(point, view->lower), to = ty_sub(view->upper, point);
-    const float share = 1.0f / (float)view->planes;
-    murk.extinction = murk.scattering = murk.g = 0.0f;
-    if (ty_minf(ty_minf(from.x, from.y), from.z) < 0.0f || ty_minf(ty_minf(to.x, to.y), to.z) < 0.0f) return murk;
+    const float fraction = 1.0f / (float)view->planes;
+    medium.extinction = medium.scattering = medium.g = 0.0f;
+    if (ty_minf(ty_minf(from.x, from.y), from.z) < 0.0f || ty_minf(ty_minf(to.x, to.y), to.z) < 0.0f) return medium;
     const ty_cell_point at = ty_cell_locate(
         view->size, ty_vec_make(from.x * view->per_cell.x, from.y * view->per_cell.y, from.z * view->per_cell.z));
     for (int32_t c = 0; c < view->planes; ++c) {
-        murk.extinction += share * ty_cell_value(view->extinction[c], &at);
-        murk.scattering += share * ty_cell_value(view->scattering[c], &at);
-        murk.g += share * ty_cell_value(view->g[c], &at);
+        medium.extinction += fraction * ty_cell_value(view->extinction[c], &at);
+        medium.scattering += fraction * ty_cell_value(view->scattering[c], &at);
+        medium.g += fraction * ty_cell_value(view->g[c], &at);
     }
-    return murk;
+    return medium;
 }
 
-/* Extinction of the l-th moment of what scattering sends on; negative g sends nothing on. */
-TY_FN float ty_pop_murk_reduced(const ty_pop_murk* murk, int32_t order) {
-    const float g = ty_maxf(0.0f, murk->g);
-    return ty_maxf(0.0f, murk->extinction - (order == 2 ? g * g : g) * murk->scattering);
+/* Scaled extinction of the l-th moment, sigma_t - g^l sigma_s; negative g counts as 0. */
+TY_FN float ty_pop_occlusion_scaled_extinction(const ty_pop_occlusion_medium* medium, int32_t order) {
+    const float g = ty_maxf(0.0f, medium->g);
+    return ty_maxf(0.0f, medium->extinction - (order == 2 ? g * g : g) * medium->scattering);
 }
 
-/* What importance has become on its way: transmittances of its moments 0, 1 and 2 (U, R and S of ty_pop_sweep). */
-typedef struct ty_pop_gaze {
-    float straight, first, second;
-} ty_pop_gaze;
+/* Transmittances of importance of moment 0, 1 and 2 (U, R and S of ty_pop_sweep). */
+typedef struct ty_pop_importance_transmittance {
+    float uncollided, first, second;
+} ty_pop_importance_transmittance;
 
-/* Sums over a stretch of a column, each times scattering coefficient and length. */
-typedef struct ty_pop_glance {
-    float straight;  /* of U */
-    float forward;   /* of R - U */
-    float forward_b; /* of S - U */
-    float g;         /* of R times g */
-    float aside;     /* of (1 - g) R: what no longer has a direction */
-    ty_vec place;    /* of R times the place, m */
-} ty_pop_glance;
+/* Sums over a segment of a column, each times scattering coefficient and length. */
+typedef struct ty_pop_visibility_sample {
+    float uncollided;         /* of U */
+    float forward;            /* of R - U */
+    float forward_second;     /* of S - U */
+    float g;                  /* of g R */
+    float diffuse;            /* of (1 - g) R: light scattered out of the forward lobe */
+    ty_vec weighted_position; /* of R times the position, m */
+} ty_pop_visibility_sample;
 
-/* Passes a stretch of some length with its middle at `point`. */
-TY_FN void ty_pop_glance_add(ty_pop_glance* sum, ty_pop_gaze* gaze, const ty_pop_murk* murk, ty_vec point,
-                             float length) {
-    const float tau[3] = {murk->extinction * length, ty_pop_murk_reduced(murk, 1) * length,
-                          ty_pop_murk_reduced(murk, 2) * length};
-    const float decay[3] = {ty_decay(tau[0]), ty_decay(tau[1]), ty_decay(tau[2])};
-    const float weight = murk->scattering * length;
-    const float straight = weight * gaze->straight * ty_mean_decay(tau[0], decay[0]);
-    const float first = weight * gaze->first * ty_mean_decay(tau[1], decay[1]);
-    const float second = weight * gaze->second * ty_mean_decay(tau[2], decay[2]);
-    sum->straight += straight;
-    sum->forward += ty_maxf(0.0f, first - straight);
-    sum->forward_b += ty_maxf(0.0f, second - straight);
-    sum->g += first * murk->g;
-    sum->aside += first * (1.0f - ty_maxf(0.0f, murk->g));
-    sum->place = ty_mad(sum->place, point, first);
-    gaze->straight *= decay[0];
-    gaze->first *= decay[1];
-    gaze->second *= decay[2];
+/* Adds a segment of some length centered at `point`. */
+TY_FN void ty_pop_visibility_sample_add(ty_pop_visibility_sample* sum, ty_pop_importance_transmittance* transmittances,
+                                        const ty_pop_occlusion_medium* medium, ty_vec point, float length) {
+    const float tau[3] = {medium->extinction * length, ty_pop_occlusion_scaled_extinction(medium, 1) * length,
+                          ty_pop_occlusion_scaled_extinction(medium, 2) * length};
+    const float transmittance[3] = {ty_attenuation(tau[0]), ty_attenuation(tau[1]), ty_attenuation(tau[2])};
+    const float weight = medium->scattering * length;
+    const float uncollided = weight * transmittances->uncollided * ty_mean_attenuation(tau[0], transmittance[0]);
+    const float first = weight * transmittances->first * ty_mean_attenuation(tau[1], transmittance[1]);
+    const float second = weight * transmittances->second * ty_mean_attenuation(tau[2], transmittance[2]);
+    sum->uncollided += uncollided;
+    sum->forward += ty_maxf(0.0f, first - uncollided);
+    sum->forward_second += ty_maxf(0.0f, second - uncollided);
+    sum->g += first * medium->g;
+    sum->diffuse += first * (1.0f - ty_maxf(0.0f, medium->g));
+    sum->weighted_position = ty_mad(sum->weighted_position, point, first);
+    transmittances->uncollided *= transmittance[0];
+    transmittances->first *= transmittance[1];
+    transmittances->second *= transmittance[2];
 }
 
-/* How a stretch of importance scatters: J of grid.h, between light from where one looks along `look` and the eye. */
-typedef struct ty_pop_lobe {
-    float straight, g;
-    float forward, forward_g, per_b; /* forward part: mean cosine b g, and 1 / b */
-} ty_pop_lobe;
+/* Scattering lobe of a segment, between incident light and the eye. */
+typedef struct ty_pop_importance_lobe {
+    float uncollided, g;
+    float forward, forward_g, inverse_b; /* forward part: mean cosine b g, and 1 / b */
+} ty_pop_importance_lobe;
 
-TY_FN ty_pop_lobe ty_pop_lobe_of(const ty_pop_glance* sum) {
-    const float all = sum->straight + sum->forward;
-    const float b = ty_clampf(sum->forward_b / ty_maxf(sum->forward, 1e-30f), 1e-3f, 1.0f);
-    ty_pop_lobe lobe;
-    lobe.straight = sum->straight;
+TY_FN ty_pop_importance_lobe ty_pop_importance_lobe_of(const ty_pop_visibility_sample* sum) {
+    const float all = sum->uncollided + sum->forward;
+    const float b = ty_clampf(sum->forward_second / ty_maxf(sum->forward, 1e-30f), 1e-3f, 1.0f);
+    ty_pop_importance_lobe lobe;
+    lobe.uncollided = sum->uncollided;
     lobe.forward = sum->forward;
     lobe.g = ty_clampf(sum->g / ty_maxf(all, 1e-30f), -0.99f, 0.99f);
     lobe.forward_g = b * lobe.g;
-    lobe.per_b = 1.0f / b;
+    lobe.inverse_b = 1.0f / b;
     return lobe;
 }
 
-/* mu: cosine between the eye's ray and the direction one looks along for the light. */
-TY_FN float ty_pop_lobe_at(const ty_pop_lobe* lobe, float mu) {
-    const float forward = (ty_hg(mu, lobe->forward_g) - TY_INV_4PI) * lobe->per_b + TY_INV_4PI;
-    return ty_maxf(0.0f, lobe->straight * ty_hg(mu, lobe->g) + lobe->forward * forward);
+/* mu: cosine between the eye's ray and the direction towards the light. */
+TY_FN float ty_pop_importance_lobe_at(const ty_pop_importance_lobe* lobe, float mu) {
+    const float forward = (ty_hg(mu, lobe->forward_g) - TY_INV_4PI) * lobe->inverse_b + TY_INV_4PI;
+    return ty_maxf(0.0f, lobe->uncollided * ty_hg(mu, lobe->g) + lobe->forward * forward);
 }
 
 #endif

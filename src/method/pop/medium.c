@@ -1,27 +1,27 @@
-/* The cells of sharp lights, of ordinates and of the merged grid, and the media on them. */
+/* Sizes of the fine, ordinates' and merged grids, and the media sampled on them. */
 #include "base/context.h"
 #include "method/pop/job.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Voxels along an axis that one cell's sample points tell apart (ty_grid_medium_create). */
-enum { VOXELS_SEEN = 8 };
+/* Voxels along an axis that the sample points of one cell resolve (ty_grid_medium_create). */
+enum { VOXELS_RESOLVED = 8 };
 
-static bool has_voxels_alone(const ty_scene_view* view) {
+static bool all_media_are_grids(const ty_scene_view* view) {
     for (int32_t m = 0; m < view->medium_count; ++m)
         if (view->media[m].has_grid == 0) return false;
     return true;
 }
 
-static bool has_sharp_lights(const ty_pop_job* job) {
+static bool has_fine_lights(const ty_pop_job* job) {
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
     for (int32_t i = 0; i < lights->count; ++i)
-        if (ty_pop_is_sharp(job->scene, job->def, i)) return true;
+        if (ty_pop_uses_fine_grid(job->scene, job->def, i)) return true;
     return false;
 }
 
-static ty_result take_guide(ty_pop_job* job) {
+static ty_result make_guide(ty_pop_job* job) {
     const ty_grid_medium* medium = job->medium;
     ty_pop* light = job->light;
     light->guide = ty_alloc_array(job->context, light->cells, sizeof(float), true);
@@ -31,33 +31,33 @@ static ty_result take_guide(ty_pop_job* job) {
     return TY_OK;
 }
 
-/* Cells of an ordinate's grid where nothing is asked for: about a third of the voxels, which pictures of clouds lit by
- * the sky need, but so many at least (smooth media) and at most (time). */
-enum { OWN_SHARE = 3, OWN_LEAST = 32, OWN_MOST = 48 };
+/* Default resolution of an ordinate's grid: a third of the voxels, which images of clouds under a sky need, within
+ * limits for smooth media (minimum) and time (maximum). */
+enum { VOXELS_PER_CELL = 3, MIN_CELLS = 32, MAX_CELLS = 48 };
 
-static int32_t own_cells(const ty_pop_def* def, const ty_grid_box* fine) {
+static int32_t ordinate_cells(const ty_pop_def* def, const ty_grid_box* fine) {
     if (def->resolution > 0) return def->resolution;
-    if (def->mode != TY_POP_MODE_SPLIT) return OWN_LEAST;
-    int32_t cells = OWN_LEAST * OWN_SHARE;
+    if (def->mode != TY_POP_MODE_SPLIT) return MIN_CELLS;
+    int32_t cells = MIN_CELLS * VOXELS_PER_CELL;
     for (int a = 0; a < 3; ++a) cells = fine->size[a] > cells ? fine->size[a] : cells;
-    return cells / OWN_SHARE < OWN_MOST ? cells / OWN_SHARE : OWN_MOST;
+    return cells / VOXELS_PER_CELL < MAX_CELLS ? cells / VOXELS_PER_CELL : MAX_CELLS;
 }
 
-/* Light of few cells is brought together in finer ones, so that directions mix well; many hold what can be seen. */
-static int32_t merged_cells(const ty_pop_def* def, int32_t own) {
+/* Coarse grids are merged on finer cells, where directions mix well; fine ones resolve all visible detail already. */
+static int32_t merged_cells(const ty_pop_def* def, int32_t ordinate_size) {
     if (def->merged > 0) return def->merged;
-    if (def->mode != TY_POP_MODE_SPLIT) return own * 2;
-    const int32_t finer = own * 3 / 2 < OWN_MOST ? own * 3 / 2 : OWN_MOST;
-    return finer > own ? finer : own;
+    if (def->mode != TY_POP_MODE_SPLIT) return ordinate_size * 2;
+    const int32_t refined = ordinate_size * 3 / 2 < MAX_CELLS ? ordinate_size * 3 / 2 : MAX_CELLS;
+    return refined > ordinate_size ? refined : ordinate_size;
 }
 
-/* Whether merged cells cannot be sampled from the scene as exactly as from fine cells: these are voxels, unless
- * `longest` cells cut them off. */
-static bool needs_fine(const ty_pop_job* job, int32_t longest, const int32_t merged[3]) {
-    if (!has_voxels_alone(ty_scene_get_view(job->scene)) || has_sharp_lights(job)) return true;
+/* True if merged cells need the fine medium as their source. Direct sampling is as exact only for grid media whose
+ * fine cells are voxels, which a limit of `longest` cells prevents. */
+static bool needs_fine_medium(const ty_pop_job* job, int32_t longest, const int32_t merged[3]) {
+    if (!all_media_are_grids(ty_scene_get_view(job->scene)) || has_fine_lights(job)) return true;
     const int32_t* voxels = job->light->fine_box.size;
     for (int a = 0; a < 3; ++a)
-        if (voxels[a] < merged[a] || voxels[a] >= longest || voxels[a] > VOXELS_SEEN * merged[a]) return true;
+        if (voxels[a] < merged[a] || voxels[a] >= longest || voxels[a] > VOXELS_RESOLVED * merged[a]) return true;
     return false;
 }
 
@@ -68,28 +68,29 @@ static ty_result sample_merged(ty_pop_job* job, const int32_t merged[3]) {
     return ty_grid_medium_create(job->scene, &box, &job->medium);
 }
 
-/* Where merged cells are whole numbers of those that ordinates' grids sample, nothing is lost on the way. */
-static ty_result sample_own(ty_pop_job* job, const int32_t own[3]) {
-    bool whole = true;
-    for (int a = 0; a < 3; ++a) whole = whole && job->medium->box.size[a] % own[a] == 0;
-    const ty_grid_medium* from = whole || job->fine == NULL ? job->medium : job->fine;
-    return ty_grid_medium_resize(from, own, &job->light->medium);
+/* The ordinates' medium is averaged from merged cells where these are whole multiples, which is exact. */
+static ty_result sample_ordinates(ty_pop_job* job, const int32_t ordinate_size[3]) {
+    bool divides = true;
+    for (int a = 0; a < 3; ++a) divides = divides && job->medium->box.size[a] % ordinate_size[a] == 0;
+    const ty_grid_medium* source = divides || job->fine == NULL ? job->medium : job->fine;
+    return ty_grid_medium_resize(source, ordinate_size, &job->light->medium);
 }
 
 ty_result ty_pop_sample_media(ty_pop_job* job) {
     const ty_pop_def* def = job->def;
     ty_pop* light = job->light;
     const int32_t longest = ty_grid_box_longest(job->scene, def->direct);
-    int32_t merged[3], own[3];
+    int32_t merged[3], ordinate_size[3];
     ty_result result = ty_grid_box_fit(job->scene, longest, &light->fine_box);
     if (result != TY_OK) return result;
-    light->def.resolution = own_cells(def, &light->fine_box);
+    light->def.resolution = ordinate_cells(def, &light->fine_box);
     ty_grid_box_cut(&light->fine_box, merged_cells(def, light->def.resolution), merged);
-    ty_grid_box_cut(&light->fine_box, light->def.resolution, own);
-    if (needs_fine(job, longest, merged)) result = ty_grid_medium_create(job->scene, &light->fine_box, &job->fine);
+    ty_grid_box_cut(&light->fine_box, light->def.resolution, ordinate_size);
+    if (needs_fine_medium(job, longest, merged))
+        result = ty_grid_medium_create(job->scene, &light->fine_box, &job->fine);
     if (result == TY_OK) result = sample_merged(job, merged);
-    if (result == TY_OK) result = sample_own(job, own);
-    if (!has_sharp_lights(job)) {
+    if (result == TY_OK) result = sample_ordinates(job, ordinate_size);
+    if (!has_fine_lights(job)) {
         ty_grid_medium_destroy(job->fine);
         job->fine = NULL;
     }
@@ -97,5 +98,5 @@ ty_result ty_pop_sample_media(ty_pop_job* job) {
     light->cells = job->medium->cells;
     memcpy(job->stats.merged_size, merged, sizeof merged);
     job->stats.planes = job->medium->planes;
-    return take_guide(job);
+    return make_guide(job);
 }

@@ -1,31 +1,21 @@
-/* All ordinates' light in one grid, block by block: what a block needs of a light stays in the caches. */
-#include "base/isa.h"
+/* Merging of all ordinates' light in one grid, block by block, so that the cells of a light that a block reads stay
+ * in the caches. */
 #include "base/parallel.h"
 #include "method/pop/merge.h"
 #include "method/pop/merge_kernel.h"
 
 enum { SLABS = 4, SLAB_CELLS = TY_POP_MERGE_ROWS * TY_POP_MERGE_RUN };
 
-const ty_pop_merge_kernels* ty_pop_merge_kernels_best(void) {
-#if TY_ISA_X86
-    static const ty_pop_merge_kernels* const kernels[TY_ISA_COUNT] = {
-        &ty_pop_merge_kernels_v1, &ty_pop_merge_kernels_v3, &ty_pop_merge_kernels_v4};
-    return kernels[ty_best_isa()];
-#else
-    return &ty_pop_merge_kernels_v1;
-#endif
-}
-
-typedef struct work {
+typedef struct merge_job {
     const ty_pop_merge_kernels* kernels;
     const ty_pop_light* lights;
     int32_t count;
     ty_pop_merged* merged;
-    int32_t runs, length; /* rows are cut into as many, of so many cells at most */
+    int32_t runs, length; /* runs per row, and cells per run at most */
     int32_t blocks;       /* along y */
-} work;
+} merge_job;
 
-/* A block of cells. Slabs' sums are one after another, rows without gaps. */
+/* A block of merged cells. Sums of its slabs follow each other, rows without gaps. */
 typedef struct block {
     int32_t lower[3], size[3];
     _Alignas(64) float sums[SLABS][SLAB_CELLS * TY_POP_MERGE_SUMS];
@@ -35,18 +25,18 @@ static double step_along(const ty_grid_box* box, int axis) {
     return (box->upper[axis] - box->lower[axis]) / box->size[axis];
 }
 
-static float middle(const ty_grid_box* box, int axis, int32_t cell) {
+static float center(const ty_grid_box* box, int axis, int32_t cell) {
     return (float)(box->lower[axis] + (cell + 0.5) * step_along(box, axis));
 }
 
-static void add_light(const work* w, const ty_pop_light* light, block* b) {
+static void add_light(const merge_job* w, const ty_pop_light* light, block* b) {
     const ty_grid_box* box = &w->merged->box;
     for (int32_t z = 0; z < b->size[2]; ++z) {
         const ty_pop_merge_rows rows = {
             .count = b->size[0],
             .rows = b->size[1],
             .first =
-                ty_vec_make(middle(box, 0, b->lower[0]), middle(box, 1, b->lower[1]), middle(box, 2, b->lower[2] + z)),
+                ty_vec_make(center(box, 0, b->lower[0]), center(box, 1, b->lower[1]), center(box, 2, b->lower[2] + z)),
             .step = {(float)step_along(box, 0), (float)step_along(box, 1)},
             .sums = b->sums[z],
         };
@@ -54,8 +44,8 @@ static void add_light(const work* w, const ty_pop_light* light, block* b) {
     }
 }
 
-/* Where a row of a block begins in the merged arrays. */
-static size_t row_start(const work* w, const block* b, int32_t row) {
+/* Index of a row's first cell in the merged arrays. */
+static size_t row_start(const merge_job* w, const block* b, int32_t row) {
     const int32_t* size = w->merged->box.size;
     const size_t y = (size_t)(b->lower[1] + row % b->size[1]), z = (size_t)(b->lower[2] + row / b->size[1]);
     return (z * (size_t)size[1] + y) * (size_t)size[0] + (size_t)b->lower[0];
@@ -65,56 +55,59 @@ static float* row_sums(block* b, int32_t row) {
     return b->sums[row / b->size[1]] + TY_POP_MERGE_SUMS * (row % b->size[1]) * b->size[0];
 }
 
-/* Lights are added to what is there one by one: how many come at a time makes no difference. */
-static void load_block(const work* w, block* b) {
+/* The sums start from the stored values, so that results do not depend on the batch size. */
+static void load_block(const merge_job* w, block* b) {
     const ty_pop_merged* merged = w->merged;
     for (int32_t row = 0; row < b->size[1] * b->size[2]; ++row) {
         const size_t first = row_start(w, b, row);
         float* sums = row_sums(b, row);
         for (int32_t n = 0; n < b->size[0]; ++n)
             for (int c = 0; c < TY_POP_MERGE_SUMS; ++c)
-                sums[TY_POP_MERGE_SUMS * n + c] = c < 3   ? merged->seen[c][first + (size_t)n]
+                sums[TY_POP_MERGE_SUMS * n + c] = c < 3   ? merged->accumulated_radiance[c][first + (size_t)n]
                                                   : c < 6 ? merged->fluence[c - 3][first + (size_t)n]
                                                           : 0;
     }
 }
 
-static void store_block(const work* w, block* b) {
+static void store_block(const merge_job* w, block* b) {
     const ty_pop_merged* merged = w->merged;
     for (int32_t row = 0; row < b->size[1] * b->size[2]; ++row) {
         const size_t first = row_start(w, b, row);
         const float* sums = row_sums(b, row);
         for (int32_t n = 0; n < b->size[0]; ++n)
             for (int c = 0; c < 3; ++c) {
-                merged->seen[c][first + (size_t)n] = sums[TY_POP_MERGE_SUMS * n + c];
+                merged->accumulated_radiance[c][first + (size_t)n] = sums[TY_POP_MERGE_SUMS * n + c];
                 merged->fluence[c][first + (size_t)n] = sums[TY_POP_MERGE_SUMS * n + 3 + c];
             }
     }
 }
 
-static int32_t least(int32_t a, int32_t b) {
+static int32_t min_int(int32_t a, int32_t b) {
     return a < b ? a : b;
 }
 
 static void merge_block(void* user, int64_t index, int32_t worker) {
-    const work* w = user;
+    const merge_job* w = user;
     const int32_t* size = w->merged->box.size;
-    const int32_t run = (int32_t)(index % w->runs), rest = (int32_t)(index / w->runs);
-    const int32_t most[3] = {w->length, TY_POP_MERGE_ROWS, SLABS}, at[3] = {run, rest % w->blocks, rest / w->blocks};
+    const int32_t run = (int32_t)(index % w->runs), remaining = (int32_t)(index / w->runs);
+    const int32_t max_size[3] = {w->length, TY_POP_MERGE_ROWS, SLABS},
+                  at[3] = {run, remaining % w->blocks, remaining / w->blocks};
     block b;
     (void)worker;
     for (int a = 0; a < 3; ++a) {
-        b.lower[a] = at[a] * most[a];
-        b.size[a] = least(most[a], size[a] - b.lower[a]);
+        b.lower[a] = at[a] * max_size[a];
+        b.size[a] = min_int(max_size[a], size[a] - b.lower[a]);
     }
     load_block(w, &b);
     for (int32_t l = 0; l < w->count; ++l) add_light(w, &w->lights[l], &b);
     store_block(w, &b);
 }
 
+/* Sec. 5.3 (Elek 2014). */
 void ty_pop_merge(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged) {
     const int32_t* size = merged->box.size;
-    work w = {.kernels = ty_pop_merge_kernels_best(), .lights = lights, .count = count, .merged = merged};
+    merge_job w = {
+        .kernels = TY_BEST_KERNELS(ty_pop_merge_kernels), .lights = lights, .count = count, .merged = merged};
     w.blocks = (size[1] + TY_POP_MERGE_ROWS - 1) / TY_POP_MERGE_ROWS;
     const int32_t runs = (size[0] + TY_POP_MERGE_RUN - 1) / TY_POP_MERGE_RUN;
     w.length = (size[0] + runs - 1) / runs;

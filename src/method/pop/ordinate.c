@@ -1,81 +1,73 @@
-/* A scene's lights as ordinates. */
+/* Conversion of a scene's lights to ordinates. */
 #include "method/pop/ordinate.h"
 
 #include "base/context.h"
-#include "direct/environment_parts.h"
-#include "direct/source.h"
+#include "direct/lights/environment_clusters.h"
+#include "direct/lights/discretize.h"
 #include "scene/scene.h"
 
 typedef struct ordinate_list {
     const ty_scene* scene;
     const ty_pop_def* def;
     const ty_light_view* lights;
-    ty_vec middle; /* of the media */
-    float longest; /* side of their box, m */
-    ty_light_part* items;
-    int32_t count;
+    ty_vec center;      /* of the media's box */
+    float longest_edge; /* of the media's box, m */
+    ty_discrete_light_set* out;
 } ordinate_list;
 
 static bool is_black(const float color[3]) {
     return !(color[0] + color[1] + color[2] > 0);
 }
 
-static bool may_be_sharp(const ty_light_view* light) {
+static bool can_use_fine_grid(const ty_light_view* light) {
     if (is_black(light->color)) return false;
     return light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_POINT || light->kind == TY_KIND_SPOT;
 }
 
-bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light) {
+bool ty_pop_uses_fine_grid(const ty_scene* scene, const ty_pop_def* def, int32_t light) {
     const ty_light_set* set = &scene->view.lights;
-    if (!def->sharp || def->mode != TY_POP_MODE_SPLIT || !may_be_sharp(&set->lights[light])) return false;
+    if (!def->sharp || def->mode != TY_POP_MODE_SPLIT || !can_use_fine_grid(&set->lights[light])) return false;
     int32_t before = 0;
-    for (int32_t i = 0; i < light; ++i) before += may_be_sharp(&set->lights[i]);
-    return before < TY_POP_SHARP_MAX;
+    for (int32_t i = 0; i < light; ++i) before += can_use_fine_grid(&set->lights[i]);
+    return before < TY_POP_FINE_LIGHTS_MAX;
 }
 
-static ty_light_part* append(ordinate_list* list, const ty_source* source) {
-    ty_light_part* ordinate = &list->items[list->count++];
-    *ordinate = (ty_light_part){.kind = source->kind == TY_SOURCE_BEAM ? TY_LIGHT_PART_PARALLEL : TY_LIGHT_PART_RADIAL,
-                                .direction = source->direction,
-                                .position = source->position,
-                                .cosine = 1,
-                                .light = source->light,
-                                .shadowed = list->scene->view.mesh != NULL};
-    for (int c = 0; c < 3; ++c) ordinate->color[c] = source->color[c];
+static ty_discrete_light* append(ordinate_list* list, const ty_discrete_light* source) {
+    ty_discrete_light* ordinate = &list->out->items[list->out->count++];
+    *ordinate = *source;
+    ordinate->shadowed = list->scene->view.mesh != NULL;
     return ordinate;
 }
 
-/* Point and spot lights: there is no distance below which they are not points, so media are asked for one. */
-static void add_point(ordinate_list* list, const ty_source* source) {
-    ty_light_part* ordinate = append(list, source);
-    ordinate->profile = list->lights[source->light].kind == TY_KIND_SPOT ? TY_LIGHT_PART_SPOT : TY_LIGHT_PART_EVEN;
-    ordinate->least = 1e-3f * list->longest;
+/* Point and spot lights: they have no size, so the lower bound of r is relative to the media's box. */
+static void add_point(ordinate_list* list, const ty_discrete_light* source) {
+    append(list, source)->min_distance = 1e-3f * list->longest_edge;
 }
 
-/* Mean cosine of light from a disc of some area about the way to the middle of the media: its solid angle over 4 pi is
- * what w / N is for directions. */
+/* Mean cosine of a disc of some area seen from the box's center: (1 - Omega / 4 pi)^beta, as (1 - w_n / N)^beta of
+ * environment directions (Elek 2014). */
 static float cosine_of_area(const ordinate_list* list, ty_vec position, float area) {
-    const ty_vec off = ty_sub(list->middle, position);
-    const float distance2 = ty_maxf(ty_dot(off, off), 0.25f * list->longest * list->longest);
-    const float share = ty_minf(area / (4 * TY_PI * distance2), 1);
-    return powf(1 - share, (float)list->def->prefilter);
+    const ty_vec off = ty_sub(list->center, position);
+    const float distance2 = ty_maxf(ty_dot(off, off), 0.25f * list->longest_edge * list->longest_edge);
+    const float fraction = ty_minf(area / (4 * TY_PI * distance2), 1);
+    return powf(1 - fraction, (float)list->def->prefilter);
 }
 
-/* A point of a surface; side: 1 in front of it, -1 behind. Its 1 / r^2 is held where the part that it stands for is no
- * point any more: about the radius of a disc of the same area. */
-static void add_surface_point(ordinate_list* list, const ty_source* source, float side) {
-    ty_light_part* ordinate = append(list, source);
-    const float lift = 1e-4f * list->longest;
-    ordinate->profile = TY_LIGHT_PART_COSINE;
+/* One point of a surface. side: 1 for its front, -1 for its back. The lower bound of r in 1 / r^2 is the radius of a
+ * disc of the point's area, below which that area is not a point. */
+static void add_surface_point(ordinate_list* list, const ty_discrete_light* source, float side) {
+    ty_discrete_light* ordinate = append(list, source);
+    const float offset = 1e-4f * list->longest_edge;
+    ordinate->profile = TY_PROFILE_COSINE;
     ordinate->direction = ty_scale(source->direction, side);
-    ordinate->position = ty_mad(source->position, ordinate->direction, lift);
-    ordinate->least = ty_maxf(sqrtf(source->area / TY_PI), 1e-3f * list->longest);
-    ordinate->cosine = cosine_of_area(list, source->position, source->area);
+    ordinate->position = ty_mad(source->position, ordinate->direction, offset);
+    ordinate->min_distance = ty_maxf(sqrtf(source->area / TY_PI), 1e-3f * list->longest_edge);
+    ordinate->mean_cosine = cosine_of_area(list, source->position, source->area);
 }
 
-static void add_source(ordinate_list* list, const ty_source* source) {
+static void add_source(ordinate_list* list, const ty_discrete_light* source) {
     const ty_light_view* light = &list->lights[source->light];
-    if (is_black(source->color) || ty_pop_is_sharp(list->scene, list->def, source->light)) return;
+    if (is_black(source->color) || ty_pop_uses_fine_grid(list->scene, list->def, source->light)) return;
     if (light->kind == TY_KIND_DIRECTIONAL) append(list, source);
     if (light->kind == TY_KIND_POINT || light->kind == TY_KIND_SPOT) add_point(list, source);
     if (source->area > 0) add_surface_point(list, source, 1);
@@ -84,24 +76,22 @@ static void add_source(ordinate_list* list, const ty_source* source) {
 
 static ty_result add_environments(ordinate_list* list, const float* importance) {
     const ty_pop_def* pop = list->def;
-    const ty_environment_parts_def def = {.parts = pop->ordinates,
-                                          .prefilter = pop->prefilter,
-                                          .by_share = pop->mode == TY_POP_MODE_PUBLISHED,
-                                          .seed = pop->seed,
-                                          .importance = importance,
-                                          .width = TY_POP_IMPORTANCE_WIDTH,
-                                          .height = TY_POP_IMPORTANCE_HEIGHT};
+    const ty_environment_clusters_def def = {.count = pop->ordinates,
+                                             .prefilter = pop->prefilter,
+                                             .by_solid_angle = pop->mode == TY_POP_MODE_PUBLISHED,
+                                             .seed = pop->seed,
+                                             .importance = importance,
+                                             .width = TY_POP_IMPORTANCE_WIDTH,
+                                             .height = TY_POP_IMPORTANCE_HEIGHT};
     for (int32_t i = 0; i < list->scene->view.lights.count; ++i) {
         if (list->lights[i].kind != TY_KIND_ENVIRONMENT) continue;
-        int32_t count = 0;
-        const ty_result result = ty_environment_parts(list->scene, &def, i, list->items + list->count, &count);
+        const ty_result result = ty_environment_clusters_add(list->scene, &def, i, list->out);
         if (result != TY_OK) return result;
-        list->count += count;
     }
     return TY_OK;
 }
 
-/* Ordinates that sources and environments become at most. */
+/* Upper bound of the number of ordinates from sources and environments. */
 static int64_t capacity_of(const ordinate_list* list, int32_t sources) {
     int64_t capacity = 2 * (int64_t)sources;
     for (int32_t i = 0; i < list->scene->view.lights.count; ++i)
@@ -109,37 +99,27 @@ static int64_t capacity_of(const ordinate_list* list, int32_t sources) {
     return capacity;
 }
 
-static void measure_box(ordinate_list* list, const ty_grid_box* box) {
-    double middle[3], longest = 0;
+static void set_box(ordinate_list* list, const ty_grid_box* box) {
+    double center[3], longest_edge = 0;
     for (int a = 0; a < 3; ++a) {
-        middle[a] = 0.5 * (box->lower[a] + box->upper[a]);
-        longest = fmax(longest, box->upper[a] - box->lower[a]);
+        center[a] = 0.5 * (box->lower[a] + box->upper[a]);
+        longest_edge = fmax(longest_edge, box->upper[a] - box->lower[a]);
     }
-    list->middle = ty_vec_make((float)middle[0], (float)middle[1], (float)middle[2]);
-    list->longest = (float)longest;
+    list->center = ty_vec_make((float)center[0], (float)center[1], (float)center[2]);
+    list->longest_edge = (float)longest_edge;
 }
 
 ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_box* box,
-                                  const float* importance, ty_light_part** out, int32_t* count) {
-    const ty_source_def source_def = {.environment = 1, .surface = def->surface_points, .seed = def->seed};
-    ty_source* sources = NULL;
-    int32_t source_count = 0;
-    ty_result result = ty_sources_create(scene, &source_def, &sources, &source_count);
+                                  const float* importance, ty_discrete_light_set* out) {
+    const ty_discretize_def discretize = {.environment = 1, .surface = def->surface_points, .seed = def->seed};
+    ty_discrete_light_set sources;
+    *out = (ty_discrete_light_set){.items = NULL};
+    ty_result result = ty_discretize_lights(scene, &discretize, &sources);
     if (result != TY_OK) return result;
-    ordinate_list list = {.scene = scene, .def = def, .lights = scene->view.lights.lights};
-    const int64_t capacity = capacity_of(&list, source_count);
-    measure_box(&list, box);
-    if (capacity > INT32_MAX)
-        result = ty_fail(scene->context, TY_ERROR_ARGUMENT, "ordinates: %lld of them", (long long)capacity);
-    if (result == TY_OK) {
-        list.items = ty_alloc_array(scene->context, (size_t)capacity, sizeof *list.items, false);
-        if (list.items == NULL) result = TY_ERROR_MEMORY;
-    }
-    for (int32_t i = 0; i < source_count && result == TY_OK; ++i) add_source(&list, &sources[i]);
-    ty_sources_destroy(scene->context, sources, source_count);
-    if (list.items == NULL) return result;
-    if (result == TY_OK) result = add_environments(&list, importance);
-    if (result == TY_OK) return ty_light_parts_trim(scene->context, list.items, capacity, list.count, out, count);
-    ty_free_array(scene->context, list.items, (size_t)capacity, sizeof *list.items);
-    return result;
+    ordinate_list list = {.scene = scene, .def = def, .lights = scene->view.lights.lights, .out = out};
+    set_box(&list, box);
+    result = ty_discrete_light_set_create(scene->context, "ordinates", capacity_of(&list, sources.count), out);
+    for (int32_t i = 0; i < sources.count && result == TY_OK; ++i) add_source(&list, &sources.items[i]);
+    ty_discrete_light_set_destroy(scene->context, &sources);
+    return result == TY_OK ? add_environments(&list, importance) : result;
 }

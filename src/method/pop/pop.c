@@ -1,4 +1,4 @@
-/* Entry points. */
+/* Entry points of the method: solve, view, render, importance. */
 #include "base/context.h"
 #include "base/isa.h"
 #include "image/march.h"
@@ -6,20 +6,20 @@
 
 #include <string.h>
 
-/* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
-static const double medium_until = 0.15, sharp_until = 0.3, ordinates_until = 0.7, solve_share = 0.5;
+/* Progress after each stage, as a fraction of the solve, and the solve's fraction of a render. */
+static const double medium_until = 0.15, fine_until = 0.3, ordinates_until = 0.7, solve_fraction = 0.5;
 
 /* ---- solving ---- */
 
 static void end_job(ty_pop_job* job) {
     if (job->medium != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->medium->cells, sizeof(float));
-    ty_pop_carried_destroy(job->context, &job->carried);
+    ty_pop_delta_source_destroy(job->context, &job->delta_source);
     ty_grid_medium_destroy(job->medium);
     ty_grid_medium_destroy(job->fine);
 }
 
-static ty_result take_sources(ty_pop_job* job) {
+static ty_result allocate_sources(ty_pop_job* job) {
     for (int c = 0; c < 3; ++c) {
         job->source[c] = ty_alloc_array(job->context, job->medium->cells, sizeof(float), true);
         if (job->source[c] == NULL) return TY_ERROR_MEMORY;
@@ -27,33 +27,33 @@ static ty_result take_sources(ty_pop_job* job) {
     return TY_OK;
 }
 
-static ty_result run_parts(ty_pop_job* job, double share) {
+static ty_result run_stages(ty_pop_job* job, double fraction) {
     const double begun = ty_wall_seconds();
-    ty_result result = ty_part_next(&job->progress, "media", share * medium_until);
+    ty_result result = ty_part_next(&job->progress, "media", fraction * medium_until);
     if (result == TY_OK) result = ty_pop_sample_media(job);
-    if (result == TY_OK) result = take_sources(job);
+    if (result == TY_OK) result = allocate_sources(job);
     job->stats.medium_seconds = ty_wall_seconds() - begun;
-    const double lit = ty_wall_seconds();
-    if (result == TY_OK) result = ty_part_next(&job->progress, "direct light", share * sharp_until);
-    if (result == TY_OK) result = ty_pop_light_sharply(job);
-    job->stats.direct_seconds = ty_wall_seconds() - lit;
-    if (result == TY_OK) result = ty_part_next(&job->progress, "ordinates", share * ordinates_until);
+    const double incident = ty_wall_seconds();
+    if (result == TY_OK) result = ty_part_next(&job->progress, "direct light", fraction * fine_until);
+    if (result == TY_OK) result = ty_pop_inject_fine_grid(job);
+    job->stats.direct_seconds = ty_wall_seconds() - incident;
+    if (result == TY_OK) result = ty_part_next(&job->progress, "ordinates", fraction * ordinates_until);
     if (result == TY_OK) result = ty_pop_light_ordinates(job);
-    if (result == TY_OK) result = ty_part_next(&job->progress, "fluence", share);
+    if (result == TY_OK) result = ty_part_next(&job->progress, "fluence", fraction);
     if (result == TY_OK && job->def->mode == TY_POP_MODE_SPLIT) result = ty_pop_diffuse(job);
     return result;
 }
 
-static void place_eye(const ty_scene* scene, float eye[3]) {
+static void get_eye(const ty_scene* scene, float eye[3]) {
     const ty_camera_def camera = ty_scene_camera(scene);
     for (int a = 0; a < 3; ++a) eye[a] = (float)camera.position[a];
 }
 
-/* share: of the caller's progress that the solve is. */
-static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double share, ty_pop** out, ty_pop_stats* stats) {
+/* fraction: the solve's fraction of the caller's progress. */
+static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double fraction, ty_pop** out,
+                       ty_pop_stats* stats) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_pop_check(context, def);
-    if (result == TY_OK) result = ty_scene_check_media(scene, "pop");
+    ty_result result = ty_scene_check_media(scene, "pop");
     if (result != TY_OK) return result;
     ty_pop_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
@@ -61,8 +61,8 @@ static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double shar
     if (job.light == NULL) return TY_ERROR_MEMORY;
     job.light->context = context;
     job.light->def = *def;
-    place_eye(scene, job.light->eye);
-    result = run_parts(&job, share);
+    get_eye(scene, job.light->eye);
+    result = run_stages(&job, fraction);
     job.stats.seconds = ty_wall_seconds() - job.progress.begun;
     job.stats.isa = ty_isa_name(ty_best_isa());
     end_job(&job);
@@ -77,14 +77,16 @@ static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double shar
 
 ty_result ty_pop_solve(const ty_scene* scene, const ty_pop_def* def, ty_pop** out, ty_pop_stats* stats) {
     *out = NULL;
-    return solve(scene, def, 1, out, stats);
+    ty_pop_def known;
+    const ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
+    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
 }
 
 void ty_pop_destroy(ty_pop* light) {
     if (light == NULL) return;
     ty_context* context = light->context;
-    for (int i = 0; i < TY_POP_SHARP_MAX; ++i)
-        for (int f = 0; f < TY_SINGLE_FLUENCES; ++f) ty_light_field_destroy(light->fields[i][f]);
+    for (int i = 0; i < TY_POP_FINE_LIGHTS_MAX; ++i)
+        for (int f = 0; f < TY_FLUENCE_COUNT; ++f) ty_light_field_destroy(light->fields[i][f]);
     for (int32_t i = 0; i < light->count; ++i)
         ty_free_array(context, light->ordinates[i].lobes, light->ordinates[i].lobe_floats, sizeof(float));
     ty_free_array(context, light->ordinates, (size_t)light->count, sizeof *light->ordinates);
@@ -98,11 +100,11 @@ void ty_pop_destroy(ty_pop* light) {
 
 /* ---- images ---- */
 
-/* Fields that are made for one image. */
+/* Source fields of one image. */
 typedef struct fields {
-    ty_source_field seen, surfaces;
-    float* terms[3][TY_FIELD_TERMS]; /* of what is seen */
-    float* incident[3];              /* published modes: the mean radiance, for surfaces */
+    ty_source_field outgoing, surfaces;
+    float* terms[3][TY_FIELD_TERMS]; /* of the outgoing radiance */
+    float* incident[3];              /* published modes: mean radiance for surfaces */
 } fields;
 
 static void free_fields(const ty_pop* light, fields* f) {
@@ -113,7 +115,7 @@ static void free_fields(const ty_pop* light, fields* f) {
     }
 }
 
-/* A term of what is seen: the diffuse light's, and of the first what ordinates send towards the eye. */
+/* One term of the outgoing radiance: the diffuse light's, plus in term 0 the ordinates' radiance towards the eye. */
 static void fill_term(const ty_pop* light, int c, int t, float* out) {
     if (light->diffuse != NULL) {
         const bool shared = light->diffuse->shared;
@@ -122,21 +124,22 @@ static void fill_term(const ty_pop* light, int c, int t, float* out) {
         for (size_t i = 0; i < light->cells; ++i) out[i] = factor * from[i];
     }
     if (t > 0) return;
-    for (size_t i = 0; i < light->cells; ++i) out[i] += light->merged.seen[c][i];
-    if (light->residuum.seen[c] != NULL)
-        for (size_t i = 0; i < light->cells; ++i) out[i] += light->residuum.seen[c][i];
+    for (size_t i = 0; i < light->cells; ++i) out[i] += light->merged.accumulated_radiance[c][i];
+    if (light->residuum.accumulated_radiance[c] != NULL)
+        for (size_t i = 0; i < light->cells; ++i) out[i] += light->residuum.accumulated_radiance[c][i];
 }
 
-static ty_result make_seen(const ty_pop* light, fields* f) {
-    f->seen = (ty_source_field){.box = light->merged.box,
-                                .term_count = light->diffuse != NULL && !light->diffuse->even ? TY_FIELD_TERMS : 1,
-                                .guide = light->guide};
+static ty_result make_outgoing(const ty_pop* light, fields* f) {
+    f->outgoing =
+        (ty_source_field){.box = light->merged.box,
+                          .term_count = light->diffuse != NULL && !light->diffuse->isotropic ? TY_FIELD_TERMS : 1,
+                          .guide = light->guide};
     for (int c = 0; c < 3; ++c)
-        for (int t = 0; t < f->seen.term_count; ++t) {
+        for (int t = 0; t < f->outgoing.term_count; ++t) {
             f->terms[c][t] = ty_alloc_array(light->context, light->cells, sizeof(float), true);
             if (f->terms[c][t] == NULL) return TY_ERROR_MEMORY;
             fill_term(light, c, t, f->terms[c][t]);
-            f->seen.terms[c][t] = f->terms[c][t];
+            f->outgoing.terms[c][t] = f->terms[c][t];
         }
     return TY_OK;
 }
@@ -158,29 +161,30 @@ static ty_result make_incident(const ty_pop* light, fields* f) {
 static ty_result make_fields(const ty_pop* light, bool surfaces, fields* f) {
     if (light->diffuse != NULL) f->surfaces = ty_diffuse_light_field(light->diffuse, true);
     if (light->count == 0 && light->diffuse != NULL) {
-        f->seen = ty_diffuse_light_field(light->diffuse, surfaces);
+        f->outgoing = ty_diffuse_light_field(light->diffuse, surfaces);
         return TY_OK;
     }
-    const ty_result result = make_seen(light, f);
+    const ty_result result = make_outgoing(light, f);
     return result == TY_OK && light->diffuse == NULL ? make_incident(light, f) : result;
 }
 
 static ty_result march(const ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_part_progress progress,
                        ty_image** out, ty_pop_stats* stats) {
     const double begun = ty_wall_seconds();
-    fields f = {.seen = {.term_count = 0}};
+    fields f = {.outgoing = {.term_count = 0}};
     const ty_image_options options = ty_pop_image_options(def);
     ty_march_def march = ty_march_def_of(scene, &options);
     march.light_box = light->fine_box;
     march.lights = light->lights;
     march.light_count = light->light_count;
     march.reduced = true;
-    march.guided = light->def.mode == TY_POP_MODE_SPLIT ? 0 : march.guided; /* else Sec. 4.4 */
-    march.keeps_means = light->def.mode == TY_POP_MODE_SPLIT;
+    march.bilateral_sigma =
+        light->def.mode == TY_POP_MODE_SPLIT ? 0 : march.bilateral_sigma; /* otherwise Sec. 4.4 (Elek 2014) */
+    march.preserve_means = light->def.mode == TY_POP_MODE_SPLIT;
     march.unscattered = def->unscattered;
     march.progress = ty_part_report;
     march.progress_user = &progress;
-    march.field = &f.seen;
+    march.field = &f.outgoing;
     march.surface_field = &f.surfaces;
     ty_result result = make_fields(light, ty_scene_get_view(scene)->mesh != NULL, &f);
     if (result == TY_OK) result = ty_march(scene, &march, out, NULL);
@@ -192,39 +196,50 @@ static ty_result march(const ty_pop* light, const ty_scene* scene, const ty_pop_
     return result;
 }
 
-/* Looks at the light from the scene's camera. */
-static ty_result turn_to_camera(ty_pop* light, const ty_scene* scene) {
-    float eye[3];
-    place_eye(scene, eye);
-    if (memcmp(eye, light->eye, sizeof eye) == 0 || light->count == 0) return TY_OK;
-    if (light->def.keep_lobes) return ty_pop_see_from(light, eye);
-    return ty_fail(light->context, TY_ERROR_ARGUMENT,
-                   "pop: solved for a camera at (%g, %g, %g), and this one is at (%g, %g, %g); keep_lobes is for that",
-                   (double)light->eye[0], (double)light->eye[1], (double)light->eye[2], (double)eye[0], (double)eye[1],
-                   (double)eye[2]);
+/* Renders from another camera position than the solve's. */
+static ty_result view_from(const ty_pop* light, const float eye[3], const ty_scene* scene, const ty_pop_def* def,
+                           ty_part_progress progress, ty_image** out, ty_pop_stats* stats) {
+    if (!light->def.keep_lobes)
+        return ty_fail(
+            light->context, TY_ERROR_ARGUMENT,
+            "pop: solved for a camera at (%g, %g, %g), and this one is at (%g, %g, %g); keep_lobes is for that",
+            (double)light->eye[0], (double)light->eye[1], (double)light->eye[2], (double)eye[0], (double)eye[1],
+            (double)eye[2]);
+    ty_pop moved;
+    ty_result result = ty_pop_move_eye(light, eye, &moved);
+    if (result == TY_OK) result = march(&moved, scene, def, progress, out, stats);
+    ty_pop_end_view(light, &moved);
+    return result;
 }
 
-ty_result ty_pop_view(ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
+ty_result ty_pop_view(const ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
                       ty_pop_stats* stats) {
     *out = NULL;
-    ty_result result = ty_pop_check(ty_scene_context(scene), def);
-    if (result == TY_OK) result = turn_to_camera(light, scene);
+    ty_pop_def known;
+    const ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
     if (result != TY_OK) return result;
-    return march(light, scene, def, ty_part_begin(def->progress, def->progress_user, 0, 1), out, stats);
+    const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
+    float eye[3];
+    get_eye(scene, eye);
+    const bool same = memcmp(eye, light->eye, sizeof eye) == 0 || light->count == 0;
+    return same ? march(light, scene, def, progress, out, stats)
+                : view_from(light, eye, scene, def, progress, out, stats);
 }
 
 ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image** out, ty_pop_stats* stats) {
     *out = NULL;
     ty_pop* light = NULL;
-    ty_pop_stats own = {0};
+    ty_pop_stats totals = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_share, &light, &own);
+    ty_pop_def known;
+    ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &totals);
     if (result != TY_OK) return result;
-    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
+    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_fraction, 1 - solve_fraction);
     progress.begun = begun;
-    result = march(light, scene, def, progress, out, &own);
+    result = march(light, scene, def, progress, out, &totals);
     ty_pop_destroy(light);
-    if (stats != NULL) *stats = own;
+    if (stats != NULL) *stats = totals;
     return result;
 }
 
@@ -232,10 +247,12 @@ ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image**
 
 ty_result ty_pop_importance(const ty_scene* scene, const ty_pop_def* def, float* map) {
     ty_context* context = ty_scene_context(scene);
-    ty_pop light = {.context = context, .def = *def};
+    ty_pop_def known;
+    ty_result result = ty_pop_take_def(context, &def, &known);
+    if (result != TY_OK) return result;
+    ty_pop light = {.context = context, .def = known};
     ty_pop_job job = {.context = context, .scene = scene, .def = def, .light = &light};
-    ty_result result = ty_pop_check(context, def);
-    if (result == TY_OK) result = ty_scene_check_media(scene, "pop");
+    result = ty_scene_check_media(scene, "pop");
     if (result == TY_OK) result = ty_pop_sample_media(&job);
     if (result == TY_OK) result = ty_pop_importance_find(scene, def, light.medium, map);
     ty_grid_medium_destroy(light.medium);

@@ -3,45 +3,47 @@
 
 #include "method/pop/lobe.k.h"
 
-size_t ty_pop_cells(const ty_pop_frame* frame) {
-    return (size_t)frame->size[0] * (size_t)frame->size[1] * (size_t)frame->size[2];
+size_t ty_pop_cells(const ty_pop_grid* grid) {
+    return (size_t)grid->size[0] * (size_t)grid->size[1] * (size_t)grid->size[2];
 }
 
-float* ty_pop_seen_slab(const ty_pop_light* light, int32_t k) {
-    const size_t slab = ty_pop_ringed_cells(&light->frame) / (size_t)light->frame.size[2];
-    return light->seen + (size_t)light->floats * slab * (size_t)k;
+float* ty_pop_accumulated_slab(const ty_pop_light* light, int32_t k) {
+    const size_t slab = ty_pop_ringed_cells(&light->grid) / (size_t)light->grid.size[2];
+    return light->accumulated + (size_t)light->floats * slab * (size_t)k;
 }
 
-size_t ty_pop_seen_floats(const ty_pop_frame* frame, int32_t floats) {
-    return ty_pop_ringed_cells(frame) * (size_t)floats;
+size_t ty_pop_accumulated_floats(const ty_pop_grid* grid, int32_t floats) {
+    return ty_pop_ringed_cells(grid) * (size_t)floats;
 }
 
 static float mean_g(const ty_grid_medium* medium, int32_t plane) {
-    double turned = 0, scattering = 0;
+    double sigma_s_g = 0, scattering = 0;
     for (size_t i = 0; i < medium->cells; ++i) {
         scattering += (double)medium->scattering[plane][i];
-        turned += (double)(medium->scattering[plane][i] * medium->g[plane][i]);
+        sigma_s_g += (double)(medium->scattering[plane][i] * medium->g[plane][i]);
     }
-    return scattering > 0 ? (float)(turned / scattering) : 0;
+    return scattering > 0 ? (float)(sigma_s_g / scattering) : 0;
 }
 
-/* A medium of one density and of one g for each channel, which is what most are, takes one lookup. */
-static bool find_multiples(const ty_pop_grid_kernels* kernels, const ty_grid_medium* medium, ty_pop_slab* slab) {
+/* A medium with one density and one g per channel, the common case, needs one interpolation per cell. */
+static bool find_proportional(const ty_pop_grid_kernels* kernels, const ty_grid_medium* medium, ty_pop_slab* slab) {
     const float* density = medium->extinction[0];
     const int32_t cells = (int32_t)medium->cells;
-    size_t most = 0;
+    size_t densest = 0;
     for (size_t i = 0; i < medium->cells; ++i)
-        if (density[i] > density[most]) most = i;
-    if (!(density[most] > 0)) return false;
+        if (density[i] > density[densest]) densest = i;
+    if (!(density[densest] > 0)) return false;
     for (int32_t p = 0; p < medium->planes; ++p) {
         const float* const planes[2] = {medium->extinction[p], medium->scattering[p]};
         for (int i = 0; i < 2; ++i) {
-            slab->multiple[i][p] = planes[i][most] / density[most];
-            if (kernels->misfit(planes[i], density, slab->multiple[i][p], 1e-6f * planes[i][most], cells) > 0)
+            slab->multiple[i][p] = planes[i][densest] / density[densest];
+            if (kernels->proportionality_error(planes[i], density, slab->multiple[i][p], 1e-6f * planes[i][densest],
+                                               cells) > 0)
                 return false;
         }
-        slab->usual_g[p] = medium->g[p][most];
-        if (kernels->unevenness(medium->g[p], medium->scattering[p], slab->usual_g[p], 1e-6f, cells) > 0) return false;
+        slab->default_g[p] = medium->g[p][densest];
+        if (kernels->g_variation(medium->g[p], medium->scattering[p], slab->default_g[p], 1e-6f, cells) > 0)
+            return false;
     }
     return true;
 }
@@ -51,16 +53,16 @@ void ty_pop_slab_setup(const ty_pop_grid_kernels* kernels, const ty_grid_medium*
     slab->columns = columns;
     slab->medium = medium;
     for (int a = 0; a < 3; ++a) slab->per_metre[a] = (float)(1 / medium->cell[a]);
-    slab->multiples = find_multiples(kernels, medium, slab);
-    for (int32_t p = 0; p < medium->planes && slab->multiples == 0; ++p) slab->usual_g[p] = mean_g(medium, p);
+    slab->proportional = find_proportional(kernels, medium, slab);
+    for (int32_t p = 0; p < medium->planes && slab->proportional == 0; ++p) slab->default_g[p] = mean_g(medium, p);
 }
 
 void ty_pop_slab_enter(const ty_pop_grid_kernels* kernels, int32_t k, ty_pop_slab* slab) {
-    const ty_pop_frame* frame = slab->columns->frame;
-    slab->ends[0] = ty_pop_slab_begin(frame, k);
-    slab->ends[1] = ty_pop_slab_begin(frame, k + 1);
-    slab->middle = frame->kind == TY_LIGHT_PART_PARALLEL ? 0.5f * (slab->ends[0] + slab->ends[1])
-                                                         : ty_pop_radius(frame, (float)k + 0.5f);
+    const ty_pop_grid* grid = slab->columns->grid;
+    slab->ends[0] = ty_pop_slab_begin(grid, k);
+    slab->ends[1] = ty_pop_slab_begin(grid, k + 1);
+    slab->center = grid->kind == TY_DISCRETE_DIRECTIONAL ? 0.5f * (slab->ends[0] + slab->ends[1])
+                                                         : ty_pop_radius(grid, (float)k + 0.5f);
     kernels->sample(slab);
 }
 
@@ -73,47 +75,50 @@ void ty_pop_transmittance_begin(const ty_pop_grid_kernels* kernels, int32_t orde
             t->mean[p][order] = unused;
             for (int32_t i = 0; i < slab->columns->count; ++i) t->along[p][order][i] = 1;
         }
-    if (slab->columns->frame->kind == TY_LIGHT_PART_PARALLEL) return;
+    if (slab->columns->grid->kind == TY_DISCRETE_DIRECTIONAL) return;
     ty_pop_slab_enter(kernels, -1, slab);
-    kernels->light(slab);
-    kernels->pass(slab, t);
+    kernels->incident_light(slab);
+    kernels->attenuate(slab, t);
 }
 
-void ty_pop_look_setup(const ty_grid_medium* medium, const float eye[3], const ty_pop_light* light, ty_pop_look* look) {
-    for (int a = 0; a < 3; ++a) look->eye[a] = (float)((double)eye[a] - medium->box.lower[a]);
-    look->cosine = light->ordinate.cosine;
-    look->width = ty_pop_disc_width(look->cosine);
+void ty_pop_eye_view_setup(const ty_grid_medium* medium, const float eye[3], const ty_pop_light* light,
+                           ty_pop_eye_view* view) {
+    for (int a = 0; a < 3; ++a) view->eye[a] = (float)((double)eye[a] - medium->box.lower[a]);
+    view->cosine = light->ordinate.mean_cosine;
+    view->width = ty_pop_disc_width(view->cosine);
 }
 
-/* Merged cells take light most from where it scatters, not from vacuum beside it; cells of little depth count alike. */
-static const float least_weight = 0.05f;
+/* Weights of merging: cells count by optical depth, so that vacuum beside a medium does not dilute its light; below
+ * this depth they count equally. */
+static const float min_weight = 0.05f;
 
-static void weigh(const ty_pop_slab* slab, float weight[TY_POP_BLOCK]) {
+static void find_weights(const ty_pop_slab* slab, float weight[TY_POP_BLOCK]) {
     const int32_t count = slab->columns->count, planes = slab->medium->planes;
     const float per_plane = 1 / (float)planes;
     for (int32_t i = 0; i < count; ++i) weight[i] = 0;
     for (int32_t p = 0; p < planes; ++p)
         for (int32_t i = 0; i < count; ++i) weight[i] += slab->extinction[p][i] * slab->length[i];
-    for (int32_t i = 0; i < count; ++i) weight[i] = least_weight + weight[i] * per_plane;
+    for (int32_t i = 0; i < count; ++i) weight[i] = min_weight + weight[i] * per_plane;
 }
 
-void ty_pop_write_seen(const ty_pop_light* light, const ty_pop_slab* slab, const ty_pop_look* look, int32_t k) {
-    float weight[TY_POP_BLOCK], *cells = ty_pop_seen_slab(light, k);
+void ty_pop_write_accumulated(const ty_pop_light* light, const ty_pop_slab* slab, const ty_pop_eye_view* view,
+                              int32_t k) {
+    float weight[TY_POP_BLOCK], *cells = ty_pop_accumulated_slab(light, k);
     const float *radiance[3], *fluence[3], *color = light->ordinate.color;
-    weigh(slab, weight);
+    find_weights(slab, weight);
     for (int32_t c = 0; c < 3; ++c) {
         const int32_t p = light->planes == 3 ? c : 0;
-        radiance[c] = look->radiance[p];
-        fluence[c] = look->mean[p][1];
+        radiance[c] = view->radiance[p];
+        fluence[c] = view->mean[p][1];
     }
     for (int32_t i = 0; i < slab->columns->count; ++i) {
-        float* seen = cells + (size_t)light->floats * (size_t)slab->columns->cell[i];
-        const float tinted[3] = {weight[i] * color[0], weight[i] * color[1], weight[i] * color[2]};
+        float* cell = cells + (size_t)light->floats * (size_t)slab->columns->cell[i];
+        const float weighted_color[3] = {weight[i] * color[0], weight[i] * color[1], weight[i] * color[2]};
         for (int32_t c = 0; c < 3; ++c) {
-            seen[c] = tinted[c] * radiance[c][i];
-            seen[3 + c] = tinted[c] * fluence[c][i];
+            cell[c] = weighted_color[c] * radiance[c][i];
+            cell[3 + c] = weighted_color[c] * fluence[c][i];
         }
-        seen[TY_POP_WEIGHT] = weight[i];
-        seen[TY_POP_WEIGHT + 1] = 0;
+        cell[TY_POP_CELL_WEIGHT] = weight[i];
+        cell[TY_POP_CELL_WEIGHT + 1] = 0;
     }
 }

@@ -2,23 +2,64 @@
 #include "method/screen/job.h"
 
 #include "base/context.h"
+#include "method/screen/screen_options.h"
 #include "scene/check.h"
+#include "scene/phase.k.h"
 
 #include <math.h>
 
-ty_screen_def ty_default_screen_def(void) {
-    return (ty_screen_def){.cookie = TY_DEF_COOKIE,
-                           .forward = {1, 1, 1},
-                           .center = {-1, -1},
-                           .unknown = 1e6f,
-                           .filter = 4,
-                           .levels = TY_SCREEN_LEVELS_AUTO,
-                           .mask = TY_SCREEN_MASK_SMOOTH,
-                           .mask_width = 0.5f,
-                           .luminance_weights = true,
-                           .blurred_distance = true,
-                           .normalise = true,
-                           .level_scale = 0.8f};
+/* Values per channel, and per axis of the picture. */
+#define CHANNELS(field) TY_OPTION_FIELD(ty_screen_def, field), .type = TY_OPTION_FLOAT, .count = 3
+#define AXES(field) TY_OPTION_FIELD(ty_screen_def, field), .type = TY_OPTION_DOUBLE, .count = 2
+
+static const char* const variants[] = {"scatter", "gather", "reference", NULL};
+static const char* const masks[] = {"none", "step", "smooth", NULL};
+
+static const ty_option options[] = {
+    {CHANNELS(sigma_s), .max = TY_COLOR_MAX, .unit = "1/m", .doc = "Scattering coefficient of the medium."},
+    {CHANNELS(sigma_a), .max = TY_COLOR_MAX, .unit = "1/m", .doc = "Absorption coefficient of the medium."},
+    {CHANNELS(g), .min = -1, .max = 1, .flags = TY_OPTION_OPEN, .doc = "Mean cosine of the phase function."},
+    {CHANNELS(environment), .max = TY_COLOR_MAX, .unit = "W m^-2 sr^-1",
+     .doc = "Radiance that arrives at the medium from all around."},
+    {CHANNELS(forward), .max = 1, .preset = 1, .doc = "Fraction of the scattered light that still arrives."},
+    {AXES(focal), .max = 1e9, .flags = TY_OPTION_OPEN_MIN, .unit = "pixels", .doc = "Focal length."},
+    {AXES(center), .min = -1e9, .max = 1e9, .preset = -1, .unit = "pixels",
+     .doc = "Principal point from the left and top edge; -1 is the middle."},
+    {TY_OPTION_FIELD(ty_screen_def, missing_depth), .type = TY_OPTION_FLOAT, .max = 1e15, .preset = 1e6,
+     .flags = TY_OPTION_OPEN_MIN, .unit = "m", .doc = "Distance of pixels that have none, such as sky."},
+    {TY_OPTION_FIELD(ty_screen_def, variant), .type = TY_OPTION_WORD, .words = variants,
+     .doc = "Algorithm that spreads the light."},
+    {TY_OPTION_FIELD(ty_screen_def, spread), .type = TY_OPTION_WORD, .words = ty_screen_spreads,
+     .doc = "Shape of the spread."},
+    {TY_OPTION_FIELD(ty_screen_def, filter), .type = TY_OPTION_INT, .min = INT32_MIN, .max = INT32_MAX, .preset = 4,
+     .doc = "Taps along x and y from one level to the next: 2, 4 or 6."},
+    {TY_OPTION_FIELD(ty_screen_def, levels), .type = TY_OPTION_INT, .min = INT32_MIN, .max = INT32_MAX,
+     .preset = TY_AUTO, .flags = TY_OPTION_AUTO, .doc = "Levels of the pyramid."},
+    {TY_OPTION_FIELD(ty_screen_def, mask), .type = TY_OPTION_WORD, .words = masks, .preset = TY_SCREEN_MASK_SMOOTH,
+     .doc = "Mask of the gather."},
+    {TY_OPTION_FIELD(ty_screen_def, mask_width), .type = TY_OPTION_FLOAT, .min = (double)1e-6f, .max = 1e6,
+     .preset = 0.5, .doc = "Width epsilon of the mask (Eq. 7)."},
+    {TY_OPTION_FIELD(ty_screen_def, luminance_weights), .type = TY_OPTION_BOOL, .preset = 1,
+     .doc = "Weights by luminance (Eq. 8)."},
+    {TY_OPTION_FIELD(ty_screen_def, blurred_distance), .type = TY_OPTION_BOOL, .preset = 1,
+     .doc = "Takes levels from a blurred distance map (Eq. 11)."},
+    {TY_OPTION_FIELD(ty_screen_def, normalise), .type = TY_OPTION_BOOL, .preset = 1,
+     .doc = "Divides by the filtered mask."},
+    {TY_OPTION_FIELD(ty_screen_def, level_scale), .type = TY_OPTION_FLOAT, .min = 1e-3, .max = 1e3,
+     .preset = (double)0.8f, .unit = "pixels", .doc = "Factor c of Eq. 7 and 10."},
+    {TY_OPTION_FIELD(ty_screen_def, window), .type = TY_OPTION_INT, .max = 65536, .unit = "pixels",
+     .doc = "Pixels that a pixel's light reaches in the reference; 0 means no bound."},
+};
+
+static const ty_option_table table = TY_OPTION_TABLE("screen", ty_screen_def, "ty_default_screen_def", options);
+
+void ty_init_screen_def(void* def, size_t bytes) {
+    ty_options_init(&table, def, bytes);
+}
+
+void ty_init_screen_image(void* image, size_t bytes) {
+    const ty_screen_image own = {.color.step = 1, .distance_step = 1, .out.step = 1};
+    ty_init_def(image, bytes, &own, sizeof own);
 }
 
 void ty_screen_naive_def(ty_screen_def* def) {
@@ -38,47 +79,15 @@ void ty_screen_published_def(ty_screen_def* def) {
 }
 
 double ty_screen_focal(int32_t height, double fov_y) {
-    return 0.5 * height / tan(fov_y * (3.14159265358979323846 / 360));
-}
-
-/* The share of Henyey-Greenstein scattering with mu > 0. */
-static double forward_share(double g) {
-    if (fabs(g) < 1e-4) return 0.5 + 0.75 * g;
-    return (1 - g * g) / (2 * g) * (1 / (1 - g) - 1 / sqrt(1 + g * g));
+    return 0.5 * height / tan(fov_y * (TY_PI_F64 / 360));
 }
 
 void ty_screen_balance(ty_screen_def* def, const float radiance[3]) {
     for (int c = 0; c < 3; ++c) {
-        const double forward = forward_share((double)def->g[c]);
+        const double forward = ty_hg_forward_share((double)def->g[c]);
         def->forward[c] = (float)forward;
         def->environment[c] = (float)((1 - forward) * (double)radiance[c]);
     }
-}
-
-static ty_result check_medium(ty_context* context, const ty_screen_def* def) {
-    ty_result result = ty_check_rgb(context, "screen.sigma_s", def->sigma_s, 0, TY_COLOR_MAX);
-    if (result == TY_OK) result = ty_check_rgb(context, "screen.sigma_a", def->sigma_a, 0, TY_COLOR_MAX);
-    for (int c = 0; c < 3 && result == TY_OK; ++c)
-        if (!(fabsf(def->g[c]) < 1))
-            result = ty_fail(context, TY_ERROR_ARGUMENT, "screen.g: %g is outside (-1, 1)", (double)def->g[c]);
-    if (result == TY_OK) result = ty_check_rgb(context, "screen.environment", def->environment, 0, TY_COLOR_MAX);
-    if (result == TY_OK) result = ty_check_rgb(context, "screen.forward", def->forward, 0, 1);
-    return result;
-}
-
-static ty_result check_camera(ty_context* context, const ty_screen_def* def) {
-    for (int axis = 0; axis < 2; ++axis) {
-        if (!(def->focal[axis] > 0 && def->focal[axis] <= 1e9))
-            return ty_fail(context, TY_ERROR_ARGUMENT,
-                           "screen.focal: %g is not a focal length in pixels, above 0 and at most 1e9",
-                           def->focal[axis]);
-        if (!(fabs(def->center[axis]) <= 1e9))
-            return ty_fail(context, TY_ERROR_ARGUMENT, "screen.center: %g is outside -1e9..1e9", def->center[axis]);
-    }
-    if (!(def->unknown > 0 && def->unknown <= 1e15f))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "screen.unknown: %g m is not a distance, above 0 and at most 1e15",
-                       (double)def->unknown);
-    return TY_OK;
 }
 
 bool ty_screen_has_filter(const ty_screen_def* def) {
@@ -86,31 +95,20 @@ bool ty_screen_has_filter(const ty_screen_def* def) {
 }
 
 bool ty_screen_has_levels(const ty_screen_def* def) {
-    return def->levels == TY_SCREEN_LEVELS_AUTO || def->levels == TY_SCREEN_LEVELS_ALL ||
+    return def->levels == TY_AUTO || def->levels == TY_SCREEN_LEVELS_ALL ||
            (def->levels >= 1 && def->levels <= TY_SCREEN_LEVELS_MAX);
 }
 
-static ty_result check_filter(ty_context* context, const ty_screen_def* def) {
-    if (!ty_screen_has_filter(def))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "screen.filter: %d is not 2, 4 or 6", def->filter);
-    if (!ty_screen_has_levels(def))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "screen.levels: %d is outside 1..%d", def->levels,
+ty_result ty_screen_take_def(ty_context* context, const ty_screen_def* def, ty_screen_def* own) {
+    const ty_result result = ty_options_take(context, &table, def, own);
+    if (result != TY_OK) return result;
+    if (!ty_screen_has_filter(own))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "screen.filter: %d is not 2, 4 or 6", own->filter);
+    if (!ty_screen_has_levels(own))
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "screen.levels: %d is outside 1..%d; write TY_AUTO for the default choice", own->levels,
                        TY_SCREEN_LEVELS_MAX);
-    ty_result result = ty_check_number(context, "screen.variant", def->variant, 0, TY_SCREEN_REFERENCE);
-    if (result == TY_OK) result = ty_check_number(context, "screen.spread", def->spread, 0, TY_SCREEN_SPREAD_GAUSSIAN);
-    if (result == TY_OK) result = ty_check_number(context, "screen.mask", def->mask, 0, TY_SCREEN_MASK_SMOOTH);
-    if (result == TY_OK)
-        result = ty_check_number(context, "screen.mask_width", (double)def->mask_width, (double)1e-6f, 1e6);
-    if (result == TY_OK) result = ty_check_number(context, "screen.level_scale", (double)def->level_scale, 1e-3, 1e3);
-    if (result == TY_OK) result = ty_check_number(context, "screen.window", def->window, 0, 65536);
-    return result;
-}
-
-ty_result ty_screen_check(ty_context* context, const ty_screen_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_screen_def");
-    if (result == TY_OK) result = check_medium(context, def);
-    if (result == TY_OK) result = check_camera(context, def);
-    return result == TY_OK ? check_filter(context, def) : result;
+    return TY_OK;
 }
 
 static ty_result check_planes(ty_context* context, const char* name, const ty_screen_planes* planes) {
@@ -121,15 +119,20 @@ static ty_result check_planes(ty_context* context, const char* name, const ty_sc
     return TY_OK;
 }
 
-ty_result ty_screen_check_image(ty_context* context, const ty_screen_image* image, bool out) {
-    if (image == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: it is NULL");
+static ty_result check_image(ty_context* context, const ty_screen_image* image, bool out) {
     if (image->width < 1 || image->height < 1 || image->width > TY_SCREEN_SIDE_MAX ||
         image->height > TY_SCREEN_SIDE_MAX)
         return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: %d x %d is outside 1..%d", image->width,
                        image->height, TY_SCREEN_SIDE_MAX);
-    ty_result result = check_planes(context, "color", &image->color);
+    const ty_result result = check_planes(context, "color", &image->color);
     if (result != TY_OK) return result;
     if (image->distance == NULL || image->distance_step == 0)
         return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: distance is NULL, or distance_step is 0");
     return out ? check_planes(context, "out", &image->out) : TY_OK;
+}
+
+ty_result ty_screen_take_image(ty_context* context, const ty_screen_image* image, ty_screen_image* own, bool out) {
+    *own = ty_default_screen_image();
+    const ty_result result = ty_take_def(context, image, "ty_default_screen_image", own, sizeof *own);
+    return result == TY_OK ? check_image(context, own, out) : result;
 }

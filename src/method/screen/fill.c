@@ -1,12 +1,12 @@
-/* Distances for pixels that have none: a pyramid of the known ones, then from the coarsest level back, each unknown
- * texel from the level above it. A hole's edge so follows what is next to it, its middle the wider surroundings. */
+/* Fills missing distances with a push-pull pyramid: known distances are averaged upwards, then each unknown texel
+ * interpolates the coarser level. The edge of a hole follows its neighbours, its center the wider surroundings. */
 #include "method/screen/job.h"
 
 #include "base/context.h"
 
 #include <math.h>
 
-enum { FILL_LEVELS = 17 }; /* 65536 pixels and their halves down to one */
+enum { FILL_LEVELS = 17 }; /* 65536 pixels halved down to one */
 
 typedef struct fill_level {
     int32_t width, height;
@@ -17,7 +17,7 @@ static bool is_known(float distance) {
     return distance > 0 && distance < TY_FLOAT_MAX;
 }
 
-/* The mean of the known among four texels. */
+/* Mean of the known distances among four texels. */
 static float pull_texel(const fill_level* fine, int32_t x, int32_t y) {
     float sum = 0;
     int known = 0;
@@ -37,7 +37,7 @@ static void pull(const fill_level* fine, const fill_level* coarse) {
             coarse->distance[(ptrdiff_t)y * coarse->width + x] = pull_texel(fine, x, y);
 }
 
-/* Between the four texels of the coarser level, all of them known. */
+/* Bilinear interpolation of the four nearest texels of the coarser level, all of them known. */
 static float push_texel(const fill_level* coarse, int32_t x, int32_t y) {
     const int32_t columns[2] = {x / 2, ty_screen_clamp_index(x / 2 + ((x & 1) != 0 ? 1 : -1), coarse->width)};
     const int32_t rows[2] = {y / 2, ty_screen_clamp_index(y / 2 + ((y & 1) != 0 ? 1 : -1), coarse->height)};

@@ -1,12 +1,12 @@
-/* TY_SCREEN_GATHER: the paper's method. A pyramid whose levels are masked against light from near pixels, and for each
- * pixel one look into it, at the level of its own distance. */
+/* TY_SCREEN_GATHER: the method of Elek 2013. The levels of its pyramid are masked against light from near pixels; each
+ * pixel does one lookup, at the level of its own distance. */
 #include "method/screen/job.h"
 
 #include "base/context.h"
 
 #include <math.h>
 
-/* Rows of the next level that one task makes, and rows of the picture that one composes. */
+/* Rows of the next level per task, and image rows per composition task. */
 enum { BAND = 32, TAPS_MAX = 6, ROW_ALIGN = 16 };
 
 typedef struct gather {
@@ -15,7 +15,7 @@ typedef struct gather {
     ty_screen_taps taps[2]; /* G' and, of the same size, U */
     ty_screen_texels levels[TY_SCREEN_LEVELS_MAX + 1];
     float* spread[TY_SCREEN_LEVELS_MAX + 1]; /* W, pixels */
-    int32_t built, level;
+    int32_t level_limit, level;
     float* rows; /* worker_floats for each worker */
     ptrdiff_t row_stride, half_stride;
     ty_screen_counts* counts; /* one for each band */
@@ -36,8 +36,8 @@ static ptrdiff_t worker_floats(const gather* g) {
 
 static void lay_out(gather* g, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
                     ty_arena* memory) {
-    g->built = ty_screen_level_limit(def, width, height);
-    for (int32_t k = 0; k <= g->built; ++k) {
+    g->level_limit = ty_screen_level_limit(def, width, height);
+    for (int32_t k = 0; k <= g->level_limit; ++k) {
         g->levels[k].width = k == 0 ? width : (g->levels[k - 1].width + 1) / 2;
         g->levels[k].height = k == 0 ? height : (g->levels[k - 1].height + 1) / 2;
         const size_t texels = (size_t)g->levels[k].width * (size_t)g->levels[k].height;
@@ -57,9 +57,9 @@ size_t ty_screen_gather_size(const ty_context* context, const ty_screen_def* def
     return memory.used;
 }
 
-/* ---- Eq. 3-5 ---- */
+/* ---- Eq. 3-5 (Elek 2013) ---- */
 
-static void split(void* user, int64_t index, int32_t worker) {
+static void split_rows(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const gather* g = user;
     const ty_screen_job* job = g->job;
@@ -68,7 +68,7 @@ static void split(void* user, int64_t index, int32_t worker) {
     const float limit[3] = {g->limit, g->limit, g->limit};
     ty_screen_counts counts = {0};
     for (int32_t y = begin; y < end; ++y) {
-        const ty_screen_row row = ty_screen_picture_row(job->image, y);
+        const ty_screen_row row = ty_screen_image_row(job->image, y);
         float* out[3];
         for (int c = 0; c < 3; ++c) out[c] = job->image->out.data[c] + y * job->image->out.row;
         job->kernels->gather_split(&job->params, &g->params, &row, limit, out, job->image->out.step,
@@ -78,9 +78,9 @@ static void split(void* user, int64_t index, int32_t worker) {
     g->counts[index] = counts;
 }
 
-/* ---- Eq. 6-9 ---- */
+/* ---- Eq. 6-9 (Elek 2013) ---- */
 
-/* A worker's rows: those that were narrowed last, kind by kind, those of the next level, and those of this one. */
+/* Rows of a worker: the last downsampled rows by kind, one row of the next level, and one of this level. */
 static float* worker_row(const gather* g, int32_t worker, int32_t slot, int32_t kind) {
     return g->rows + (ptrdiff_t)worker * worker_floats(g) + (ptrdiff_t)(slot * TY_GATHER_ROWS + kind) * g->half_stride;
 }
@@ -97,15 +97,15 @@ static const ty_screen_taps* taps_of(const gather* g, int32_t kind) {
     return &g->taps[kind >= TY_GATHER_WEIGHT];
 }
 
-static void narrow_row(const gather* g, int32_t worker, int32_t y) {
+static void downsample_row(const gather* g, int32_t worker, int32_t y) {
     const ty_screen_texels* from = &g->levels[g->level];
     float* rows[TY_GATHER_ROWS];
     for (int32_t kind = 0; kind < TY_GATHER_ROWS; ++kind) rows[kind] = wide_row(g, worker, kind);
     const ptrdiff_t first = (ptrdiff_t)y * from->width;
     g->job->kernels->gather_rows(&g->params, from->texels + 4 * first, g->spread[g->level] + first, from->width, rows);
     for (int32_t kind = 0; kind < kind_count(g); ++kind)
-        g->job->kernels->narrow(taps_of(g, kind), rows[kind], from->width, NULL,
-                                worker_row(g, worker, y % TAPS_MAX, kind));
+        g->job->kernels->downsample(taps_of(g, kind), rows[kind], from->width, NULL,
+                                    worker_row(g, worker, y % TAPS_MAX, kind));
 }
 
 static void join_rows(const gather* g, int32_t worker, int32_t y) {
@@ -120,7 +120,7 @@ static void join_rows(const gather* g, int32_t worker, int32_t y) {
             rows[tap] = worker_row(g, worker, row % TAPS_MAX, kind);
         }
         float* out = worker_row(g, worker, TAPS_MAX, kind);
-        g->job->kernels->join(weights, rows, to->width, out);
+        g->job->kernels->combine_rows(weights, rows, to->width, out);
         joined[kind] = out;
     }
     const ptrdiff_t first = (ptrdiff_t)y * to->width;
@@ -136,41 +136,41 @@ static void descend(void* user, int64_t index, int32_t worker) {
     int32_t next = 2 * begin + 1 - reach;
     for (int32_t y = begin; y < end; ++y) {
         for (; next <= 2 * y + reach; ++next)
-            if (next >= 0 && next < from->height) narrow_row(g, worker, next);
+            if (next >= 0 && next < from->height) downsample_row(g, worker, next);
         join_rows(g, worker, y);
     }
 }
 
-/* ---- Eq. 10-12 ---- */
+/* ---- Eq. 10-12 (Elek 2013) ---- */
 
 static void compose(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const gather* g = user;
-    const ty_screen_planes* picture = &g->job->image->out;
+    const ty_screen_planes* image = &g->job->image->out;
     const int32_t begin = (int32_t)index * BAND;
     const int32_t end = begin + BAND < g->levels[0].height ? begin + BAND : g->levels[0].height;
     for (int32_t y = begin; y < end; ++y) {
         float* out[3];
-        for (int c = 0; c < 3; ++c) out[c] = picture->data[c] + y * picture->row;
-        g->job->kernels->gather_add(&g->job->params, &g->params, g->levels, y, out, picture->step);
+        for (int c = 0; c < 3; ++c) out[c] = image->data[c] + y * image->row;
+        g->job->kernels->gather_add(&g->job->params, &g->params, g->levels, y, out, image->step);
     }
 }
 
-/* ---- the whole ---- */
+/* ---- entry point ---- */
 
-/* W at a level, pixels (Eq. 10 turned round). */
+/* W at a level, pixels: inverse of Eq. 10 (Elek 2013). */
 static float spread_of(const gather* g, int32_t level) {
     return g->params.level_scale * exp2f((float)level);
 }
 
-/* The distance from which on the last level is read, or at which the spread is widest: what lies beyond, skies above
- * all, must not outweigh all else where distances are blurred. */
-static float farthest(const gather* g) {
-    const double slope = (double)g->job->params.mean_slope, bend = (double)g->job->params.mean_bend;
-    const double variance = (double)g->limit, root = slope * slope - 4 * variance * variance * bend;
+/* The distance beyond which only the last level is read, or of maximum spread: larger distances, above all of skies,
+ * must not dominate blurred distances. */
+static float max_distance(const gather* g) {
+    const double slope = (double)g->job->params.mean_slope, curvature = (double)g->job->params.mean_curvature;
+    const double variance = (double)g->limit, discriminant = slope * slope - 4 * variance * variance * curvature;
     if (slope <= 0) return TY_SCREEN_DISTANCE_MAX;
-    if (root < 0) return (float)(1 / sqrt(bend));
-    return (float)(2 * variance / (slope + sqrt(root)));
+    if (discriminant < 0) return (float)(1 / sqrt(curvature));
+    return (float)(2 * variance / (slope + sqrt(discriminant)));
 }
 
 static void prepare(gather* g, ty_screen_job* job) {
@@ -184,17 +184,17 @@ static void prepare(gather* g, ty_screen_job* job) {
                                           .normalise = def->normalise,
                                           .blurred_distance = def->blurred_distance,
                                           .level_scale = def->level_scale};
-    g->limit = spread_of(g, g->built) * spread_of(g, g->built);
-    g->params.farthest = farthest(g);
+    g->limit = spread_of(g, g->level_limit) * spread_of(g, g->level_limit);
+    g->params.max_distance = max_distance(g);
 }
 
-/* Of floats, each plane once a pass: the picture and level 0, the pyramid, and the look into all of it. */
+/* Memory traffic in bytes, counting each plane once per pass: image and level 0, the pyramid, and the lookups. */
 static double count_bytes(const gather* g, int32_t levels) {
     const double pixels = (double)g->levels[0].width * g->levels[0].height;
     double floats = pixels * (4 + 3 + 5) + pixels * (3 + 3 + 4);
     for (int32_t k = 1; k <= levels; ++k) {
         const double texels = (double)g->levels[k].width * g->levels[k].height;
-        floats += 4 * 5 * texels + 5 * texels + 4 * texels; /* read from the finer level, written, looked into */
+        floats += 4 * 5 * texels + 5 * texels + 4 * texels; /* read from the finer level, written, looked up */
     }
     return floats * sizeof(float);
 }
@@ -205,7 +205,7 @@ static int32_t choose_levels(const gather* g) {
     for (int32_t band = 0; band < bands(g->levels[0].height); ++band)
         for (int c = 0; c < 3; ++c) widest = fmaxf(widest, sqrtf(g->counts[band].largest[c]));
     int32_t levels = 1;
-    while (levels < g->built && (all || spread_of(g, levels) < widest)) ++levels;
+    while (levels < g->level_limit && (all || spread_of(g, levels) < widest)) ++levels;
     return levels;
 }
 
@@ -216,7 +216,7 @@ ty_result ty_screen_gather(ty_screen_job* job) {
     prepare(&g, job);
 
     const double start = ty_wall_seconds();
-    ty_screen_parallel(job, bands(job->image->height), split, &g);
+    ty_screen_parallel(job, bands(job->image->height), split_rows, &g);
     ty_screen_sum_counts(job, g.counts, bands(job->image->height));
     const int32_t levels = choose_levels(&g);
     const double attenuated = ty_wall_seconds();
@@ -232,7 +232,7 @@ ty_result ty_screen_gather(ty_screen_job* job) {
     job->stats.step_seconds[1] = filtered - attenuated;
     job->stats.step_seconds[2] = ty_wall_seconds() - filtered;
     job->stats.levels = levels;
-    job->stats.held = ty_screen_radius(job, 0, (double)(spread_of(&g, levels) * spread_of(&g, levels)));
+    job->stats.max_spread = ty_screen_radius(job, 0, (double)(spread_of(&g, levels) * spread_of(&g, levels)));
     job->stats.bytes = count_bytes(&g, levels);
     return TY_OK;
 }

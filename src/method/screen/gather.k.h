@@ -1,12 +1,14 @@
-/* The paper's pyramid: what is masked on the way to the next level (Eq. 7), which level a distance asks for (Eq. 10),
- * and reading between texels and levels (section 3.5). */
+/* The pyramid of Elek 2013: the mask between levels (Eq. 7), the level of a distance (Eq. 10), and interpolation
+ * between texels and levels (Section 3.5). */
 #ifndef TY_METHOD_SCREEN_GATHER_K_H
 #define TY_METHOD_SCREEN_GATHER_K_H
 
 #include "method/screen/split.k.h"
 
-/* Keeps weights by luminance from vanishing where all is black. */
-#define TY_SCREEN_LEAST_LUMINANCE 1e-20f
+#include "base/luminance.k.h"
+
+/* Keeps luminance weights above 0 in black regions. */
+#define TY_SCREEN_MIN_LUMINANCE 1e-20f
 
 typedef struct ty_screen_mask_params {
     int32_t kind;    /* ty_screen_mask */
@@ -14,7 +16,7 @@ typedef struct ty_screen_mask_params {
     float width;     /* epsilon */
 } ty_screen_mask_params;
 
-/* M of Eq. 7; spread: W, pixels. */
+/* M of Eq. 7 (Elek 2013); spread: W, pixels. */
 TY_FN float ty_screen_mask_at(ty_screen_mask_params params, float spread) {
     const float t = ty_clampf((spread - params.threshold) / (params.width * params.threshold), 0.0f, 1.0f);
     const float step = spread >= params.threshold ? 1.0f : 0.0f;
@@ -22,16 +24,16 @@ TY_FN float ty_screen_mask_at(ty_screen_mask_params params, float spread) {
 }
 
 TY_FN float ty_screen_luminance(float r, float g, float b) {
-    return 0.2126f * r + 0.7152f * g + 0.0722f * b + TY_SCREEN_LEAST_LUMINANCE;
+    return ty_luminance(r, g, b) + TY_SCREEN_MIN_LUMINANCE;
 }
 
-/* Eq. 10, from the variance W^2, pixels^2; scale: c. */
-TY_FN float ty_screen_level_of(float variance, float scale, float levels) {
+/* Eq. 10 (Elek 2013), from the variance W^2, pixels^2; scale: c. */
+TY_FN float ty_screen_level_at(float variance, float scale, float levels) {
     const float ratio = ty_maxf(variance / (scale * scale), 1.0f);
     return ty_minf(0.5f * 1.44269504f * ty_logf(ratio), levels);
 }
 
-/* The weights of four neighbours at t in [0, 1) between the middle two: the uniform cubic B-spline. */
+/* Uniform cubic B-spline weights of four neighbours at t in [0, 1) between the inner two. */
 TY_FN void ty_screen_cubic(float t, float weights[4]) {
     const float s = 1.0f - t;
     weights[0] = s * s * s * (1.0f / 6.0f);
@@ -43,14 +45,14 @@ TY_FN void ty_screen_cubic(float t, float weights[4]) {
 /* Texels of four floats: scattered light and distance. */
 typedef struct ty_screen_texels {
     int32_t width, height;
-    TY_GLOBAL float* texels; /* 4 * width floats a row */
+    TY_GLOBAL float* texels; /* 4 * width floats per row */
 } ty_screen_texels;
 
 TY_FN int32_t ty_screen_clamp_index(int32_t i, int32_t count) {
     return i < 0 ? 0 : i >= count ? count - 1 : i;
 }
 
-/* What a level holds at the middle of pixel (x, y) of level 0; scale: 2^-level. */
+/* Interpolates a level at the center of pixel (x, y) of level 0; scale: 2^-level. */
 TY_FN void ty_screen_fetch_cubic(ty_screen_texels level, float scale, int32_t x, int32_t y, float out[4]) {
     const float u = ((float)x + 0.5f) * scale - 0.5f, v = ((float)y + 0.5f) * scale - 0.5f;
     const int32_t i = (int32_t)(u + 1.0f) - 1, j = (int32_t)(v + 1.0f) - 1;
@@ -73,25 +75,25 @@ TY_FN void ty_screen_fetch_cubic(ty_screen_texels level, float scale, int32_t x,
         out[c] = across[0] * sum[c] + across[1] * sum[4 + c] + across[2] * sum[8 + c] + across[3] * sum[12 + c];
 }
 
-/* The same at a level that need not be whole: linear between two. Level 0 is read as it is, pixel for pixel. */
+/* Interpolates at a fractional level, linearly between two: Sec. 3.5 (Elek 2013). Level 0 is read unfiltered. */
 TY_FN void ty_screen_fetch(TY_GLOBAL const ty_screen_texels* levels, int32_t count, float level, int32_t x, int32_t y,
                            float out[4]) {
     int32_t lower = (int32_t)level;
     lower = lower > count - 1 ? count - 1 : lower;
     const int32_t upper = lower + 1 > count - 1 ? count - 1 : lower + 1;
-    const float share = level - (float)lower;
+    const float fraction = level - (float)lower;
     float fine[4], coarse[4];
     if (lower == 0) {
         for (int32_t c = 0; c < 4; ++c) fine[c] = levels[0].texels[((ptrdiff_t)y * levels[0].width + x) * 4 + c];
     } else {
         ty_screen_fetch_cubic(levels[lower], 1.0f / (float)(1 << lower), x, y, fine);
     }
-    if (share <= 0.0f || upper == lower) {
+    if (fraction <= 0.0f || upper == lower) {
         for (int32_t c = 0; c < 4; ++c) out[c] = fine[c];
         return;
     }
     ty_screen_fetch_cubic(levels[upper], 1.0f / (float)(1 << upper), x, y, coarse);
-    for (int32_t c = 0; c < 4; ++c) out[c] = ty_lerpf(fine[c], coarse[c], share);
+    for (int32_t c = 0; c < 4; ++c) out[c] = ty_lerpf(fine[c], coarse[c], fraction);
 }
 
 #endif

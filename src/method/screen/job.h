@@ -1,4 +1,4 @@
-/* One call of ty_screen_apply on its way through the parts of the method. */
+/* State of one call of ty_screen_apply. */
 #ifndef TY_METHOD_SCREEN_JOB_H
 #define TY_METHOD_SCREEN_JOB_H
 
@@ -7,46 +7,48 @@
 
 #include <tyndall/screen.h>
 
-enum { TY_SCREEN_SIDE_MAX = 65536, TY_SCREEN_LEVELS_USUAL = 6 };
+enum { TY_SCREEN_SIDE_MAX = 65536, TY_SCREEN_LEVELS_DEFAULT = 6 };
 
-ty_result ty_screen_check(ty_context* context, const ty_screen_def* def);
-/* Whether a def's filter and levels are such as exist. */
+/* Copies a caller's def to own, in the library's own size, and checks it. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_screen_take_def(ty_context* context, const ty_screen_def* def, ty_screen_def* own);
+/* True if a def's filter and levels are supported. */
 bool ty_screen_has_filter(const ty_screen_def* def);
 bool ty_screen_has_levels(const ty_screen_def* def);
-/* out: whether image->out must be there. */
-ty_result ty_screen_check_image(ty_context* context, const ty_screen_image* image, bool out);
+/* Copies a caller's image to own, in the library's own size, and checks it. out: true if image->out is required.
+ * Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_screen_take_image(ty_context* context, const ty_screen_image* image, ty_screen_image* own, bool out);
 
 typedef struct ty_screen_job {
     ty_context* context;
     const ty_screen_def* def;
     const ty_screen_image* image;
     const ty_screen_kernels* kernels;
-    ty_screen_params params; /* what kernels take */
-    bool small_angle;        /* what measures of spread are: scattering optical thickness, else variance, pixels^2 */
+    ty_screen_params params; /* parameters of the kernels */
+    bool small_angle;        /* measures of spread are scattering optical thicknesses, else variances in pixels^2 */
     double width[3];         /* ty_screen_angle times the focal length, pixels */
     char* memory;            /* the workspace, aligned to 64 bytes */
     ty_screen_stats stats;
 } ty_screen_job;
 
-/* For those who do not care how many pixels are cut. */
+/* Limits of spread that no pixel exceeds. */
 extern const float ty_screen_no_limit[3];
 
-/* Row y of the caller's picture. */
-ty_screen_row ty_screen_picture_row(const ty_screen_image* image, int32_t y);
+/* Row y of the caller's image. */
+ty_screen_row ty_screen_image_row(const ty_screen_image* image, int32_t y);
 
-/* How many levels a picture and a def allow, at least 1. */
+/* Number of levels that an image size and a def allow, at least 1. */
 int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height);
 
-/* ty_parallel_for with denormals off: what hardly any light is left of is 0. The other runs in this thread alone. */
+/* ty_parallel_for with denormals flushed to 0. ty_screen_serial runs in the calling thread. */
 void ty_screen_parallel(ty_screen_job* job, int64_t count, ty_parallel_fn body, void* user);
-void ty_screen_here(int64_t count, ty_parallel_fn body, void* user);
+void ty_screen_serial(int64_t count, ty_parallel_fn body, void* user);
 
-/* Adds up what the bands of a picture noticed, and finds the largest spread. */
+/* Sums the counts of the bands of an image into the statistics. */
 void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, int32_t band_count);
-/* The radius, pixels, within which half of the light of a measure of spread falls. */
+/* The half-light radius, pixels, of a measure of spread. */
 double ty_screen_radius(const ty_screen_job* job, int channel, double measure);
 
-/* Each variant: the workspace it needs for a size, and its work. */
+/* Workspace size and implementation of each variant. */
 size_t ty_screen_scatter_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height);
 ty_result ty_screen_scatter(ty_screen_job* job);
 size_t ty_screen_gather_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height);

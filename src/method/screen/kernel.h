@@ -3,6 +3,7 @@
 #ifndef TY_METHOD_SCREEN_KERNEL_H
 #define TY_METHOD_SCREEN_KERNEL_H
 
+#include "base/dispatch.h"
 #include "method/screen/gather.k.h"
 #include "method/screen/reference.k.h"
 #include "method/screen/scatter.k.h"
@@ -10,14 +11,14 @@
 
 #include <stddef.h>
 
-/* What was noticed on the way. */
+/* Counts over the pixels of a row or band. */
 typedef struct ty_screen_counts {
-    int64_t mended, unknown; /* pixels */
-    int64_t cut;             /* pixels with a measure of spread above the limit in some channel */
-    float largest[3];        /* measure of spread per channel: pixels^2, or an optical thickness */
+    int64_t nonfinite_fixed, missing_depth; /* pixels */
+    int64_t oversized;                      /* pixels with a measure of spread above the limit in some channel */
+    float largest[3]; /* maximum measure of spread per channel: pixels^2, or an optical thickness */
 } ty_screen_counts;
 
-/* A row of the caller's picture. */
+/* A row of the caller's image. */
 typedef struct ty_screen_row {
     const float* color[3];
     ptrdiff_t color_step;
@@ -26,26 +27,26 @@ typedef struct ty_screen_row {
     int32_t y;
 } ty_screen_row;
 
-/* Where a split row goes; NULL for what is not wanted. */
+/* Destinations of a split row; NULL for unused ones. */
 typedef struct ty_screen_split_out {
-    float* attenuated[3]; /* with what the environment adds */
+    float* attenuated[3]; /* including airlight */
     float* scattered[3];
     float* measure[3]; /* of spread: variance, pixels^2, or scattering optical thickness */
 } ty_screen_split_out;
 
-/* One level of the pyramid: light in planes 0..2, moments in planes 3..5, `stride` floats from row to row. */
+/* One level of the pyramid: light in planes 0..2, moments in planes 3..5, rows `stride` floats apart. */
 typedef struct ty_screen_level {
     int32_t width, height;
     ptrdiff_t stride;
     float* plane[6];
-    float* area[2]; /* of its texels along x and y: less than 1 where they reach beyond the picture */
+    float* area[2]; /* size of its texels along x and y: less than 1 where they extend beyond the image */
     float edges[TY_SCREEN_EDGES * TY_SCREEN_DOWN_WEIGHTS]; /* along x, to the next level */
-    ty_screen_share share[3];                              /* what goes on to the next, per channel */
+    ty_screen_down_fraction down_fraction[3];              /* fraction passed to the next level, per channel */
 } ty_screen_level;
 
-/* Rows on the way from one level of the paper's pyramid to the next. */
+/* Row kinds while downsampling a level of the pyramid of Elek 2013. */
 enum {
-    TY_GATHER_LIGHT = 0,    /* three: light, masked */
+    TY_GATHER_LIGHT = 0,    /* three rows: masked light */
     TY_GATHER_DISTANCE = 3, /* m */
     TY_GATHER_MASK = 4,     /* M */
     TY_GATHER_WEIGHT = 5,   /* Y */
@@ -53,76 +54,74 @@ enum {
     TY_GATHER_ROWS = 7
 };
 
-/* The options that its kernels look at. */
+/* Options of the gather kernels. */
 typedef struct ty_screen_gather_params {
     ty_screen_mask_params mask; /* for the next level */
     int32_t luminance_weights, normalise, blurred_distance;
     float level_scale;
-    int32_t level_count; /* with level 0 */
-    float farthest;      /* m: distances are cut to it, since no level lies beyond */
+    int32_t level_count; /* including level 0 */
+    float max_distance;  /* m: distances are clamped to it, since they all read the last level */
 } ty_screen_gather_params;
 
-/* The picture as the exact point spread function takes it: light over what its spread would send to all pixels, and
- * sharpness 1 / (2 variance), pixels^-2. */
+/* The image as sources of the exact point spread function: light divided by the sum of its Gaussian over all pixels,
+ * and sharpness 1 / (2 variance), pixels^-2. */
 typedef struct ty_screen_sources {
     int32_t width, height;
-    int32_t before, after; /* pixels that light reaches to the left and above, and to the right and below */
+    int32_t before, after; /* reach in pixels to the left and above, and to the right and below */
     float* light[3];
     float* sharpness[3];
 } ty_screen_sources;
 
 typedef struct ty_screen_kernels {
-    /* Splits one row. limit: measure of spread above which a pixel counts as cut, per channel. */
+    /* Splits one row into attenuated and scattered light. limit: measure of spread above which a pixel counts as
+     * oversized, per channel. */
     void (*split)(const ty_screen_params* params, const ty_screen_row* row, const float limit[3],
                   const ty_screen_split_out* out, ty_screen_counts* counts);
-    /* Splits one row of level 0; what goes on to level 1 into onward[6], all else into out (step as given), which may
-     * be NULL: then nothing is counted either. */
-    void (*scatter)(const ty_screen_params* params, const ty_screen_row* row, const ty_screen_share share[3],
-                    const float limit[3], float* const out[3], ptrdiff_t out_step, float* const onward[6],
-                    ty_screen_counts* counts);
-    /* What goes on from row y of a level, into onward[6]. */
-    void (*onward)(const ty_screen_level* level, int32_t y, float* const onward[6]);
-    /* A row of `width` texels, half as many of them. area: of the texels (ty_screen_down_weights); NULL: outside counts
-     * as the edge. */
-    void (*narrow)(const ty_screen_taps* taps, const float* row, int32_t width, const float* area, float* out);
-    /* The weighted sum of narrowed rows, `width` texels each; those of weight 0 may be any. */
-    void (*join)(const float weights[TY_SCREEN_DOWN_WEIGHTS], const float* const rows[TY_SCREEN_DOWN_WEIGHTS],
-                 int32_t width, float* out);
-    /* Row y of a level: what stays there and what comes back from the next (light in next->plane[0..2]), in place of
-     * the light. scratch: next->width floats. */
-    void (*up)(const ty_screen_taps* taps, const ty_screen_level* level, const ty_screen_level* next, int32_t y,
-               float* scratch);
-    /* Adds what comes back from level 1 to row y of one channel of the picture. */
-    void (*add)(const ty_screen_taps* taps, const ty_screen_level* first, int32_t channel, int32_t y, int32_t width,
-                float* out, ptrdiff_t step, float* scratch);
+    /* Splits one row of level 0: light passed to level 1 into down[6], all other light into out (with its step). out
+     * NULL: only down[6] is written, and nothing is counted. */
+    void (*scatter)(const ty_screen_params* params, const ty_screen_row* row,
+                    const ty_screen_down_fraction fractions[3], const float limit[3], float* const out[3],
+                    ptrdiff_t out_step, float* const down[6], ty_screen_counts* counts);
+    /* Light passed to the next level from row y of a level, into down[6]. */
+    void (*split_level)(const ty_screen_level* level, int32_t y, float* const down[6]);
+    /* Downsamples a row of `width` texels by 2. edges: weights of the texels at its ends (ty_screen_down_weights);
+     * NULL: clamped at the edges. */
+    void (*downsample)(const ty_screen_taps* taps, const float* row, int32_t width, const float* edges, float* out);
+    /* Weighted sum of downsampled rows, `width` texels each; rows of weight 0 are not read. */
+    void (*combine_rows)(const float weights[TY_SCREEN_DOWN_WEIGHTS], const float* const rows[TY_SCREEN_DOWN_WEIGHTS],
+                         int32_t width, float* out);
+    /* Replaces the light in row y of a level by the light that stays there plus the upsampled light of the next level
+     * (next->plane[0..2]). scratch: next->width floats. */
+    void (*merge_up)(const ty_screen_taps* taps, const ty_screen_level* level, const ty_screen_level* next, int32_t y,
+                     float* scratch);
+    /* Adds the upsampled light of level 1 to row y of one image channel. */
+    void (*add_upsampled)(const ty_screen_taps* taps, const ty_screen_level* first, int32_t channel, int32_t y,
+                          int32_t width, float* out, ptrdiff_t step, float* scratch);
 
-    /* Splits one row of level 0 for the paper's pyramid: I' into out, light and distance into texels, W into spread. */
+    /* Splits one row of level 0 for the gather pyramid: I' into out, light and distance into texels, W into spread. */
     void (*gather_split)(const ty_screen_params* params, const ty_screen_gather_params* gather,
                          const ty_screen_row* row, const float limit[3], float* const out[3], ptrdiff_t out_step,
                          float* texels, float* spread, ty_screen_counts* counts);
-    /* Rows for the filter from one row of a level. */
+    /* Filter input rows from one row of a level: Eq. 8 and 9 (Elek 2013). */
     void (*gather_rows)(const ty_screen_gather_params* gather, const float* texels, const float* spread, int32_t width,
                         float* const rows[TY_GATHER_ROWS]);
-    /* A row of the next level from filtered rows. */
+    /* A row of the next level from filtered rows: Eq. 8 and 9 (Elek 2013). */
     void (*gather_store)(const ty_screen_gather_params* gather, const float* const rows[TY_GATHER_ROWS], int32_t width,
                          float* texels, float* spread);
-    /* Adds to row y of the picture what its levels hold. */
+    /* Adds the interpolated levels to row y of the image: Eq. 10 and 11 (Elek 2013). */
     void (*gather_add)(const ty_screen_params* params, const ty_screen_gather_params* gather,
                        const ty_screen_texels* levels, int32_t y, float* const out[3], ptrdiff_t out_step);
 
-    /* Turns a split row (scattered light and variance, in place) into sources. */
+    /* Converts a split row (scattered light and variance, in place) into sources. */
     void (*reference_prepare)(const ty_screen_sources* sources, int32_t y);
-    /* Adds to `count` pixels from (x, y) on what the sources in a rectangle send to them; sums: a channel after
+    /* Adds the light of the sources in a rectangle to `count` pixels starting at (x, y); sums: one channel after
      * another. */
     void (*reference_add)(const ty_screen_sources* sources, const int32_t from[2], const int32_t to[2], int32_t x,
                           int32_t y, int32_t count, float* sums);
-    /* The share of its own light that stays in the picture, for `count` pixels from (x, y) on. */
+    /* Fraction of the point spread function of `count` pixels starting at (x, y) that lies inside the image. */
     void (*reference_coverage)(const ty_screen_sources* sources, int channel, int32_t x, int32_t y, int32_t count,
                                float* coverage);
 } ty_screen_kernels;
-
-extern const ty_screen_kernels ty_screen_kernels_v1;
-extern const ty_screen_kernels ty_screen_kernels_v3;
-extern const ty_screen_kernels ty_screen_kernels_v4;
+TY_DECLARE_KERNELS(ty_screen_kernels);
 
 #endif

@@ -1,13 +1,14 @@
-/* TY_SCREEN_REFERENCE: every pixel's light, spread by its own Gaussian, per channel, over all others. The truth of the
- * model, by brute force; what it is wrong about, the model is wrong about. */
+/* TY_SCREEN_REFERENCE: the light of every pixel, spread by its own Gaussian per channel over all others, by brute
+ * force. It is the exact result of the model; remaining errors are those of the model. */
 #include "method/screen/job.h"
 
 #include "base/context.h"
+#include "base/progress.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A task's pixels, and the sources that are looked at together: a tile whose widest spread is known. */
+/* Pixels per task, and tile size of the sources, whose maximum spread is known. */
 enum { SEGMENT = 64, SEGMENT_ROWS = 8, TILE = 32 };
 
 typedef struct reference {
@@ -16,7 +17,7 @@ typedef struct reference {
     float* reach; /* of each tile, pixels */
     float* rows;  /* three for each worker */
     int32_t tiles[2], segments[2];
-    int64_t first;            /* of the tasks that run now */
+    int64_t first;            /* first of the current batch of tasks */
     ty_screen_counts* counts; /* of each row of tiles */
 } reference;
 
@@ -51,7 +52,7 @@ size_t ty_screen_reference_size(const ty_context* context, const ty_screen_def* 
     return memory.used;
 }
 
-/* Makes the sources of a row of tiles, and puts what was not scattered into the picture. */
+/* Computes the sources of a row of tiles, and writes the attenuated light to the image. */
 static void prepare(void* user, int64_t index, int32_t worker) {
     reference* r = user;
     const ty_screen_job* job = r->job;
@@ -67,7 +68,7 @@ static void prepare(void* user, int64_t index, int32_t worker) {
             out.scattered[c] = r->sources.light[c] + (ptrdiff_t)y * width;
             out.measure[c] = r->sources.sharpness[c] + (ptrdiff_t)y * width;
         }
-        const ty_screen_row row = ty_screen_picture_row(job->image, y);
+        const ty_screen_row row = ty_screen_image_row(job->image, y);
         job->kernels->split(&job->params, &row, ty_screen_no_limit, &out, &counts);
         for (int c = 0; c < 3; ++c)
             for (int32_t x = 0; x < width; ++x) {
@@ -79,11 +80,11 @@ static void prepare(void* user, int64_t index, int32_t worker) {
     r->counts[index] = counts;
 }
 
-/* How many pixels lie between the ranges [a, a + length_a) and [b, b + length_b), at least 0. */
+/* Pixels between the ranges [a, a + length_a) and [b, b + length_b), at least 0. */
 static int32_t gap(int32_t a, int32_t length_a, int32_t b, int32_t length_b) {
     const int32_t after = b - (a + length_a - 1), before = a - (b + length_b - 1);
-    const int32_t most = after > before ? after : before;
-    return most > 0 ? most : 0;
+    const int32_t distance = after > before ? after : before;
+    return distance > 0 ? distance : 0;
 }
 
 static void sum_segment(const reference* r, int32_t x, int32_t y, int32_t count, float* sums) {
@@ -101,7 +102,7 @@ static void sum_segment(const reference* r, int32_t x, int32_t y, int32_t count,
         }
 }
 
-/* Adds to the picture what was scattered, for a few rows of pixels. */
+/* Adds the scattered light to a few rows of pixels. */
 static void compose(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const reference* r = user;
@@ -123,15 +124,11 @@ static void compose(void* user, int64_t index, int32_t worker) {
     }
 }
 
-/* Calls the progress function of the def; false when it wants no more. */
+/* Calls the progress function of the def; false: cancelled. */
 static bool report(const reference* r, double start, int64_t done, int64_t total) {
     const ty_screen_def* def = r->job->def;
     if (def->progress == NULL) return true;
-    const double seconds = ty_wall_seconds() - start, fraction = (double)done / (double)total;
-    const ty_progress progress = {.stage = "screen",
-                                  .fraction = fraction,
-                                  .seconds = seconds,
-                                  .remaining = done > 0 ? seconds * (1 - fraction) / fraction : -1};
+    const ty_progress progress = ty_progress_at("screen", (double)done / (double)total, ty_wall_seconds() - start);
     return def->progress(def->progress_user, &progress);
 }
 

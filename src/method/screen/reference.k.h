@@ -1,30 +1,30 @@
-/* The exact point spread function: a Gaussian of each source's own width, on the lattice of pixels. */
+/* The exact point spread function: a Gaussian of the width of each source, sampled at pixels. */
 #ifndef TY_METHOD_SCREEN_REFERENCE_K_H
 #define TY_METHOD_SCREEN_REFERENCE_K_H
 
 #include "base/kernel.h"
 
-/* Below this variance, pixels^2, light stays in its pixel to single precision. */
-#define TY_SCREEN_LEAST_VARIANCE 1e-3f
-/* Standard deviations to where a Gaussian reaches in single precision: exp(-18) = 1.5e-8. */
+/* Variance, pixels^2, below which light stays in its pixel to single precision. */
+#define TY_SCREEN_MIN_VARIANCE 1e-3f
+/* Extent of a Gaussian in standard deviations, in single precision: exp(-18) = 1.5e-8. */
 #define TY_SCREEN_REACH 6.0f
 
-/* Sums over Gaussians with a smaller sharpness (standard deviations above 8 pixels) are as good as integrals. */
+/* Sharpness below which sums over a Gaussian equal integrals (standard deviations above 8 pixels). */
 #define TY_SCREEN_SMOOTH 0.0078f
 
-/* The Gaussian, not normalised, at distance^2 in pixels^2. */
+/* The unnormalised Gaussian, at distance^2 in pixels^2. */
 TY_FN float ty_screen_gaussian(float sharpness, float distance_squared) {
-    return ty_exp_minus(ty_minf(sharpness * distance_squared, 87.0f));
+    return ty_exp_neg(ty_minf(sharpness * distance_squared, 87.0f));
 }
 
-/* Its integral from 0 to x, half a pixel beyond the last one that is summed, with what the sum has more (Euler and
- * Maclaurin: the slope there over 24). */
+/* The integral of the Gaussian from 0 to x, half a pixel beyond the last sample, with the Euler-Maclaurin correction of
+ * the sum (the slope there over 24). */
 TY_FN float ty_screen_gaussian_half(float sharpness, float x) {
     const float integral = 0.5f * sqrtf(TY_PI / sharpness) * erff(sqrtf(sharpness) * x);
     return integral + sharpness * x * ty_screen_gaussian(sharpness, x * x) * (1.0f / 12.0f);
 }
 
-/* Its sum over the pixels -before..after along one axis. */
+/* The sum of the Gaussian point spread function over pixels -before..after along one axis: Sec. 3.3 (Elek 2013). */
 TY_FN float ty_screen_gaussian_sum(float sharpness, int32_t before, int32_t after) {
     if (sharpness < TY_SCREEN_SMOOTH)
         return ty_screen_gaussian_half(sharpness, (float)before + 0.5f) +

@@ -1,7 +1,7 @@
-/* TY_SCREEN_SCATTER: light goes down the pyramid as far as its width asks for, and all of it comes back up.
+/* TY_SCREEN_SCATTER: light descends the pyramid as far as its width requires, and all of it is upsampled again.
  *
- * Level 0 is never stored: its rows are split on the fly, what stays goes straight to the picture, what goes on into
- * level 1. So the picture is read once and written twice, and the pyramid takes 8 bytes a pixel. */
+ * Level 0 is never stored: its rows are split on the fly; the light that stays goes to the image, the rest into
+ * level 1. The image is read once and written twice, and the pyramid takes 8 bytes per pixel. */
 #include "method/screen/job.h"
 
 #include "base/context.h"
@@ -9,20 +9,20 @@
 
 #include <math.h>
 
-/* Rows of the next level that one task makes. */
+/* Rows of the next level per task. */
 enum { BAND = 32, ROW_ALIGN = 16, TAPS_MAX = 6, PLANES = 6 };
-/* Levels with fewer texels are worked on by one thread: waking others takes longer. */
+/* Levels with fewer texels run in one thread: waking others takes longer. */
 enum { TEXELS_FOR_THREADS = 1 << 15 };
 
 typedef struct scatter {
     ty_screen_job* job;
     ty_screen_taps taps;
-    ty_screen_level levels[TY_SCREEN_LEVELS_MAX + 1]; /* [0] has a size only */
-    float variance[TY_SCREEN_LEVELS_MAX + 2];         /* that each level holds, pixels^2 */
-    float limit[3];                                   /* measure of spread that the last level just holds */
-    int32_t built;                                    /* levels that there is memory for */
-    int32_t level;                                    /* the one that tasks work on */
-    float* edges;                                     /* rows of colour around each band, as they were */
+    ty_screen_level levels[TY_SCREEN_LEVELS_MAX + 1]; /* [0] has only a size */
+    float variance[TY_SCREEN_LEVELS_MAX + 2];         /* represented by each level, pixels^2 */
+    float limit[3];                                   /* largest measure of spread that the last level represents */
+    int32_t level_limit;                              /* levels with allocated memory */
+    int32_t level;                                    /* current level of the tasks */
+    float* edges;                                     /* copies of the image rows around each band */
     float* rows;                                      /* worker_floats for each worker */
     ptrdiff_t row_stride, half_stride;
     ty_screen_counts* counts; /* one for each band */
@@ -30,7 +30,7 @@ typedef struct scatter {
     bool in_place;
 } scatter;
 
-/* Rows of many planes side by side: a step that is no power of two keeps them in different sets of the caches. */
+/* Row stride of planes stored side by side: an odd multiple of ROW_ALIGN maps them to different cache sets. */
 static ptrdiff_t aligned(ptrdiff_t floats) {
     return ((floats + ROW_ALIGN - 1) / ROW_ALIGN | 1) * ROW_ALIGN;
 }
@@ -49,23 +49,23 @@ static ptrdiff_t worker_floats(const scatter* s) {
     return PLANES * (TAPS_MAX * s->half_stride + s->row_stride);
 }
 
-static void take_areas(ty_screen_level* level, ty_arena* memory) {
+static void allocate_areas(ty_screen_level* level, ty_arena* memory) {
     level->area[0] = ty_arena_take(memory, sizeof(float) * (size_t)level->width);
     level->area[1] = ty_arena_take(memory, sizeof(float) * (size_t)level->height);
 }
 
 static void lay_out(scatter* s, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
                     ty_arena* memory) {
-    s->built = ty_screen_level_limit(def, width, height);
+    s->level_limit = ty_screen_level_limit(def, width, height);
     s->taps = ty_screen_choose_taps(def->filter);
     s->levels[0] = (ty_screen_level){.width = width, .height = height};
-    take_areas(&s->levels[0], memory);
-    for (int32_t k = 1; k <= s->built; ++k) {
+    allocate_areas(&s->levels[0], memory);
+    for (int32_t k = 1; k <= s->level_limit; ++k) {
         ty_screen_level* level = &s->levels[k];
         level->width = halved(s->levels[k - 1].width);
         level->height = halved(s->levels[k - 1].height);
         level->stride = aligned(level->width);
-        take_areas(level, memory);
+        allocate_areas(level, memory);
         for (int plane = 0; plane < PLANES; ++plane)
             level->plane[plane] = ty_arena_take(memory, sizeof(float) * (size_t)level->stride * (size_t)level->height);
     }
@@ -88,19 +88,19 @@ size_t ty_screen_scatter_size(const ty_context* context, const ty_screen_def* de
 
 /* ---- level 0 ---- */
 
-/* The copy of row `index` of those around a band (above first, then below), channel by channel. */
+/* Copy of row `index` around a band (above first, then below), channel by channel. */
 static float* edge_row(const scatter* s, int32_t band, int32_t index, int channel) {
     const int32_t margin = 2 * (s->taps.reach - 1);
     return s->edges + ((ptrdiff_t)(band * margin + index) * 3 + channel) * s->row_stride;
 }
 
-/* The picture's row that it is a copy of; outside the picture there is none. */
+/* Image row of that copy; it may lie outside the image. */
 static int32_t edge_y(const scatter* s, int32_t band, int32_t index) {
     const int32_t above = s->taps.reach - 1;
     return index < above ? 2 * BAND * band - above + index : 2 * BAND * (band + 1) + index - above;
 }
 
-/* When the picture is overwritten as it is read, bands need their neighbours' rows as they were. */
+/* When the image is overwritten in place, bands need the original rows of their neighbours. */
 static void save_edges(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const scatter* s = user;
@@ -108,7 +108,7 @@ static void save_edges(void* user, int64_t index, int32_t worker) {
     for (int32_t i = 0; i < 2 * (s->taps.reach - 1); ++i) {
         const int32_t y = edge_y(s, (int32_t)index, i);
         if (y < 0 || y >= image->height) continue;
-        const ty_screen_row row = ty_screen_picture_row(s->job->image, y);
+        const ty_screen_row row = ty_screen_image_row(s->job->image, y);
         for (int c = 0; c < 3; ++c) {
             float* copy = edge_row(s, (int32_t)index, i, c);
             for (int32_t x = 0; x < image->width; ++x) copy[x] = row.color[c][x * row.color_step];
@@ -117,7 +117,7 @@ static void save_edges(void* user, int64_t index, int32_t worker) {
 }
 
 static ty_screen_row band_row(const scatter* s, int32_t band, int32_t y) {
-    ty_screen_row row = ty_screen_picture_row(s->job->image, y);
+    ty_screen_row row = ty_screen_image_row(s->job->image, y);
     const int32_t first = 2 * BAND * band, above = s->taps.reach - 1;
     if (!s->in_place || (y >= first && y < first + 2 * BAND)) return row;
     const int32_t index = y < first ? y - first + above : y - first - 2 * BAND + above;
@@ -126,56 +126,57 @@ static ty_screen_row band_row(const scatter* s, int32_t band, int32_t y) {
     return row;
 }
 
-/* ---- from level to level ---- */
+/* ---- descending and ascending ---- */
 
-/* A worker's rows: those that were narrowed last, plane by plane, and as many for what goes on from the current one. */
+/* Rows of a worker: the last downsampled rows, plane by plane, and one row of light passed on from the current level.
+ */
 static float* worker_row(const scatter* s, int32_t worker, int32_t slot, int plane) {
     return s->rows + (ptrdiff_t)worker * worker_floats(s) + (ptrdiff_t)(slot * PLANES + plane) * s->half_stride;
 }
 
-static float* worker_onward(const scatter* s, int32_t worker, int plane) {
+static float* worker_down(const scatter* s, int32_t worker, int plane) {
     return worker_row(s, worker, TAPS_MAX, 0) + plane * s->row_stride;
 }
 
 static float* worker_scratch(const scatter* s, int32_t worker) {
-    return worker_onward(s, worker, 0);
+    return worker_down(s, worker, 0);
 }
 
-/* Makes what goes on from row y of level 0, and writes what stays when the row is the band's own. */
-static void scatter_row(const scatter* s, int32_t band, int32_t y, float* const onward[6]) {
+/* Computes the light passed on from row y of level 0; writes the light that stays if the band owns the row. */
+static void scatter_row(const scatter* s, int32_t band, int32_t y, float* const down[6]) {
     const ty_screen_job* job = s->job;
     const ty_screen_planes* out = &job->image->out;
     const ty_screen_row row = band_row(s, band, y);
     float* target[3];
     for (int c = 0; c < 3; ++c) target[c] = out->data[c] + y * out->row;
-    const bool own = y >= 2 * BAND * band && y < 2 * BAND * (band + 1);
-    job->kernels->scatter(&job->params, &row, s->levels[0].share, s->limit, own ? target : NULL, out->step, onward,
-                          &s->counts[band]);
+    const bool in_band = y >= 2 * BAND * band && y < 2 * BAND * (band + 1);
+    job->kernels->scatter(&job->params, &row, s->levels[0].down_fraction, s->limit, in_band ? target : NULL, out->step,
+                          down, &s->counts[band]);
 }
 
-/* Makes rows of the next level from this one. */
+/* Computes rows of the next level from this one: Eq. 6 (Elek 2013), with fractions of each pixel's light for masks. */
 static void descend(void* user, int64_t index, int32_t worker) {
     const scatter* s = user;
     const ty_screen_level *from = &s->levels[s->level], *to = &s->levels[s->level + 1];
     const int32_t band = (int32_t)index, begin = band * BAND, reach = s->taps.reach;
     const int32_t end = begin + BAND < to->height ? begin + BAND : to->height;
     if (s->level == 0) s->counts[band] = (ty_screen_counts){0};
-    float* onward[PLANES];
-    for (int plane = 0; plane < PLANES; ++plane) onward[plane] = worker_onward(s, worker, plane);
-    int32_t made = 2 * begin - reach; /* the last row that is ready */
+    float* down[PLANES];
+    for (int plane = 0; plane < PLANES; ++plane) down[plane] = worker_down(s, worker, plane);
+    int32_t done = 2 * begin - reach; /* last downsampled row */
     for (int32_t y = begin; y < end; ++y) {
         const int32_t last = 2 * y + reach;
-        for (++made; made <= last; ++made) {
-            if (made < 0 || made >= from->height) continue;
+        for (++done; done <= last; ++done) {
+            if (done < 0 || done >= from->height) continue;
             if (s->level == 0)
-                scatter_row(s, band, made, onward);
+                scatter_row(s, band, done, down);
             else
-                s->job->kernels->onward(from, made, onward);
+                s->job->kernels->split_level(from, done, down);
             for (int plane = 0; plane < PLANES; ++plane)
-                s->job->kernels->narrow(&s->taps, onward[plane], from->width, from->edges,
-                                        worker_row(s, worker, made % TAPS_MAX, plane));
+                s->job->kernels->downsample(&s->taps, down[plane], from->width, from->edges,
+                                            worker_row(s, worker, done % TAPS_MAX, plane));
         }
-        made = last;
+        done = last;
         float weights[TAPS_MAX];
         ty_screen_down_weights(s->taps, from->area[1], from->height, y, weights);
         for (int plane = 0; plane < PLANES; ++plane) {
@@ -184,7 +185,7 @@ static void descend(void* user, int64_t index, int32_t worker) {
                 const int32_t row = weights[tap] > 0 ? 2 * y - 2 + tap : 2 * y;
                 rows[tap] = worker_row(s, worker, row % TAPS_MAX, plane);
             }
-            s->job->kernels->join(weights, rows, to->width, to->plane[plane] + y * to->stride);
+            s->job->kernels->combine_rows(weights, rows, to->width, to->plane[plane] + y * to->stride);
         }
     }
 }
@@ -194,7 +195,8 @@ static void ascend(void* user, int64_t index, int32_t worker) {
     const ty_screen_level *level = &s->levels[s->level], *next = &s->levels[s->level + 1];
     const int32_t begin = (int32_t)index * BAND;
     const int32_t end = begin + BAND < level->height ? begin + BAND : level->height;
-    for (int32_t y = begin; y < end; ++y) s->job->kernels->up(&s->taps, level, next, y, worker_scratch(s, worker));
+    for (int32_t y = begin; y < end; ++y)
+        s->job->kernels->merge_up(&s->taps, level, next, y, worker_scratch(s, worker));
 }
 
 static void finish(void* user, int64_t index, int32_t worker) {
@@ -204,8 +206,9 @@ static void finish(void* user, int64_t index, int32_t worker) {
     const int32_t end = begin + 2 * BAND < image->height ? begin + 2 * BAND : image->height;
     for (int32_t y = begin; y < end; ++y)
         for (int c = 0; c < 3; ++c)
-            s->job->kernels->add(&s->taps, &s->levels[1], c, y, image->width, image->out.data[c] + y * image->out.row,
-                                 image->out.step, worker_scratch(s, worker));
+            s->job->kernels->add_upsampled(&s->taps, &s->levels[1], c, y, image->width,
+                                           image->out.data[c] + y * image->out.row, image->out.step,
+                                           worker_scratch(s, worker));
 }
 
 static void run(const scatter* s, int32_t level, int64_t count, ty_parallel_fn body) {
@@ -213,37 +216,37 @@ static void run(const scatter* s, int32_t level, int64_t count, ty_parallel_fn b
     if (texels >= TEXELS_FOR_THREADS)
         ty_screen_parallel(s->job, count, body, (void*)(uintptr_t)s);
     else
-        ty_screen_here(count, body, (void*)(uintptr_t)s);
+        ty_screen_serial(count, body, (void*)(uintptr_t)s);
 }
 
-/* ---- the whole ---- */
+/* ---- entry point ---- */
 
-/* Small angles: light counts as cut where more than this part of it should go beyond the last level, and there are
- * levels enough where less than that part should. Tails are long, and coarse levels cost next to nothing. */
-static const double cut_share = 0.5, rest_share = 0.01;
+/* Small-angle spread: light is oversized if more than this fraction should pass beyond the last level, and there are
+ * enough levels if less than the second fraction should. Tails are long, and coarse levels are nearly free. */
+static const double oversized_fraction = 0.5, residual_fraction = 0.01;
 
-/* The optical thickness at which it does. */
+/* The optical thickness at which light becomes oversized. */
 static float thickness_limit(double width, double variance) {
     double low = 0, high = 1e6;
     for (int i = 0; i < 40; ++i) {
-        const double middle = i < 20 ? sqrt((low + 1e-6) * high) : 0.5 * (low + high);
-        if (ty_screen_tail(width, middle, variance) > cut_share)
-            high = middle;
+        const double center = i < 20 ? sqrt((low + 1e-6) * high) : 0.5 * (low + high);
+        if (ty_screen_wider_fraction(width, center, variance) > oversized_fraction)
+            high = center;
         else
-            low = middle;
+            low = center;
     }
     return (float)low;
 }
 
-/* Of the channel whose light spreads least, the radius that a level just holds. */
-static double held_radius(const scatter* s, int32_t level) {
-    double least = HUGE_VAL;
+/* Half-light radius that a level represents, for the channel of least spread. */
+static double max_radius(const scatter* s, int32_t level) {
+    double min_radius = HUGE_VAL;
     for (int c = 0; c < 3; ++c) {
         const float variance = s->variance[level];
-        const float most = s->job->small_angle ? thickness_limit(s->job->width[c], (double)variance) : variance;
-        least = fmin(least, ty_screen_radius(s->job, c, (double)most));
+        const float measure = s->job->small_angle ? thickness_limit(s->job->width[c], (double)variance) : variance;
+        min_radius = fmin(min_radius, ty_screen_radius(s->job, c, (double)measure));
     }
-    return least;
+    return min_radius;
 }
 
 static void set_edges(ty_screen_taps taps, ty_screen_level* level) {
@@ -255,12 +258,12 @@ static void set_edges(ty_screen_taps taps, ty_screen_level* level) {
     }
 }
 
-/* A level's texels of the last row or column may lie in the picture with a part only. */
+/* Texels of the last row or column of a level may lie only partly in the image. */
 static void set_areas(scatter* s) {
     for (int axis = 0; axis < 2; ++axis) {
         const int32_t pixels = axis == 0 ? s->levels[0].width : s->levels[0].height;
         for (int32_t i = 0; i < pixels; ++i) s->levels[0].area[axis][i] = 1;
-        for (int32_t k = 1; k <= s->built; ++k) {
+        for (int32_t k = 1; k <= s->level_limit; ++k) {
             const int32_t fine = axis == 0 ? s->levels[k - 1].width : s->levels[k - 1].height;
             float weights[TAPS_MAX];
             for (int32_t i = 0; i < halved(fine); ++i)
@@ -268,54 +271,57 @@ static void set_areas(scatter* s) {
                     ty_screen_down_weights(s->taps, s->levels[k - 1].area[axis], fine, i, weights);
         }
     }
-    for (int32_t k = 0; k < s->built; ++k) set_edges(s->taps, &s->levels[k]);
+    for (int32_t k = 0; k < s->level_limit; ++k) set_edges(s->taps, &s->levels[k]);
 }
 
 static void set_levels(scatter* s) {
     const ty_screen_job* job = s->job;
     const float step = ty_screen_taps_variance(s->taps);
     s->variance[0] = 0;
-    for (int32_t k = 0; k <= s->built; ++k) s->variance[k + 1] = s->variance[k] + step * exp2f(2.0f * (float)k);
+    for (int32_t k = 0; k <= s->level_limit; ++k) s->variance[k + 1] = s->variance[k] + step * exp2f(2.0f * (float)k);
     for (int c = 0; c < 3; ++c) {
-        ty_screen_share shares[TY_SCREEN_LEVELS_MAX + 1];
-        const bool known = c > 0 && job->width[c] == job->width[c - 1];
-        if (known) {
+        ty_screen_down_fraction fractions[TY_SCREEN_LEVELS_MAX + 1];
+        const bool same_as_previous = c > 0 && job->width[c] == job->width[c - 1];
+        if (same_as_previous) {
             s->limit[c] = s->limit[c - 1];
         } else if (job->small_angle) {
-            ty_screen_small_angle_shares(job->width[c], s->variance, s->built, shares);
-            s->limit[c] = thickness_limit(job->width[c], (double)s->variance[s->built]);
+            ty_screen_small_angle_fractions(job->width[c], s->variance, s->level_limit, fractions);
+            s->limit[c] = thickness_limit(job->width[c], (double)s->variance[s->level_limit]);
         } else {
-            ty_screen_gaussian_shares(s->variance, s->built, shares);
-            s->limit[c] = s->variance[s->built];
+            ty_screen_gaussian_fractions(s->variance, s->level_limit, fractions);
+            s->limit[c] = s->variance[s->level_limit];
         }
-        for (int32_t k = 0; k < s->built; ++k) s->levels[k].share[c] = known ? s->levels[k].share[c - 1] : shares[k];
+        for (int32_t k = 0; k < s->level_limit; ++k)
+            s->levels[k].down_fraction[c] = same_as_previous ? s->levels[k].down_fraction[c - 1] : fractions[k];
     }
 }
 
-/* As many levels as the largest spread needs, or as were asked for. */
+/* Number of levels required by the largest spread, or by the options. */
 static int32_t choose_levels(const scatter* s) {
-    if (s->job->def->levels > 0 || s->job->stats.cut > 0) return s->built;
+    if (s->job->def->levels > 0 || s->job->stats.oversized > 0) return s->level_limit;
     int32_t levels = 1;
     for (int32_t band = 0; band < s->band_count; ++band)
         for (int c = 0; c < 3; ++c) {
-            const double most = (double)s->counts[band].largest[c];
-            while (levels < s->built && (s->job->small_angle ? ty_screen_tail(s->job->width[c], most,
-                                                                              (double)s->variance[levels]) > rest_share
-                                                             : (double)s->variance[levels] < most))
+            const double measure = (double)s->counts[band].largest[c];
+            while (levels < s->level_limit &&
+                   (s->job->small_angle ? ty_screen_wider_fraction(s->job->width[c], measure,
+                                                                   (double)s->variance[levels]) > residual_fraction
+                                        : (double)s->variance[levels] < measure))
                 ++levels;
         }
     return levels;
 }
 
-/* Of floats, each plane once a pass: the picture in and out, the pyramid down and up. */
+/* Memory traffic in bytes, counting each plane once per pass: image in and out, pyramid down and up. */
 static double count_bytes(const scatter* s, int32_t levels) {
     const double pixels = (double)s->levels[0].width * s->levels[0].height;
     double floats = pixels * (4 + 3) + pixels * (3 + 3);
     for (int32_t k = 1; k <= levels; ++k) {
         const double texels = (double)s->levels[k].width * s->levels[k].height;
-        floats += texels * PLANES;                                /* written going down */
-        if (k < levels) floats += texels * (PLANES + PLANES + 3); /* read going down, read and written going up */
-        floats += texels * 3;                                     /* read by the level above */
+        floats += texels * PLANES; /* written while descending */
+        if (k < levels)
+            floats += texels * (PLANES + PLANES + 3); /* read while descending, read and written while ascending */
+        floats += texels * 3;                         /* read by the level above */
     }
     return floats * sizeof(float);
 }
@@ -353,7 +359,7 @@ ty_result ty_screen_scatter(ty_screen_job* job) {
     job->stats.step_seconds[1] = filtered - split;
     job->stats.step_seconds[2] = ty_wall_seconds() - filtered;
     job->stats.levels = levels;
-    job->stats.held = held_radius(&s, levels);
+    job->stats.max_spread = max_radius(&s, levels);
     job->stats.bytes = count_bytes(&s, levels);
     return TY_OK;
 }

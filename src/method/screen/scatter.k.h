@@ -1,48 +1,48 @@
-/* Light spread by its own width: what of it stays at a level of the pyramid, what goes on to the next, and the filters
- * from level to level.
+/* Scattering pyramid: the fraction of light that stays at a level, the fraction passed to the next, and the filters
+ * between levels.
  *
- * A texel holds, per channel, light E and Q = E times the measure of how far this light shall spread: the variance of
- * its Gaussian (Eq. 2), or the optical thickness that it was scattered over. Both are linear, so filtering mixes them
- * rightly: Q / E is the mean, weighted by light. Down a level and up again adds a known variance; light whose variance
- * lies between those of two levels is shared between them so that the variance of the sum is right. */
+ * A texel holds, per channel, light E and its moment Q = E times a measure of spread: the variance of its Gaussian (Eq.
+ * 2, Elek 2013), or the optical thickness it was scattered over. Both are linear, so filtering keeps Q / E the
+ * light-weighted mean. Descending one level and ascending again adds a known variance; light whose variance lies
+ * between those of two levels is divided between them such that the variance of the sum is right. */
 #ifndef TY_METHOD_SCREEN_SCATTER_K_H
 #define TY_METHOD_SCREEN_SCATTER_K_H
 
 #include "base/kernel.h"
 
-/* Polynomial shares: terms in z = 2 t / TOP - 1, t = tau / (tau + SCALE), cut at TOP (tau = 76). */
-#define TY_SCREEN_SHARE_TERMS 8
-#define TY_SCREEN_SHARE_SCALE 4.0f
-#define TY_SCREEN_SHARE_TOP 0.95f
+/* Polynomial fractions: terms in z = 2 t / T_MAX - 1, t = tau / (tau + SCALE), clamped to T_MAX (tau = 76). */
+#define TY_SCREEN_FRACTION_TERMS 8
+#define TY_SCREEN_FRACTION_SCALE 4.0f
+#define TY_SCREEN_FRACTION_T_MAX 0.95f
 
-/* The share of a level's light that goes on to the next, as a function of its measure. */
-typedef struct ty_screen_share {
+/* Fraction of a level's light passed to the next level, as a function of its measure of spread. */
+typedef struct ty_screen_down_fraction {
     int32_t small_angle;
-    float low, inverse_range;           /* variance: of the level, and 1 / (what the next holds more) */
-    float terms[TY_SCREEN_SHARE_TERMS]; /* small angle: from the constant on */
-} ty_screen_share;
+    float low, inverse_range;              /* variance: of the level, and 1 / (increase to the next level) */
+    float terms[TY_SCREEN_FRACTION_TERMS]; /* small angle: polynomial coefficients, constant first */
+} ty_screen_down_fraction;
 
-TY_FN float ty_screen_onward(ty_screen_share share, float measure) {
-    if (!share.small_angle) return ty_clampf((measure - share.low) * share.inverse_range, 0.0f, 1.0f);
-    const float t = ty_minf(measure / (measure + TY_SCREEN_SHARE_SCALE), TY_SCREEN_SHARE_TOP);
-    const float z = t * (2.0f / TY_SCREEN_SHARE_TOP) - 1.0f;
-    float sum = share.terms[TY_SCREEN_SHARE_TERMS - 1];
-    for (int32_t i = TY_SCREEN_SHARE_TERMS - 2; i >= 0; --i) sum = sum * z + share.terms[i];
+TY_FN float ty_screen_down_fraction_at(ty_screen_down_fraction fraction, float measure) {
+    if (!fraction.small_angle) return ty_clampf((measure - fraction.low) * fraction.inverse_range, 0.0f, 1.0f);
+    const float t = ty_minf(measure / (measure + TY_SCREEN_FRACTION_SCALE), TY_SCREEN_FRACTION_T_MAX);
+    const float z = t * (2.0f / TY_SCREEN_FRACTION_T_MAX) - 1.0f;
+    float sum = fraction.terms[TY_SCREEN_FRACTION_TERMS - 1];
+    for (int32_t i = TY_SCREEN_FRACTION_TERMS - 2; i >= 0; --i) sum = sum * z + fraction.terms[i];
     return ty_clampf(sum, 0.0f, 1.0f);
 }
 
-/* The mean measure of a texel's light; 0 where there is none. */
+/* The mean measure of a texel's light; 0 without light. */
 TY_FN float ty_screen_mean_measure(float light, float moment) {
     return moment / (light + 1e-30f);
 }
 
-/* The filter from one level to the next, symmetric, from the middle outwards; the same both ways, but that two taps go
- * up as four, which keeps pictures free of blocks. Four taps: Burt 1981, as in the paper; six: binomial. */
+/* The symmetric filter between levels, weights from the center outwards; the same in both directions, except that two
+ * taps are upsampled with four, which avoids blocks. Four taps: Burt 1981, as in Elek 2013; six: binomial. */
 typedef struct ty_screen_taps {
     int32_t reach; /* taps on each side: 1, 2 or 3 */
-    float down[3]; /* sum 1/2; half of up, but for two taps */
+    float down[3]; /* sum 1/2; half of up, except for two taps */
     int32_t reach_up;
-    float up[3]; /* of the coarse texels at distance 0, 1 (towards the fine one), -1; sum 1 */
+    float up[3]; /* weights of coarse texels at distance 0, 1 (towards the fine texel), -1; sum 1 */
 } ty_screen_taps;
 
 TY_FN ty_screen_taps ty_screen_choose_taps(int32_t filter) {
@@ -52,20 +52,20 @@ TY_FN ty_screen_taps ty_screen_choose_taps(int32_t filter) {
     return filter == 2 ? two : filter == 4 ? four : six;
 }
 
-/* With what weight texel `fine` of a level looks at texel `coarse` of the next, which has `count` of them; outside
- * counts as the edge. */
+/* Weight of texel `coarse` of the next level, which has `count` texels, in the upsampling of texel `fine`; clamped at
+ * the edges. */
 TY_FN float ty_screen_up_weight(ty_screen_taps taps, int32_t fine, int32_t coarse, int32_t count) {
-    const int32_t middle = fine / 2, towards = (fine & 1) != 0 ? 1 : -1;
-    int32_t far = middle + towards, behind = middle - towards;
-    far = far < 0 ? 0 : far >= count ? count - 1 : far;
-    behind = behind < 0 ? 0 : behind >= count ? count - 1 : behind;
-    return (coarse == middle ? taps.up[0] : 0.0f) + (coarse == far ? taps.up[1] : 0.0f) +
-           (coarse == behind ? taps.up[2] : 0.0f);
+    const int32_t nearest = fine / 2, offset = (fine & 1) != 0 ? 1 : -1;
+    int32_t second = nearest + offset, third = nearest - offset;
+    second = second < 0 ? 0 : second >= count ? count - 1 : second;
+    third = third < 0 ? 0 : third >= count ? count - 1 : third;
+    return (coarse == nearest ? taps.up[0] : 0.0f) + (coarse == second ? taps.up[1] : 0.0f) +
+           (coarse == third ? taps.up[2] : 0.0f);
 }
 
 #define TY_SCREEN_DOWN_WEIGHTS 6
 
-/* Of `count` texels, those before begin and from end on may have weights of their own. */
+/* Maximum number of texels with explicit weights: those before begin and from end on. */
 #define TY_SCREEN_EDGES 6
 
 TY_FN int32_t ty_screen_edge_begin(int32_t count) {
@@ -77,9 +77,9 @@ TY_FN int32_t ty_screen_edge_end(int32_t count) {
     return count - 4 > begin ? count - 4 : begin;
 }
 
-/* The weights of texels 2 coarse - 2 .. 2 coarse + 3 of a level (`fine_count` of them) in texel `coarse` of the next:
- * what each gets from it on the way up, so that no light is lost at any edge. area: how much of each texel lies in the
- * picture, along one axis. Returns the area of the coarse one. */
+/* Weights of texels 2 coarse - 2 .. 2 coarse + 3 of a level (`fine_count` texels) in texel `coarse` of the next: the
+ * transpose of the upsampling, so that edges lose no light. area: fraction of each texel inside the image, along one
+ * axis. Returns the area of the coarse texel. */
 TY_FN float ty_screen_down_weights(ty_screen_taps taps, TY_GLOBAL const float* area, int32_t fine_count, int32_t coarse,
                                    float weights[TY_SCREEN_DOWN_WEIGHTS]) {
     const int32_t count = (fine_count + 1) / 2;
@@ -87,16 +87,16 @@ TY_FN float ty_screen_down_weights(ty_screen_taps taps, TY_GLOBAL const float* a
     for (int32_t i = 0; i < TY_SCREEN_DOWN_WEIGHTS; ++i) {
         const int32_t fine = 2 * coarse - 2 + i;
         const int32_t inside = fine >= 0 && fine < fine_count;
-        const float share = taps.reach == 1 ? (fine / 2 == coarse ? 1.0f : 0.0f)
-                                            : ty_screen_up_weight(taps, fine < 0 ? 0 : fine, coarse, count);
-        weights[i] = inside ? share * area[fine] : 0.0f;
+        const float up_weight = taps.reach == 1 ? (fine / 2 == coarse ? 1.0f : 0.0f)
+                                                : ty_screen_up_weight(taps, fine < 0 ? 0 : fine, coarse, count);
+        weights[i] = inside ? up_weight * area[fine] : 0.0f;
         sum += weights[i];
     }
     for (int32_t i = 0; i < TY_SCREEN_DOWN_WEIGHTS; ++i) weights[i] /= sum;
     return 0.5f * sum;
 }
 
-/* The variance, in pixels of the finer level squared, that going down a level and up again adds. */
+/* Variance added by descending a level and ascending again, in pixels^2 of the finer level. */
 TY_FN float ty_screen_taps_variance(ty_screen_taps taps) {
     const float down = 2.0f * (taps.down[0] * 0.25f + taps.down[1] * 2.25f + taps.down[2] * 6.25f);
     const float up = taps.up[0] * 0.25f + taps.up[1] * 2.25f + taps.up[2] * 6.25f;

@@ -1,4 +1,4 @@
-/* What a scene says of its picture: the medium, the camera, how far light goes through the medium to each pixel. */
+/* Parameters from a scene: the medium, the camera, and the distance of each pixel through the medium. */
 #include "base/float_mode.h"
 #include "base/context.h"
 #include "scene/camera.h"
@@ -11,7 +11,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 
-/* What rays outside all media get, m: a distance that nothing happens over, since 0 stands for an unknown one. */
+/* Distance of rays outside all media, m: negligible but not 0, which marks an unknown distance. */
 static const float no_distance = 1e-20f;
 
 /* "media[1] (smoke)" */
@@ -24,7 +24,7 @@ static bool is_empty(const ty_medium_view* medium) {
     return !(medium->sigma_t_max > 0);
 }
 
-/* One set of coefficients for all that is there. */
+/* Sums the coefficients of all media. */
 static ty_result add_media(const ty_scene* scene, const ty_scene_view* view, ty_screen_def* def) {
     char name[128];
     double g[3] = {0, 0, 0};
@@ -33,7 +33,7 @@ static ty_result add_media(const ty_scene* scene, const ty_scene_view* view, ty_
         const ty_medium_view* medium = &view->media[i];
         if (is_empty(medium)) continue;
         name_medium(scene, i, name);
-        if (medium->varies != 0)
+        if (medium->heterogeneous != 0)
             return ty_fail(scene->context, TY_ERROR_ARGUMENT,
                            "screen: %s is not homogeneous, and the method knows one medium for the whole picture",
                            name);
@@ -49,7 +49,8 @@ static ty_result add_media(const ty_scene* scene, const ty_scene_view* view, ty_
 }
 
 ty_result ty_screen_set_scene(const ty_scene* scene, int32_t height, ty_screen_def* def) {
-    ty_result result = ty_check_def(ty_scene_context(scene), def, "ty_default_screen_def");
+    ty_screen_def known = ty_default_screen_def();
+    ty_result result = ty_take_def(ty_scene_context(scene), def, "ty_default_screen_def", &known, sizeof known);
     const ty_scene_view* view = result == TY_OK ? ty_scene_get_view(scene) : NULL;
     if (view == NULL) return TY_ERROR_ARGUMENT;
     result = add_media(scene, view, def);
@@ -57,7 +58,7 @@ ty_result ty_screen_set_scene(const ty_scene* scene, int32_t height, ty_screen_d
     const ty_camera_def camera = ty_scene_camera(scene);
     def->focal[0] = def->focal[1] = ty_screen_focal(height > 0 ? height : camera.resolution[1], camera.fov_y);
     def->center[0] = def->center[1] = -1;
-    def->planar = false;
+    def->distance_kind = TY_SCREEN_DISTANCE_RAY;
     return TY_OK;
 }
 
@@ -67,10 +68,10 @@ typedef struct distance_job {
     const ty_scene_view* view;
     ty_camera_view camera;
     int32_t width;
-    float sigma_t; /* of all media together, mean of the channels, 1/m */
+    float sigma_t; /* sum over all media, channel mean, 1/m */
     float* distance;
     _Atomic bool outside; /* a ray enters a medium from outside */
-    _Atomic bool uneven;  /* a ray is longer in one medium than in another */
+    _Atomic bool unequal; /* a ray is longer in one medium than in another */
 } distance_job;
 
 static float mean_sigma_t(const ty_medium_view* medium) {
@@ -78,9 +79,9 @@ static float mean_sigma_t(const ty_medium_view* medium) {
 }
 
 /* The length of a ray inside each medium, m. */
-static void add_lengths(distance_job* job, ty_vec direction, float far, float lengths[TY_MEDIA_MAX]) {
+static void add_lengths(distance_job* job, ty_vec direction, float max_distance, float lengths[TY_MEDIA_MAX]) {
     ty_spans spans;
-    ty_spans_find(job->view->media, job->view->medium_count, job->camera.origin, direction, far, &spans);
+    ty_spans_find(job->view->media, job->view->medium_count, job->camera.origin, direction, max_distance, &spans);
     for (int32_t i = 0; i < spans.count; ++i) {
         lengths[spans.medium[i]] += spans.leave[i] - spans.enter[i];
         if (spans.enter[i] > 0 && !is_empty(&job->view->media[spans.medium[i]]))
@@ -88,10 +89,10 @@ static void add_lengths(distance_job* job, ty_vec direction, float far, float le
     }
 }
 
-/* The distance over which all media together would take as much light as they do along a ray. */
-static float equal_distance(distance_job* job, ty_vec direction, float far) {
+/* Distance at which all media together have the mean optical depth found along a ray. */
+static float equivalent_distance(distance_job* job, ty_vec direction, float max_distance) {
     float lengths[TY_MEDIA_MAX] = {0}, depth = 0, shortest = TY_FLOAT_MAX, longest = 0;
-    add_lengths(job, direction, far, lengths);
+    add_lengths(job, direction, max_distance, lengths);
     for (int32_t i = 0; i < job->view->medium_count; ++i) {
         const ty_medium_view* medium = &job->view->media[i];
         if (is_empty(medium)) continue;
@@ -99,7 +100,7 @@ static float equal_distance(distance_job* job, ty_vec direction, float far) {
         shortest = ty_minf(shortest, lengths[i]);
         longest = ty_maxf(longest, lengths[i]);
     }
-    if (longest - shortest > 1e-3f * longest) atomic_store_explicit(&job->uneven, true, memory_order_relaxed);
+    if (longest - shortest > 1e-3f * longest) atomic_store_explicit(&job->unequal, true, memory_order_relaxed);
     return ty_maxf(job->sigma_t > 0 ? depth / job->sigma_t : 0, no_distance);
 }
 
@@ -110,12 +111,12 @@ static void find_row(void* user, int64_t y, int32_t worker) {
     const unsigned state = ty_flush_denormals();
     for (int32_t x = 0; x < job->width; ++x) {
         const ty_vec direction = ty_camera_direction(&job->camera, (float)x + 0.5f, (float)y + 0.5f);
-        row[x] = equal_distance(job, direction, row[x] > 0 && row[x] < TY_FLOAT_MAX ? row[x] : TY_FLOAT_MAX);
+        row[x] = equivalent_distance(job, direction, row[x] > 0 && row[x] < TY_FLOAT_MAX ? row[x] : TY_FLOAT_MAX);
     }
     ty_restore_denormals(state);
 }
 
-static void warn_of_glow(const ty_scene* scene, const ty_scene_view* view) {
+static void warn_of_emission(const ty_scene* scene, const ty_scene_view* view) {
     char name[128];
     for (int32_t i = 0; i < view->medium_count; ++i) {
         if (view->media[i].emits == 0) continue;
@@ -134,11 +135,11 @@ ty_result ty_screen_scene_distance(const ty_scene* scene, int32_t width, int32_t
     job.camera = ty_camera_get_view(&scene->camera, width, height);
     for (int32_t i = 0; i < view->medium_count; ++i) job.sigma_t += mean_sigma_t(&view->media[i]);
     ty_parallel_for(scene->context, height, find_row, &job);
-    warn_of_glow(scene, view);
+    warn_of_emission(scene, view);
     if (job.outside)
         ty_log(scene->context, TY_LOG_WARNING,
                "screen: the camera is outside a medium, whose light is spread as if it were at its edge");
-    if (job.uneven)
+    if (job.unequal)
         ty_log(scene->context, TY_LOG_WARNING,
                "screen: the media do not fill the same space; their mean is used, with distances that keep the optical "
                "depth");

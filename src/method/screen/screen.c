@@ -1,25 +1,12 @@
-/* Entry points: what every variant begins and ends with. */
+/* Entry points, and the work common to all variants. */
 #include "method/screen/job.h"
 
 #include "base/context.h"
-#include "base/isa.h"
 #include "base/parallel.h"
 #include "method/screen/spread.h"
 
 #include <math.h>
 #include <stdatomic.h>
-
-static const ty_screen_kernels* choose_kernels(const char** isa) {
-    const ty_isa best = ty_best_isa();
-    *isa = ty_isa_name(best);
-#if TY_ISA_X86
-    static const ty_screen_kernels* const kernels[TY_ISA_COUNT] = {&ty_screen_kernels_v1, &ty_screen_kernels_v3,
-                                                                   &ty_screen_kernels_v4};
-    return kernels[best];
-#else
-    return &ty_screen_kernels_v1;
-#endif
-}
 
 static bool has_medium(const ty_screen_def* def) {
     for (int c = 0; c < 3; ++c)
@@ -31,25 +18,25 @@ static float bounded(double value) {
     return (float)(value < 1e20 ? value : 1e20);
 }
 
-/* Eq. 2 squared, times (focal / D)^2: slope D / (1 + bend D^2). */
-static void set_spread(double sigma_s, double sigma_a, double g, double focal, float* slope, float* bend) {
+/* Eq. 2 (Elek 2013) squared, times (focal / D)^2: slope D / (1 + curvature D^2). */
+static void set_spread(double sigma_s, double sigma_a, double g, double focal, float* slope, float* curvature) {
     const double reduced = sigma_s * (1 - g);
     *slope = bounded(focal * focal * reduced / 8);
-    *bend = bounded(sigma_a * reduced / 6);
+    *curvature = bounded(sigma_a * reduced / 6);
 }
 
 static void make_params(ty_screen_job* job) {
     const ty_screen_def* def = job->def;
     const int32_t width = job->image->width, height = job->image->height;
-    const bool middle = def->center[0] == -1 && def->center[1] == -1; /* parts of a frame may have it outside */
+    const bool centered = def->center[0] == -1 && def->center[1] == -1; /* crops of a frame may have it outside */
     ty_screen_params params = {.width = width,
                                .height = height,
-                               .planar = def->planar,
-                               .center_x = (float)(middle ? 0.5 * width : def->center[0]),
-                               .center_y = (float)(middle ? 0.5 * height : def->center[1]),
+                               .planar = def->distance_kind == TY_SCREEN_DISTANCE_AXIS,
+                               .center_x = (float)(centered ? 0.5 * width : def->center[0]),
+                               .center_y = (float)(centered ? 0.5 * height : def->center[1]),
                                .inverse_focal_x = (float)(1 / def->focal[0]),
                                .inverse_focal_y = (float)(1 / def->focal[1]),
-                               .unknown = def->unknown};
+                               .unknown = def->missing_depth};
     const double focal = sqrt(def->focal[0] * def->focal[1]);
     double mean_s = 0, mean_a = 0, mean_reduced = 0;
     for (int c = 0; c < 3; ++c) {
@@ -64,17 +51,17 @@ static void make_params(ty_screen_job* job) {
         if (job->small_angle)
             params.slope[c] = def->sigma_s[c];
         else
-            set_spread(sigma_s, sigma_a, g, focal, &params.slope[c], &params.bend[c]);
+            set_spread(sigma_s, sigma_a, g, focal, &params.slope[c], &params.curvature[c]);
         mean_s += sigma_s / 3;
         mean_a += sigma_a / 3;
         mean_reduced += sigma_s * (1 - g) / 3;
     }
     const double mean_g = mean_s > 0 ? 1 - mean_reduced / mean_s : 0;
-    set_spread(mean_s, mean_a, mean_g, focal, &params.mean_slope, &params.mean_bend);
+    set_spread(mean_s, mean_a, mean_g, focal, &params.mean_slope, &params.mean_curvature);
     job->params = params;
 }
 
-ty_screen_row ty_screen_picture_row(const ty_screen_image* image, int32_t y) {
+ty_screen_row ty_screen_image_row(const ty_screen_image* image, int32_t y) {
     ty_screen_row row = {.color_step = image->color.step,
                          .distance = image->distance + y * image->distance_row,
                          .distance_step = image->distance_step,
@@ -93,9 +80,9 @@ double ty_screen_radius(const ty_screen_job* job, int channel, double measure) {
 void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, int32_t band_count) {
     ty_screen_stats* stats = &job->stats;
     for (int32_t band = 0; band < band_count; ++band) {
-        stats->mended += counts[band].mended;
-        stats->unknown += counts[band].unknown;
-        stats->cut += counts[band].cut;
+        stats->nonfinite_fixed += counts[band].nonfinite_fixed;
+        stats->missing_depth += counts[band].missing_depth;
+        stats->oversized += counts[band].oversized;
         for (int c = 0; c < 3; ++c)
             stats->spread = fmax(stats->spread, ty_screen_radius(job, c, (double)counts[band].largest[c]));
     }
@@ -103,11 +90,10 @@ void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, in
 
 int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height) {
     const bool gaussian = def->variant != TY_SCREEN_SCATTER || def->spread == TY_SCREEN_SPREAD_GAUSSIAN;
-    const int32_t most =
-        gaussian && def->levels == TY_SCREEN_LEVELS_AUTO ? TY_SCREEN_LEVELS_USUAL : TY_SCREEN_LEVELS_MAX;
-    const int32_t asked = def->levels > 0 ? def->levels : most;
+    const int32_t max_levels = gaussian && def->levels == TY_AUTO ? TY_SCREEN_LEVELS_DEFAULT : TY_SCREEN_LEVELS_MAX;
+    const int32_t limit = def->levels > 0 ? def->levels : max_levels;
     int32_t possible = 1;
-    while (possible < asked && (width > 2 || height > 2)) {
+    while (possible < limit && (width > 2 || height > 2)) {
         width = (width + 1) / 2;
         height = (height + 1) / 2;
         ++possible;
@@ -119,11 +105,11 @@ void ty_screen_parallel(ty_screen_job* job, int64_t count, ty_parallel_fn body, 
     ty_parallel_flushed(job->context, count, body, user);
 }
 
-void ty_screen_here(int64_t count, ty_parallel_fn body, void* user) {
+void ty_screen_serial(int64_t count, ty_parallel_fn body, void* user) {
     ty_parallel_flushed(NULL, count, body, user);
 }
 
-/* ---- rows that need no filter ---- */
+/* ---- row operations without a filter ---- */
 
 enum { ROWS_PER_TASK = 32 };
 
@@ -133,39 +119,39 @@ static int64_t task_count(const ty_screen_image* image) {
 
 typedef struct copy_work {
     const ty_screen_image* image;
-    _Atomic int64_t mended, unknown;
+    _Atomic int64_t nonfinite_fixed, missing_depth;
 } copy_work;
 
-/* Without a medium: the picture itself, mended. */
+/* Without a medium: copies the image, sanitised. */
 static void copy_rows(void* user, int64_t index, int32_t worker) {
     (void)worker;
     copy_work* work = user;
     const ty_screen_image* image = work->image;
-    int64_t mended = 0, unknown = 0;
+    int64_t nonfinite_fixed = 0, missing_depth = 0;
     for (int64_t y = index * ROWS_PER_TASK; y < (index + 1) * ROWS_PER_TASK && y < image->height; ++y) {
         for (int64_t x = 0; x < image->width; ++x) {
             int32_t changed = 0;
-            float radiance[3]; /* all read before any is written: out may be the same planes in another order */
+            float radiance[3]; /* read before any write: out may be the same planes in another order */
             for (int c = 0; c < 3; ++c)
-                radiance[c] = ty_screen_mend(image->color.data[c][y * image->color.row + x * image->color.step],
-                                             TY_FLOAT_MAX, &changed);
+                radiance[c] = ty_screen_sanitize(image->color.data[c][y * image->color.row + x * image->color.step],
+                                                 TY_FLOAT_MAX, &changed);
             for (int c = 0; c < 3; ++c) image->out.data[c][y * image->out.row + x * image->out.step] = radiance[c];
             const float distance = image->distance[y * image->distance_row + x * image->distance_step];
-            mended += changed;
-            unknown += distance > 0 && distance < TY_FLOAT_MAX ? 0 : 1;
+            nonfinite_fixed += changed;
+            missing_depth += distance > 0 && distance < TY_FLOAT_MAX ? 0 : 1;
         }
     }
-    work->mended += mended;
-    work->unknown += unknown;
+    work->nonfinite_fixed += nonfinite_fixed;
+    work->missing_depth += missing_depth;
 }
 
-static ty_result copy_picture(ty_screen_job* job) {
+static ty_result copy_image(ty_screen_job* job) {
     copy_work work = {.image = job->image};
     const double start = ty_wall_seconds();
     ty_parallel_for(job->context, task_count(job->image), copy_rows, &work);
     job->stats.step_seconds[0] = ty_wall_seconds() - start;
-    job->stats.mended = work.mended;
-    job->stats.unknown = work.unknown;
+    job->stats.nonfinite_fixed = work.nonfinite_fixed;
+    job->stats.missing_depth = work.missing_depth;
     job->stats.bytes = (double)job->image->width * job->image->height * (4 + 3) * sizeof(float);
     return TY_OK;
 }
@@ -174,8 +160,8 @@ enum { SPLIT_ROWS = 9 }; /* attenuated, scattered, measure of spread */
 
 typedef struct split_work {
     const ty_screen_job* job;
-    float* const* targets[3]; /* as the rows */
-    float* rows;              /* SPLIT_ROWS of the width for each worker */
+    float* const* targets[3]; /* attenuated, scattered, spread */
+    float* rows;              /* SPLIT_ROWS rows for each worker */
 } split_work;
 
 static void store_row(const ty_screen_image* image, int32_t y, const float* from, float* plane) {
@@ -196,7 +182,7 @@ static void split_rows(void* user, int64_t index, int32_t worker) {
         out.measure[c] = rows + (ptrdiff_t)(6 + c) * width;
     }
     for (int32_t y = begin; y < end; ++y) {
-        const ty_screen_row row = ty_screen_picture_row(job->image, y);
+        const ty_screen_row row = ty_screen_image_row(job->image, y);
         ty_screen_counts counts = {0};
         job->kernels->split(&job->params, &row, ty_screen_no_limit, &out, &counts);
         for (int c = 0; c < 3; ++c)
@@ -222,13 +208,15 @@ static size_t workspace(const ty_context* context, const ty_screen_def* def, int
 
 size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
     const bool size = width >= 1 && height >= 1 && width <= TY_SCREEN_SIDE_MAX && height <= TY_SCREEN_SIDE_MAX;
-    const bool usable = context != NULL && size && def != NULL && def->cookie == TY_DEF_COOKIE &&
-                        ty_screen_has_filter(def) && ty_screen_has_levels(def);
-    return usable ? workspace(context, def, width, height) : 0;
+    ty_screen_def known = ty_default_screen_def();
+    const bool usable = context != NULL && size &&
+                        ty_take_def(NULL, def, "ty_default_screen_def", &known, sizeof known) == TY_OK &&
+                        ty_screen_has_filter(&known) && ty_screen_has_levels(&known);
+    return usable ? workspace(context, &known, width, height) : 0;
 }
 
 static ty_result run(ty_screen_job* job) {
-    if (!has_medium(job->def)) return copy_picture(job);
+    if (!has_medium(job->def)) return copy_image(job);
     switch (job->def->variant) {
     case TY_SCREEN_SCATTER: return ty_screen_scatter(job);
     case TY_SCREEN_GATHER: return ty_screen_gather(job);
@@ -237,11 +225,21 @@ static ty_result run(ty_screen_job* job) {
     return TY_ERROR_ARGUMENT;
 }
 
-static ty_result start(ty_screen_job* job, bool out) {
-    ty_result result = ty_screen_check(job->context, job->def);
-    if (result == TY_OK) result = ty_screen_check_image(job->context, job->image, out);
+/* A caller's structures, in the library's own size. */
+typedef struct known_input {
+    ty_screen_def def;
+    ty_screen_image image;
+} known_input;
+
+static ty_result start(ty_screen_job* job, const ty_screen_def* def, const ty_screen_image* image, bool out,
+                       known_input* known) {
+    ty_result result = ty_screen_take_def(job->context, def, &known->def);
+    if (result == TY_OK) result = ty_screen_take_image(job->context, image, &known->image, out);
     if (result != TY_OK) return result;
-    job->kernels = choose_kernels(&job->stats.isa);
+    job->def = &known->def;
+    job->image = &known->image;
+    job->kernels = TY_BEST_KERNELS(ty_screen_kernels);
+    job->stats.isa = ty_isa_name(ty_best_isa());
     job->small_angle = job->def->variant == TY_SCREEN_SCATTER && job->def->spread == TY_SCREEN_SPREAD_SMALL_ANGLE;
     make_params(job);
     return TY_OK;
@@ -251,10 +249,11 @@ ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const t
                           size_t memory_size, ty_screen_stats* stats) {
     if (context == NULL) return TY_ERROR_ARGUMENT;
     const double began = ty_wall_seconds();
-    ty_screen_job job = {.context = context, .def = def, .image = image, .memory = memory};
-    ty_result result = start(&job, true);
+    known_input known;
+    ty_screen_job job = {.context = context, .memory = memory};
+    ty_result result = start(&job, def, image, true, &known);
     if (result != TY_OK) return result;
-    const size_t needed = workspace(context, def, image->width, image->height);
+    const size_t needed = workspace(context, job.def, job.image->width, job.image->height);
     if (memory != NULL && (memory_size < needed || (uintptr_t)memory % 64 != 0))
         return ty_fail(context, TY_ERROR_ARGUMENT,
                        "screen: the workspace has %zu bytes, %zu are needed, aligned to 64 bytes", memory_size, needed);
@@ -270,15 +269,16 @@ ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const t
 ty_result ty_screen_split(ty_context* context, const ty_screen_def* def, const ty_screen_image* image,
                           float* const attenuated[3], float* const scattered[3], float* const spread[3]) {
     if (context == NULL) return TY_ERROR_ARGUMENT;
-    ty_screen_job job = {.context = context, .def = def, .image = image};
-    const ty_result result = start(&job, false);
+    known_input known;
+    ty_screen_job job = {.context = context};
+    const ty_result result = start(&job, def, image, false, &known);
     if (result != TY_OK) return result;
-    if (image->out.step == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: out.step is 0");
-    const size_t floats = (size_t)ty_context_threads(context) * SPLIT_ROWS * (size_t)image->width;
+    if (job.image->out.step == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: out.step is 0");
+    const size_t floats = (size_t)ty_context_threads(context) * SPLIT_ROWS * (size_t)job.image->width;
     split_work work = {.job = &job, .targets = {attenuated, scattered, spread}};
     work.rows = ty_alloc_array(context, floats, sizeof(float), false);
     if (work.rows == NULL) return TY_ERROR_MEMORY;
-    ty_screen_parallel(&job, task_count(image), split_rows, &work);
+    ty_screen_parallel(&job, task_count(job.image), split_rows, &work);
     ty_free_array(context, work.rows, floats, sizeof(float));
     return TY_OK;
 }

@@ -1,0 +1,104 @@
+/* One sample of a receiver: a path over surfaces, and every few samples the light scattered by media. */
+#ifndef TY_BAKE_SAMPLE_K_H
+#define TY_BAKE_SAMPLE_K_H
+
+#include "bake/impulse/emitter_response.k.h"
+
+/* Adds the direct light of one light sample; false if no light is visible. */
+TY_FN bool ty_gather_add_light(ty_gather* g, ty_visible_light* visible) {
+    float basis[TY_BAKE_TERMS_MAX], direct[3];
+    if (!ty_gather_sample_light(g, g->face, visible)) return false;
+    ty_gather_basis(g, visible->sample.wi, basis);
+    for (int c = 0; c < 3; ++c)
+        direct[c] = visible->sample.radiance[c] * visible->weight * visible->segment.transmittance[c];
+    ty_gather_add_rgb(g, TY_BAKE_DIRECT, direct, basis);
+    return true;
+}
+
+/* Adds the emission found by the path's first ray, and the light of the path that continues from its end. */
+TY_FN void ty_gather_first_ray(ty_gather* g, const ty_intersection* end, const ty_segment* segment) {
+    const ty_vec direction = g->path.direction;
+    const float weight = 1.0f / g->path.pdf;
+    float basis[TY_BAKE_TERMS_MAX], light[3] = {0.0f, 0.0f, 0.0f};
+    ty_gather_basis(g, direction, basis);
+    if (g->request->impulse.media_only == 0) {
+        for (int c = 0; c < 3; ++c) g->path.beta[c] = weight;
+        ty_gather_add_hit(g, end, segment, light);
+        ty_gather_add_rgb(g, TY_BAKE_DIRECT, light, basis);
+    }
+    if (end == NULL) return;
+    if (ty_impulse_is_active(g)) {
+        ty_impulse_surface_fog(g, end, light);
+        for (int c = 0; c < 3; ++c)
+            light[c] *= weight * segment->transmittance[c] * end->point.albedo[c] * (1.0f / TY_PI);
+        ty_gather_add_rgb(g, TY_BAKE_MULTIPLE, light, basis);
+    }
+    if (g->request->impulse.media_only != 0) return;
+    for (int c = 0; c < 3; ++c) g->path.beta[c] = 1.0f;
+    ty_gather_follow(g, end, light);
+    for (int c = 0; c < 3; ++c) light[c] *= weight * segment->transmittance[c];
+    ty_gather_add_rgb(g, TY_BAKE_INDIRECT, light, basis);
+}
+
+/* One path of TY_BAKE_PATH, including scattering by media. */
+TY_FN void ty_gather_path(ty_gather* g) {
+    ty_path* path = &g->path;
+    ty_light_sample sample;
+    float basis[TY_BAKE_TERMS_MAX], chosen;
+    const float factor[3] = {1.0f, 1.0f, 1.0f};
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
+    const float cosine = light != NULL && !probe ? ty_dot(g->normal, sample.wi) : 1.0f;
+    if (light != NULL && cosine > 0.0f && (probe || ty_dot(g->face, sample.wi) > 0.0f)) {
+        ty_path_add_vertex_light(path, light, chosen, &sample, factor, probe ? TY_INV_4PI : cosine * (1.0f / TY_PI),
+                                 0.0f);
+        ty_gather_basis(g, sample.wi, basis);
+        ty_gather_add_rgb(g, TY_BAKE_DIRECT, path->radiance[TY_PATH_UNCOLLIDED], basis);
+        memset(path->radiance, 0, sizeof path->radiance);
+    }
+    if (probe)
+        ty_path_sample_sphere(path);
+    else
+        ty_path_sample_cosine_hemisphere(path);
+    if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return;
+    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / path->pdf;
+    ty_gather_basis(g, path->direction, basis);
+    g->rays += 2 * ty_path_follow(path);
+    for (int32_t path_class = 0; path_class < TY_PATH_CLASS_COUNT; ++path_class)
+        ty_gather_add_rgb(g, path_class, path->radiance[path_class], basis);
+}
+
+/* One sample of a receiver; true if its ray hit a back face. */
+TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
+    const ty_bake_request* request = g->request;
+    ty_path* path = &g->path;
+    const bool probe = request->terms == TY_BAKE_SH_TERMS;
+    ty_intersection end;
+    ty_segment segment;
+    ty_visible_light light;
+    ty_path_begin(path, &request->path, item, number);
+    path->origin = g->origin;
+    path->normal = g->normal;
+    if (request->method == TY_BAKE_PATH) {
+        ty_gather_path(g);
+        return false;
+    }
+    const bool visible =
+        request->impulse.media_only != 0 ? ty_gather_sample_light(g, g->face, &light) : ty_gather_add_light(g, &light);
+    if (probe)
+        ty_path_sample_sphere(path);
+    else
+        ty_path_sample_cosine_hemisphere(path);
+    if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return false;
+    const bool hit = ty_gather_trace(g, &end, &segment);
+    const bool blocked = hit && ty_dot(end.hit.normal, path->direction) > 0.0f;
+    const bool gathers = ty_impulse_is_active(g) && ty_impulse_is_gathered(request, item, number);
+    const float weight = 1.0f / path->pdf;
+    g->direction = path->direction;
+    g->max_distance = hit ? end.hit.distance : segment.leave;
+    ty_gather_first_ray(g, hit ? &end : NULL, &segment);
+    if (gathers) ty_impulse_gather(g, item, number, visible ? &light : NULL, hit, weight, &segment);
+    return blocked;
+}
+
+#endif

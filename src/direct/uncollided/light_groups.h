@@ -1,0 +1,29 @@
+/* Samples grouped by light, and the lights with a dedicated field, whose phase function stays sharp. */
+#ifndef TY_DIRECT_UNCOLLIDED_LIGHT_GROUPS_H
+#define TY_DIRECT_UNCOLLIDED_LIGHT_GROUPS_H
+
+#include "direct/single/single.k.h"
+#include "direct/uncollided/uncollided.h"
+
+/* Consecutive samples of one light. */
+typedef struct ty_light_group {
+    int32_t first, count;
+    ty_vec center;  /* mean position of points, m */
+    bool dedicated; /* it has a field of its own, as its light comes from one direction or one point */
+} ty_light_group;
+
+/* Groups all samples; at most max_dedicated of the groups are dedicated. box: region of interest. groups: room for one
+ * per sample. Returns the number of groups. */
+int32_t ty_light_groups_find(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
+                             int32_t count, int32_t max_dedicated, ty_light_group* groups);
+/* An empty field for the dedicated groups, or for the others; of one plane if their colors allow it. */
+ty_result ty_light_groups_field(const ty_discrete_light* sources, const ty_light_group* groups, int32_t count,
+                                bool dedicated, const ty_grid_medium* medium, bool with_flux, ty_light_field** out);
+/* A field's fluence for single scattering: of a dedicated group, or (NULL) of the aggregate. */
+ty_light_fluence ty_light_group_fluence(const ty_discrete_light* sources, const ty_light_group* group,
+                                        const ty_light_field* field);
+
+/* True if all samples' colors are multiples of `color`: one plane is enough for all channels. */
+bool ty_discrete_lights_share_color(const ty_discrete_light* sources, int32_t count, const float color[3]);
+
+#endif

@@ -1,0 +1,259 @@
+/* Images: radiance that cells scatter towards an eye. */
+#include "base/context.h"
+#include "base/sh.k.h"
+#include "image/march.h"
+#include "method/dom/solution.h"
+#include "method/dom/sources/environment.h"
+#include "method/dom/sources/sources.h"
+#include "method/dom/view/view.h"
+#include "scene/scene.h"
+#include "solve/angular/harmonics.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
+
+/* Fields for one image. */
+typedef struct fields {
+    ty_source_field collided, surfaces;
+    float* collided_radiance[3];        /* radiance that cells scatter to the eye, per scattering coefficient */
+    float* incident[3][TY_FIELD_TERMS]; /* incident radiance for surfaces, as terms of a source field */
+    ty_light_fluence lights[TY_DOM_DEDICATED_MAX + 1];
+    ty_cuts* cuts;   /* surfaces between cells; NULL: none */
+    uint8_t* hidden; /* state of cells behind surfaces; NULL: none */
+    size_t fine_cells;
+    float* blurred;               /* environments behind media, with a fit */
+    float* aggregate_radiance[3]; /* of fine cells: scattered radiance of lights without dedicated fields, times 4 pi */
+} fields;
+
+/* ---- collided radiance ---- */
+
+typedef struct collided_job {
+    const ty_dom* light;
+    const double* eye;
+    float* const* out;
+} collided_job;
+
+/* Excess of a diffusive cell's face fluence towards the eye over its mean. */
+static double face_excess(const ty_dom* light, int32_t channel, size_t cell, const double omega[3]) {
+    double sum = 0, weights = 0;
+    if (light->face_fluence[channel] == NULL) return 0;
+    for (int face = 0; face < 6; ++face) {
+        const double collided = (double)light->face_fluence[channel][6 * cell + (size_t)face];
+        const double weight = (face & 1) != 0 ? omega[face / 2] : -omega[face / 2];
+        if (collided < 0 || weight <= 0) continue;
+        sum += weight * collided;
+        weights += weight;
+    }
+    return weights > 0 ? sum / weights - (double)light->moments[channel][cell] : 0;
+}
+
+static void collided_row(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const collided_job* job = user;
+    const ty_dom* light = job->light;
+    const int32_t* size = light->box.size;
+    for (int32_t i = 0; i < size[0]; ++i) {
+        const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
+        const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
+        double omega[3], y[TERMS_MAX];
+        ty_dom_direction_to_eye(light, cell, job->eye, omega);
+        ty_harmonics_at(omega, light->output_bands, y);
+        for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
+            const double g = (double)light->g[light->planes == 3 ? c : 0][at];
+            const float* surfaces = light->wall_moments[c];
+            const ty_forward_fit* fit = light->fit.bands > 0 ? &light->fit : NULL;
+            double sum = y[0] * face_excess(light, c, at, omega) * (fit != NULL ? (double)fit->moments[0] : 1), g_l = 1;
+            for (int32_t l = 0; l < light->output_bands; ++l, g_l *= g) {
+                const double power = fit != NULL ? (double)fit->moments[l] : g_l;
+                for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
+                    const size_t item = light->cells * (size_t)t + at;
+                    sum += power * y[t] * (double)(light->moments[c][item] + (surfaces != NULL ? surfaces[item] : 0));
+                }
+            }
+            job->out[c][at] = (float)sum;
+        }
+    }
+}
+
+static ty_result make_collided(const ty_dom* light, const double eye[3], fields* f) {
+    f->collided = (ty_source_field){.box = light->box, .term_count = 1, .shared = light->shared};
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
+        f->collided_radiance[c] = ty_alloc_array(light->context, light->cells, sizeof(float), false);
+        if (f->collided_radiance[c] == NULL) return TY_ERROR_MEMORY;
+        f->collided.terms[c][0] = f->collided_radiance[c];
+    }
+    memcpy(f->collided.color, light->color, sizeof f->collided.color);
+    collided_job job = {light, eye, f->collided_radiance};
+    ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], collided_row, &job);
+    if (light->has_lobes && light->fit.bands == 0) ty_dom_correct_lobes(light, eye, f->collided_radiance);
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c)
+        ty_dom_fill_hidden(light, f->cuts, f->hidden, f->collided_radiance[c]);
+    return TY_OK;
+}
+
+/* ---- incident radiance of surfaces ---- */
+
+/* Harmonics of the fluence and of the flux along x, y and z. */
+static const int32_t term_of[TY_FIELD_TERMS] = {0, 3, 1, 2};
+
+static ty_result make_incident(const ty_dom* light, fields* f) {
+    f->surfaces = (ty_source_field){.box = light->box, .term_count = TY_FIELD_TERMS, .shared = light->shared};
+    memcpy(f->surfaces.color, light->color, sizeof f->surfaces.color);
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c)
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) {
+            float* out = ty_alloc_array(light->context, light->cells, sizeof(float), false);
+            const float* from = ty_dom_plane(light, light->moments[c], term_of[t]);
+            const float factor = (float)(t == 0 ? TY_SH_0 : TY_SH_1);
+            f->incident[c][t] = out;
+            if (out == NULL) return TY_ERROR_MEMORY;
+            for (size_t i = 0; i < light->cells; ++i) out[i] = factor * from[i];
+            f->surfaces.terms[c][t] = out;
+        }
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
+        ty_dom_match_wall_irradiance(light, c, f->incident[c]);
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) ty_dom_fill_hidden(light, NULL, f->hidden, f->incident[c][t]);
+    }
+    return TY_OK;
+}
+
+/* ---- lights without dedicated fields ---- */
+
+typedef struct aggregate_job {
+    const ty_dom* light;
+    const ty_light_fluence* uncollided;
+    float* const* collided_radiance; /* on coarse cells: scattered radiance of the clusters */
+    float* const* fluence;           /* on coarse cells: fluence of the clusters */
+    float* const* out;               /* on fine cells */
+} aggregate_job;
+
+/* Scales the fine fluence by the clusters' ratio of radiance and fluence. */
+static void aggregate_row(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const aggregate_job* job = user;
+    const ty_dom* light = job->light;
+    const int32_t *size = light->fine_box.size, *coarse = light->box.size;
+    for (int32_t i = 0; i < size[0]; ++i) {
+        const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
+        const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
+        float cells[3];
+        for (int a = 0; a < 3; ++a) cells[a] = (float)((cell[a] + 0.5) * coarse[a] / size[a]);
+        const ty_cell_point point = ty_cell_locate(coarse, ty_vec_load(cells));
+        for (int32_t c = 0; c < (job->uncollided->shared != 0 ? 1 : 3); ++c) {
+            const float collided_radiance = ty_cell_value(job->collided_radiance[c], &point),
+                        fluence = ty_cell_value(job->fluence[c], &point);
+            job->out[c][at] =
+                fluence > 0 ? ty_maxf(0, collided_radiance / fluence) * job->uncollided->fluence[c][at] : 0;
+        }
+    }
+}
+
+static ty_result allocate_planes(const ty_dom* light, int32_t count, size_t cells, float* planes[3]) {
+    for (int32_t c = 0; c < count; ++c) {
+        planes[c] = ty_alloc_array(light->context, cells, sizeof(float), false);
+        if (planes[c] == NULL) return TY_ERROR_MEMORY;
+    }
+    return TY_OK;
+}
+
+static void free_planes(const ty_dom* light, size_t cells, float* const planes[3]) {
+    for (int c = 0; c < 3; ++c) ty_free_array(light->context, planes[c], cells, sizeof(float));
+}
+
+/* Replaces the P1 fluence of the aggregate field by the radiance towards the eye. */
+static ty_result make_aggregate(const ty_dom* light, const double eye[3], fields* f) {
+    ty_light_fluence* uncollided = &f->lights[light->fluence_count - 1];
+    const int32_t channels = uncollided->shared != 0 ? 1 : 3;
+    float *collided_radiance[3] = {NULL}, *fluence[3] = {NULL};
+    ty_result result = allocate_planes(light, channels, f->fine_cells, f->aggregate_radiance);
+    if (result == TY_OK) result = allocate_planes(light, channels, light->cells, collided_radiance);
+    if (result == TY_OK) result = allocate_planes(light, channels, light->cells, fluence);
+    if (result == TY_OK) result = ty_dom_evaluate_clusters(light, eye, channels, collided_radiance, fluence);
+    if (result == TY_OK) {
+        aggregate_job job = {light, uncollided, collided_radiance, fluence, f->aggregate_radiance};
+        ty_parallel_for(light->context, (int64_t)light->fine_box.size[1] * light->fine_box.size[2], aggregate_row,
+                        &job);
+        for (int32_t c = 0; c < channels; ++c) uncollided->fluence[c] = f->aggregate_radiance[c];
+    }
+    free_planes(light, light->cells, collided_radiance);
+    free_planes(light, light->cells, fluence);
+    return result;
+}
+
+static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f) {
+    memcpy(f->lights, light->fluences, sizeof f->lights);
+    if (light->aggregate == NULL) return TY_OK;
+    f->lights[light->fluence_count - 1].kind = TY_FLUENCE_ISOTROPIC;
+    return light->isotropic ? TY_OK : make_aggregate(light, eye, f);
+}
+
+/* The environments' radiance through a fit's peak. */
+static ty_result make_blurred(const ty_dom* light, fields* f) {
+    if (light->fit.bands == 0 || light->env_count == 0) return TY_OK;
+    f->blurred = ty_alloc_array(light->context, TY_DOM_ENVIRONMENT_TEXELS, 3 * sizeof(float), false);
+    if (f->blurred == NULL) return TY_ERROR_MEMORY;
+    ty_dom_environment_blur(light, f->blurred);
+    return TY_OK;
+}
+
+/* ---- images ---- */
+
+static void free_fields(const ty_dom* light, fields* f) {
+    ty_cuts_destroy(f->cuts);
+    ty_free_array(light->context, f->hidden, light->cells, 1);
+    ty_free_array(light->context, f->blurred, TY_DOM_ENVIRONMENT_TEXELS, 3 * sizeof(float));
+    for (int c = 0; c < 3; ++c) {
+        ty_free_array(light->context, f->collided_radiance[c], light->cells, sizeof(float));
+        ty_free_array(light->context, f->aggregate_radiance[c], f->fine_cells, sizeof(float));
+        for (int t = 0; t < TY_FIELD_TERMS; ++t)
+            ty_free_array(light->context, f->incident[c][t], light->cells, sizeof(float));
+    }
+}
+
+static ty_result make_fields(const ty_dom* light, const ty_scene* scene, const double eye[3], fields* f) {
+    const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
+    const int32_t* fine = light->fine_box.size;
+    f->fine_cells = (size_t)fine[0] * (size_t)fine[1] * (size_t)fine[2];
+    ty_result result = ty_cuts_find(light->context, light->boundary, &light->box, &f->cuts);
+    if (result == TY_OK) result = ty_dom_find_hidden(light, scene, eye, &f->hidden);
+    if (result == TY_OK) result = make_collided(light, eye, f);
+    if (result == TY_OK && surfaces) result = make_incident(light, f);
+    if (result == TY_OK) result = make_lights(light, eye, f);
+    if (result == TY_OK) result = make_blurred(light, f);
+    return result;
+}
+
+ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_part_progress progress,
+                       ty_image** out, ty_dom_stats* stats) {
+    const ty_camera_def camera = ty_scene_camera(scene);
+    const ty_image_options options = ty_dom_image_options(def);
+    const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
+    const double begun = ty_wall_seconds();
+    fields f = {.fine_cells = 0};
+    ty_march_def march = ty_march_def_of(scene, &options);
+    march.light_box = light->fine_box;
+    march.lights = f.lights;
+    march.light_count = light->fluence_count;
+    march.reduced = light->bands;
+    march.fit = light->fit.bands > 0 ? &light->fit : NULL;
+    march.field = &f.collided;
+    march.surface_field = surfaces ? &f.surfaces : NULL;
+    march.bilateral_sigma = 0;
+    march.preserve_means = true;
+    march.unscattered = def->unscattered;
+    march.progress = ty_part_report;
+    march.progress_user = &progress;
+    ty_march_stats marched = {0};
+    ty_result result = make_fields(light, scene, camera.position, &f);
+    march.cuts = f.cuts;
+    march.blurred = f.blurred;
+    if (result == TY_OK) result = ty_march(scene, &march, out, &marched);
+    free_fields(light, &f);
+    if (result == TY_OK && stats != NULL) {
+        stats->march_seconds = ty_wall_seconds() - begun;
+        stats->seconds += stats->march_seconds;
+        stats->isa = marched.isa;
+    }
+    return result;
+}

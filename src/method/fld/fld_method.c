@@ -1,0 +1,82 @@
+/* Flux-limited and classical diffusion as methods; surfaces are path traced through the media. */
+#include "image/march.h"
+#include "method/fld/job.h"
+#include "method/method.h"
+
+#include <stdio.h>
+
+_Static_assert(sizeof(ty_fld_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");
+
+static const ty_stat stats[] = {
+    {TY_STAT_FIELD(ty_fld_stats, direct_size), TY_STAT_INT, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, diffusion_size), TY_STAT_INT, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, converged), TY_STAT_BOOL},
+    {TY_STAT_FIELD(ty_fld_stats, iterations), TY_STAT_INT, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, cycles), TY_STAT_INT, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, work), TY_STAT_NUMBER, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, residual), TY_STAT_NUMBER, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, emitted), TY_STAT_NUMBER, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, absorbed), TY_STAT_NUMBER, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, leaving), TY_STAT_NUMBER, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, medium_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_fld_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_fld_stats, solve_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_fld_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_fld_stats, bytes), TY_STAT_NUMBER},
+    {TY_STAT_FIELD(ty_fld_stats, isa), TY_STAT_TEXT},
+};
+
+static ty_result render_limited(const ty_scene* scene, const ty_render_request* request, bool limited, ty_image** out,
+                                ty_method_run* run) {
+    ty_fld_stats* fld = (ty_fld_stats*)run->stats;
+    ty_image* surfaces = NULL;
+    ty_fld_def def = ty_default_fld_def();
+    ty_result result = ty_method_options(scene, "fld", &def);
+    TY_TAKE_REQUEST(&def, request);
+    if (!limited) def.limiter = TY_FLD_LIMITER_NONE;
+    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
+    def.unscattered = surfaces;
+    if (result == TY_OK) result = ty_fld_render(scene, &def, out, fld);
+    run->own_seconds = fld->seconds;
+    run->path.seconds += run->own_seconds;
+    ty_image_destroy(surfaces);
+    return result;
+}
+
+static ty_result render_fld(const ty_scene* scene, const ty_render_request* request, ty_image** out,
+                            ty_method_run* run) {
+    return render_limited(scene, request, true, out, run);
+}
+
+static ty_result render_cda(const ty_scene* scene, const ty_render_request* request, ty_image** out,
+                            ty_method_run* run) {
+    return render_limited(scene, request, false, out, run);
+}
+
+static void describe(const ty_method_run* run, char* text, size_t size) {
+    const ty_fld_stats* fld = (const ty_fld_stats*)run->stats;
+    const int32_t *fine = fld->direct_size, *coarse = fld->diffusion_size;
+    snprintf(text, size,
+             "%dx%dx%d cells of direct light, %dx%dx%d of diffusion%s, %.2f s (medium %.2f, direct %.2f, solve %.2f, "
+             "march %.2f)",
+             fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2], fld->converged ? "" : ", not converged",
+             run->own_seconds, fld->medium_seconds, fld->direct_seconds, fld->solve_seconds, fld->march_seconds);
+}
+
+const ty_method ty_method_fld = {.name = "fld",
+                                 .summary = "flux-limited diffusion",
+                                 .options = &ty_fld_options,
+                                 .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
+                                 .stats = stats,
+                                 .stat_count = sizeof stats / sizeof stats[0],
+                                 .render = render_fld,
+                                 .describe = describe};
+
+const ty_method ty_method_cda = {.name = "cda",
+                                 .summary = "classical diffusion: fld without a limiter",
+                                 .options = &ty_fld_options,
+                                 .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
+                                 .stats = stats,
+                                 .stat_count = sizeof stats / sizeof stats[0],
+                                 .render = render_cda,
+                                 .describe = describe};

@@ -1,0 +1,18 @@
+/* The inputs of one image. */
+#ifndef TY_METHOD_LPV_IMAGE_JOB_H
+#define TY_METHOD_LPV_IMAGE_JOB_H
+
+#include "method/lpv/image/airlight.h"
+#include "method/lpv/lattice/irradiance.h"
+
+typedef struct ty_lpv_image_job {
+    const ty_scene* scene;
+    const ty_lpv_def* def;                         /* with width and height filled in */
+    ty_lpv_light_view light;                       /* propagated light */
+    const ty_grid_medium* medium;                  /* fine cells; NULL: vacuum */
+    const ty_airlight* airlight;                   /* single scattering; NULL: vacuum */
+    const ty_shadow_hierarchy* const* shadow_maps; /* one per light of ty_light_set */
+    int32_t shadow_map_count;
+} ty_lpv_image_job;
+
+#endif

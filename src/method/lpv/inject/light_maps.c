@@ -1,0 +1,59 @@
+/* The lights' reflective shadow maps, traced or a caller's. */
+#include "base/context.h"
+#include "method/lpv/job.h"
+
+/* Traces the map of one light over the coarsest cascade. */
+static ty_result trace(ty_lpv_job* job, int32_t index, int32_t side, bool reflective, ty_rsm** out) {
+    const ty_grid_box* box = &job->light->lattices[job->light->count - 1]->box;
+    const ty_rsm_def def = {.side = side, .reflective = reflective, .lower = box->lower, .upper = box->upper};
+    return ty_rsm_trace(job->scene, &def, index, out, &job->counter);
+}
+
+/* Texels along a side: the six faces of a point light share the number of texels of one face. */
+static int32_t side_of(const ty_light_view* light, int32_t side) {
+    return light->kind == TY_KIND_POINT ? side * 2 / 5 + 1 : side;
+}
+
+static ty_result find_map(ty_lpv_job* job, int32_t index) {
+    ty_lpv_light_maps* maps = &job->light->sources[index];
+    const double begun = ty_wall_seconds();
+    double traced = begun;
+    ty_result result = TY_OK;
+    maps->light = &ty_scene_get_view(job->scene)->lights.lights[index];
+    if (job->def->maps != NULL) {
+        maps->rsm = maps->shadow_map = &job->def->maps[index];
+    } else {
+        const int32_t side = side_of(maps->light, job->def->map_side);
+        const int32_t shadow_map = side_of(maps->light, job->def->shadow_side);
+        const bool own_shadow_map = (job->def->parts & TY_LPV_SINGLE) != 0 && shadow_map > side;
+        result = trace(job, index, side, true, &maps->own_rsm);
+        traced = ty_wall_seconds();
+        if (result == TY_OK && own_shadow_map) result = trace(job, index, shadow_map, false, &maps->own_shadow_map);
+        maps->rsm = maps->own_rsm;
+        maps->shadow_map = own_shadow_map ? maps->own_shadow_map : maps->own_rsm;
+    }
+    if (result == TY_OK)
+        result = ty_shadow_hierarchy_create(job->context, maps->light, maps->shadow_map, &maps->hierarchy);
+    job->stats.map_seconds += traced - begun;
+    job->stats.shadow_seconds += ty_wall_seconds() - traced;
+    return result;
+}
+
+ty_result ty_lpv_find_maps(ty_lpv_job* job) {
+    const size_t count = job->scene->light_count;
+    job->light->sources = ty_alloc_array(job->context, count, sizeof *job->light->sources, true);
+    if (job->light->sources == NULL) return TY_ERROR_MEMORY;
+    job->light->source_count = (int32_t)count;
+    ty_result result = TY_OK;
+    for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i) result = find_map(job, i);
+    return result;
+}
+
+void ty_lpv_free_maps(ty_lpv* light) {
+    for (int32_t i = 0; i < light->source_count; ++i) {
+        ty_shadow_hierarchy_destroy(light->sources[i].hierarchy);
+        ty_rsm_destroy(light->context, light->sources[i].own_rsm);
+        ty_rsm_destroy(light->context, light->sources[i].own_shadow_map);
+    }
+    ty_free_array(light->context, light->sources, (size_t)light->source_count, sizeof *light->sources);
+}

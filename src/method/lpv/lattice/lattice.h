@@ -1,0 +1,74 @@
+/* The lattice of cubic cells that carries propagated light.
+ *
+ * A cell stores power (W) per direction as spherical harmonics; its integral over all directions is sqrt(4 pi) times
+ * the first coefficient. In one iteration all of this power either moves on to one of the 26 neighbours or is
+ * scattered, absorbed or blocked. The sum over all iterations, times the length of a step, over the volume of a cell,
+ * is the radiance. */
+#ifndef TY_METHOD_LPV_LATTICE_LATTICE_H
+#define TY_METHOD_LPV_LATTICE_LATTICE_H
+
+#include "base/sh.k.h"
+#include "direct/media/grid_medium.h"
+
+#include <tyndall/lpv.h>
+
+enum { TY_LPV_LINKS = 26, TY_LPV_HALF_LINKS = 13 };
+
+/* Surfaces inside a cell that lie in front of the cell's center, one mean plane per direction that they face (+x, -x,
+ * +y ...): the mean normal, then the distance from the center to the plane, in cells. A zero normal marks no surface.
+ */
+enum { TY_SURFACE_SIDES = 6 };
+typedef struct ty_surface_depths {
+    float plane[TY_SURFACE_SIDES][4];
+} ty_surface_depths;
+
+typedef struct ty_lattice {
+    ty_context* context;
+    ty_grid_box box; /* size[a] cubic cells along axis a */
+    float cell;      /* side of a cell, m */
+    size_t cells;
+    int32_t bands, terms; /* terms = bands^2 */
+    /* Injected power per channel, W, x fastest. Propagation replaces it by the radiance of its part that `light` does
+     * not count. */
+    float* propagated_sh[3][TY_SH_TERMS];
+    float* light[3][TY_SH_TERMS]; /* propagated radiance, W m^-2 sr^-1 */
+    /* 1 - b of Eq. 2 (Billeter 2012) for light that enters a cell along link k: 0 is blocked, 255 is free. In mode
+     * links it is symmetric, and the transmission of links that enter from outside is that of the links that leave. */
+    uint8_t* transmission[TY_LPV_LINKS];
+    float* albedo[3]; /* mean albedo of the surfaces around a cell; 0: no surfaces */
+    /* Index into surface_depths of the cells whose center lies behind a surface inside the cell; -1: all other cells.
+     * A point in front of such a surface takes the light of the cell in front of it. NULL: no such cell. */
+    int32_t* surface_depth_index;
+    ty_surface_depths* surface_depths;
+    size_t surface_depth_count;
+    bool blocked;            /* whether any transmission is below 255 */
+    ty_grid_medium* medium;  /* on the same cells; NULL: vacuum */
+    float* extinction_floor; /* 1/m, of ty_lattice_find_extinction_floor; NULL: none */
+} ty_lattice;
+
+/* A lattice without light, blockers or medium. Errors: TY_ERROR_MEMORY. */
+ty_result ty_lattice_create(ty_context* context, const ty_grid_box* box, int32_t bands, ty_lattice** out);
+void ty_lattice_destroy(ty_lattice* lattice);
+
+/* Boxes of the lattices that def asks for, from the finest cascade to the coarsest. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_lattice_place(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
+                           int32_t* count);
+
+/* The index of the link along (dx, dy, dz), each -1, 0 or 1 and not all 0. Link k + 13 is opposite to link k < 13. */
+static inline int32_t ty_lpv_link(int32_t dx, int32_t dy, int32_t dz) {
+    const int32_t place = (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1);
+    return place < TY_LPV_HALF_LINKS ? place : 3 * TY_LPV_HALF_LINKS - place;
+}
+/* The direction of a link: the inverse of ty_lpv_link. */
+static inline void ty_lpv_link_step(int32_t link, int32_t step[3]) {
+    const int32_t place = link < TY_LPV_HALF_LINKS ? link : 3 * TY_LPV_HALF_LINKS - link;
+    step[0] = place % 3 - 1;
+    step[1] = place / 3 % 3 - 1;
+    step[2] = place / 9 - 1;
+}
+
+/* A lattice for benchmarks: light in a few cells, and optionally walls across part of the links. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_lattice_create_sample(ty_context* context, int32_t side, int32_t bands, bool blocked, ty_lattice** out);
+
+#endif

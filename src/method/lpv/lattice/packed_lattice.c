@@ -1,0 +1,91 @@
+/* Packing lattices for lookups. */
+#include "method/lpv/lattice/packed_lattice.h"
+
+#include "base/context.h"
+
+typedef struct pack_job {
+    const ty_lattice* lattice;
+    ty_packed_lattice* packed;
+    float* light;
+    uint8_t *blocked, *links; /* NULL: no blockers */
+} pack_job;
+
+static size_t cell_count(const ty_packed_lattice* lattice) {
+    return (size_t)lattice->size[0] * (size_t)lattice->size[1] * (size_t)lattice->size[2];
+}
+
+static void pack_light(const pack_job* job, size_t cell) {
+    const ty_lattice* lattice = job->lattice;
+    float* to = job->light + cell * (size_t)job->packed->floats;
+    memset(to, 0, (size_t)job->packed->floats * sizeof *to);
+    for (int c = 0; c < 3; ++c)
+        for (int32_t t = 0; t < lattice->terms; ++t)
+            to[t < 4 ? 4 * c + t : TY_PACKED_FLOATS + 5 * c + t - 4] = lattice->light[c][t][cell];
+}
+
+/* A neighbour's weight is the transmission from it into the cell. */
+static void pack_links(const pack_job* job, size_t cell) {
+    uint8_t* links = job->links + cell * TY_PACKED_LINKS;
+    uint8_t least = UINT8_MAX;
+    links[TY_PACKED_SELF] = UINT8_MAX;
+    for (int32_t i = 0; i < 2 * TY_PACKED_SELF + 1; ++i) {
+        if (i == TY_PACKED_SELF) continue;
+        links[i] = job->lattice->transmission[ty_lpv_link(1 - i % 3, 1 - i / 3 % 3, 1 - i / 9)][cell];
+        least = links[i] < least ? links[i] : least;
+    }
+    job->blocked[cell] = least < UINT8_MAX;
+}
+
+static void pack_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const pack_job* job = user;
+    const size_t plane = (size_t)job->packed->size[0] * (size_t)job->packed->size[1];
+    for (size_t cell = (size_t)z * plane; cell < (size_t)(z + 1) * plane; ++cell) {
+        pack_light(job, cell);
+        if (job->links != NULL) pack_links(job, cell);
+    }
+}
+
+static ty_result pack(ty_context* context, const ty_lattice* lattice, ty_packed_lattice* packed) {
+    const ty_grid_box* box = &lattice->box;
+    memcpy(packed->size, box->size, sizeof packed->size);
+    packed->floats = lattice->terms > 4 ? TY_PACKED_FLOATS_MAX : TY_PACKED_FLOATS;
+    packed->surface_depth_index = lattice->surface_depth_index;
+    packed->surface_depths = lattice->surface_depths;
+    packed->cell = lattice->cell;
+    packed->per_metre = 1.0f / lattice->cell;
+    packed->lower = ty_vec_make((float)box->lower[0], (float)box->lower[1], (float)box->lower[2]);
+    packed->upper = ty_vec_make((float)box->upper[0], (float)box->upper[1], (float)box->upper[2]);
+    const size_t cells = cell_count(packed);
+    pack_job job = {.lattice = lattice, .packed = packed};
+    packed->light = job.light = ty_alloc_array(context, cells * (size_t)packed->floats, sizeof(float), false);
+    if (job.light == NULL) return TY_ERROR_MEMORY;
+    if (lattice->blocked) {
+        packed->blocked = job.blocked = ty_alloc_array(context, cells, 1, false);
+        packed->links = job.links = ty_alloc_array(context, cells, TY_PACKED_LINKS, true);
+        if (job.blocked == NULL || job.links == NULL) return TY_ERROR_MEMORY;
+    }
+    ty_parallel_for(context, packed->size[2], pack_plane, &job);
+    return TY_OK;
+}
+
+ty_result ty_packed_lattices_create(ty_context* context, ty_lattice* const* lattices, int32_t count,
+                                    ty_packed_lattices* out) {
+    *out = (ty_packed_lattices){0};
+    ty_result result = TY_OK;
+    while (out->count < count && result == TY_OK) {
+        ty_packed_lattice* packed = &out->lattices[out->count];
+        result = pack(context, lattices[out->count++], packed);
+    }
+    return result;
+}
+
+void ty_packed_lattices_destroy(ty_context* context, ty_packed_lattices* packed) {
+    for (int32_t i = 0; i < packed->count; ++i) {
+        ty_packed_lattice* lattice = &packed->lattices[i];
+        const size_t cells = cell_count(lattice);
+        ty_free_array(context, (void*)lattice->light, cells * (size_t)lattice->floats, sizeof(float));
+        ty_free_array(context, (void*)lattice->blocked, cells, 1);
+        ty_free_array(context, (void*)lattice->links, cells, TY_PACKED_LINKS);
+    }
+}

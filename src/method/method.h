@@ -1,0 +1,98 @@
+/* The methods that render scenes, as one table for the library and the command line. A method lives in its own folder,
+ * which defines one ty_method, and has one line in registry.h. */
+#ifndef TY_METHOD_METHOD_H
+#define TY_METHOD_METHOD_H
+
+#include "option/option.h"
+
+#include <tyndall/method.h>
+#include <tyndall/path.h>
+
+/* A request common to all methods; options of single methods come from the scene. */
+typedef struct ty_render_request {
+    int32_t spp; /* path samples per pixel: of method path, and of the surfaces of other methods */
+    uint64_t seed;
+    double seconds, error;   /* limits of method path; 0: none */
+    int32_t width, height;   /* 0: the camera's resolution */
+    int32_t crop[4];         /* x, y, width, height; 0: the whole frame */
+    uint32_t aovs;           /* TY_AOV_... */
+    ty_progress_fn progress; /* NULL: none */
+    void* progress_user;
+    ty_path_state_fn state; /* method path, as in ty_path_def */
+    void* state_user;
+    double state_seconds;
+    const void* resume;
+    size_t resume_size;
+} ty_render_request;
+
+enum { TY_METHOD_STATS_MAX = 1024 };
+
+/* Measurements of one rendering. */
+typedef struct ty_method_run {
+    ty_path_stats path; /* stats of the path tracer; its seconds are those of the whole rendering */
+    double own_seconds; /* seconds without the path-traced image of the surfaces */
+    _Alignas(16) char stats[TY_METHOD_STATS_MAX]; /* the method's own stats struct */
+} ty_method_run;
+
+typedef enum ty_stat_type {
+    TY_STAT_INT,     /* int32_t */
+    TY_STAT_LONG,    /* int64_t */
+    TY_STAT_NUMBER,  /* double */
+    TY_STAT_BOOL,    /* bool */
+    TY_STAT_TEXT,    /* const char* */
+    TY_STAT_LATTICES /* `count` lattices: int32_t sizes[count][3], and their cells at second_offset */
+} ty_stat_type;
+
+/* One field of a method's stats struct. */
+typedef struct ty_stat {
+    const char* name; /* "march_seconds"; of a stage it ends in "_seconds" */
+    size_t offset;
+    ty_stat_type type;
+    int32_t count;        /* of an array; 0: a single value */
+    bool stage;           /* seconds of a stage of the rendering, disjoint from all other stages */
+    size_t second_offset; /* TY_STAT_LATTICES: double cells[count] */
+} ty_stat;
+
+typedef struct ty_method {
+    const char* name;
+    const char* summary;
+    const ty_option_table* options; /* option table, whose name is the key in `render`; NULL: none */
+    uint32_t aovs;                  /* supported channels, TY_AOV_... */
+    bool crops;                     /* supports crops of the frame */
+    const ty_stat* stats;           /* fields of the own stats struct, in the order of reports; NULL: none */
+    int32_t stat_count;
+    /* Fails for scenes that the method does not support; NULL: supports all. */
+    ty_result (*check)(const ty_scene* scene);
+    /* Results like ty_path_render, except that *out is NULL on TY_CANCELLED where a partial result is no image. */
+    ty_result (*render)(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run);
+    /* Writes the closing line's text, for example "32x32x32 cells, 1.2 s"; NULL: a line about paths. */
+    void (*describe)(const ty_method_run* run, char* text, size_t size);
+} ty_method;
+
+/* The name and the offset of a field, for tables of ty_stat. */
+#define TY_STAT_FIELD(type, field) .name = #field, .offset = offsetof(type, field)
+
+/* All methods, ended by NULL. */
+extern const ty_method* const ty_methods[];
+/* The method of a name, or NULL. */
+const ty_method* ty_method_find(const char* name);
+
+/* Copies from a request the fields that all methods' defs have under the same names. */
+#define TY_TAKE_REQUEST(def, request)                                                                                  \
+    do {                                                                                                               \
+        (def)->seed = (request)->seed;                                                                                 \
+        (def)->width = (request)->width;                                                                               \
+        (def)->height = (request)->height;                                                                             \
+        (def)->aovs = (request)->aovs & ~(uint32_t)TY_AOV_SAMPLES;                                                     \
+        (def)->progress = (request)->progress;                                                                         \
+        (def)->progress_user = (request)->progress_user;                                                               \
+    } while (0)
+
+/* The def of the path tracer from the scene's options and the request. Errors: those of ty_method_options. */
+ty_result ty_request_path_def(const ty_scene* scene, const ty_render_request* request, ty_path_def* def);
+/* The image of the surfaces, attenuated by the media, for ty_fld_def.unscattered and the like; *out stays NULL without
+ * surfaces, and after an interruption, because a partial result is no image. Sets run->path. */
+ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* request, ty_image** out,
+                            ty_method_run* run);
+
+#endif

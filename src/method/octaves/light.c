@@ -1,0 +1,118 @@
+/* Fluence of the lights on the cells of a medium: uncollided in octave 0, attenuated by b^i sigma_t in octave i. */
+#include "method/octaves/job.h"
+
+#include "base/context.h"
+
+/* The groups with a dedicated field, then the aggregate of all others. */
+static ty_result light_groups(ty_octaves_job* job, float* const extinction[3], int32_t octave) {
+    ty_octaves* light = job->light;
+    ty_light_field** fields = light->fields[octave];
+    ty_light_field** aggregate = &fields[TY_OCTAVES_OWN_MAX];
+    ty_light_fluence* lights = &light->lights[octave * light->light_count];
+    const double from = job->progress.from, fraction = job->progress.share;
+    ty_result result = TY_OK;
+    int32_t dedicated_count = 0;
+    job->progress.share = fraction / ty_maxf(1, (float)job->group_count);
+    for (int32_t i = 0; i < job->group_count && result == TY_OK; ++i) {
+        const ty_light_group* group = &job->groups[i];
+        ty_light_field** field = group->dedicated ? &fields[dedicated_count] : aggregate;
+        result = ty_part_show(&job->progress, "direct light", 0);
+        if (result == TY_OK && *field == NULL)
+            result = ty_light_groups_field(job->sources.items, group->dedicated ? group : job->groups,
+                                           group->dedicated ? 1 : job->group_count, group->dedicated, job->medium,
+                                           !group->dedicated, field);
+        if (result == TY_OK)
+            result =
+                ty_uncollided_add_with_progress(job->scene, job->medium, extinction, &job->sources.items[group->first],
+                                                group->count, *field, ty_part_report, &job->progress);
+        job->progress.from += job->progress.share;
+        if (result == TY_OK && group->dedicated)
+            lights[dedicated_count++] = ty_light_group_fluence(job->sources.items, group, *field);
+    }
+    job->progress.from = from;
+    job->progress.share = fraction;
+    if (result == TY_OK && *aggregate != NULL)
+        lights[dedicated_count] = ty_light_group_fluence(job->sources.items, NULL, *aggregate);
+    return result;
+}
+
+/* Fields per octave: one per dedicated group, and one aggregate of all others. */
+static int32_t count_lights(const ty_octaves_job* job) {
+    int32_t dedicated_count = 0;
+    for (int32_t i = 0; i < job->group_count; ++i) dedicated_count += job->groups[i].dedicated;
+    return dedicated_count + (dedicated_count < job->group_count);
+}
+
+/* b^i sigma_t on all cells. */
+static void scale_extinction(const ty_grid_medium* medium, float scale, float* const extinction[3]) {
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < medium->cells; ++i) extinction[p][i] = scale * medium->extinction[p][i];
+}
+
+/* Attenuation by b^i sigma_t makes light vary less with direction, so each octave uses half as many environment
+ * directions as the preceding one. */
+enum { FEW_BEAMS = 8 };
+
+static ty_discretize_def source_def(const ty_octaves_def* def, int32_t octave) {
+    const int32_t all = def->environment_beams, beams = all >> octave;
+    return (ty_discretize_def){.environment = beams >= FEW_BEAMS ? beams
+                                              : all < FEW_BEAMS  ? all
+                                                                 : FEW_BEAMS,
+                               .surface = def->surface_points,
+                               .seed = def->seed};
+}
+
+static ty_result light_octave(ty_octaves_job* job, float* const extinction[3], int32_t octave) {
+    const ty_discretize_def def = source_def(job->def, octave);
+    ty_result result = ty_discretize_lights(job->scene, &def, &job->sources);
+    if (result != TY_OK) {
+        ty_discrete_light_set_destroy(job->context, &job->sources);
+        return result;
+    }
+    const size_t count = (size_t)job->sources.count;
+    job->groups = ty_alloc_array(job->context, count, sizeof *job->groups, false);
+    if (job->groups != NULL) {
+        job->group_count = ty_light_groups_find(job->scene, &job->medium->box, job->sources.items, job->sources.count,
+                                                TY_OCTAVES_OWN_MAX, job->groups);
+        job->light->light_count = count_lights(job);
+        scale_extinction(job->medium, job->light->octaves.extinction[octave], extinction);
+    }
+    result = job->groups != NULL ? light_groups(job, extinction, octave) : TY_ERROR_MEMORY;
+    ty_free_array(job->context, job->groups, count, sizeof *job->groups);
+    ty_discrete_light_set_destroy(job->context, &job->sources);
+    return result;
+}
+
+static double field_bytes(const ty_octaves* light) {
+    double bytes = 0;
+    for (int32_t i = 0; i < light->octaves.count; ++i)
+        for (int32_t l = 0; l < TY_OCTAVES_LIGHTS_MAX; ++l) {
+            const ty_light_field* field = light->fields[i][l];
+            if (field == NULL) continue;
+            const int32_t planes = field->planes * (field->flux[0][0] != NULL ? 4 : 1);
+            bytes += (double)planes * (double)field->cells * sizeof(float);
+        }
+    return bytes;
+}
+
+ty_result ty_octaves_light(ty_octaves_job* job) {
+    const ty_grid_medium* medium = job->medium;
+    const int32_t count = job->light->octaves.count;
+    const double from = job->progress.from, fraction = job->progress.share;
+    float* extinction[3] = {0};
+    ty_result result = TY_OK;
+    for (int32_t p = 0; p < medium->planes && result == TY_OK; ++p) {
+        extinction[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
+        if (extinction[p] == NULL) result = TY_ERROR_MEMORY;
+    }
+    job->progress.share = 0; /* the progress span is divided among the octaves */
+    for (int32_t i = 0; i < count && result == TY_OK; ++i) {
+        result = ty_part_next(&job->progress, "direct light", from + fraction * (i + 1) / count);
+        if (result == TY_OK) result = light_octave(job, extinction, i);
+    }
+    job->stats.lights = job->light->light_count;
+    job->stats.bytes = field_bytes(job->light);
+    for (int32_t p = 0; p < medium->planes; ++p)
+        ty_free_array(job->context, extinction[p], medium->cells, sizeof(float));
+    return result;
+}

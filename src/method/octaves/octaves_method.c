@@ -1,0 +1,50 @@
+/* Multiple scattering octaves as a method; surfaces are path traced through the media. */
+#include "image/march.h"
+#include "method/method.h"
+#include "method/octaves/job.h"
+
+#include <stdio.h>
+
+_Static_assert(sizeof(ty_octaves_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");
+
+static const ty_stat stats[] = {
+    {TY_STAT_FIELD(ty_octaves_stats, size), TY_STAT_INT, .count = 3},
+    {TY_STAT_FIELD(ty_octaves_stats, planes), TY_STAT_INT},
+    {TY_STAT_FIELD(ty_octaves_stats, lights), TY_STAT_INT},
+    {TY_STAT_FIELD(ty_octaves_stats, medium_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_octaves_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_octaves_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_octaves_stats, bytes), TY_STAT_NUMBER},
+    {TY_STAT_FIELD(ty_octaves_stats, isa), TY_STAT_TEXT},
+};
+
+static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
+    ty_octaves_stats* octaves = (ty_octaves_stats*)run->stats;
+    ty_image* surfaces = NULL;
+    ty_octaves_def def = ty_default_octaves_def();
+    ty_result result = ty_method_options(scene, "octaves", &def);
+    TY_TAKE_REQUEST(&def, request);
+    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
+    def.unscattered = surfaces;
+    if (result == TY_OK) result = ty_octaves_render(scene, &def, out, octaves);
+    run->own_seconds = octaves->seconds;
+    run->path.seconds += run->own_seconds;
+    ty_image_destroy(surfaces);
+    return result;
+}
+
+static void describe(const ty_method_run* run, char* text, size_t size) {
+    const ty_octaves_stats* octaves = (const ty_octaves_stats*)run->stats;
+    const int32_t* cells = octaves->size;
+    snprintf(text, size, "%dx%dx%d cells of light, %.2f s (medium %.2f, direct %.2f, march %.2f)", cells[0], cells[1],
+             cells[2], run->own_seconds, octaves->medium_seconds, octaves->direct_seconds, octaves->march_seconds);
+}
+
+const ty_method ty_method_octaves = {.name = "octaves",
+                                     .summary = "multiple scattering octaves, the approximation of game engines",
+                                     .options = &ty_octaves_options,
+                                     .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
+                                     .stats = stats,
+                                     .stat_count = sizeof stats / sizeof stats[0],
+                                     .render = render,
+                                     .describe = describe};

@@ -1,0 +1,34 @@
+/* Options of path tracing. */
+#include "base/context.h"
+#include "image/options.h"
+#include "method/path/driver.h"
+
+static const ty_option options[] = {
+    {TY_OPTION_FIELD(ty_path_def, max_depth), .type = TY_OPTION_INT, .min = 0, .max = INT32_MAX,
+     .doc = "Scatterings and reflections at most; 0 means no bound but Russian roulette."},
+    {TY_OPTION_FIELD(ty_path_def, spp), .type = TY_OPTION_INT, .min = 1, .max = TY_PATH_SPP_MAX, .preset = 64,
+     .flags = TY_OPTION_CALLS_ONLY, .doc = "Samples per pixel, ray or cell at most."},
+    {TY_OPTION_FIELD(ty_path_def, seconds), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .unit = "s",
+     .flags = TY_OPTION_CALLS_ONLY, .doc = "Time after which sampling stops; 0 means no bound."},
+    {TY_OPTION_FIELD(ty_path_def, error), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .flags = TY_OPTION_CALLS_ONLY,
+     .doc = "Relative error at which sampling stops; 0 means no bound."},
+    {TY_OPTION_FIELD(ty_path_def, aovs), .type = TY_OPTION_INT, .min = 0, .max = TY_AOV_ALL, .preset = TY_AOV_VARIANCE,
+     .flags = TY_OPTION_CALLS_ONLY, .doc = "Channels of images, TY_AOV_... together."},
+    {TY_OPTION_FIELD(ty_path_def, state_seconds), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .preset = 60,
+     .unit = "s", .flags = TY_OPTION_CALLS_ONLY, .doc = "Time between two states that are handed out."},
+};
+
+const ty_option_table ty_path_options = TY_OPTION_TABLE("path", ty_path_def, "ty_default_path_def", options);
+
+void ty_init_path_def(void* def, size_t bytes) {
+    ty_options_init(&ty_path_options, def, bytes);
+}
+
+ty_result ty_path_take_def(ty_context* context, const ty_path_def* def, ty_path_def* own) {
+    const ty_result result = ty_options_take(context, &ty_path_options, def, own);
+    if (result != TY_OK) return result;
+    if (own->resume == NULL && own->resume_size > 0)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "path.resume is NULL, and path.resume_size is %zu",
+                       own->resume_size);
+    return ty_check_resolution(context, "path", own->width, own->height);
+}

@@ -1,0 +1,66 @@
+/* Principal-ordinates propagation as a method; surfaces are path traced through the media. */
+#include "image/march.h"
+#include "method/method.h"
+#include "method/pop/job.h"
+
+#include <stdio.h>
+
+_Static_assert(sizeof(ty_pop_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");
+
+static const ty_stat stats[] = {
+    {TY_STAT_FIELD(ty_pop_stats, ordinates), TY_STAT_INT},
+    {TY_STAT_FIELD(ty_pop_stats, vpls), TY_STAT_INT},
+    {TY_STAT_FIELD(ty_pop_stats, size), TY_STAT_INT, .count = 3},
+    {TY_STAT_FIELD(ty_pop_stats, merged_size), TY_STAT_INT, .count = 3},
+    {TY_STAT_FIELD(ty_pop_stats, planes), TY_STAT_INT},
+    {TY_STAT_FIELD(ty_pop_stats, iterations), TY_STAT_INT},
+    {TY_STAT_FIELD(ty_pop_stats, residuum_iterations), TY_STAT_INT},
+    {TY_STAT_FIELD(ty_pop_stats, converged), TY_STAT_BOOL},
+    {TY_STAT_FIELD(ty_pop_stats, left), TY_STAT_NUMBER},
+    {TY_STAT_FIELD(ty_pop_stats, medium_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, importance_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, ordinate_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, vpl_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, initial_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, propagation_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, residuum_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, merge_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
+    {TY_STAT_FIELD(ty_pop_stats, bytes), TY_STAT_NUMBER},
+    {TY_STAT_FIELD(ty_pop_stats, isa), TY_STAT_TEXT},
+};
+
+static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
+    ty_pop_stats* pop = (ty_pop_stats*)run->stats;
+    ty_image* surfaces = NULL;
+    ty_pop_def def = ty_default_pop_def();
+    ty_result result = ty_method_options(scene, "pop", &def);
+    TY_TAKE_REQUEST(&def, request);
+    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
+    def.unscattered = surfaces;
+    if (result == TY_OK) result = ty_pop_render(scene, &def, out, pop);
+    run->own_seconds = pop->seconds;
+    run->path.seconds += run->own_seconds;
+    ty_image_destroy(surfaces);
+    return result;
+}
+
+static void describe(const ty_method_run* run, char* text, size_t size) {
+    const ty_pop_stats* pop = (const ty_pop_stats*)run->stats;
+    const int32_t *own = pop->size, *merged = pop->merged_size;
+    snprintf(text, size,
+             "%d ordinates of %dx%dx%d cells, %dx%dx%d merged%s, %.2f s (before the march %.3f, march %.3f)",
+             pop->ordinates, own[0], own[1], own[2], merged[0], merged[1], merged[2],
+             pop->converged ? "" : ", not converged", run->own_seconds, pop->seconds - pop->march_seconds,
+             pop->march_seconds);
+}
+
+const ty_method ty_method_pop = {.name = "pop",
+                                 .summary = "principal-ordinates propagation",
+                                 .options = &ty_pop_options,
+                                 .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
+                                 .stats = stats,
+                                 .stat_count = sizeof stats / sizeof stats[0],
+                                 .render = render,
+                                 .describe = describe};

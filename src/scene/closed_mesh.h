@@ -1,0 +1,18 @@
+/* Closed triangle meshes as bounds of media. */
+#ifndef TY_SCENE_CLOSED_MESH_H
+#define TY_SCENE_CLOSED_MESH_H
+
+#include "scene/accel.h"
+
+#include <tyndall/scene.h>
+
+struct ty_closed_mesh {
+    ty_context* context;
+    _Atomic int32_t owners;
+    ty_triangle_mesh* triangles;
+    ty_accel* mesh;
+};
+
+size_t ty_closed_mesh_bytes(const ty_closed_mesh* closed);
+
+#endif

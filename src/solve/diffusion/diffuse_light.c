@@ -1,0 +1,368 @@
+/* Diffuse light: one solve per channel by Eq. 20 (Koerner 2014), and the field made from it. */
+#include "solve/diffusion/diffuse_light.h"
+
+#include "base/context.h"
+#include "base/kernel.h"
+#include "scene/phase.k.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <string.h>
+
+/* Relative difference of sources up to which one channel counts as a multiple of another. */
+static const float MAX_DIFFERENCE = 1e-6f;
+
+/* Maximum thickness of a cell, transport mean free paths. Light entering a very thick cell scatters near its surface
+ * and mostly leaves again, but in the discrete equations its source is at the cell's center and accumulates: the
+ * fluence would grow with thickness, without bound. The light a thick medium reflects depends on its albedo only, so
+ * thicker cells are scaled down to these values. Their fluence is then that of a surface; the (small) transmission of a
+ * medium of such cells is overestimated. The effect is strongest at the faces of the box; inside, vacuum beside a thick
+ * cell takes up the light. */
+static const double MAX_THICKNESS_INSIDE = 2.5, MAX_THICKNESS_AT_FACES = 1.5;
+
+/* Channels are solved concurrently, one thread each, with few threads and on boxes of limited size: a loop over planes
+ * of a small box ends before other threads have woken up. */
+enum { CONCURRENT_THREADS = 4, CONCURRENT_CELLS = 1 << 20 };
+
+struct solve_work;
+
+/* Solve of one channel. */
+typedef struct channel_solve {
+    struct solve_work* work;
+    int32_t channel;
+    void* memory;
+    double done; /* fraction, 0..1 */
+    ty_diffusion_stats stats;
+    ty_result result;
+} channel_solve;
+
+/* Data shared by the solves of all channels. */
+typedef struct solve_work {
+    ty_context* context;
+    const ty_grid_medium* medium;
+    float* const* source; /* W m^-3 */
+    bool reduced;
+    const ty_diffuse_light* start; /* NULL: no initial guess */
+    float* extinction[3];          /* sigma_t (1 - albedo g), 1/m */
+    float* absorption[3];
+    int32_t concurrent; /* number of concurrent solves */
+    void* memory[3];    /* one per concurrent solve */
+    size_t memory_size;
+    ty_diffusion_def def;
+    ty_diffuse_light* light;
+    ty_diffuse_stats* stats;
+    channel_solve solves[3];
+    int32_t count;        /* number of solves */
+    pthread_mutex_t lock; /* guards the following fields and the solves' done */
+    ty_part_progress* progress;
+    bool cancelled;
+} solve_work;
+
+static int32_t count_concurrent(const solve_work* work) {
+    const int32_t threads = ty_context_threads(work->context);
+    if (threads > CONCURRENT_THREADS || work->medium->cells > CONCURRENT_CELLS) return 1;
+    return threads < 3 ? threads : 3;
+}
+
+static ty_result begin_work(solve_work* work) {
+    const ty_grid_medium* medium = work->medium;
+    memcpy(work->def.size, medium->box.size, sizeof work->def.size);
+    memcpy(work->def.cell, medium->cell, sizeof work->def.cell);
+    bool complete = true;
+    for (int32_t p = 0; p < medium->planes && complete; ++p) {
+        work->extinction[p] = ty_alloc_array(work->context, medium->cells, sizeof(float), false);
+        work->absorption[p] = ty_alloc_array(work->context, medium->cells, sizeof(float), false);
+        complete = work->extinction[p] != NULL && work->absorption[p] != NULL;
+    }
+    return complete ? TY_OK : TY_ERROR_MEMORY;
+}
+
+/* Allocates the solver memory of all concurrent solves. */
+static ty_result allocate_memory(solve_work* work) {
+    work->concurrent = count_concurrent(work);
+    if (work->concurrent > work->count) work->concurrent = work->count;
+    work->memory_size = ty_diffusion_memory(&work->def);
+    for (int32_t i = 0; i < work->concurrent; ++i) {
+        work->memory[i] = ty_alloc_array(work->context, work->memory_size, 1, false);
+        if (work->memory[i] == NULL) return TY_ERROR_MEMORY;
+    }
+    return TY_OK;
+}
+
+static void end_work(solve_work* work) {
+    for (int32_t p = 0; p < work->medium->planes; ++p) {
+        ty_free_array(work->context, work->extinction[p], work->medium->cells, sizeof(float));
+        ty_free_array(work->context, work->absorption[p], work->medium->cells, sizeof(float));
+    }
+    for (int i = 0; i < 3; ++i) ty_free_array(work->context, work->memory[i], work->memory_size, 1);
+    pthread_mutex_destroy(&work->lock);
+}
+
+static bool is_at_face(const ty_grid_box* box, size_t cell) {
+    for (int a = 0; a < 3; ++a) {
+        const size_t size = (size_t)box->size[a], at = cell % size;
+        if (at == 0 || at + 1 == size) return true;
+        cell /= size;
+    }
+    return false;
+}
+
+/* Limits the thickness of cells of a media plane at constant albedo, and adds their emission to the sources of channels
+ * [first, end). */
+static void limit_thickness(const solve_work* work, int32_t plane, int32_t first, int32_t end) {
+    const ty_grid_medium* medium = work->medium;
+    const double side = fmin(medium->cell[0], fmin(medium->cell[1], medium->cell[2]));
+    const float max_inside = (float)(MAX_THICKNESS_INSIDE / side),
+                max_at_faces = (float)(MAX_THICKNESS_AT_FACES / side);
+    for (size_t i = 0; i < medium->cells; ++i) {
+        const float max_extinction = is_at_face(&medium->box, i) ? max_at_faces : max_inside;
+        const float extinction = work->extinction[plane][i],
+                    scale = extinction > max_extinction ? max_extinction / extinction : 1.0f;
+        work->extinction[plane][i] = extinction * scale;
+        work->absorption[plane][i] *= scale;
+        for (int32_t c = first; c < end && medium->emission[c] != NULL; ++c)
+            work->source[c][i] += medium->emission[c][i] * scale;
+    }
+}
+
+/* The paper assumes isotropic media. */
+static void compute_coefficients(const solve_work* work) {
+    const ty_grid_medium* medium = work->medium;
+    if (work->reduced) ty_grid_medium_reduce(medium, 1, work->extinction);
+    for (int32_t p = 0; p < medium->planes; ++p) {
+        if (!work->reduced) memcpy(work->extinction[p], medium->extinction[p], medium->cells * sizeof(float));
+        for (size_t i = 0; i < medium->cells; ++i)
+            work->absorption[p][i] = ty_maxf(0.0f, medium->extinction[p][i] - medium->scattering[p][i]);
+        if (medium->planes == 3)
+            limit_thickness(work, p, p, p + 1);
+        else
+            limit_thickness(work, p, 0, 3);
+    }
+}
+
+/* True if a channel's light is `factor` times that of another: proportional sources in gray media. */
+static bool is_multiple(const solve_work* work, int32_t channel, int32_t of, float* factor) {
+    const float* a = work->source[channel];
+    const float* b = work->source[of];
+    double sums[2] = {0, 0};
+    if (work->medium->planes == 3) return false;
+    for (size_t i = 0; i < work->medium->cells; ++i) {
+        sums[0] += (double)a[i];
+        sums[1] += (double)b[i];
+    }
+    if (!(sums[1] > 0)) return false;
+    *factor = (float)(sums[0] / sums[1]);
+    for (size_t i = 0; i < work->medium->cells; ++i)
+        if (fabsf(a[i] - *factor * b[i]) > MAX_DIFFERENCE * ty_maxf(a[i], *factor * b[i])) return false;
+    return true;
+}
+
+static void scale_channel(solve_work* work, int32_t channel, int32_t of, float factor) {
+    ty_diffuse_stats* stats = work->stats;
+    const ty_diffuse_light* light = work->light;
+    for (int t = 0; t < TY_FIELD_TERMS; ++t)
+        for (size_t i = 0; i < light->cells; ++i) light->terms[channel][t][i] = factor * light->terms[of][t][i];
+    stats->emitted[channel] = (double)factor * stats->emitted[of];
+    stats->absorbed[channel] = (double)factor * stats->absorbed[of];
+    stats->leaving[channel] = (double)factor * stats->leaving[of];
+    stats->residual[channel] = stats->residual[of];
+}
+
+/* Limiters bound the flux by the fluence (R F <= 1) with the gradient between a cell's neighbours; the mean of its face
+ * fluxes can be slightly larger. */
+static void limit_flux(float* const terms[TY_FIELD_TERMS], size_t cells) {
+    for (size_t i = 0; i < cells; ++i) {
+        const float square = terms[1][i] * terms[1][i] + terms[2][i] * terms[2][i] + terms[3][i] * terms[3][i];
+        const float max_flux = 3 * terms[0][i];
+        if (square <= max_flux * max_flux) continue;
+        const float factor = max_flux / sqrtf(square);
+        for (int t = 1; t < TY_FIELD_TERMS; ++t) terms[t][i] *= factor;
+    }
+}
+
+/* Diffuse radiance (phi + 3 E . omega) / (4 pi), Eq. 7 (Koerner 2014), from fluence and face fluxes, in place: a cell
+ * has the mean flux of its two faces along each axis. */
+static void make_terms(const solve_work* work, int32_t channel) {
+    const int32_t* size = work->medium->box.size;
+    float* const* terms = work->light->terms[channel];
+    const size_t step[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
+    for (size_t i = 0; i < work->light->cells; ++i) terms[0][i] *= TY_INV_4PI;
+    for (int a = 0; a < 3; ++a) {
+        /* A face array is one longer along its own axis, so that no face is overwritten before it is read. */
+        const size_t slab = step[a] * (size_t)size[a];
+        for (size_t i = 0; i < work->light->cells; ++i) {
+            const size_t face = i + i / slab * step[a];
+            terms[1 + a][i] = 1.5f * TY_INV_4PI * (terms[1 + a][face] + terms[1 + a][face + step[a]]);
+        }
+    }
+    limit_flux(terms, work->light->cells);
+}
+
+/* Reports the progress of all channels together; one cancellation cancels all channels. */
+static bool report(void* user, const ty_progress* channel_progress) {
+    channel_solve* solve = user;
+    solve_work* work = solve->work;
+    ty_progress total = *channel_progress;
+    pthread_mutex_lock(&work->lock);
+    solve->done = channel_progress->fraction;
+    total.fraction = 0;
+    for (int32_t i = 0; i < work->count; ++i) total.fraction += work->solves[i].done / work->count;
+    work->cancelled = work->cancelled || !ty_part_report(work->progress, &total);
+    const bool continues = !work->cancelled;
+    pthread_mutex_unlock(&work->lock);
+    return continues;
+}
+
+static void solve_channel(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    channel_solve* solve = (channel_solve*)user + index;
+    const solve_work* work = solve->work;
+    const int32_t plane = work->medium->planes == 3 ? solve->channel : 0;
+    ty_diffusion_def def = work->def;
+    def.extinction = work->extinction[plane];
+    def.absorption = work->absorption[plane];
+    def.source = work->source[solve->channel];
+    def.memory = solve->memory;
+    def.progress = report;
+    def.progress_user = solve;
+    float* const* terms = work->light->terms[solve->channel];
+    if (work->start != NULL) {
+        /* The output array holds the initial guess, which is read before it is overwritten. */
+        ty_diffuse_light_prolong(work->start, solve->channel, work->medium->box.size, terms[0]);
+        def.start = terms[0];
+    }
+    const ty_diffusion_out out = {.fluence = terms[0], .flux = {terms[1], terms[2], terms[3]}};
+    solve->result = ty_diffusion_solve(work->context, &def, &out, &solve->stats);
+    if (solve->result == TY_OK) make_terms(work, solve->channel);
+}
+
+static void note_solve(ty_diffuse_stats* stats, const channel_solve* solve) {
+    const ty_diffusion_stats* solved = &solve->stats;
+    const int32_t channel = solve->channel;
+    stats->converged = stats->converged && solved->converged;
+    stats->iterations[channel] = solved->iterations;
+    stats->cycles[channel] = solved->cycles;
+    stats->residual[channel] = solved->residual;
+    stats->work[channel] = solved->work;
+    stats->emitted[channel] = solved->emitted;
+    stats->absorbed[channel] = solved->absorbed;
+    stats->leaving[channel] = solved->leaving;
+}
+
+/* Solves the channels from `first` concurrently; a single solve uses all threads. */
+static ty_result solve_batch(solve_work* work, int32_t first) {
+    const int32_t remaining = work->count - first, count = remaining < work->concurrent ? remaining : work->concurrent;
+    ty_result result = ty_part_show(work->progress, "fluence", 0);
+    if (result != TY_OK) return result;
+    for (int32_t i = 0; i < count; ++i) work->solves[first + i].memory = work->memory[i];
+    ty_parallel_for(work->context, count, solve_channel, &work->solves[first]);
+    for (int32_t i = first; i < first + count; ++i) {
+        work->solves[i].done = 1;
+        if (result == TY_OK) result = work->solves[i].result;
+        if (result == TY_OK) note_solve(work->stats, &work->solves[i]);
+    }
+    return result;
+}
+
+/* Selects the channels to solve: of[c] is c itself, or a channel whose light channel c's is a multiple of. */
+static void choose_channels(solve_work* work, int32_t of[3]) {
+    work->light->shared = true;
+    for (int32_t c = 0; c < 3; ++c) {
+        float factor = 1;
+        of[c] = 0;
+        while (of[c] < c && !is_multiple(work, c, of[c], &factor)) ++of[c];
+        work->light->color[c] = of[c] < c ? factor : 1;
+        if (of[c] > 0) work->light->shared = false;
+        if (of[c] == c) work->solves[work->count++] = (channel_solve){.work = work, .channel = c};
+    }
+}
+
+static ty_result solve_channels(solve_work* work) {
+    int32_t of[3];
+    work->stats->converged = true;
+    choose_channels(work, of);
+    ty_result result = allocate_memory(work);
+    for (int32_t i = 0; i < work->count && result == TY_OK; i += work->concurrent) result = solve_batch(work, i);
+    for (int32_t c = 0; c < 3 && result == TY_OK; ++c)
+        if (of[c] < c) scale_channel(work, c, of[c], work->light->color[c]);
+    return result;
+}
+
+static bool is_isotropic(const ty_grid_medium* medium) {
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < medium->cells; ++i)
+            if (medium->g[p][i] != 0) return false;
+    return true;
+}
+
+/* Array length of a term, with space for the faces along its axis, from which it is computed. */
+static size_t term_size(const ty_diffuse_light* light, int term) {
+    if (term == 0 || light->cells == 0) return light->cells;
+    return light->cells + light->cells / (size_t)light->box.size[term - 1];
+}
+
+static ty_result create_light(ty_context* context, const ty_grid_medium* medium, ty_diffuse_light** out) {
+    ty_diffuse_light* light = ty_alloc_array(context, 1, sizeof *light, true);
+    *out = light;
+    if (light == NULL) return TY_ERROR_MEMORY;
+    light->context = context;
+    light->box = medium->box;
+    light->cells = medium->cells;
+    light->isotropic = is_isotropic(medium);
+    for (int c = 0; c < 3; ++c) {
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) {
+            light->terms[c][t] = ty_alloc_array(context, term_size(light, t), sizeof(float), true);
+            if (light->terms[c][t] == NULL) return TY_ERROR_MEMORY;
+        }
+    }
+    return TY_OK;
+}
+
+void ty_diffuse_light_destroy(ty_diffuse_light* light) {
+    if (light == NULL) return;
+    for (int c = 0; c < 3; ++c)
+        for (int t = 0; t < TY_FIELD_TERMS; ++t)
+            ty_free_array(light->context, light->terms[c][t], term_size(light, t), sizeof(float));
+    ty_free_array(light->context, light, 1, sizeof *light);
+}
+
+ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
+                                 float* const source[3], ty_part_progress* progress, ty_diffuse_light** out,
+                                 ty_diffuse_stats* stats) {
+    return ty_diffuse_light_refine(NULL, solver, reduced, medium, source, progress, out, stats);
+}
+
+ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffusion_def* solver, bool reduced,
+                                  const ty_grid_medium* medium, float* const source[3], ty_part_progress* progress,
+                                  ty_diffuse_light** out, ty_diffuse_stats* stats) {
+    solve_work work = {.context = medium->context,
+                       .medium = medium,
+                       .source = source,
+                       .reduced = reduced,
+                       .start = start,
+                       .def = *solver,
+                       .progress = progress,
+                       .stats = stats};
+    pthread_mutex_init(&work.lock, NULL);
+    ty_result result = create_light(medium->context, medium, &work.light);
+    if (result == TY_OK) result = begin_work(&work);
+    if (result == TY_OK) {
+        compute_coefficients(&work);
+        result = solve_channels(&work);
+    }
+    stats->bytes = (double)work.memory_size * work.concurrent;
+    end_work(&work);
+    *out = result == TY_OK ? work.light : NULL;
+    if (result != TY_OK) ty_diffuse_light_destroy(work.light);
+    return result;
+}
+
+ty_source_field ty_diffuse_light_field(const ty_diffuse_light* light, bool directed) {
+    ty_source_field field = {
+        .box = light->box, .term_count = directed || !light->isotropic ? TY_FIELD_TERMS : 1, .shared = light->shared};
+    for (int c = 0; c < 3; ++c) {
+        field.color[c] = light->color[c];
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->terms[c][t];
+    }
+    return field;
+}

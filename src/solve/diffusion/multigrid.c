@@ -1,0 +1,255 @@
+/* Multigrid for the linearised problem, with red-black Gauss-Seidel smoothing. Corrections are constant in a coarse
+ * cell, and coarse couplings are half the sums of those between the children: the energy of such corrections for
+ * centers twice as far apart. This holds for coefficient jumps of any size, unlike linear interpolation and series
+ * resistors; the loss on smooth media is regained by W-cycles. Where cycles converge slowly, as half the couplings are
+ * wrong for cells with little exchange, symmetric cycles continue as preconditioner of conjugate gradients. Sizes are
+ * arbitrary: an odd axis ends with a coarse cell of one child. Axes with long cells are coarsened later than those with
+ * short ones (semicoarsening). */
+#include "solve/diffusion/job.h"
+
+#include <string.h>
+
+/* Sweeps on the coarsest level; planes per relaxation task. */
+enum { LAST_SWEEPS = 4, SLAB = 16 };
+/* Reduction of a sum of squares per cycle: assumed for the first, and above which conjugate gradients take over. */
+static const double EXPECTED_RATE = 0.25, SLOW_RATE = 0.5;
+/* Cells longer than the shortest by this factor are not coarsened yet. */
+static const double LONG_RATIO = 1.5;
+
+typedef struct pass {
+    const ty_diffusion_job* job;
+    const ty_level *fine, *coarse;
+    int32_t color, first; /* first: level on which cycles begin */
+    bool fresh;
+    float factor; /* alpha or beta of conjugate gradients */
+} pass;
+
+/* ---- levels ---- */
+
+static void allocate_level(ty_level* level, ty_arena* arena) {
+    level->d = ty_solve_take_box(arena, &level->box, sizeof(float));
+    level->e = ty_solve_take_box(arena, &level->box, sizeof(float));
+    level->f = ty_solve_take_box(arena, &level->box, sizeof(float));
+}
+
+/* Box of the next level; false if only one cell is left. */
+static bool coarsen_box(const ty_level* fine, double cell[3], ty_level* coarse) {
+    double shortest = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        if (fine->box.size[axis] > 1 && (shortest <= 0 || cell[axis] < shortest)) shortest = cell[axis];
+    if (shortest <= 0) return false;
+    int32_t size[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const bool halved = fine->box.size[axis] > 1 && cell[axis] < LONG_RATIO * shortest;
+        coarse->children[axis] = halved ? 2 : 1;
+        size[axis] = halved ? (fine->box.size[axis] + 1) / 2 : fine->box.size[axis];
+        if (halved) cell[axis] *= 2;
+    }
+    coarse->box = ty_box_make(size[0], size[1], size[2]);
+    return true;
+}
+
+void ty_multigrid_lay_out(ty_diffusion_job* job, ty_arena* arena) {
+    double cell[3];
+    memcpy(cell, job->def->cell, sizeof cell);
+    job->levels[0] = (ty_level){.box = job->cells.box, .children = {1, 1, 1}};
+    allocate_level(&job->levels[0], arena);
+    job->level_count = 1;
+    while (job->level_count < TY_LEVELS_MAX) {
+        ty_level* next = &job->levels[job->level_count];
+        *next = (ty_level){0};
+        if (!coarsen_box(next - 1, cell, next)) return;
+        allocate_level(next, arena);
+        for (int axis = 0; axis < 3; ++axis) next->g[axis] = ty_solve_take_box(arena, &next->box, sizeof(float));
+        ++job->level_count;
+    }
+}
+
+/* ---- cycles ---- */
+
+static void relax_plane(const pass* p, int32_t color, int32_t z, bool alone) {
+    if (p->fresh && color == p->color)
+        p->job->level_kernels->begin(p->fine, color, z);
+    else
+        p->job->level_kernels->relax(p->fine, color, z, alone);
+}
+
+/* Both colours of a slab while its planes are in the cache: the second colour follows one plane behind the first.
+ * Planes at the seams between slabs wait for the first colour of their neighbours. */
+static void relax_slab(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    const int32_t planes = p->fine->box.size[2], begin = (int32_t)index * SLAB;
+    const int32_t end = begin + SLAB < planes ? begin + SLAB : planes;
+    for (int32_t z = begin; z < end; ++z) {
+        const bool at_seam = (z == begin && begin > 0) || (z == end - 1 && end < planes);
+        relax_plane(p, p->color, z, !at_seam);
+        if (z - 1 > begin || (z == 1 && begin == 0)) relax_plane(p, 1 - p->color, z - 1, true);
+    }
+    if (end == planes && (planes - 1 > begin || begin == 0)) relax_plane(p, 1 - p->color, planes - 1, true);
+}
+
+/* Second colour of the planes at a seam. */
+static void relax_seam(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    const int32_t begin = ((int32_t)index + 1) * SLAB;
+    relax_plane(p, 1 - p->color, begin - 1, true);
+    relax_plane(p, 1 - p->color, begin, true);
+}
+
+static void restrict_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->sums[index].a = p->job->level_kernels->restrict_residual(p->fine, p->coarse, (int32_t)index);
+}
+
+static void prolong_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->prolong(p->fine, p->coarse, (int32_t)index);
+}
+
+static void coarsen_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->coarsen(p->fine, p->coarse, (int32_t)index);
+}
+
+/* fresh: take e as 0. */
+static void relax(const ty_diffusion_job* job, const ty_level* level, int32_t first, bool fresh) {
+    pass p = {.job = job, .fine = level, .color = first, .fresh = fresh};
+    const int32_t slabs = (level->box.size[2] + SLAB - 1) / SLAB;
+    ty_solve_tasks(job, &level->box, slabs, relax_slab, &p);
+    ty_solve_tasks(job, &level->box, slabs - 1, relax_seam, &p);
+    ty_solve_count(job, &level->box, 1);
+}
+
+void ty_multigrid_coarsen(ty_diffusion_job* job, int32_t first) {
+    for (int32_t i = first; i + 1 < job->level_count; ++i) {
+        pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
+        ty_solve_planes(job, &p.coarse->box, coarsen_plane, &p);
+        ty_solve_count(job, &p.fine->box, 1);
+    }
+}
+
+/* Post-smoothing. Conjugate gradients need the mirror image of the pre-smoothing; a stand-alone cycle converges faster
+ * if no colour is relaxed twice in a row. */
+typedef struct post_smoothing {
+    int32_t color, sweeps;
+} post_smoothing;
+
+static const post_smoothing MIRRORED = {1, 1};
+
+/* A second sweep pays for a linear problem, not for a D that is about to change: such iterations can oscillate. */
+static post_smoothing choose_post_smoothing(const ty_diffusion_job* job) {
+    return (post_smoothing){0, job->def->limiter == TY_LIMITER_NONE ? 2 : 1};
+}
+
+/* One cycle from the current e, or from 0. Returns the residual's sum of squares before the coarse-level correction. */
+static double cycle(const ty_diffusion_job* job, int32_t i, post_smoothing post, bool fresh) {
+    if (i + 1 == job->level_count) {
+        for (int sweep = 0; sweep < LAST_SWEEPS; ++sweep) relax(job, &job->levels[i], sweep & 1, fresh && sweep == 0);
+        return 0;
+    }
+    pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
+    relax(job, p.fine, 0, fresh);
+    ty_solve_planes(job, &p.coarse->box, restrict_plane, &p);
+    ty_solve_count(job, &p.fine->box, 1);
+    const double squares = ty_solve_sum(job, p.coarse->box.size[2]).a;
+    for (int visit = 0; visit < (i + 2 < job->level_count ? 2 : 1); ++visit) cycle(job, i + 1, post, visit == 0);
+    ty_solve_planes(job, &p.fine->box, prolong_plane, &p);
+    ty_solve_count(job, &p.fine->box, 1);
+    for (int32_t sweep = 0; sweep < post.sweeps; ++sweep) relax(job, p.fine, post.color, false);
+    return squares;
+}
+
+/* ---- conjugate gradients ---- */
+
+static void dot_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->sums[index].a = p->job->level_kernels->dot(p->fine, (int32_t)index);
+}
+
+static void direction_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->update_direction(p->fine, p->factor, p->job->direction, (int32_t)index);
+}
+
+static void apply_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->sums[index].a = p->job->level_kernels->apply(p->fine, p->job->direction, (int32_t)index);
+}
+
+static void step_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    const ty_diffusion_job* job = p->job;
+    job->sums[index].a = job->level_kernels->step(p->fine, p->factor, job->direction, job->change, (int32_t)index);
+}
+
+static double sum_planes(const pass* p, ty_parallel_fn body) {
+    ty_solve_planes(p->job, &p->fine->box, body, (void*)p);
+    ty_solve_count(p->job, &p->fine->box, 1);
+    return ty_solve_sum(p->job, p->fine->box.size[2]).a;
+}
+
+static void clear(const ty_box* box, float* items) {
+    memset(items - ty_box_origin(box), 0, sizeof(float) * ty_box_items(box));
+}
+
+/* Subtracts A e from f; returns the residual's sum of squares. */
+static double begin_conjugate_gradients(const pass* initial) {
+    const ty_diffusion_job* job = initial->job;
+    const ty_box* box = &initial->fine->box;
+    const ptrdiff_t origin = ty_box_origin(box);
+    memcpy(job->direction - origin, initial->fine->e - origin, sizeof(float) * ty_box_items(box));
+    clear(box, job->change);
+    pass p = *initial;
+    p.factor = 1;
+    sum_planes(&p, apply_plane);
+    return sum_planes(&p, step_plane);
+}
+
+/* Continues from e; the result is in job->change. */
+static void conjugate_gradients(const pass* initial, double target, int32_t cycles) {
+    pass p = *initial;
+    double squares = begin_conjugate_gradients(&p), previous_product = 0; /* f.e of the previous step */
+    clear(&p.fine->box, p.job->direction);
+    for (int i = 0; i < cycles && squares > target; ++i) {
+        cycle(p.job, p.first, MIRRORED, true);
+        p.job->stats->cycles += p.first == 0 ? 1 : 0;
+        const double next = sum_planes(&p, dot_plane);
+        p.factor = i == 0 ? 0 : (float)(next / previous_product);
+        sum_planes(&p, direction_plane);
+        const double curvature = sum_planes(&p, apply_plane);
+        if (!(curvature > 0)) break;
+        p.factor = (float)(next / curvature);
+        previous_product = next;
+        squares = sum_planes(&p, step_plane);
+    }
+}
+
+const float* ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target, int32_t cycles) {
+    ty_level* level = &job->levels[first];
+    const pass p = {.job = job, .fine = level, .first = first};
+    const post_smoothing post = choose_post_smoothing(job);
+    const float* change = level->e;
+    double previous = 0, remaining = squares;
+    for (int i = 0; i < cycles && remaining > target; ++i) {
+        const double now = cycle(job, first, post, i == 0);
+        job->stats->cycles += first == 0 ? 1 : 0;
+        const double rate = i == 0 ? EXPECTED_RATE : previous > 0 ? now / previous : 0;
+        remaining = (i == 0 ? squares : now) * rate;
+        previous = now;
+        if (rate <= SLOW_RATE || i + 1 == cycles) continue;
+        conjugate_gradients(&p, target, cycles - i - 1);
+        change = job->change;
+        break;
+    }
+    level->diffusivity = NULL;
+    return change;
+}

@@ -1,0 +1,103 @@
+/* Discrete ordinates: transport with scattering on a box of cells along a set of directions, one colour channel per
+ * call.
+ *
+ *     w . grad psi + sigma* psi = sum_lm s_l phi_lm Y_lm(w) + sum_lm q_lm Y_lm(w)
+ *     sigma* = sigma_t - g^L sigma_s,   s_l = sigma_s (g^l - g^L),   l < L
+ *
+ * This is the transport equation with a Henyey-Greenstein phase function whose forward peak counts as unscattered
+ * light (delta-M; Wiscombe 1977). phi_lm is the integral of psi Y_lm over all directions; Y_lm are real and
+ * orthonormal, without Condon-Shortley sign, index l (l + 1) + m (base/sh.k.h), so that phi_00 sqrt(4 pi) is the
+ * fluence. The radiance incident on the box's faces is given; opaque faces between cells or around the box reflect.
+ * Cells hold means; diffusive cells hold fluence and flux only. The result does not depend on the number of threads. */
+#ifndef TY_SOLVE_ORDINATES_ORDINATES_H
+#define TY_SOLVE_ORDINATES_ORDINATES_H
+
+#include <tyndall/base.h>
+
+enum { TY_ORDINATES_MAX = 1024, TY_SCATTERING_ORDER_MAX = 12 };
+/* Minimum edge of a diffusive cell, mean free paths. */
+enum { TY_DIFFUSIVE_FREE_PATHS = 6 };
+
+/* Directions with weights that sum to 4 pi, octant by octant: first[o] is the first direction of octant o (bit a of o:
+ * negative component along axis a), first[8] the count. */
+typedef struct ty_angular_quadrature {
+    int32_t count;
+    int32_t first[9];
+    float direction[3][TY_ORDINATES_MAX];
+    float weight[TY_ORDINATES_MAX];
+} ty_angular_quadrature;
+
+/* About `count` directions (8..1024), equally many in each octant, mirrored along the axes, without zero components.
+ * The weighted sums of spherical harmonics vanish at least up to order *exactness_order (except l = 0), which may be
+ * NULL. docs/method/dom.md describes the set. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ty_result ty_angular_quadrature_create(ty_context* context, int32_t count, ty_angular_quadrature* out,
+                                       int32_t* exactness_order);
+
+/* Opaque boundary faces, laid out as in ty_sweep_faces. Reflection is diffuse. */
+typedef struct ty_ordinates_faces {
+    int32_t count;         /* number of sides; 0 (default): no faces */
+    const int32_t* first;  /* first side of each row of cells; the last entry is count */
+    const int32_t* x;      /* cell of each side within its row */
+    const uint8_t* face;   /* 2 * axis + (1 for the upper face) */
+    const float* albedo;   /* [0, 1] */
+    const float* emission; /* emitted radiance besides reflection, W m^-2 sr^-1 */
+    float* irradiance;     /* out: irradiance, W m^-2; may be NULL */
+} ty_ordinates_faces;
+
+typedef struct ty_ordinates_def {
+    int32_t size[3]; /* cells along x, y, z: 1..512 each */
+    double cell[3];  /* cell edges, m */
+    const ty_angular_quadrature* set;
+    /* Directions of one final sweep with the converged source, against ray effects of small sets; not together with
+     * boundary_radiance; NULL (default): no final sweep. */
+    const ty_angular_quadrature* final_set;
+    int32_t bands;           /* L, Legendre orders of scattering, 1..TY_SCATTERING_ORDER_MAX */
+    int32_t output_order;    /* Legendre orders of the resulting moments, bands..TY_SCATTERING_ORDER_MAX */
+    const float* extinction; /* sigma_t, 1/m, x fastest; 0: vacuum */
+    const float* scattering; /* sigma_s, 1/m, at most sigma_t */
+    const float* g;          /* mean cosine, (-1, 1) */
+    const float* scattered;  /* s_l / sigma_s, l < bands, uniform, instead of the values from g: the first is at most 1,
+                                and its complement is the forward peak; NULL (default): from g */
+    const float* const* source; /* q_lm: `source_terms` planes */
+    int32_t source_terms;       /* 1 or bands^2 */
+    ty_ordinates_faces walls;
+    /* Incident radiance along each direction of the set, uniform over the box's faces; NULL (default): 0. */
+    const float* boundary_radiance;
+    bool accelerated;          /* diffusion synthetic acceleration, 2 to 12 sweeps, with diffusive cells
+                                  (solve/ordinates/diffusive_cells.h); false: source iteration, as many sweeps as scattering
+                                  orders */
+    double tolerance;          /* bound of the estimated remaining error, relative rms of the fluence; default 1e-3 */
+    int32_t sweeps;            /* maximum; 0 (default): 100 accelerated, else 10000 */
+    float* face_fluence;       /* out: per cell, six numbers, one per face (2 * axis + (1 for the upper face)). For a
+                          diffusive cell that faces a transport cell: 4 J_out / sqrt(4 pi), i.e. the fluence a viewer in front
+                          of that face would see. Negative elsewhere. NULL (default): no output */
+    const float* const* start; /* initial moments, bands^2 planes; NULL (default): 0, or diffusion if accelerated */
+    void* memory;              /* ty_ordinates_memory bytes, aligned to 64; NULL (default): from the context */
+    ty_progress_fn progress;   /* default NULL */
+    void* progress_user;
+} ty_ordinates_def;
+
+ty_ordinates_def ty_default_ordinates_def(void);
+/* Bytes of the cell arrays of a solve; depends on size, bands, source_terms, walls.count and accelerated. Sweeps and
+ * DSA allocate their own memory. */
+size_t ty_ordinates_memory(const ty_ordinates_def* def);
+
+typedef struct ty_ordinates_stats {
+    bool converged;
+    int32_t sweeps, cycles;
+    double change; /* estimated remaining error of the fluence, relative rms; with diffusive cells at least the relative
+                      energy imbalance */
+    double emitted, absorbed, leaving; /* W: by the source, by the medium, through the box's faces */
+    double walls_emitted, walls_absorbed, entering;
+    double seconds, sweep_seconds;
+    double bytes;
+} ty_ordinates_stats;
+
+/* Solves for the moments: output_order^2 planes of one float per cell. history: the estimated remaining error after
+ * each sweep, may be NULL. stats may be NULL. A solve that reaches its maximum of sweeps returns TY_OK with
+ * stats->converged false; on TY_CANCELLED the moments hold the latest iterate. Errors: TY_ERROR_ARGUMENT,
+ * TY_ERROR_MEMORY. */
+ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, float* const* moments, double* history,
+                             int32_t history_capacity, ty_ordinates_stats* stats);
+
+#endif

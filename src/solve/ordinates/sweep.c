@@ -1,0 +1,272 @@
+/* Transport sweep: blocks of rows in wavefronts of independent blocks. */
+#include "solve/ordinates/sweep_kernel.h"
+
+#include "base/arena.h"
+#include "base/context.h"
+#include "base/parallel.h"
+#include "solve/angular/harmonics.h"
+
+#include <string.h>
+
+enum { TERMS_MAX = TY_SCATTERING_ORDER_MAX * TY_SCATTERING_ORDER_MAX };
+/* Maximum of all kernels. */
+enum { LANES_MAX = 16 };
+/* Rows of a block along y and z: the radiance at its faces fits in the cache. */
+enum { BLOCK_ROWS = 8 };
+
+struct ty_sweep {
+    ty_context* context;
+    const ty_sweep_kernels* kernels;
+    ty_sweep_box box;
+    float* boundary_radiance[8]; /* writable alias of the box's arrays */
+    int32_t blocks[2];           /* along y, z */
+    size_t scratch_floats;       /* per thread */
+    float* scratch;
+    ty_sweep_sums* sums; /* one per block */
+    double leaving[8];   /* per octant, through faces across y and z */
+    void* memory;
+    size_t bytes;
+};
+
+/* ---- data of all sweeps ---- */
+
+static int32_t round_up(int32_t count, int32_t multiple) {
+    return (count + multiple - 1) / multiple * multiple;
+}
+
+/* Writable arrays of the box, which is const to the kernels. */
+typedef struct tables {
+    int32_t *order, *position;
+    float *two_mu_over_h[3], *partial_current_weight[3], *y_lm[4], *weighted_y_lm[4];
+} tables;
+
+static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
+    ty_sweep_box* box = &sweep->box;
+    const size_t lanes = (size_t)box->groups * (size_t)box->lanes, padded = (size_t)box->padded;
+    const size_t nx = (size_t)box->size[0];
+    tables t;
+    box->order = t.order = ty_arena_take(arena, sizeof(int32_t) * (size_t)box->terms);
+    for (int a = 0; a < 3; ++a) {
+        box->two_mu_over_h[a] = t.two_mu_over_h[a] = ty_arena_take(arena, sizeof(float) * lanes);
+        box->partial_current_weight[a] = t.partial_current_weight[a] = ty_arena_take(arena, sizeof(float) * lanes);
+    }
+    box->position = t.position = ty_arena_take(arena, sizeof(int32_t) * (size_t)round_up(box->terms, box->lanes));
+    for (int i = 0; i < 4; ++i) {
+        box->y_lm[i] = t.y_lm[i] = ty_arena_take(arena, sizeof(float) * (size_t)box->terms * lanes);
+        box->weighted_y_lm[i] = t.weighted_y_lm[i] = ty_arena_take(arena, sizeof(float) * padded * lanes);
+    }
+    for (int o = 0; o < 8; ++o) {
+        box->boundary_radiance[o] = sweep->boundary_radiance[o] = ty_arena_take(arena, sizeof(float) * lanes);
+        box->faces_y[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[2] * lanes);
+        box->faces_z[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[1] * lanes);
+    }
+    const size_t blocks = (size_t)sweep->blocks[0] * (size_t)sweep->blocks[1];
+    sweep->sums = ty_arena_take(arena, sizeof(ty_sweep_sums) * blocks);
+    sweep->scratch =
+        ty_arena_take(arena, sizeof(float) * sweep->scratch_floats * (size_t)ty_context_threads(sweep->context));
+    return t;
+}
+
+/* True if harmonic l (l + 1) + m changes sign with x: for m >= 0 it varies as cos m phi. */
+static bool is_odd(int32_t term) {
+    int32_t l = 0;
+    while ((l + 1) * (l + 1) <= term) ++l;
+    const int32_t m = term - l * (l + 1);
+    return m >= 0 ? (m & 1) != 0 : (m & 1) == 0;
+}
+
+static void fill_order(const ty_sweep_box* box, const tables* t) {
+    for (int32_t term = 0, even = 0, odd = box->even; term < box->terms; ++term)
+        t->order[is_odd(term) ? odd++ : even++] = term;
+    for (int32_t i = 0; i < round_up(box->terms, box->lanes); ++i) t->position[i] = -1;
+    for (int32_t i = 0; i < box->terms; ++i) t->position[box->order[i]] = i;
+}
+
+static void fill_direction(const ty_sweep* sweep, const tables* t, const ty_angular_quadrature* set, int32_t bands,
+                           int32_t pair, int32_t i) {
+    const ty_sweep_box* box = &sweep->box;
+    const int32_t lanes = box->groups * box->lanes, d = set->first[2 * pair] + i;
+    const double w[3] = {(double)set->direction[0][d], (double)set->direction[1][d], (double)set->direction[2][d]};
+    double y[TERMS_MAX];
+    ty_harmonics_at(w, bands, y);
+    for (int32_t at = 0; at < box->terms; ++at) {
+        const int32_t parity_index = at < box->even ? at : round_up(box->even, box->lanes) + at - box->even;
+        t->weighted_y_lm[pair][i * box->padded + parity_index] = (float)((double)set->weight[d] * y[box->order[at]]);
+        t->y_lm[pair][at * lanes + i] = (float)y[box->order[at]];
+    }
+}
+
+static void fill(ty_sweep* sweep, const tables* t, const double cell[3], const ty_angular_quadrature* set,
+                 int32_t bands) {
+    ty_sweep_box* box = &sweep->box;
+    fill_order(box, t);
+    for (int32_t i = 0; i < box->groups * box->lanes; ++i)
+        for (int a = 0; a < 3; ++a) {
+            const bool exists = i < box->directions;
+            const double cosine = exists ? (double)set->direction[a][i] : cell[a];
+            t->two_mu_over_h[a][i] = (float)(2 * cosine / cell[a]);
+            const double volume = cell[0] * cell[1] * cell[2];
+            t->partial_current_weight[a][i] =
+                exists ? (float)(0.5 * (double)t->two_mu_over_h[a][i] * volume * (double)set->weight[i]) : 0;
+        }
+    for (int32_t pair = 0; pair < 4; ++pair)
+        for (int32_t i = 0; i < box->directions; ++i) fill_direction(sweep, t, set, bands, pair, i);
+}
+
+ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3],
+                          const ty_angular_quadrature* set, int32_t bands, const float* extinction, ty_sweep** out) {
+    const ty_sweep_kernels* kernels = TY_BEST_KERNELS(ty_sweep_kernels);
+    *out = NULL;
+    ty_sweep* sweep = ty_alloc_array(context, 1, sizeof *sweep, true);
+    if (sweep == NULL) return TY_ERROR_MEMORY;
+    sweep->context = context;
+    sweep->kernels = kernels;
+    sweep->box = (ty_sweep_box){.size = {size[0], size[1], size[2]},
+                                .lanes = kernels->lanes,
+                                .groups = round_up(set->first[1], kernels->lanes) / kernels->lanes,
+                                .directions = set->first[1],
+                                .terms = bands * bands,
+                                .even = bands * (bands + 1) / 2,
+                                .extinction = extinction};
+    sweep->box.padded = round_up(sweep->box.even, kernels->lanes) + round_up(bands * (bands - 1) / 2, kernels->lanes);
+    for (int a = 0; a < 2; ++a) sweep->blocks[a] = round_up(size[a + 1], BLOCK_ROWS) / BLOCK_ROWS;
+    sweep->scratch_floats = kernels->scratch(&sweep->box);
+    ty_arena arena = {0};
+    lay_out(sweep, &arena);
+    sweep->bytes = arena.used;
+    sweep->memory = arena.base = ty_alloc_array(context, sweep->bytes, 1, true);
+    if (sweep->memory == NULL) {
+        ty_sweep_destroy(sweep);
+        return TY_ERROR_MEMORY;
+    }
+    arena.used = 0;
+    const tables t = lay_out(sweep, &arena);
+    fill(sweep, &t, cell, set, bands);
+    *out = sweep;
+    return TY_OK;
+}
+
+void ty_sweep_set_boundary_radiance(ty_sweep* sweep, const float* radiance) {
+    const int32_t directions = sweep->box.directions;
+    for (int32_t o = 0; o < 8; ++o)
+        for (int32_t i = 0; i < directions; ++i)
+            sweep->boundary_radiance[o][i] = radiance != NULL ? radiance[o * directions + i] : 0;
+}
+
+void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls) {
+    sweep->box.walls = walls;
+}
+
+void ty_sweep_destroy(ty_sweep* sweep) {
+    if (sweep == NULL) return;
+    if (sweep->memory != NULL) ty_free_array(sweep->context, sweep->memory, sweep->bytes, 1);
+    ty_free_array(sweep->context, sweep, 1, sizeof *sweep);
+}
+
+size_t ty_sweep_bytes(const ty_sweep* sweep) {
+    return sizeof *sweep + sweep->bytes;
+}
+
+double ty_sweep_operations(int32_t bands) {
+    return 4.0 * bands * bands + 16;
+}
+
+/* ---- one sweep ---- */
+
+typedef struct sweep_job {
+    ty_sweep* sweep;
+    const float* emission;
+    float* moments;
+    int32_t stage;
+} sweep_job;
+
+/* Sets a row of upwind faces to the boundary radiance. */
+static void set_boundary_row(const ty_sweep_box* box, const float* boundary, float* faces) {
+    for (ptrdiff_t x = 0; x < box->size[0]; ++x)
+        memcpy(faces + x * box->lanes, boundary, sizeof(float) * (size_t)box->lanes);
+}
+
+/* Sets the boundary radiance of a block that is the first along an axis. */
+static void set_boundary_faces(const ty_sweep_box* box, const ty_sweep_block* block, const bool first[2]) {
+    const ptrdiff_t row = (ptrdiff_t)box->size[0] * box->lanes;
+    for (int32_t o = 2 * block->pair; o < 2 * block->pair + 2; ++o)
+        for (ptrdiff_t g = 0; g < box->groups; ++g) {
+            const float* boundary = box->boundary_radiance[o] + g * box->lanes;
+            for (int32_t z = block->begin[1]; z < block->end[1] && first[0]; ++z)
+                set_boundary_row(box, boundary, box->faces_y[o] + (g * box->size[2] + z) * row);
+            for (int32_t y = block->begin[0]; y < block->end[0] && first[1]; ++y)
+                set_boundary_row(box, boundary, box->faces_z[o] + (g * box->size[1] + y) * row);
+        }
+}
+
+/* The wavefront stage of a block is its distance in blocks from the octant's first corner. A block that several pairs
+ * of octants reach in the same stage is swept by one after another, so that its moments are sums in a fixed order. */
+static void sweep_block(void* user, int64_t index, int32_t worker) {
+    const sweep_job* job = user;
+    ty_sweep* sweep = job->sweep;
+    const int32_t* blocks = sweep->blocks;
+    const int32_t at[2] = {(int32_t)(index % blocks[0]), (int32_t)(index / blocks[0])};
+    ty_sweep_block block = {.pair = 0};
+    for (int a = 0; a < 2; ++a) {
+        const int32_t end = (at[a] + 1) * BLOCK_ROWS, size = sweep->box.size[a + 1];
+        block.begin[a] = at[a] * BLOCK_ROWS;
+        block.end[a] = end < size ? end : size;
+    }
+    int32_t stages[4], distance[4][2], first = 0, last = 0;
+    for (int32_t pair = 0; pair < 4; ++pair) {
+        for (int a = 0; a < 2; ++a) distance[pair][a] = (pair >> a & 1) != 0 ? blocks[a] - 1 - at[a] : at[a];
+        stages[pair] = distance[pair][0] + distance[pair][1];
+        if (stages[pair] < stages[first]) first = pair;
+        if (stages[pair] >= stages[last]) last = pair;
+    }
+    for (; block.pair < 4; ++block.pair) {
+        if (stages[block.pair] != job->stage) continue;
+        block.first = block.pair == first;
+        block.last = block.pair == last;
+        set_boundary_faces(&sweep->box, &block,
+                           (const bool[2]){distance[block.pair][0] == 0, distance[block.pair][1] == 0});
+        sweep->kernels->cross(&sweep->box, &block, job->emission, job->moments,
+                              sweep->scratch + sweep->scratch_floats * (size_t)worker, &sweep->sums[index]);
+    }
+}
+
+static double sum_faces(const ty_sweep_box* box, const float* faces, const float* current_weight, int32_t rows) {
+    double sum = 0;
+    for (int32_t g = 0; g < box->groups; ++g) {
+        double lanes[LANES_MAX] = {0};
+        for (ptrdiff_t i = 0; i < (ptrdiff_t)rows * box->size[0]; ++i, faces += box->lanes)
+#pragma omp simd
+            for (int32_t l = 0; l < box->lanes; ++l) lanes[l] += (double)faces[l];
+        for (int32_t l = 0; l < box->lanes; ++l) sum += lanes[l] * (double)current_weight[g * box->lanes + l];
+    }
+    return sum;
+}
+
+static void sum_octant(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    ty_sweep* sweep = user;
+    const ty_sweep_box* box = &sweep->box;
+    sweep->leaving[index] = sum_faces(box, box->faces_y[index], box->partial_current_weight[1], box->size[2]) +
+                            sum_faces(box, box->faces_z[index], box->partial_current_weight[2], box->size[1]);
+}
+
+ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, double* leaving, double* fixups) {
+    const int64_t blocks = (int64_t)sweep->blocks[0] * sweep->blocks[1];
+    const ty_sweep_faces* walls = sweep->box.walls;
+    memset(sweep->sums, 0, sizeof *sweep->sums * (size_t)blocks);
+    if (walls != NULL) memset(walls->incident_power, 0, sizeof(float) * (size_t)walls->count);
+    sweep_job job = {.sweep = sweep, .emission = emission, .moments = moments};
+    for (; job.stage < sweep->blocks[0] + sweep->blocks[1] - 1; ++job.stage)
+        ty_parallel_flushed(sweep->context, blocks, sweep_block, &job);
+    ty_sweep_sums all = {0};
+    for (int64_t i = 0; i < blocks; ++i) {
+        all.leaving += sweep->sums[i].leaving;
+        all.fixups += sweep->sums[i].fixups;
+    }
+    if (fixups != NULL) *fixups = (double)all.fixups;
+    if (leaving == NULL) return TY_OK;
+    ty_parallel_flushed(sweep->context, 8, sum_octant, sweep);
+    for (int o = 0; o < 8; ++o) all.leaving += sweep->leaving[o];
+    *leaving = all.leaving;
+    return TY_OK;
+}

@@ -1,0 +1,53 @@
+/* One transport sweep: solves w . grad psi + sigma* psi = q for every direction of an angular quadrature on a box of
+ * cells, with a known source q.
+ *
+ * The spatial scheme is diamond difference with set-to-zero fix-up (Lewis and Miller 1984): the mean
+ * radiance of a cell is the mean of that at opposite faces; a negative outgoing face radiance is set to zero and the
+ * cell balance is solved again without that face. The scheme conserves energy to rounding for cells of any optical
+ * thickness. Its error is of second order in the cell edges, and small in thick cells where the radiance varies slowly.
+ *
+ * Rows of cells form blocks in y and z; blocks without dependencies on each other run in parallel (a wavefront). The
+ * order of blocks and of all sums is independent of the number of threads. */
+#ifndef TY_SOLVE_ORDINATES_SWEEP_H
+#define TY_SOLVE_ORDINATES_SWEEP_H
+
+#include "solve/ordinates/ordinates.h"
+
+/* Data shared by all sweeps of one box. Arrays given to it belong to the caller and must outlive it. */
+typedef struct ty_sweep ty_sweep;
+
+/* extinction: delta-M scaled sigma*, 1/m, at least 0. bands: Legendre terms L of source and moments. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3],
+                          const ty_angular_quadrature* set, int32_t bands, const float* extinction, ty_sweep** out);
+/* Sets the incident boundary radiance: one value per direction, uniform over the box's faces. NULL (initially): vacuum
+ * boundary. */
+void ty_sweep_set_boundary_radiance(ty_sweep* sweep, const float* radiance);
+
+/* Boundary faces: opaque faces between two cells or on the box. Each adjoining cell has its own side of the face. The
+ * sides of a row of cells along x are stored contiguously, in the order of the cells. */
+typedef struct ty_sweep_faces {
+    int32_t count;              /* number of sides */
+    const int32_t* first;       /* first side of each row y + size[1] * z; the last entry is count */
+    const int32_t* x;           /* cell of each side within its row */
+    const uint8_t* face;        /* 2 * axis + (1 for the upper face) */
+    const float* emitted;       /* isotropic radiance into the side's cell, W m^-2 sr^-1 */
+    const float* emitted_slope; /* its slope in |mu|, times half the cell's edge along the axis; NULL: isotropic */
+    float* incident_power;      /* out: incident power per side, W */
+} ty_sweep_faces;
+
+/* The struct and its arrays belong to the caller, who may change `emitted` between sweeps. NULL (initially): none. */
+void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls);
+void ty_sweep_destroy(ty_sweep* sweep);
+/* Memory in bytes. */
+size_t ty_sweep_bytes(const ty_sweep* sweep);
+/* Minimum number of floating-point operations per cell and direction: evaluation of the source from its moments, the
+ * diamond difference step and the accumulation of flux moments. */
+double ty_sweep_operations(int32_t bands);
+
+/* emission: q_lm, W m^-3 sr^-1; moments: out, phi_lm, the integrals of psi Y_lm over directions. Both are interleaved:
+ * bands^2 values per cell, cells with x fastest; psi is the cell mean. leaving: out, leakage through the box's faces,
+ * W; may be NULL. fixups: out, fraction of cells times directions that needed the set-to-zero fix-up; may be NULL. */
+ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, double* leaving, double* fixups);
+
+#endif

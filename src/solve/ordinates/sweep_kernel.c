@@ -1,0 +1,410 @@
+/* One block of a transport sweep. Per row of cells and group of directions: the source in each direction from its
+ * moments, diamond difference along the row in both directions of x at once, and the flux moments of the result. SIMD
+ * lanes are directions, or moments while these are summed. Compiled once per instruction set, which TY_ISA names. */
+#include "solve/ordinates/sweep_kernel.h"
+
+#include "base/dispatch.h"
+#include "base/kernel.h"
+#include "base/simd.h"
+
+#include <string.h>
+
+/* Scratch memory for one row and one group of directions. */
+typedef struct row_scratch {
+    float* inverse; /* 1 / (sigma* + sum of 2 |mu_a| / h_a), all lanes per cell */
+    float* psi[2];  /* per cell: emission, then mean radiance, of both octants */
+    float* sum;     /* moments, of each cell `padded` */
+} row_scratch;
+
+static size_t padded_cells(const ty_sweep_box* box) {
+    return ((size_t)box->size[0] + TY_SWEEP_CELLS - 1) / TY_SWEEP_CELLS * TY_SWEEP_CELLS;
+}
+
+static size_t scratch_floats(const ty_sweep_box* box) {
+    return padded_cells(box) * (3 * TY_LANES + (size_t)box->padded);
+}
+
+static row_scratch lay_out(const ty_sweep_box* box, float* scratch) {
+    const size_t row = padded_cells(box) * TY_LANES;
+    return (row_scratch){.inverse = scratch, .psi = {scratch + row, scratch + 2 * row}, .sum = scratch + 3 * row};
+}
+
+/* ---- harmonics ---- */
+
+/* Number of terms rounded up to a multiple of the lanes. */
+TY_INLINE ptrdiff_t padded_terms(ptrdiff_t terms) {
+    return (terms + TY_LANES - 1) / TY_LANES * TY_LANES;
+}
+
+/* Number of harmonics with even parity in x; and of all, with each parity padded to whole lanes. */
+TY_INLINE ptrdiff_t even_terms(ptrdiff_t bands) {
+    return bands * (bands + 1) / 2;
+}
+
+TY_INLINE ptrdiff_t split_terms(ptrdiff_t bands) {
+    return padded_terms(even_terms(bands)) + padded_terms(even_terms(bands - 1));
+}
+
+/* ---- emission ---- */
+
+typedef struct emission_view {
+    const ty_sweep_box* box;
+    const float* y_lm; /* of the group */
+    ptrdiff_t pitch;   /* from one term to the next */
+} emission_view;
+
+TY_INLINE void emit_cells(const emission_view* view, const float* emission, float* up, float* down, const int count,
+                          const int32_t bands) {
+    const int32_t terms = bands * bands, evens = (int32_t)even_terms(bands);
+    const int32_t* order = view->box->order;
+    const float* y = view->y_lm;
+    ty_lanes even[TY_SWEEP_CELLS] = {{0}}, odd[TY_SWEEP_CELLS] = {{0}};
+    int32_t t = 0;
+    for (; t < evens; ++t, y += view->pitch) {
+        const ty_lanes at = ty_lanes_load_aligned(y);
+        const float* from = emission + order[t];
+        for (int i = 0; i < count; ++i) even[i] += from[i * terms] * at;
+    }
+    for (; t < terms; ++t, y += view->pitch) {
+        const ty_lanes at = ty_lanes_load_aligned(y);
+        const float* from = emission + order[t];
+        for (int i = 0; i < count; ++i) odd[i] += from[i * terms] * at;
+    }
+    for (int i = 0; i < count; ++i) {
+        ty_lanes_store_aligned(up + i * TY_LANES, even[i] + odd[i]);
+        ty_lanes_store_aligned(down + i * TY_LANES, even[i] - odd[i]);
+    }
+}
+
+TY_INLINE void emit(const emission_view* view, const float* emission, float* up, float* down, const int32_t bands) {
+    const int32_t nx = view->box->size[0], terms = bands * bands;
+    int32_t x = 0;
+    for (; x + TY_SWEEP_CELLS <= nx; x += TY_SWEEP_CELLS)
+        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * TY_LANES, down + x * TY_LANES, TY_SWEEP_CELLS,
+                   bands);
+    for (; x < nx; ++x)
+        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * TY_LANES, down + x * TY_LANES, 1, bands);
+}
+
+/* ---- diamond difference ---- */
+
+/* State of a sweep along a row in one direction of x. */
+typedef struct stream {
+    ty_lanes psi_x;             /* radiance at the face that the row has reached */
+    float *psi, *psi_y, *psi_z; /* source, then mean radiance, per cell; radiance at the faces along y and z */
+} stream;
+
+/* Set-to-zero fix-up: faces with negative outgoing radiance are set to zero and the cell balance is solved again
+ * without their outflow, until no face is negative. Such a face contributes half of its usual inflow term. Returns 2
+ * psi. */
+TY_INLINE ty_lanes set_to_zero_fixup(const ty_lanes two_mu_over_h[3], float extinction, ty_lanes source,
+                                     const ty_lanes in[3], ty_lanes out[3], int64_t* fixups) {
+    const ty_lanes none = {0};
+    ty_lanes two_psi, all = source + source;
+    ty_lane_mask open[3], low[3];
+    for (int a = 0; a < 3; ++a) {
+        all += two_mu_over_h[a] * in[a];
+        low[a] = ty_lanes_greater(none, out[a]);
+        open[a] = (ty_lane_mask)~low[a];
+    }
+    do {
+        ty_lanes above = all, below = none + extinction;
+        for (int a = 0; a < 3; ++a) {
+            above = ty_lanes_add_product(open[a], above, two_mu_over_h[a], in[a]);
+            below = ty_lanes_add(open[a], below, two_mu_over_h[a]);
+        }
+        two_psi = ty_lanes_keep(ty_lanes_greater(below, none), above * ty_lanes_invert(below));
+        for (int a = 0; a < 3; ++a) {
+            out[a] = ty_lanes_keep(open[a], two_psi - in[a]);
+            low[a] = ty_lanes_greater(none, out[a]);
+            open[a] = (ty_lane_mask)(open[a] & ~low[a]);
+        }
+    } while (ty_mask_bits((ty_lane_mask)(low[0] | low[1] | low[2])) != 0);
+    *fixups += TY_LANES - __builtin_popcount(ty_mask_bits((ty_lane_mask)(open[0] & open[1] & open[2])));
+    return two_psi;
+}
+
+/* Diamond difference in one cell and direction (Lewis and Miller 1984):
+ *     psi = (q + sum_a (2 |mu_a| / h_a) psi_in,a) / (sigma* + sum_a 2 |mu_a| / h_a),   psi_out,a = 2 psi - psi_in,a. */
+TY_INLINE void diamond_difference_step(stream* s, const ty_lanes two_mu_over_h[3], float extinction, ty_lanes inverse,
+                                       ptrdiff_t x, int64_t* fixups) {
+    const ty_lanes source = ty_lanes_load_aligned(s->psi + x * TY_LANES);
+    const ty_lanes in[3] = {s->psi_x, ty_lanes_load_aligned(s->psi_y + x * TY_LANES),
+                            ty_lanes_load_aligned(s->psi_z + x * TY_LANES)};
+    const ty_lanes psi_center =
+        (source + two_mu_over_h[1] * in[1] + two_mu_over_h[2] * in[2]) * inverse + two_mu_over_h[0] * inverse * in[0];
+    ty_lanes two_psi = psi_center + psi_center;
+    ty_lanes out[3] = {two_psi - in[0], two_psi - in[1], two_psi - in[2]};
+    if (__builtin_expect(ty_lanes_signs((ty_int_lanes)out[0] | (ty_int_lanes)out[1] | (ty_int_lanes)out[2]) != 0, 0))
+        two_psi = set_to_zero_fixup(two_mu_over_h, extinction, source, in, out, fixups);
+    s->psi_x = out[0];
+    ty_lanes_store_aligned(s->psi_y + x * TY_LANES, out[1]);
+    ty_lanes_store_aligned(s->psi_z + x * TY_LANES, out[2]);
+    ty_lanes_store_aligned(s->psi + x * TY_LANES, 0.5f * two_psi);
+}
+
+/* Sweeps cells [begin, end) of a row towards +x and -x. */
+static void sweep_cells(const ty_sweep_box* box, int32_t group, const float* extinction, const row_scratch* scratch,
+                        int32_t begin, int32_t end, stream streams[2], ty_sweep_sums* sums) {
+    ty_lanes two_mu_over_h[3];
+    for (int a = 0; a < 3; ++a) two_mu_over_h[a] = ty_lanes_load_aligned(box->two_mu_over_h[a] + group * TY_LANES);
+    const ty_lanes faces = two_mu_over_h[0] + two_mu_over_h[1] + two_mu_over_h[2];
+    for (int32_t x = begin; x < end; ++x)
+        ty_lanes_store_aligned(scratch->inverse + x * TY_LANES, ty_lanes_invert(extinction[x] + faces));
+    stream up = streams[0], down = streams[1];
+    for (int32_t x = begin; x < end; ++x) {
+        const int32_t back = begin + end - 1 - x;
+        diamond_difference_step(&up, two_mu_over_h, extinction[x],
+                                ty_lanes_load_aligned(scratch->inverse + x * TY_LANES), x, &sums->fixups);
+        diamond_difference_step(&down, two_mu_over_h, extinction[back],
+                                ty_lanes_load_aligned(scratch->inverse + back * TY_LANES), back, &sums->fixups);
+    }
+    streams[0].psi_x = up.psi_x;
+    streams[1].psi_x = down.psi_x;
+}
+
+TY_INLINE void add_leakage(const ty_sweep_box* box, int32_t group, ty_lanes along, ty_sweep_sums* sums) {
+    const ty_lanes leaving = ty_lanes_load_aligned(box->partial_current_weight[0] + group * TY_LANES) * along;
+    for (int i = 0; i < TY_LANES; ++i) sums->leaving += (double)leaving[i];
+}
+
+/* ---- boundary faces ---- */
+
+/* The boundary faces of a row, for one group of directions in two octants. */
+typedef struct row_faces {
+    const ty_sweep_box* box;
+    int32_t group, octant;
+    int32_t first, end; /* range of sides */
+} row_faces;
+
+/* The value in all lanes. */
+TY_INLINE ty_lanes broadcast(float value) {
+    return (ty_lanes){0} + value;
+}
+
+/* Radiance that a side emits into its cell, per direction. */
+static ty_lanes emitted_radiance(const row_faces* row, int32_t side) {
+    const ty_sweep_faces* walls = row->box->walls;
+    const ty_lanes even = broadcast(walls->emitted[side]);
+    if (walls->emitted_slope == NULL) return even;
+    return even + walls->emitted_slope[side] *
+                      ty_lanes_load_aligned(row->box->two_mu_over_h[walls->face[side] / 2] + row->group * TY_LANES);
+}
+
+static void add_incident_power(const row_faces* row, int32_t side, int32_t axis, ty_lanes light) {
+    const ty_lanes power =
+        ty_lanes_load_aligned(row->box->partial_current_weight[axis] + row->group * TY_LANES) * light;
+    float sum = 0;
+    for (int i = 0; i < TY_LANES; ++i) sum += power[i];
+    row->box->walls->incident_power[side] += sum;
+}
+
+/* Faces across y and z: before the cells are swept, upwind sides set the incoming radiance; after it, downwind sides
+ * collect the incident power. */
+static void exchange_face_radiance(const row_faces* row, const stream streams[2], bool after) {
+    const ty_sweep_faces* walls = row->box->walls;
+    for (int32_t side = row->first; side < row->end; ++side) {
+        const int32_t axis = walls->face[side] / 2, upper = walls->face[side] & 1;
+        const bool comes = (row->octant >> axis & 1) != upper;
+        if (axis == 0 || comes != after) continue;
+        for (int o = 0; o < 2; ++o) {
+            float* face = (axis == 1 ? streams[o].psi_y : streams[o].psi_z) + walls->x[side] * TY_LANES;
+            if (after) add_incident_power(row, side, axis, ty_lanes_load_aligned(face));
+            ty_lanes_store_aligned(face, after ? broadcast(0) : emitted_radiance(row, side));
+        }
+    }
+}
+
+/* The first side from cell x on that lies on the lower (0) or upper (1) face across x; `end` if there is none. */
+static int32_t find_face(const row_faces* row, int32_t x, int32_t face) {
+    const ty_sweep_faces* walls = row->box->walls;
+    int32_t side = row->first;
+    while (side < row->end && (walls->x[side] < x || walls->face[side] != face)) ++side;
+    return side;
+}
+
+/* Sweeps a row in segments between boundary faces across x. */
+static void sweep_row_segments(const row_faces* row, const float* extinction, const row_scratch* scratch,
+                               stream streams[2], ty_sweep_sums* sums) {
+    const ty_sweep_box* box = row->box;
+    const ty_sweep_faces* walls = box->walls;
+    const ty_lanes upwind[2] = {streams[0].psi_x, streams[1].psi_x};
+    exchange_face_radiance(row, streams, false);
+    for (int32_t begin = 0, end; begin < box->size[0]; begin = end) {
+        const int32_t low = find_face(row, begin, 0), high = find_face(row, begin, 1);
+        const bool has_low = low < row->end && walls->x[low] == begin, has_high = high < row->end;
+        end = has_high ? walls->x[high] + 1 : box->size[0];
+        streams[0].psi_x = upwind[0];
+        streams[1].psi_x = upwind[1];
+        if (has_low) streams[0].psi_x = emitted_radiance(row, low);
+        if (has_high) streams[1].psi_x = emitted_radiance(row, high);
+        sweep_cells(box, row->group, extinction, scratch, begin, end, streams, sums);
+        if (has_high)
+            add_incident_power(row, high, 0, streams[0].psi_x);
+        else
+            add_leakage(box, row->group, streams[0].psi_x, sums);
+        if (has_low)
+            add_incident_power(row, low, 0, streams[1].psi_x);
+        else
+            add_leakage(box, row->group, streams[1].psi_x, sums);
+    }
+    exchange_face_radiance(row, streams, true);
+}
+
+static row_faces faces_of_row(const ty_sweep_box* box, int32_t group, int32_t octant, ptrdiff_t row) {
+    row_faces walls = {.box = box, .group = group, .octant = octant};
+    if (box->walls == NULL) return walls;
+    walls.first = box->walls->first[row];
+    walls.end = box->walls->first[row + 1];
+    return walls;
+}
+
+/* ---- moments ---- */
+
+/* Replaces psi(+x), psi(-x) by their sum and difference: even moments depend on the sum, odd ones on the difference. */
+TY_INLINE void split_parity(const row_scratch* scratch, int32_t cells) {
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)cells * TY_LANES; i += TY_LANES) {
+        const ty_lanes up = ty_lanes_load_aligned(scratch->psi[0] + i),
+                       down = ty_lanes_load_aligned(scratch->psi[1] + i);
+        ty_lanes_store_aligned(scratch->psi[0] + i, up + down);
+        ty_lanes_store_aligned(scratch->psi[1] + i, up - down);
+    }
+}
+
+TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
+                      const ptrdiff_t bands) {
+    const int32_t first = group * TY_LANES, left = box->directions - first,
+                  directions = left < TY_LANES ? left : TY_LANES;
+    const ptrdiff_t padded = split_terms(bands), odd = padded_terms(even_terms(bands));
+    const float* weighted = box->weighted_y_lm[octant / 2] + first * padded;
+    for (ptrdiff_t x = 0; x < box->size[0]; x += TY_SWEEP_CELLS)
+        for (ptrdiff_t t = 0; t < padded; t += TY_LANES) {
+            const float* light = scratch->psi[t < odd ? 0 : 1] + x * TY_LANES;
+            float* to = scratch->sum + x * padded + t;
+            ty_lanes sum[TY_SWEEP_CELLS] = {{0}};
+            for (int i = 0; i < TY_SWEEP_CELLS && group > 0; ++i) sum[i] = ty_lanes_load_aligned(to + i * padded);
+            for (int32_t d = 0; d < directions; ++d) {
+                const ty_lanes w = ty_lanes_load_aligned(weighted + d * padded + t);
+                for (int i = 0; i < TY_SWEEP_CELLS; ++i) sum[i] += light[i * TY_LANES + d] * w;
+            }
+            for (int i = 0; i < TY_SWEEP_CELLS; ++i) ty_lanes_store_aligned(to + i * padded, sum[i]);
+        }
+}
+
+/* Compacts the sums of a row in place by removing the padding between parities. */
+TY_INLINE void remove_padding(float* sum, ptrdiff_t cells, const ptrdiff_t bands) {
+    const ptrdiff_t even = even_terms(bands), odd = even_terms(bands - 1);
+    for (ptrdiff_t x = 0; x < cells; ++x) {
+        const float* from = sum + x * split_terms(bands);
+        float* to = sum + x * (even + odd);
+        for (ptrdiff_t t = 0; t < even; t += TY_LANES) ty_lanes_store(to + t, ty_lanes_load_aligned(from + t));
+        for (ptrdiff_t t = 0; t < odd; t += TY_LANES)
+            ty_lanes_store(to + even + t, ty_lanes_load_aligned(from + padded_terms(even) + t));
+    }
+}
+
+/* Moments of a cell from parity order to (l, m) order. */
+TY_INLINE void reorder_cell(const ty_sweep_box* box, const float* sum, float* moments, const ptrdiff_t terms) {
+#if defined(__AVX512F__)
+    for (ptrdiff_t t = 0; t < terms; t += TY_LANES) {
+        const __m512i position = _mm512_load_si512(box->position + t), from = _mm512_srai_epi32(position, 4);
+        __m512 ordered = _mm512_setzero_ps();
+        for (int32_t s = 0; s * TY_LANES < terms; ++s)
+            ordered = _mm512_mask_permutexvar_ps(ordered, _mm512_cmpeq_epi32_mask(from, _mm512_set1_epi32(s)), position,
+                                                 _mm512_loadu_ps(sum + s * TY_LANES));
+        _mm512_mask_storeu_ps(moments + t, (__mmask16)(terms - t < TY_LANES ? (1 << (terms - t)) - 1 : 0xffff),
+                              ordered);
+    }
+#else
+    for (ptrdiff_t t = 0; t < terms; ++t) moments[t] = sum[box->position[t]];
+#endif
+}
+
+/* Accumulates a row's moments, in parity order until the last of the octants has been swept. */
+TY_INLINE void store_moments(const ty_sweep_box* box, const ty_sweep_block* block, float* sum, float* moments,
+                             const ptrdiff_t bands) {
+    const ptrdiff_t cells = box->size[0], terms = bands * bands, items = terms * cells;
+    remove_padding(sum, cells, bands);
+    if (block->first) {
+        memcpy(moments, sum, sizeof *moments * (size_t)items);
+    } else if (block->last) {
+#pragma omp simd
+        for (ptrdiff_t i = 0; i < items; ++i) sum[i] += moments[i];
+        for (ptrdiff_t x = 0; x < cells; ++x) reorder_cell(box, sum + x * terms, moments + x * terms, terms);
+    } else {
+#pragma omp simd
+        for (ptrdiff_t i = 0; i < items; ++i) moments[i] += sum[i];
+    }
+}
+
+/* ---- rows ---- */
+
+/* Data shared by all rows of a block. */
+typedef struct row_work {
+    const ty_sweep_box* box;
+    const float* emission;
+    float* moments;
+    row_scratch scratch;
+    ty_sweep_sums* sums;
+    const ty_sweep_block* block;
+} row_work;
+
+TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_t z, const int32_t bands) {
+    const ty_sweep_box* box = work->box;
+    const row_scratch* scratch = &work->scratch;
+    const ptrdiff_t nx = box->size[0], ny = box->size[1], nz = box->size[2], row = (z * ny + y) * nx;
+    const ptrdiff_t pitch = (ptrdiff_t)box->groups * TY_LANES;
+    const int32_t terms = bands * bands;
+    for (int32_t g = 0; g < box->groups; ++g) {
+        const emission_view view = {box, box->y_lm[octant / 2] + g * TY_LANES, pitch};
+        emit(&view, work->emission + row * terms, scratch->psi[0], scratch->psi[1], bands);
+        stream streams[2];
+        for (int o = 0; o < 2; ++o)
+            streams[o] = (stream){.psi_x = ty_lanes_load_aligned(box->boundary_radiance[octant + o] + g * TY_LANES),
+                                  .psi = scratch->psi[o],
+                                  .psi_y = box->faces_y[octant + o] + (g * nz + z) * nx * TY_LANES,
+                                  .psi_z = box->faces_z[octant + o] + (g * ny + y) * nx * TY_LANES};
+        const row_faces walls = faces_of_row(box, g, octant, z * ny + y);
+        if (walls.first < walls.end) {
+            sweep_row_segments(&walls, box->extinction + row, scratch, streams, work->sums);
+        } else {
+            sweep_cells(box, g, box->extinction + row, scratch, 0, (int32_t)nx, streams, work->sums);
+            add_leakage(box, g, streams[0].psi_x + streams[1].psi_x, work->sums);
+        }
+        split_parity(scratch, (int32_t)nx);
+        gather(box, g, octant, scratch, bands);
+    }
+    store_moments(box, work->block, scratch->sum, work->moments + row * terms, bands);
+}
+
+/* Dispatches to a row sweep with a compile-time Legendre order for the usual orders, which unrolls the loops over
+ * terms.
+ */
+static void sweep_row_of_order(const row_work* work, int32_t octant, int32_t y, int32_t z) {
+    switch (work->box->terms) {
+    case 1: sweep_row(work, octant, y, z, 1); return;
+    case 4: sweep_row(work, octant, y, z, 2); return;
+    case 9: sweep_row(work, octant, y, z, 3); return;
+    case 16: sweep_row(work, octant, y, z, 4); return;
+    case 25: sweep_row(work, octant, y, z, 5); return;
+    case 36: sweep_row(work, octant, y, z, 6); return;
+    default: sweep_row(work, octant, y, z, 2 * work->box->even - work->box->terms);
+    }
+}
+
+static void cross(const ty_sweep_box* box, const ty_sweep_block* block, const float* emission, float* moments,
+                  float* scratch, ty_sweep_sums* sums) {
+    const row_work work = {box, emission, moments, lay_out(box, scratch), sums, block};
+    const bool down_y = (block->pair & 1) != 0, down_z = (block->pair & 2) != 0;
+    const int32_t count_y = block->end[0] - block->begin[0], count_z = block->end[1] - block->begin[1];
+    for (int32_t k = 0; k < count_z; ++k)
+        for (int32_t j = 0; j < count_y; ++j)
+            sweep_row_of_order(&work, 2 * block->pair, down_y ? block->end[0] - 1 - j : block->begin[0] + j,
+                               down_z ? block->end[1] - 1 - k : block->begin[1] + k);
+}
+
+const ty_sweep_kernels TY_KERNEL_NAME(ty_sweep_kernels) = {
+    .lanes = TY_LANES,
+    .scratch = scratch_floats,
+    .cross = cross,
+};

@@ -1,0 +1,311 @@
+/* One hash per method and instruction set: the same for 1 to 32 threads, and the same as it was.
+ *
+ * Every method renders one small scene. Its hash must not depend on the number of threads on any machine. It must also
+ * be the one in the table below where the table applies: sums are contracted to fused multiply-adds by the compiler's
+ * rules and Embree picks its own kernels, so the table holds for optimised builds by gcc 12 on processors with AVX-512,
+ * and elsewhere the hash is printed and only its independence of threads is checked.
+ *
+ * When a change means to alter a method's results, run `build/release/bin/test_golden --update` on such a machine,
+ * paste the rows it prints over the table's, and say in the commit why they changed. */
+#include "base/isa.h"
+#include "effort.h"
+#include "fog.h"
+#include "screen_maker.h"
+
+#include <tyndall/bake.h>
+#include <tyndall/dom.h>
+#include <tyndall/fld.h>
+#include <tyndall/lpv.h>
+#include <tyndall/pop.h>
+
+#include <stdio.h>
+
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ == 12 && defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define TABLE_IS_OF_THIS_BUILD 1
+#else
+#define TABLE_IS_OF_THIS_BUILD 0
+#endif
+
+/* ---- the instruction set: test_golden is linked with --wrap=ty_best_isa ---- */
+
+ty_isa __real_ty_best_isa(void);
+ty_isa __wrap_ty_best_isa(void);
+
+static ty_isa forced_isa;
+
+ty_isa __wrap_ty_best_isa(void) {
+    return forced_isa;
+}
+
+/* ---- hashes ---- */
+
+/* FNV-1a, 64 bits. */
+static uint64_t hash_bytes(uint64_t hash, const void* bytes, size_t size) {
+    const unsigned char* at = bytes;
+    for (size_t i = 0; i < size; ++i) hash = (hash ^ at[i]) * 0x100000001b3u;
+    return hash;
+}
+
+static const uint64_t hash_start = 0xcbf29ce484222325u;
+
+static uint64_t hash_image(ty_image* image) {
+    const size_t pixels = (size_t)ty_image_width(image) * (size_t)ty_image_height(image);
+    uint64_t hash = hash_start;
+    for (int32_t c = 0; c < ty_image_channel_count(image); ++c)
+        hash = hash_bytes(hash, ty_image_plane_const(image, c), pixels * sizeof(float));
+    ty_image_destroy(image);
+    return hash;
+}
+
+static void must(ty_context* context, ty_result result) {
+    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_take_error(context));
+}
+
+/* ---- the scene ---- */
+
+enum { VOXELS = 8 };
+
+/* Smoke of 8^3 voxels in a box of fog over a floor, under a sun and a point light; with `sky`, under a sky, too. */
+static ty_scene* make_golden_scene(ty_context* context, bool sky) {
+    static const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1}, inner[3] = {-0.6, -0.5, -0.6};
+    static const double outer[3] = {0.7, 0.8, 0.5};
+    float values[VOXELS * VOXELS * VOXELS];
+    uint64_t seed = 7;
+    for (int i = 0; i < VOXELS * VOXELS * VOXELS; ++i) values[i] = (float)uniform(&seed);
+    ty_grid_def grid = ty_default_grid_def();
+    grid.size[0] = grid.size[1] = grid.size[2] = VOXELS;
+    grid.values = values;
+    ty_medium_def fog = box_medium(lower, upper, 0.4f, 0.05f), smoke = box_medium(inner, outer, 3, 0.3f);
+    set3f(fog.sigma_s, 0.3f, 0.4f, 0.5f);
+    set3f(smoke.g, 0.6f, 0.6f, 0.6f);
+    must(context, ty_grid_create(context, &grid, &smoke.density_grid));
+    ty_shape_def floor = ty_default_shape_def();
+    floor.kind = TY_SHAPE_QUAD;
+    set3(floor.origin, -2, -1.05, -2);
+    set3(floor.u, 0, 0, 4);
+    set3(floor.v, 4, 0, 0);
+    set3f(floor.albedo, 0.7f, 0.5f, 0.3f);
+    ty_light_def sun = ty_default_light_def(), lamp = sun, environment = sun;
+    set3(sun.direction, -0.4, -1, -0.3);
+    set3f(sun.color, 3, 2.8f, 2.5f);
+    lamp.kind = TY_LIGHT_POINT;
+    set3(lamp.position, 0.9, 0.3, 1.2);
+    environment.kind = TY_LIGHT_ENVIRONMENT;
+    set3f(environment.color, 0.3f, 0.4f, 0.6f);
+    ty_camera_def camera = ty_default_camera_def();
+    set3(camera.position, 0.4, 0.6, 4);
+    camera.fov_y = 45;
+    ty_scene* scene = make_scene(context);
+    must(context, ty_scene_add_medium(scene, &fog));
+    must(context, ty_scene_add_medium(scene, &smoke));
+    must(context, ty_scene_add_shape(scene, &floor));
+    must(context, ty_scene_add_light(scene, &sun));
+    must(context, ty_scene_add_light(scene, &lamp));
+    if (sky) must(context, ty_scene_add_light(scene, &environment));
+    must(context, ty_scene_set_camera(scene, &camera));
+    must(context, ty_scene_commit(scene));
+    ty_grid_release(smoke.density_grid);
+    return scene;
+}
+
+/* ---- the methods ---- */
+
+static uint64_t hash_path(ty_context* context) {
+    ty_scene* scene = make_golden_scene(context, true);
+    ty_path_def def = small_def(8);
+    ty_image* image = NULL;
+    def.aovs = TY_AOV_VARIANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
+    must(context, ty_path_render(scene, &def, &image, NULL));
+    ty_scene_destroy(scene);
+    return hash_image(image);
+}
+
+static uint64_t hash_fld(ty_context* context) {
+    ty_scene* scene = make_golden_scene(context, true);
+    ty_fld_def def = ty_default_fld_def();
+    ty_image* image = NULL;
+    def.resolution = 16;
+    def.environment_beams = 4;
+    def.width = WIDTH;
+    def.height = HEIGHT;
+    def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
+    must(context, ty_fld_render(scene, &def, &image, NULL));
+    ty_scene_destroy(scene);
+    return hash_image(image);
+}
+
+static uint64_t hash_pop(ty_context* context) {
+    ty_scene* scene = make_golden_scene(context, true);
+    ty_pop_def def = ty_default_pop_def();
+    ty_image* image = NULL;
+    def.resolution = 8;
+    def.ordinates = 4;
+    def.width = WIDTH;
+    def.height = HEIGHT;
+    def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
+    must(context, ty_pop_render(scene, &def, &image, NULL));
+    ty_scene_destroy(scene);
+    return hash_image(image);
+}
+
+static uint64_t hash_dom(ty_context* context) {
+    ty_scene* scene = make_golden_scene(context, true);
+    ty_dom_def def = ty_default_dom_def();
+    ty_image* image = NULL;
+    def.resolution = 8;
+    def.direct = 16;
+    def.directions = 24;
+    def.environment_beams = 4;
+    def.width = WIDTH;
+    def.height = HEIGHT;
+    def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
+    must(context, ty_dom_render(scene, &def, &image, NULL));
+    ty_scene_destroy(scene);
+    return hash_image(image);
+}
+
+static uint64_t hash_lpv(ty_context* context) {
+    ty_scene* scene = make_golden_scene(context, false);
+    ty_lpv_def def = ty_default_lpv_def();
+    ty_image* image = NULL;
+    def.resolution = 8;
+    def.map_side = 32;
+    def.shadow_side = 64;
+    def.iterations = 4;
+    def.width = WIDTH;
+    def.height = HEIGHT;
+    def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
+    must(context, ty_lpv_render(scene, &def, &image, NULL));
+    ty_scene_destroy(scene);
+    return hash_image(image);
+}
+
+static uint64_t hash_screen(ty_context* context) {
+    picture p = make_picture(61, 37, 0);
+    fill_random(&p, 1, 60, 11);
+    ty_screen_def def = ty_default_screen_def();
+    set3f(def.sigma_s, 0.08f, 0.1f, 0.12f);
+    set3f(def.sigma_a, 0.01f, 0.02f, 0.01f);
+    set3f(def.g, 0.9f, 0.9f, 0.9f);
+    def.focal[0] = def.focal[1] = ty_screen_focal(p.height, 40);
+    const ty_screen_image image = image_of(&p);
+    must(context, ty_screen_apply(context, &def, &image, NULL, 0, NULL));
+    const uint64_t hash = hash_bytes(hash_start, p.out, 3 * (size_t)pixel_count(&p) * sizeof(float));
+    free_picture(&p);
+    return hash;
+}
+
+static uint64_t hash_bake(ty_context* context) {
+    enum { RECEIVERS = 6 };
+    ty_scene* scene = make_golden_scene(context, true);
+    ty_bake_receiver receivers[RECEIVERS] = {{{0}, {0}, {0}, 0}};
+    static ty_bake_light light[RECEIVERS];
+    ty_bake_def def = ty_default_bake_def();
+    def.spp = 32;
+    def.cells = 6;
+    def.cell_paths = 8;
+    for (int i = 0; i < RECEIVERS; ++i) {
+        receivers[i].position[0] = -1 + 0.4f * (float)i;
+        receivers[i].position[1] = -1.05f;
+        receivers[i].position[2] = 0.3f * (float)(i % 3) - 0.3f;
+        receivers[i].normal[1] = receivers[i].face[1] = 1;
+        receivers[i].margin = 1e-4f;
+    }
+    must(context, ty_bake_surfaces(scene, &def, receivers, RECEIVERS, light, NULL));
+    uint64_t hash = hash_start;
+    for (int i = 0; i < RECEIVERS; ++i) {
+        hash = hash_bytes(hash, light[i].irradiance, sizeof light[i].irradiance);
+        hash = hash_bytes(hash, light[i].vector_irradiance, sizeof light[i].vector_irradiance);
+    }
+    ty_scene_destroy(scene);
+    return hash;
+}
+
+typedef struct golden {
+    const char* method;
+    uint64_t (*hash)(ty_context* context);
+    uint64_t expected[TY_ISA_COUNT]; /* x86-64, -v3, -v4 */
+} golden;
+
+static const golden table[] = {
+    {"path", hash_path, {0x12e654b7314982fa, 0xfdb16a2e8ff422e9, 0xfdb16a2e8ff422e9}},
+    {"screen", hash_screen, {0x8f6b85b66741a6dd, 0x4762fb6f13246ca6, 0x3bb1bdcb3ddf4f6c}},
+    {"fld", hash_fld, {0x9b2d4c47badc288c, 0xcea581ab6c95e13d, 0xcea581ab6c95e13d}},
+    {"pop", hash_pop, {0x34c441425f962e3d, 0x3d87d44c87997d61, 0x3d87d44c87997d61}},
+    {"dom", hash_dom, {0x07f4a01685fa79bf, 0xa085d5797792be0c, 0x9cf5397998e62256}},
+    {"lpv", hash_lpv, {0x8e3b7c9c033d9a61, 0xaf7eedad0f7c3bfe, 0xaf7eedad0f7c3bfe}},
+    {"bake", hash_bake, {0xe9c6909a97e6b588, 0x1be5e8cc6301c228, 0x1be5e8cc6301c228}},
+};
+
+enum { METHODS = sizeof table / sizeof table[0] };
+
+/* ---- the test ---- */
+
+static uint64_t hash_with(const golden* g, int32_t threads) {
+    ty_context* context = make_context(threads);
+    const uint64_t hash = g->hash(context);
+    ty_context_destroy(context);
+    return hash;
+}
+
+/* Every thread count gives the hash of one thread, and that is the expected one where the table applies. */
+static bool check_method(const golden* g, ty_isa isa) {
+    static const int32_t threads[] = {2, 3, 8, 32};
+    forced_isa = isa;
+    const uint64_t hash = hash_with(g, 1);
+    bool same = true;
+    for (size_t i = 0; i < sizeof threads / sizeof *threads; ++i) {
+        const uint64_t other = hash_with(g, threads[i]);
+        if (other != hash)
+            printf("%s, %s: 0x%016llx by %d threads, 0x%016llx by one\n", g->method, ty_isa_name(isa),
+                   (unsigned long long)other, (int)threads[i], (unsigned long long)hash);
+        same = same && other == hash;
+    }
+    const bool known = TABLE_IS_OF_THIS_BUILD && __real_ty_best_isa() == TY_ISA_V4;
+    if (!known || hash != g->expected[isa])
+        printf("%s, %s: 0x%016llx%s\n", g->method, ty_isa_name(isa), (unsigned long long)hash,
+               known ? " is not the expected hash" : " (the table is of another build or machine)");
+    return same && (!known || hash == g->expected[isa]);
+}
+
+static void results_depend_neither_on_threads_nor_on_time(void** state) {
+    (void)state;
+    skip_under_sanitizers();
+    bool right = true;
+    for (int m = 0; m < METHODS; ++m)
+        for (int isa = 0; isa <= (int)__real_ty_best_isa(); ++isa)
+            right = check_method(&table[m], (ty_isa)isa) && right;
+    assert_true(right);
+}
+
+/* A hash that no difference could change would prove nothing. */
+static void another_pixel_makes_another_hash(void** state) {
+    forced_isa = __real_ty_best_isa();
+    ty_image* images[2];
+    for (int i = 0; i < 2; ++i) {
+        must(*state, ty_image_create_rgb(*state, WIDTH, HEIGHT, &images[i]));
+        ty_image_plane(images[i], 2)[PIXELS - 1] = i == 0 ? 1 : nextafterf(1, 2);
+    }
+    const uint64_t first = hash_image(images[0]);
+    assert_true(first != hash_image(images[1]));
+}
+
+static int print_table(void) {
+    for (int m = 0; m < METHODS; ++m) {
+        printf("    {\"%s\", hash_%s, {", table[m].method, table[m].method);
+        for (int isa = 0; isa <= (int)__real_ty_best_isa(); ++isa) {
+            forced_isa = (ty_isa)isa;
+            printf("%s0x%016llx", isa == 0 ? "" : ", ", (unsigned long long)hash_with(&table[m], 1));
+        }
+        printf("}},\n");
+    }
+    return 0;
+}
+
+int main(int argc, char** argv) {
+    if (argc == 2 && strcmp(argv[1], "--update") == 0) return print_table();
+    const struct CMUnitTest tests[] = {cmocka_unit_test(another_pixel_makes_another_hash),
+                                       cmocka_unit_test(results_depend_neither_on_threads_nor_on_time)};
+    return cmocka_run_group_tests(tests, start_context, stop_context);
+}

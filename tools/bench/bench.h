@@ -1,0 +1,51 @@
+/* Benches: each has a name and a function; all share the options of `tyndall bench`. */
+#ifndef TY_BENCH_H
+#define TY_BENCH_H
+
+#include "cli/session.h"
+
+enum { BENCH_PATH_SIZE = 1024 };
+
+typedef struct bench_options {
+    bool json, quick;
+    int32_t spp, size[2], runs, side;
+    bool size_given, full;
+    const char* scenes;    /* names or paths, comma-separated */
+    const char* mesh;      /* file, or NULL */
+    const char* reference; /* folder of NAME.exr, or NULL */
+    const char* data;      /* folder of third-party data, or NULL */
+} bench_options;
+
+typedef struct bench_session {
+    cli_session* session;
+    const bench_options* options;
+    json_writer* json; /* measurements as JSON or YAML; inside an open object of the bench */
+} bench_session;
+
+/* Each returns CLI_DONE or an exit status after a message. */
+int bench_machine(const bench_session* bench);
+int bench_path(const bench_session* bench);
+int bench_direct(const bench_session* bench);
+int bench_rays(const bench_session* bench);
+int bench_screen(const bench_session* bench);
+int bench_fld(const bench_session* bench);
+int bench_pop(const bench_session* bench);
+int bench_lpv(const bench_session* bench);
+int bench_dom(const bench_session* bench);
+int bench_octaves(const bench_session* bench);
+int bench_impulse(const bench_session* bench);
+int bench_bake(const bench_session* bench);
+int bench_load(const bench_session* bench);
+
+/* Multiply-add throughput of all threads, 1e9 operations/s: the median of a few runs. 0: no memory. */
+double bench_fma_gflops(ty_context* context);
+/* The instruction set of the kernels on this machine: "x86-64-v3". */
+const char* bench_isa(void);
+/* The median of count values; sorts them. */
+double bench_median(double* values, int count);
+/* Creates a folder for files of a bench, in TMPDIR or /tmp: CLI_GO, or CLI_FAILED after a message. */
+int bench_make_folder(char out[BENCH_PATH_SIZE]);
+/* Size of a bench's images, pixels: --size, else width x height, a quarter of each with --quick. */
+void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]);
+
+#endif

@@ -1,0 +1,300 @@
+/* tyndall bench fld: the diffusion solvers over sizes of grids, and complete images compared with classical diffusion
+ * and path tracing. */
+#include "bench/bench.h"
+
+#include "solve/diffusion/diffusion.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SOR_SIDE = 128, SIZES = 3, RUNS_MAX = 99, WIDTH = 1024, PATH_SPP = 4, TRUTH_SPP = 1000 };
+
+static const int32_t sides[SIZES] = {64, 128, 256};
+static const double tolerance = 1e-6;
+
+/* ---- test problems ---- */
+
+/* A cube of edge 1 m on side^3 cells. */
+typedef struct problem {
+    int32_t side;
+    float *extinction, *absorption, *source, *fluence;
+} problem;
+
+static float* plane(const problem* p) {
+    return calloc((size_t)p->side * (size_t)p->side * (size_t)p->side, sizeof(float));
+}
+
+static void close_problem(problem* p) {
+    free(p->extinction);
+    free(p->absorption);
+    free(p->source);
+    free(p->fluence);
+}
+
+/* Isotropic fog lit from above: extinction 4/m, albedo 1. */
+static void fill_beam(const problem* p, size_t at, double x, double y, double z) {
+    (void)x;
+    (void)z;
+    p->extinction[at] = 4;
+    p->source[at] = (float)(4 * exp(-4 * (1 - y)));
+}
+
+/* An inhomogeneous emissive ball in vacuum, albedo 0.999. */
+static void fill_cloud(const problem* p, size_t at, double x, double y, double z) {
+    const double r = sqrt((x - 0.5) * (x - 0.5) + (y - 0.5) * (y - 0.5) + (z - 0.5) * (z - 0.5));
+    const double lumps = sin(23 * x) * sin(19 * y + 1) * sin(21 * z + 2);
+    if (r > 0.35 + 0.05 * lumps) return;
+    p->extinction[at] = (float)(40 * (1 + 0.8 * lumps));
+    p->absorption[at] = 1e-3f * p->extinction[at];
+    p->source[at] = (float)fmax(0, 1 + lumps - 2 * r);
+}
+
+typedef void (*fill_fn)(const problem* p, size_t at, double x, double y, double z);
+
+static bool open_problem(int32_t side, fill_fn fill, problem* out) {
+    *out = (problem){.side = side};
+    out->extinction = plane(out);
+    out->absorption = plane(out);
+    out->source = plane(out);
+    out->fluence = plane(out);
+    if (out->extinction == NULL || out->absorption == NULL || out->source == NULL || out->fluence == NULL) return false;
+    size_t at = 0;
+    for (int32_t k = 0; k < side; ++k)
+        for (int32_t j = 0; j < side; ++j)
+            for (int32_t i = 0; i < side; ++i, ++at)
+                fill(out, at, (i + 0.5) / side, (j + 0.5) / side, (k + 0.5) / side);
+    return true;
+}
+
+/* ---- solvers ---- */
+
+static const struct {
+    const char* name;
+    fill_fn fill;
+    ty_limiter limiter;
+    ty_diffusion_solver solver;
+    double relaxation; /* relaxation factor of SOR, near the optimum for this problem and side */
+    int32_t smallest, largest;
+    double streaming; /* options of limiters */
+} cases[] = {
+    {"linear, beam", fill_beam, TY_LIMITER_NONE, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 0.55},
+    {"limited, beam", fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 0.55},
+    {"limited, beam, 1", fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 1},
+    {"linear, cloud", fill_cloud, TY_LIMITER_NONE, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 0.55},
+    {"limited, cloud", fill_cloud, TY_LIMITER_LEVERMORE_POMRANING, TY_DIFFUSION_MULTIGRID, 0, 64, 128, 0.55},
+    {"linear, beam, sor", fill_beam, TY_LIMITER_NONE, TY_DIFFUSION_SOR, 1.96, SOR_SIDE, SOR_SIDE, 1},
+};
+enum { CASES = sizeof cases / sizeof cases[0], SOR_CASE = CASES - 1, LINEAR_CASE = 0 };
+
+typedef struct solved {
+    int32_t side, iterations, cycles;
+    double work, residual, seconds, cpu_seconds, floats; /* medians; floats: memory in floats per cell */
+    bool converged;
+} solved;
+
+static ty_diffusion_def make_def(int index, const problem* p) {
+    ty_diffusion_def def = ty_default_diffusion_def();
+    for (int a = 0; a < 3; ++a) {
+        def.size[a] = p->side;
+        def.cell[a] = 1.0 / p->side;
+    }
+    def.extinction = p->extinction;
+    def.absorption = p->absorption;
+    def.source = p->source;
+    def.limiter = cases[index].limiter;
+    def.streaming = cases[index].streaming;
+    def.solver = cases[index].solver;
+    def.tolerance = tolerance;
+    if (cases[index].relaxation > 0) def.relaxation = cases[index].relaxation;
+    return def;
+}
+
+static ty_result run_case(const bench_session* bench, int index, int32_t side, solved* out) {
+    problem p;
+    const bool opened = open_problem(side, cases[index].fill, &p);
+    ty_diffusion_def def = make_def(index, &p);
+    const ty_diffusion_out fluence = {.fluence = p.fluence};
+    const size_t bytes = ty_diffusion_memory(&def);
+    def.memory = aligned_alloc(64, (bytes + 63) / 64 * 64);
+    ty_result result = opened && def.memory != NULL ? TY_OK : TY_ERROR_MEMORY;
+    const int runs = cases[index].solver == TY_DIFFUSION_SOR ? 1 : bench->options->runs;
+    double seconds[RUNS_MAX], cpu_seconds[RUNS_MAX];
+    for (int run = 0; run < runs && result == TY_OK; ++run) {
+        ty_diffusion_stats stats;
+        const double cpu = cli_cpu_seconds();
+        result = ty_diffusion_solve(bench->session->context, &def, &fluence, &stats);
+        cpu_seconds[run] = cli_cpu_seconds() - cpu;
+        seconds[run] = stats.seconds;
+        *out = (solved){.side = side,
+                        .iterations = stats.iterations,
+                        .cycles = stats.cycles,
+                        .work = stats.work,
+                        .residual = stats.residual,
+                        .converged = stats.converged};
+    }
+    if (result == TY_OK) {
+        out->seconds = bench_median(seconds, runs);
+        out->cpu_seconds = bench_median(cpu_seconds, runs);
+        out->floats = (double)bytes / sizeof(float) / pow(side, 3);
+    }
+    close_problem(&p);
+    free(def.memory);
+    return result;
+}
+
+/* The largest grid side of a case, at most SOR_SIDE with --quick. */
+static int32_t largest_side(const bench_session* bench, int index) {
+    return bench->options->quick && cases[index].largest > SOR_SIDE ? SOR_SIDE : cases[index].largest;
+}
+
+static void print_solved(const bench_session* bench, int index, const solved* s) {
+    const double cells = pow(s->side, 3);
+    json_open_object(bench->json, NULL);
+    json_text(bench->json, "case", cases[index].name);
+    json_int(bench->json, "side", s->side);
+    json_bool(bench->json, "converged", s->converged);
+    json_int(bench->json, "iterations", s->iterations);
+    json_int(bench->json, "cycles", s->cycles);
+    json_number(bench->json, "work", s->work);
+    json_number(bench->json, "residual", s->residual);
+    json_number(bench->json, "seconds", s->seconds);
+    json_number(bench->json, "mcells_per_second", 1e-6 * cells / s->seconds);
+    json_number(bench->json, "mcells_per_core_second", 1e-6 * cells / s->cpu_seconds);
+    json_number(bench->json, "floats_per_cell", s->floats);
+    json_close_object(bench->json);
+}
+
+static ty_result bench_solvers(const bench_session* bench) {
+    static solved results[CASES][SIZES];
+    ty_result result = TY_OK;
+    json_open_array(bench->json, "solvers");
+    for (int i = 0; i < CASES && result == TY_OK; ++i)
+        for (int s = 0; s < SIZES && result == TY_OK; ++s) {
+            if (sides[s] < cases[i].smallest || sides[s] > largest_side(bench, i)) continue;
+            result = run_case(bench, i, sides[s], &results[i][s]);
+            if (result == TY_OK) print_solved(bench, i, &results[i][s]);
+        }
+    json_close_array(bench->json);
+    if (result != TY_OK) return result;
+    const double faster = results[SOR_CASE][1].seconds / results[LINEAR_CASE][1].seconds;
+    json_number(bench->json, "multigrid_over_sor", faster);
+    json_open_object(bench->json, "work_over_smallest");
+    for (int i = 0; i < SOR_CASE; ++i) {
+        const int last = largest_side(bench, i) == sides[SIZES - 1] ? SIZES - 1 : SIZES - 2;
+        json_number(bench->json, cases[i].name, results[i][last].work / results[i][0].work);
+    }
+    json_close_object(bench->json);
+    return TY_OK;
+}
+
+/* ---- images ---- */
+
+typedef struct timed {
+    double seconds[2], parts[2][4]; /* medians of fld and cda; medium, direct, solve, march */
+    double path;                    /* at TRUTH_SPP, extrapolated from PATH_SPP */
+    double floats;                  /* bytes of the solve, per cell and channel */
+    ty_fld_stats stats;
+} timed;
+
+static ty_result time_method(const bench_session* bench, const ty_scene* scene, bool limited, ty_fld_stats* stats) {
+    ty_fld_def def = ty_default_fld_def();
+    int32_t size[2];
+    bench_pixels(bench->options, WIDTH, WIDTH, size);
+    def.width = size[0];
+    def.height = size[1];
+    if (!limited) def.limiter = TY_FLD_LIMITER_NONE;
+    ty_image* image = NULL;
+    const ty_result result = ty_fld_render(scene, &def, &image, stats);
+    ty_image_destroy(image);
+    return result;
+}
+
+static ty_result time_path(const bench_session* bench, const ty_scene* scene, double* seconds) {
+    ty_path_def def = ty_default_path_def();
+    def.spp = PATH_SPP;
+    int32_t size[2];
+    bench_pixels(bench->options, WIDTH, WIDTH, size);
+    def.width = size[0];
+    def.height = size[1];
+    def.progress = cli_progress_report;
+    def.progress_user = &bench->session->progress;
+    ty_path_stats stats;
+    ty_image* image = NULL;
+    const ty_result result = ty_path_render(scene, &def, &image, &stats);
+    ty_image_destroy(image);
+    *seconds = stats.seconds * TRUTH_SPP / PATH_SPP;
+    return result;
+}
+
+/* Runs of fld and cda are interleaved. */
+static ty_result time_scene(const bench_session* bench, const ty_scene* scene, timed* out) {
+    static double seconds[2][RUNS_MAX], parts[2][4][RUNS_MAX];
+    const int runs = bench->options->runs;
+    ty_result result = TY_OK;
+    for (int run = 0; run < runs && result == TY_OK; ++run)
+        for (int m = 0; m < 2 && result == TY_OK; ++m) {
+            ty_fld_stats stats;
+            result = time_method(bench, scene, m == 0, &stats);
+            if (result != TY_OK) break;
+            const double of[4] = {stats.medium_seconds, stats.direct_seconds, stats.solve_seconds, stats.march_seconds};
+            seconds[m][run] = stats.seconds;
+            for (int i = 0; i < 4; ++i) parts[m][i][run] = of[i];
+            if (m == 0) out->stats = stats;
+        }
+    if (result != TY_OK) return result;
+    for (int m = 0; m < 2; ++m) {
+        out->seconds[m] = bench_median(seconds[m], runs);
+        for (int i = 0; i < 4; ++i) out->parts[m][i] = bench_median(parts[m][i], runs);
+    }
+    const int32_t* size = out->stats.diffusion_size;
+    ty_diffusion_def channel = ty_default_diffusion_def();
+    memcpy(channel.size, size, sizeof channel.size);
+    for (int a = 0; a < 3; ++a) channel.cell[a] = 1;
+    out->floats = (double)ty_diffusion_memory(&channel) / sizeof(float) / ((double)size[0] * size[1] * size[2]);
+    return time_path(bench, scene, &out->path);
+}
+
+static void print_timed(const bench_session* bench, const char* name, const timed* t) {
+    static const char* const methods[] = {"fld", "cda"};
+    static const char* const parts[] = {"medium_seconds", "direct_seconds", "solve_seconds", "march_seconds"};
+    const int32_t* coarse = t->stats.diffusion_size;
+    json_open_object(bench->json, name);
+    for (int m = 0; m < 2; ++m) {
+        json_open_object(bench->json, methods[m]);
+        json_number(bench->json, "seconds", t->seconds[m]);
+        for (int i = 0; i < 4; ++i) json_number(bench->json, parts[i], t->parts[m][i]);
+        json_close_object(bench->json);
+    }
+    json_number(bench->json, "path_seconds_at_1000_spp", t->path);
+    json_number(bench->json, "path_over_fld", t->path / t->seconds[0]);
+    json_number(bench->json, "fld_over_cda", t->seconds[0] / t->seconds[1]);
+    json_number(bench->json, "floats_per_cell", t->floats);
+    json_numbers(bench->json, "diffusion_size", (const double[]){coarse[0], coarse[1], coarse[2]}, 3);
+    json_close_object(bench->json);
+}
+
+static ty_result bench_images(const bench_session* bench) {
+    static const char* const names[] = {"cloud_sun", "nebulae"};
+    ty_result result = TY_OK;
+    json_open_object(bench->json, "images");
+    for (size_t i = 0; i < sizeof names / sizeof *names && result == TY_OK; ++i) {
+        char path[64];
+        timed t = {.path = 0};
+        ty_scene* scene = NULL;
+        snprintf(path, sizeof path, "builtin:%s", names[i]);
+        result = ty_scene_load(bench->session->context, path, NULL, 0, &scene);
+        if (result == TY_OK) result = time_scene(bench, scene, &t);
+        cli_progress_clear(&bench->session->progress);
+        if (result == TY_OK) print_timed(bench, names[i], &t);
+        ty_scene_destroy(scene);
+    }
+    json_close_object(bench->json);
+    return result;
+}
+
+int bench_fld(const bench_session* bench) {
+    ty_result result = bench_solvers(bench);
+    if (result == TY_OK) result = bench_images(bench);
+    return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
+}

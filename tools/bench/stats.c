@@ -1,0 +1,30 @@
+/* Medians, sizes and folders of benches. */
+#define _GNU_SOURCE
+#include "bench/bench.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int compare_numbers(const void* a, const void* b) {
+    const double x = *(const double*)a, y = *(const double*)b;
+    return (x > y) - (x < y);
+}
+
+double bench_median(double* values, int count) {
+    qsort(values, (size_t)count, sizeof *values, compare_numbers);
+    return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
+}
+
+int bench_make_folder(char out[BENCH_PATH_SIZE]) {
+    const char* folder = getenv("TMPDIR");
+    snprintf(out, BENCH_PATH_SIZE, "%s/tyndall-bench-XXXXXX", folder != NULL && folder[0] != '\0' ? folder : "/tmp");
+    if (mkdtemp(out) != NULL) return CLI_GO;
+    return cli_fail(CLI_FAILED, "%s: a folder for the bench cannot be made: %s", out, strerror(errno));
+}
+
+void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]) {
+    const int32_t divisor = options->quick ? 4 : 1;
+    size[0] = options->size_given ? options->size[0] : width / divisor;
+    size[1] = options->size_given ? options->size[1] : height / divisor;
+}
