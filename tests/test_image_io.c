@@ -429,6 +429,26 @@ static void failed_writes_leave_the_old_file(void** state) {
     ty_image_destroy(image);
 }
 
+/* Space runs out within the header, at its end, in the table of offsets and in the pixels. The library calls its error
+ * handler with a lock held in some of these places: a signal ends the test if it waits for itself. */
+static void full_disks_are_reported_at_every_place(void** state) {
+    (void)state;
+    static const char* const names[] = {"R", "G", "B"};
+    static const long spaces[] = {0, 8, 100, 250, 300, 350, 400, 500, 1000, 2000, 20000, 60000};
+    ty_image* image = make_image(100, 100, 3, names);
+    for (size_t i = 0; i < sizeof spaces / sizeof *spaces; ++i) {
+        alarm(20);
+        little_space(spaces[i]);
+        const ty_result result = ty_image_write_exr(context, image, "full.exr");
+        all_space();
+        alarm(0);
+        assert_failed(context, result, TY_ERROR_FILE, "full.exr", NULL);
+        assert_int_not_equal(access("full.exr", F_OK), 0);
+        assert_int_equal(remove_temporary_files(), 0);
+    }
+    ty_image_destroy(image);
+}
+
 static void bytes_are_written_and_read_whole(void** state) {
     (void)state;
     static const uint8_t content[] = {0, 1, 255, '\n', 0};
@@ -574,6 +594,7 @@ int main(void) {
         cmocka_unit_test(broken_hdr_is_refused),
         cmocka_unit_test(absent_files_are_reported),
         cmocka_unit_test(failed_writes_leave_the_old_file),
+        cmocka_unit_test(full_disks_are_reported_at_every_place),
         cmocka_unit_test(bytes_are_written_and_read_whole),
         cmocka_unit_test(png_holds_the_tone_mapped_bytes),
         cmocka_unit_test(short_memory_is_survived),

@@ -21,8 +21,10 @@ typedef struct ty_exr_stream {
     char message[TY_EXR_MESSAGE_SIZE];
 } ty_exr_stream;
 
-/* Initializer of a context for reading or writing; the stream must outlive it. */
+/* Initializer of a context for reading or writing on the calling thread. The stream must outlive the context;
+ * ty_exr_stream_end follows exr_finish. */
 exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream);
+void ty_exr_stream_end(void);
 /* Fails with the library's first message about the stream, or with the text of the error code. */
 ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, const ty_exr_stream* stream,
                       exr_result_t code);

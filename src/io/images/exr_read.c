@@ -250,13 +250,17 @@ ty_result ty_read_exr(ty_context* context, const char* path, const uint8_t* byte
     reader r = {.context = context, .path = path, .stream = {.bytes = bytes, .size = size}};
     const exr_context_initializer_t setup = ty_exr_initializer(&r.stream);
     const exr_result_t code = exr_start_read(&r.exr, path, &setup);
-    if (code != EXR_ERR_SUCCESS) return fail(&r, code);
+    if (code != EXR_ERR_SUCCESS) {
+        ty_exr_stream_end();
+        return fail(&r, code);
+    }
     ty_result result = inspect(&r);
     if (result == TY_OK) result = create_image(&r);
     for (size_t i = 0; result == TY_OK && i < r.part_count; ++i) result = read_part(&r, &r.parts[i]);
     if (result == TY_OK) result = read_metadata(&r);
     ty_free_array(context, r.parts, r.part_count, sizeof *r.parts);
     exr_finish(&r.exr);
+    ty_exr_stream_end();
     if (result != TY_OK) {
         ty_image_destroy(r.image);
         return result;

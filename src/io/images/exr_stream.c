@@ -4,15 +4,19 @@
 
 #include "base/context.h"
 
+#include <errno.h>
 #include <string.h>
 #include <unistd.h>
 
+/* Stream of the calling thread's file. Writing calls the error handler with the context's lock held, which
+ * exr_get_user_data would wait for: the handler must find the stream without the context. */
+static _Thread_local ty_exr_stream* current_stream;
+
 static void store_message(exr_const_context_t exr, exr_result_t code, const char* text) {
+    (void)exr;
     (void)code;
-    void* user = NULL;
-    if (exr == NULL || exr_get_user_data(exr, &user) != EXR_ERR_SUCCESS || user == NULL) return;
-    ty_exr_stream* s = user;
-    if (s->message[0] == '\0') strncpy(s->message, text, TY_EXR_MESSAGE_SIZE - 1);
+    if (current_stream != NULL && current_stream->message[0] == '\0')
+        strncpy(current_stream->message, text, TY_EXR_MESSAGE_SIZE - 1);
 }
 
 static int64_t read_bytes(exr_const_context_t exr, void* user, void* buffer, uint64_t size, uint64_t offset,
@@ -39,6 +43,7 @@ static int64_t write_bytes(exr_const_context_t exr, void* user, const void* buff
     while (done < size) {
         const ssize_t wrote =
             pwrite(fileno(s->file), (const uint8_t*)buffer + done, size - done, (off_t)(offset + done));
+        if (wrote < 0 && errno == EINTR) continue;
         if (wrote <= 0) {
             fail(exr, EXR_ERR_WRITE_IO, "the disk is full or failed");
             return -1;
@@ -50,6 +55,7 @@ static int64_t write_bytes(exr_const_context_t exr, void* user, const void* buff
 
 exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream) {
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    current_stream = stream;
     setup.error_handler_fn = store_message;
     setup.user_data = stream;
     setup.read_fn = read_bytes;
@@ -59,6 +65,10 @@ exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream) {
     setup.max_tile_width = setup.max_tile_height = TY_IMAGE_SIDE_MAX;
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     return setup;
+}
+
+void ty_exr_stream_end(void) {
+    current_stream = NULL;
 }
 
 ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, const ty_exr_stream* stream,
