@@ -48,4 +48,10 @@ int bench_make_folder(char out[BENCH_PATH_SIZE]);
 /* Size of a bench's images, pixels: --size, else width x height, a quarter of each with --quick. */
 void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]);
 
+/* Seconds of path tracing at BENCH_TRUTH_SPP samples a pixel, extrapolated from BENCH_PATH_SPP; size as bench_pixels.
+ */
+enum { BENCH_PATH_SPP = 4, BENCH_TRUTH_SPP = 1000 };
+ty_result bench_time_path(const bench_session* bench, const ty_scene* scene, int32_t width, int32_t height,
+                          double* seconds);
+
 #endif

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SOR_SIDE = 128, SIZES = 3, RUNS_MAX = 99, WIDTH = 1024, PATH_SPP = 4, TRUTH_SPP = 1000 };
+enum { SOR_SIDE = 128, SIZES = 3, RUNS_MAX = 99, WIDTH = 1024 };
 
 static const int32_t sides[SIZES] = {64, 128, 256};
 static const double tolerance = 1e-6;
@@ -192,7 +192,7 @@ static ty_result bench_solvers(const bench_session* bench) {
 
 typedef struct timed {
     double seconds[2], parts[2][4]; /* medians of fld and cda; medium, direct, solve, march */
-    double path;                    /* at TRUTH_SPP, extrapolated from PATH_SPP */
+    double path;                    /* s, of bench_time_path */
     double floats;                  /* bytes of the solve, per cell and channel */
     ty_fld_stats stats;
 } timed;
@@ -207,23 +207,6 @@ static ty_result time_method(const bench_session* bench, const ty_scene* scene, 
     ty_image* image = NULL;
     const ty_result result = ty_fld_render(scene, &def, &image, stats);
     ty_image_destroy(image);
-    return result;
-}
-
-static ty_result time_path(const bench_session* bench, const ty_scene* scene, double* seconds) {
-    ty_path_def def = ty_default_path_def();
-    def.spp = PATH_SPP;
-    int32_t size[2];
-    bench_pixels(bench->options, WIDTH, WIDTH, size);
-    def.width = size[0];
-    def.height = size[1];
-    def.progress = cli_progress_report;
-    def.progress_user = &bench->session->progress;
-    ty_path_stats stats;
-    ty_image* image = NULL;
-    const ty_result result = ty_path_render(scene, &def, &image, &stats);
-    ty_image_destroy(image);
-    *seconds = stats.seconds * TRUTH_SPP / PATH_SPP;
     return result;
 }
 
@@ -252,7 +235,7 @@ static ty_result time_scene(const bench_session* bench, const ty_scene* scene, t
     memcpy(channel.size, size, sizeof channel.size);
     for (int a = 0; a < 3; ++a) channel.cell[a] = 1;
     out->floats = (double)ty_diffusion_memory(&channel) / sizeof(float) / ((double)size[0] * size[1] * size[2]);
-    return time_path(bench, scene, &out->path);
+    return bench_time_path(bench, scene, WIDTH, WIDTH, &out->path);
 }
 
 static void print_timed(const bench_session* bench, const char* name, const timed* t) {

@@ -1,7 +1,7 @@
 /* tyndall bench octaves: images by number of octaves, with the times of their stages, compared with path tracing. */
 #include "bench/bench.h"
 
-enum { RUNS_MAX = 99, WIDTH = 1024, PATH_SPP = 4, TRUTH_SPP = 1000, COUNTS = 4, STAGES = 3 };
+enum { RUNS_MAX = 99, WIDTH = 1024, COUNTS = 4, STAGES = 3 };
 
 static const int32_t counts[COUNTS] = {1, 3, 6, 8};
 static const char* const stages[STAGES] = {"medium_seconds", "direct_seconds", "march_seconds"};
@@ -9,7 +9,7 @@ static const char* const stages[STAGES] = {"medium_seconds", "direct_seconds", "
 typedef struct timed {
     double seconds[COUNTS], stages[COUNTS][STAGES]; /* medians, s */
     double bytes[COUNTS];                           /* bytes of the light fields */
-    double path;                                    /* seconds at TRUTH_SPP, extrapolated from PATH_SPP */
+    double path;                                    /* s, of bench_time_path */
 } timed;
 
 static ty_result render(const bench_session* bench, const ty_scene* scene, int32_t count, ty_octaves_stats* stats) {
@@ -24,23 +24,6 @@ static ty_result render(const bench_session* bench, const ty_scene* scene, int32
     ty_image* image = NULL;
     const ty_result result = ty_octaves_render(scene, &def, &image, stats);
     ty_image_destroy(image);
-    return result;
-}
-
-static ty_result time_path(const bench_session* bench, const ty_scene* scene, double* seconds) {
-    ty_path_def def = ty_default_path_def();
-    int32_t size[2];
-    bench_pixels(bench->options, WIDTH, WIDTH, size);
-    def.spp = PATH_SPP;
-    def.width = size[0];
-    def.height = size[1];
-    def.progress = cli_progress_report;
-    def.progress_user = &bench->session->progress;
-    ty_path_stats stats;
-    ty_image* image = NULL;
-    const ty_result result = ty_path_render(scene, &def, &image, &stats);
-    ty_image_destroy(image);
-    *seconds = stats.seconds * TRUTH_SPP / PATH_SPP;
     return result;
 }
 
@@ -86,7 +69,7 @@ int bench_octaves(const bench_session* bench) {
         snprintf(path, sizeof path, "builtin:%s", names[n]);
         result = ty_scene_load(bench->session->context, path, NULL, 0, &scene);
         for (int i = 0; i < COUNTS && result == TY_OK; ++i) result = time_count(bench, scene, i, &t);
-        if (result == TY_OK) result = time_path(bench, scene, &t.path);
+        if (result == TY_OK) result = bench_time_path(bench, scene, WIDTH, WIDTH, &t.path);
         cli_progress_clear(&bench->session->progress);
         if (result == TY_OK) print_timed(bench, names[n], &t);
         ty_scene_destroy(scene);

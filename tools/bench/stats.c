@@ -1,4 +1,4 @@
-/* Medians, sizes and folders of benches. */
+/* Medians, sizes and folders of benches, and the time of their reference. */
 #define _GNU_SOURCE
 #include "bench/bench.h"
 
@@ -27,4 +27,22 @@ void bench_pixels(const bench_options* options, int32_t width, int32_t height, i
     const int32_t divisor = options->quick ? 4 : 1;
     size[0] = options->size_given ? options->size[0] : width / divisor;
     size[1] = options->size_given ? options->size[1] : height / divisor;
+}
+
+ty_result bench_time_path(const bench_session* bench, const ty_scene* scene, int32_t width, int32_t height,
+                          double* seconds) {
+    ty_path_def def = ty_default_path_def();
+    int32_t size[2];
+    bench_pixels(bench->options, width, height, size);
+    def.spp = BENCH_PATH_SPP;
+    def.width = size[0];
+    def.height = size[1];
+    def.progress = cli_progress_report;
+    def.progress_user = &bench->session->progress;
+    ty_path_stats stats;
+    ty_image* image = NULL;
+    const ty_result result = ty_path_render(scene, &def, &image, &stats);
+    ty_image_destroy(image);
+    *seconds = stats.seconds * BENCH_TRUTH_SPP / BENCH_PATH_SPP;
+    return result;
 }
