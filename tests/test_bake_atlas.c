@@ -1,7 +1,7 @@
 /* Lightmaps: which texels count and where they lie, and what is refused. */
 #include "atlas_maker.h"
 
-#include "bake/atlas.h"
+#include "bake/atlas/atlas.h"
 
 static const double all[2] = {0, 1};
 

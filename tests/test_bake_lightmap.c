@@ -1,7 +1,7 @@
 /* Lightmaps: from made-up light to an image: channels, texels within walls, seams, padding. */
 #include "atlas_maker.h"
 
-#include "bake/atlas.h"
+#include "bake/atlas/atlas.h"
 
 #include <stdio.h>
 

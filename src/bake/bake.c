@@ -1,5 +1,5 @@
 /* Entry points: light on surfaces, at probes and in media. */
-#include "bake/gather.h"
+#include "bake/cache/cache.h"
 
 #include "base/context.h"
 #include "scene/check.h"

@@ -1,5 +1,5 @@
 /* Options and their checks. */
-#include "bake/gather.h"
+#include "bake/gather/run.h"
 #include "option/option.h"
 
 static const char* const methods[] = {"cache", "impulse", "attenuation", "surfaces", "path", NULL};

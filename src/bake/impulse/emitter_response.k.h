@@ -3,7 +3,7 @@
 #ifndef TY_BAKE_IMPULSE_EMITTER_RESPONSE_K_H
 #define TY_BAKE_IMPULSE_EMITTER_RESPONSE_K_H
 
-#include "bake/gather.k.h"
+#include "bake/gather/gather.k.h"
 #include "bake/impulse/response.k.h"
 
 /* Cosine at the emitter down to which a receiver behind its plane is treated as lying in the plane. */

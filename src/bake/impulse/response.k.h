@@ -2,8 +2,8 @@
 #ifndef TY_BAKE_IMPULSE_RESPONSE_K_H
 #define TY_BAKE_IMPULSE_RESPONSE_K_H
 
-#include "bake/kernel.h"
-#include "bake/segment.k.h"
+#include "bake/gather/request.h"
+#include "bake/gather/segment.k.h"
 #include "method/impulse/lookup.h"
 #include "scene/phase.k.h"
 

@@ -4,7 +4,7 @@
  * area an emitter represents follows from the density with which all anchors together could have found it (the balance
  * heuristic). Emitters then gather light like receivers: first from surfaces and lights, then, in rounds, from media.
  */
-#include "bake/gather.h"
+#include "bake/impulse/impulse.h"
 #include "bake/impulse/emitter_response.k.h"
 
 #include "base/context.h"

@@ -2,7 +2,7 @@
 #ifndef TY_BAKE_CACHE_LOOKUP_K_H
 #define TY_BAKE_CACHE_LOOKUP_K_H
 
-#include "bake/cache.h"
+#include "bake/cache/cache.h"
 #include "scene/phase.k.h"
 
 TY_FN int32_t ty_cache_cell(const ty_cache_view* view, ty_vec at) {

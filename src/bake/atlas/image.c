@@ -1,5 +1,5 @@
 /* Lightmaps: conversion of light at texels to an image. */
-#include "bake/atlas.h"
+#include "bake/atlas/atlas.h"
 
 #include "base/context.h"
 

@@ -1,7 +1,6 @@
 /* Light cache near walls: visibility between cells, and the light of cells inside walls. */
 #include "base/context.h"
-#include "bake/cache_lookup.k.h"
-#include "bake/gather.h"
+#include "bake/cache/lookup.k.h"
 
 enum { AROUND = 27, ROW_CELLS = 64 };
 

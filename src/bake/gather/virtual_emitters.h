@@ -1,7 +1,7 @@
 /* Virtual emitters: points that represent all surfaces and local lights as emitters into the media, found once per bake
  * and shared by all receivers. */
-#ifndef TY_BAKE_IMPULSE_VIRTUAL_EMITTERS_H
-#define TY_BAKE_IMPULSE_VIRTUAL_EMITTERS_H
+#ifndef TY_BAKE_GATHER_VIRTUAL_EMITTERS_H
+#define TY_BAKE_GATHER_VIRTUAL_EMITTERS_H
 
 #include "base/vector.k.h"
 

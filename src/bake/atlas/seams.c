@@ -2,7 +2,7 @@
  * lookups on one side minus lookups on the other, at points along all seams; (A'A + P) d = -A'A x is solved for the
  * change d of light x by conjugate gradients, with weak regularisation P towards the original texels. */
 #include "base/context.h"
-#include "bake/atlas.h"
+#include "bake/atlas/atlas.h"
 
 #include <math.h>
 #include <string.h>

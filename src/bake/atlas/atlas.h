@@ -6,8 +6,8 @@
  *   padding   the nearest valid texel for each texel around a chart
  *   seams     lookups along an edge shared by two charts are made equal
  */
-#ifndef TY_BAKE_ATLAS_H
-#define TY_BAKE_ATLAS_H
+#ifndef TY_BAKE_ATLAS_ATLAS_H
+#define TY_BAKE_ATLAS_ATLAS_H
 
 #include <tyndall/bake.h>
 

@@ -1,10 +1,10 @@
 /* Paths from a receiver over surfaces, through media that only attenuate light. docs/bake.md explains the method. */
-#ifndef TY_BAKE_GATHER_K_H
-#define TY_BAKE_GATHER_K_H
+#ifndef TY_BAKE_GATHER_GATHER_K_H
+#define TY_BAKE_GATHER_GATHER_K_H
 
 #include "base/sh.k.h"
-#include "bake/kernel.h"
-#include "bake/segment.k.h"
+#include "bake/gather/request.h"
+#include "bake/gather/segment.k.h"
 #include "method/path/path.k.h"
 
 /* Cosine to the normal below which light is damped in the tangential vector irradiance. */

@@ -1,8 +1,8 @@
 /* Optical depths of all media between two points (Sec. 4.4, Dubouchet 2019). */
-#ifndef TY_BAKE_SEGMENT_K_H
-#define TY_BAKE_SEGMENT_K_H
+#ifndef TY_BAKE_GATHER_SEGMENT_K_H
+#define TY_BAKE_GATHER_SEGMENT_K_H
 
-#include "bake/fog_point.k.h"
+#include "bake/gather/fog_point.k.h"
 #include "scene/spans.k.h"
 
 typedef struct ty_segment {

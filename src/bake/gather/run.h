@@ -1,9 +1,18 @@
 /* Sampling of receivers: state shared by surfaces and probes. */
-#ifndef TY_BAKE_GATHER_H
-#define TY_BAKE_GATHER_H
+#ifndef TY_BAKE_GATHER_RUN_H
+#define TY_BAKE_GATHER_RUN_H
 
-#include "bake/kernel.h"
+#include "bake/gather/request.h"
 #include "method/path/driver.h"
+
+/* Impulse responses in a run, which owns their memory. */
+typedef struct ty_bake_impulse_run {
+    ty_impulse* tables;           /* created by the run; NULL: the caller's */
+    ty_virtual_emitters emitters; /* emitter_capacity of them allocated */
+    size_t emitter_capacity;
+    ty_impulse_sum* merged; /* rows of ty_bake_impulse.merged */
+    size_t merged_size;
+} ty_bake_impulse_run;
 
 typedef struct ty_bake_run {
     ty_context* context;

@@ -1,6 +1,6 @@
 /* Lightmaps: validation of a mesh's second texture coordinates, the size of its map, and the receivers of its texels.
  */
-#include "bake/atlas.h"
+#include "bake/atlas/atlas.h"
 
 #include "base/context.h"
 #include "scene/check.h"

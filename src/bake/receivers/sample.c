@@ -1,5 +1,6 @@
 /* Sampling of receivers in passes, with progress, an error bound and cancellation. */
-#include "bake/gather.h"
+#include "bake/cache/cache.h"
+#include "bake/impulse/impulse.h"
 
 #include "base/context.h"
 #include "base/progress.h"

@@ -3,8 +3,8 @@
 #ifndef TY_BAKE_CACHE_SURFELS_K_H
 #define TY_BAKE_CACHE_SURFELS_K_H
 
-#include "bake/cache_fill.k.h"
-#include "bake/cached.k.h"
+#include "bake/cache/fill.k.h"
+#include "bake/cache/cached.k.h"
 
 /* Random rays in a cell that search for its surfaces, per path that each surfel should have. */
 enum { TY_SURFEL_TRIES = 16 };

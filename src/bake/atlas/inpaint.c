@@ -1,6 +1,6 @@
 /* Inpainting of texels without light of their own: inside walls, or not sampled yet. */
 #include "base/context.h"
-#include "bake/atlas.h"
+#include "bake/atlas/atlas.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* The baker's kernel; built once per instruction set, with TY_ISA naming it. */
-#include "bake/cached.k.h"
+#include "bake/cache/cached.k.h"
 
 #include "base/float_mode.h"
-#include "bake/sample.k.h"
+#include "bake/receivers/sample.k.h"
 
 static void begin_receiver(ty_gather* g, const ty_bake_receiver* receiver, ty_bake_sums* sums, float* emitter_cdf) {
     ty_gather_set_receiver(g, receiver);

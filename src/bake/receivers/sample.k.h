@@ -1,6 +1,6 @@
 /* One sample of a receiver: a path over surfaces, and every few samples the light scattered by media. */
-#ifndef TY_BAKE_SAMPLE_K_H
-#define TY_BAKE_SAMPLE_K_H
+#ifndef TY_BAKE_RECEIVERS_SAMPLE_K_H
+#define TY_BAKE_RECEIVERS_SAMPLE_K_H
 
 #include "bake/impulse/emitter_response.k.h"
 

@@ -1,10 +1,10 @@
 /* Light of media whose scattered light is cached, as it arrives at receivers: paths over surfaces ignore it, and
  * separate rays gather it. docs/bake.md explains the method. */
-#ifndef TY_BAKE_CACHED_K_H
-#define TY_BAKE_CACHED_K_H
+#ifndef TY_BAKE_CACHE_CACHED_K_H
+#define TY_BAKE_CACHE_CACHED_K_H
 
-#include "bake/cache_lookup.k.h"
-#include "bake/gather.k.h"
+#include "bake/cache/lookup.k.h"
+#include "bake/gather/gather.k.h"
 
 /* Radiance that the media along a ray scatter back to its origin: once-scattered light, and all other. */
 typedef struct ty_cached_fog {

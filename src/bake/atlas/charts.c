@@ -1,7 +1,7 @@
 /* Adjacency of triangles on the surface and in the map: charts, and the seams between them. */
 #include "base/context.h"
 #include "base/random.k.h"
-#include "bake/atlas.h"
+#include "bake/atlas/atlas.h"
 #include "scene/surface.k.h"
 
 #include <math.h>

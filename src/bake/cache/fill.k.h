@@ -2,7 +2,7 @@
 #ifndef TY_BAKE_CACHE_FILL_K_H
 #define TY_BAKE_CACHE_FILL_K_H
 
-#include "bake/cache_lookup.k.h"
+#include "bake/cache/lookup.k.h"
 #include "method/path/path.k.h"
 
 #include <stdatomic.h>

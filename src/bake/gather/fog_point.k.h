@@ -1,6 +1,6 @@
 /* One random sample point of the media along a ray, which represents all of them. */
-#ifndef TY_BAKE_FOG_POINT_K_H
-#define TY_BAKE_FOG_POINT_K_H
+#ifndef TY_BAKE_GATHER_FOG_POINT_K_H
+#define TY_BAKE_GATHER_FOG_POINT_K_H
 
 #include "method/path/collision.k.h"
 

@@ -1,10 +1,14 @@
 /* The request from the baker's driver to its kernel, which is built once per instruction set. */
-#ifndef TY_BAKE_KERNEL_H
-#define TY_BAKE_KERNEL_H
+#ifndef TY_BAKE_GATHER_REQUEST_H
+#define TY_BAKE_GATHER_REQUEST_H
 
 #include "base/dispatch.h"
-#include "bake/cache.h"
-#include "bake/impulse/impulse.h"
+#include "bake/gather/cache_view.h"
+#include "bake/gather/virtual_emitters.h"
+#include "method/impulse/lookup.h"
+#include "method/path/kernel.h"
+
+#include <tyndall/bake.h>
 
 enum {
     TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and x, y, z of the vector irradiance */
@@ -14,6 +18,15 @@ enum {
     TY_FOG_MIN_PRIOR_RAYS = 16,
     TY_FOG_PRIOR_PATHS = 64
 };
+
+/* Impulse responses in a request. */
+typedef struct ty_bake_impulse {
+    const ty_impulse* tables;
+    ty_impulse_merged merged[3]; /* per channel, for media of one albedo and g; rows NULL: media differ */
+    float max_bounce_ratio[3];   /* upper bound of the ratio of successive bounces in the tables' infinite medium */
+    const ty_virtual_emitters* emitters;
+    int32_t media_only; /* 1: only light scattered by media counts */
+} ty_bake_impulse;
 
 typedef struct ty_bake_request {
     ty_path_request path; /* scene, random numbers, bounds; media of zero density are left out of the scene */

@@ -1,5 +1,5 @@
 /* The cache's kernels; built once per instruction set, with TY_ISA naming it. */
-#include "bake/cache_surfels.k.h"
+#include "bake/cache/surfels.k.h"
 
 #include "base/float_mode.h"
 

@@ -1,7 +1,7 @@
 /* Light cache of the media: the layout of its cells, and filling them. */
 #include "base/context.h"
 #include "base/progress.h"
-#include "bake/gather.h"
+#include "bake/cache/cache.h"
 #include "scene/medium.h"
 #include "scene/scene.h"
 

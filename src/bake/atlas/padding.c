@@ -1,6 +1,6 @@
 /* Exact nearest valid texel: a scan along columns, then along rows over the column results. */
 #include "base/context.h"
-#include "bake/atlas.h"
+#include "bake/atlas/atlas.h"
 
 enum { NONE = 127, COLUMNS = 64 };
 
