@@ -84,6 +84,18 @@ for room in "${!below[@]}"; do
 done
 [ $count -gt 500 ] || complain "only $count includes were found"
 
+# No circle of rooms: an arrow goes from each folder to the folders that its files include. A folder with sub-rooms has
+# its headers below them and its .c files, which nothing includes, above them.
+parents=" $(sources src tools | sed -E 's,^(src|tools)/,,; s,/[^/]*$,,' | sort -u | sed -nE 's,/[^/]*$,,p' | sort -u | tr '\n' ' ')"
+circles=$(grep -HoE '^#include "[^"]+/[^"]+"' $(sources src tools) | awk -F'[:"]' -v parents="$parents" '
+  { file = $1; sub(/^(src|tools)\//, "", file)
+    from = file; sub(/\/[^\/]*$/, "", from)
+    to = $3; sub(/\/[^\/]*$/, "", to)
+    if (file ~ /[.]c(pp)?$/ && index(parents, " " from " ") > 0) from = from "/*.c"
+    if (from != to) print from, to
+  }' | sort -u | tsort 2>&1 > /dev/null) || true
+[ -z "$circles" ] || complain "rooms include one another in a circle:" $(sed -n 's/^tsort: //p' <<< "$circles" | grep -v 'contains a loop')
+
 # pattern of headers: the files that may see them
 only() {
   local file

@@ -1,26 +1,27 @@
-/* The result of a solve, and the state of a running solve. */
+/* The result of a solve, the state of a running solve, and its options. */
 #ifndef TY_METHOD_LPV_JOB_H
 #define TY_METHOD_LPV_JOB_H
 
 #include "base/progress.h"
 #include "direct/shadow/shadow_hierarchy.h"
-#include "method/lpv/inject/inject.h"
+#include "method/lpv/lattice/lattice.h"
 #include "option/option.h"
+#include "scene/ray_counter.h"
 
 /* A light and its maps. */
-typedef struct ty_lpv_light_maps {
+typedef struct ty_lpv_light {
     const ty_light_view* light;
     const ty_rsm* rsm;                /* reflective shadow map for injection */
     const ty_rsm* shadow_map;         /* of higher resolution, for images; may be the same map */
     ty_rsm *own_rsm, *own_shadow_map; /* the traced ones, owned; NULL: a caller's map */
     ty_shadow_hierarchy* hierarchy;   /* of shadow_map */
-} ty_lpv_light_maps;
+} ty_lpv_light;
 
 struct ty_lpv {
     ty_context* context;
     ty_lattice* lattices[TY_LPV_CASCADES_MAX]; /* finest first */
     int32_t count;
-    ty_lpv_light_maps* sources; /* one per light of the scene */
+    ty_lpv_light* sources; /* one per light of the scene */
     int32_t source_count;
     ty_grid_medium* medium; /* fine cells; NULL: vacuum */
 };
@@ -46,11 +47,5 @@ extern const ty_option_table ty_lpv_options;
 ty_result ty_lpv_take_def(ty_context* context, const ty_lpv_def** def, ty_lpv_known* own);
 /* Whether def's maps are those of the scene's lights. */
 ty_result ty_lpv_check_maps(const ty_scene* scene, const ty_lpv_def* def);
-
-/* Traces the maps of all lights, or takes the caller's. */
-ty_result ty_lpv_find_maps(ty_lpv_job* job);
-void ty_lpv_free_maps(ty_lpv* light);
-/* Finds the blockers of a lattice from the scene's surfaces, or if it has none, from a caller's maps and view. */
-ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice);
 
 #endif

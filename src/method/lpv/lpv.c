@@ -3,7 +3,7 @@
 #include "base/isa.h"
 #include "direct/media/coverage.h"
 #include "method/lpv/image/image.h"
-#include "method/lpv/job.h"
+#include "method/lpv/inject/inject.h"
 #include "method/lpv/propagate/propagate.h"
 #include "scene/scene.h"
 
@@ -52,11 +52,8 @@ static ty_result inject(ty_lpv_job* job, ty_lattice* lattice, inject_fn function
     const double begun = ty_wall_seconds();
     const ty_grid_medium* medium = scatters(job) ? job->light->medium : NULL;
     ty_result result = TY_OK;
-    for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i) {
-        const ty_lpv_light_maps* source = &job->light->sources[i];
-        const ty_lpv_light lpv_light = {source->light, source->rsm};
-        result = function(lattice, job->def, &lpv_light, medium, power);
-    }
+    for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i)
+        result = function(lattice, job->def, &job->light->sources[i], medium, power);
     *seconds += ty_wall_seconds() - begun;
     return result;
 }

@@ -9,10 +9,11 @@
  *
  * A set that is exact to order 2 L - 2 keeps L bands of harmonics orthogonal: scattering conserves energy and
  * direction. */
+#include "solve/angular/quadrature.h"
+
 #include "base/constants.h"
 #include "base/context.h"
 #include "solve/angular/quadrature_table.h"
-#include "solve/ordinates/ordinates.h"
 
 /* Permutations of three components; an orbit's directions are the first of them that are distinct. */
 static const int8_t orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};

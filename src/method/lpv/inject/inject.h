@@ -1,11 +1,15 @@
-/* Injection: blockers, light that surfaces reflect, and light that media scatter once. */
+/* Injection: the maps of the lights, blockers, light that surfaces reflect, and light that media scatter once. */
 #ifndef TY_METHOD_LPV_INJECT_INJECT_H
 #define TY_METHOD_LPV_INJECT_INJECT_H
 
 #include "direct/shadow/rsm.h"
-#include "method/lpv/lattice/lattice.h"
-#include "scene/light.k.h"
-#include "scene/ray_counter.h"
+#include "method/lpv/job.h"
+
+/* Traces the maps of all lights, or takes the caller's. */
+ty_result ty_lpv_find_maps(ty_lpv_job* job);
+void ty_lpv_free_maps(ty_lpv* light);
+/* Finds the blockers of a lattice from the scene's surfaces, or if it has none, from a caller's maps and view. */
+ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice);
 
 /* A surface sample with its area: from rays through all layers along three axes, or from the maps of the lights and the
  * camera. */
@@ -30,12 +34,6 @@ ty_result ty_lattice_find_blockers(ty_lattice* lattice, ty_lpv_mode mode, const 
  * crosses a surface, which areas alone miss where surfaces are slanted. Only links near partly blocked ones are traced.
  * Errors: TY_ERROR_MEMORY. */
 ty_result ty_lattice_find_crossings(ty_lattice* lattice, const ty_scene* scene, ty_ray_counter* counter);
-
-/* A light and its reflective shadow map. */
-typedef struct ty_lpv_light {
-    const ty_light_view* light;
-    const ty_rsm* rsm;
-} ty_lpv_light;
 
 /* The factor on band l of injected light that reduces ringing (ty_lpv_def.window). */
 float ty_lpv_window(const ty_lpv_def* def, int32_t l);

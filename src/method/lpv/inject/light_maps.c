@@ -1,6 +1,6 @@
 /* The lights' reflective shadow maps, traced or a caller's. */
 #include "base/context.h"
-#include "method/lpv/job.h"
+#include "method/lpv/inject/inject.h"
 
 /* Traces the map of one light over the coarsest cascade. */
 static ty_result trace(ty_lpv_job* job, int32_t index, int32_t side, bool reflective, ty_rsm** out) {
@@ -15,7 +15,7 @@ static int32_t side_of(const ty_light_view* light, int32_t side) {
 }
 
 static ty_result find_map(ty_lpv_job* job, int32_t index) {
-    ty_lpv_light_maps* maps = &job->light->sources[index];
+    ty_lpv_light* maps = &job->light->sources[index];
     const double begun = ty_wall_seconds();
     double traced = begun;
     ty_result result = TY_OK;

@@ -1,6 +1,6 @@
 /* Blockers from the scene's surfaces, or from a caller's maps and view. */
 #include "base/context.h"
-#include "method/lpv/job.h"
+#include "method/lpv/inject/inject.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
 
@@ -22,7 +22,7 @@ static void add_point(surfel_list* list, ty_vec position, ty_vec normal, float a
     for (int c = 0; c < 3; ++c) surfel->albedo[c] = albedo[c];
 }
 
-static void add_texel(const ty_lpv_light_maps* source, int32_t face, int32_t x, int32_t y, surfel_list* list) {
+static void add_texel(const ty_lpv_light* source, int32_t face, int32_t x, int32_t y, surfel_list* list) {
     const ty_rsm* rsm = source->rsm;
     const size_t at = ((size_t)face * (size_t)rsm->side + (size_t)y) * (size_t)rsm->side + (size_t)x;
     ty_vec origin, direction;
@@ -38,7 +38,7 @@ static size_t map_texels(const ty_rsm* rsm) {
     return (size_t)rsm->faces * (size_t)rsm->side * (size_t)rsm->side;
 }
 
-static void add_map(const ty_lpv_light_maps* source, surfel_list* list) {
+static void add_map(const ty_lpv_light* source, surfel_list* list) {
     const ty_rsm* rsm = source->rsm;
     for (int32_t face = 0; face < rsm->faces; ++face)
         for (int32_t y = 0; y < rsm->side; ++y)
