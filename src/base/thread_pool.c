@@ -94,8 +94,8 @@ static int32_t start_threads(ty_thread_pool* pool, int64_t useful) {
 void ty_thread_pool_run(ty_thread_pool* pool, int64_t count, ty_parallel_fn body, void* user) {
     ty_loop loop = {.body = body, .user = user, .count = count, .errors = ty_errors_current()};
     atomic_init(&loop.next, 0);
-    const bool alone = count < 2 || pool->wanted < 1 || pthread_mutex_trylock(&pool->busy) != 0;
-    if (alone) {
+    const bool serial = count < 2 || pool->wanted < 1 || pthread_mutex_trylock(&pool->busy) != 0;
+    if (serial) {
         work(&loop, 0);
         return;
     }

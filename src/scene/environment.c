@@ -88,7 +88,7 @@ static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_
     env->pixels = ty_alloc_array(context, pixel_count(env), 3 * sizeof(float), false);
     if (env->pixels == NULL) return TY_ERROR_MEMORY;
     double mean[3] = {0, 0, 0};
-    size_t mended = 0;
+    size_t nonfinite_fixed = 0;
     for (int32_t y = 0; y < env->height; ++y) {
         const double weight = row_solid_angle(y, env->height) / (4 * TY_PI_F64 * env->width);
         for (int32_t x = 0; x < env->width; ++x) {
@@ -96,15 +96,15 @@ static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_
             for (int c = 0; c < 3; ++c) {
                 const float value = planes[c][at];
                 const bool good = isfinite(value) && value >= 0;
-                mended += !good;
+                nonfinite_fixed += !good;
                 env->pixels[3 * at + (size_t)c] = good ? value : 0;
                 mean[c] += weight * (good ? value : 0);
             }
         }
     }
-    if (mended > 0)
+    if (nonfinite_fixed > 0)
         ty_log(context, TY_LOG_WARNING, "an environment had %zu negative or non-finite values; they count as 0",
-               mended);
+               nonfinite_fixed);
     for (int c = 0; c < 3; ++c) env->mean[c] = (float)(mean[c] * env->scale);
     return TY_OK;
 }

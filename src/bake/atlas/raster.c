@@ -64,16 +64,16 @@ static double twice_area(const double corners[3][2]) {
 }
 
 /* Signed distance of a point from the edge opposite to a corner, positive inside. */
-static double edge_side(const double corners[3][2], double twice, int corner, const double point[2]) {
+static double edge_side(const double corners[3][2], double double_area, int corner, const double point[2]) {
     const double *a = corners[(corner + 1) % 3], *b = corners[(corner + 2) % 3];
     const double along[2] = {b[0] - a[0], b[1] - a[1]};
     const double cross = along[0] * (point[1] - a[1]) - along[1] * (point[0] - a[0]);
-    return (twice < 0 ? -cross : cross) / hypot(along[0], along[1]);
+    return (double_area < 0 ? -cross : cross) / hypot(along[0], along[1]);
 }
 
-static double min_edge_side(const double corners[3][2], double twice, const double point[2]) {
+static double min_edge_side(const double corners[3][2], double double_area, const double point[2]) {
     double minimum = INFINITY;
-    for (int corner = 0; corner < 3; ++corner) minimum = fmin(minimum, edge_side(corners, twice, corner, point));
+    for (int corner = 0; corner < 3; ++corner) minimum = fmin(minimum, edge_side(corners, double_area, corner, point));
     return minimum;
 }
 
@@ -105,12 +105,12 @@ bool ty_atlas_triangle(const ty_mesh_def* mesh, size_t triangle, int32_t width, 
 
 /* Barycentric coordinates of the second and third corner. */
 static void weights_of(const double corners[3][2], const double point[2], double* b1, double* b2) {
-    const double twice = twice_area(corners);
+    const double double_area = twice_area(corners);
     const double p[2] = {point[0] - corners[0][0], point[1] - corners[0][1]};
     const double u[2] = {corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]};
     const double v[2] = {corners[2][0] - corners[0][0], corners[2][1] - corners[0][1]};
-    *b1 = fmin(fmax((p[0] * v[1] - p[1] * v[0]) / twice, 0), 1);
-    *b2 = fmin(fmax((u[0] * p[1] - u[1] * p[0]) / twice, 0), 1 - *b1);
+    *b1 = fmin(fmax((p[0] * v[1] - p[1] * v[0]) / double_area, 0), 1);
+    *b2 = fmin(fmax((u[0] * p[1] - u[1] * p[0]) / double_area, 0), 1 - *b1);
 }
 
 static void nearest_on_edges(const double corners[3][2], const double point[2], double out[2]) {
@@ -131,10 +131,10 @@ static void nearest_on_edges(const double corners[3][2], const double point[2], 
 }
 
 void ty_atlas_texel_point(const double corners[3][2], const double center[2], double* b1, double* b2) {
-    const double twice = twice_area(corners);
+    const double double_area = twice_area(corners);
     double at[2] = {center[0], center[1]};
-    if (min_edge_side(corners, twice, at) < 0) nearest_on_edges(corners, center, at);
-    if (min_edge_side(corners, twice, at) < edge_distance) {
+    if (min_edge_side(corners, double_area, at) < 0) nearest_on_edges(corners, center, at);
+    if (min_edge_side(corners, double_area, at) < edge_distance) {
         /* towards the center of the inscribed circle */
         double incenter[2] = {0, 0}, perimeter = 0;
         for (int i = 0; i < 3; ++i) {
@@ -222,14 +222,14 @@ static void draw_row(const raster_job* job, size_t triangle, const double corner
         high = fmax(high, row.at[i][0]);
     }
     const int32_t first = (int32_t)fmax(floor(low), 0), last = (int32_t)fmin(floor(high), job->width - 1);
-    const double twice = twice_area(corners), minimum = min_coverage * fmin(0.5 * fabs(twice), 1);
+    const double double_area = twice_area(corners), minimum = min_coverage * fmin(0.5 * fabs(double_area), 1);
     double before = area_left_of(&row, first);
     for (int32_t x = first; x <= last; ++x) {
         const double until = area_left_of(&row, x + 1), area = until - before;
         const double center[2] = {x + 0.5, y + 0.5};
         before = until;
         if (area > minimum)
-            cover_texel(job, triangle, center, min_edge_side(corners, twice, center), area,
+            cover_texel(job, triangle, center, min_edge_side(corners, double_area, center), area,
                         &job->texels[(size_t)y * (size_t)job->width + (size_t)x], counts);
     }
 }

@@ -130,7 +130,6 @@ TY_FN void ty_cached_load_prior(ty_gather* g) {
 /* One gather ray of a receiver: radiance scattered by media. */
 TY_FN void ty_cached_gather_ray(ty_gather* g, uint64_t item, uint32_t number) {
     const ty_bake_request* request = g->request;
-    const bool probe = request->terms == TY_BAKE_SH_TERMS;
     ty_path* path = &g->path;
     ty_bake_sums* sums = g->sums;
     float basis[TY_BAKE_TERMS_MAX], single[3], multiple[3];
@@ -138,11 +137,7 @@ TY_FN void ty_cached_gather_ray(ty_gather* g, uint64_t item, uint32_t number) {
     path->origin = g->origin;
     path->normal = g->normal;
     for (int c = 0; c < 3; ++c) g->sample[c] = 0.0f;
-    if (probe)
-        ty_path_sample_sphere(path);
-    else
-        ty_path_sample_cosine_hemisphere(path);
-    if (probe || ty_dot(g->face, path->direction) > 0.0f) {
+    if (ty_gather_sample_direction(g)) {
         const float weight = 1.0f / path->pdf;
         ty_gather_basis(g, path->direction, basis);
         ty_cached_radiance(g, true, single, multiple);

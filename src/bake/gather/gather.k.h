@@ -209,6 +209,17 @@ TY_FN void ty_gather_follow(ty_gather* g, const ty_intersection* start, float ou
 
 /* ---- at the receiver ---- */
 
+/* Samples the path's direction at the receiver: over the sphere at a probe, else by the cosine about the normal. False:
+ * it is behind the receiver's face. */
+TY_FN bool ty_gather_sample_direction(ty_gather* g) {
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    if (probe)
+        ty_path_sample_sphere(&g->path);
+    else
+        ty_path_sample_cosine_hemisphere(&g->path);
+    return probe || ty_dot(g->face, g->path.direction) > 0.0f;
+}
+
 TY_FN void ty_gather_set_receiver(ty_gather* g, const ty_bake_receiver* receiver) {
     g->receiver = receiver;
     g->position = ty_vec_load(receiver->position);

@@ -56,11 +56,7 @@ TY_FN void ty_gather_path(ty_gather* g) {
         ty_gather_add_rgb(g, TY_BAKE_DIRECT, path->radiance[TY_PATH_UNCOLLIDED], basis);
         memset(path->radiance, 0, sizeof path->radiance);
     }
-    if (probe)
-        ty_path_sample_sphere(path);
-    else
-        ty_path_sample_cosine_hemisphere(path);
-    if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return;
+    if (!ty_gather_sample_direction(g)) return;
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / path->pdf;
     ty_gather_basis(g, path->direction, basis);
     g->rays += 2 * ty_path_follow(path);
@@ -72,7 +68,6 @@ TY_FN void ty_gather_path(ty_gather* g) {
 TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     const ty_bake_request* request = g->request;
     ty_path* path = &g->path;
-    const bool probe = request->terms == TY_BAKE_SH_TERMS;
     ty_intersection end;
     ty_segment segment;
     ty_visible_light light;
@@ -85,11 +80,7 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     }
     const bool visible =
         request->impulse.media_only != 0 ? ty_gather_sample_light(g, g->face, &light) : ty_gather_add_light(g, &light);
-    if (probe)
-        ty_path_sample_sphere(path);
-    else
-        ty_path_sample_cosine_hemisphere(path);
-    if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return false;
+    if (!ty_gather_sample_direction(g)) return false;
     const bool hit = ty_gather_trace(g, &end, &segment);
     const bool blocked = hit && ty_dot(end.hit.normal, path->direction) > 0.0f;
     const bool gathers = ty_impulse_is_active(g) && ty_impulse_is_gathered(request, item, number);

@@ -14,8 +14,8 @@ typedef struct grid_light {
 typedef struct grid_march {
     const ty_airlight* airlight;
     ty_vec origin, direction;
-    ty_vec cells, cells_way; /* in cell coordinates of the box */
-    float depth[3];          /* optical depth so far */
+    ty_vec cells, cells_direction; /* in cell coordinates of the box */
+    float depth[3];                /* optical depth so far */
     ty_airlight_sum* sum;
     grid_light lights[TY_AIRLIGHT_SOURCES_MAX];
 } grid_march;
@@ -37,10 +37,10 @@ static ty_vec to_cells(const ty_grid_medium* medium, ty_vec v, bool is_point) {
 }
 
 /* The interval of a ray in the box; false if it misses. */
-static bool clip_to_box(const ty_grid_medium* medium, ty_vec cells, ty_vec way, float* from, float* to) {
+static bool clip_to_box(const ty_grid_medium* medium, ty_vec cells, ty_vec direction, float* from, float* to) {
     const int32_t* size = medium->box.size;
-    return ty_clip_box(cells, way, ty_vec_make(0, 0, 0), ty_vec_make((float)size[0], (float)size[1], (float)size[2]),
-                       from, to);
+    return ty_clip_box(cells, direction, ty_vec_make(0, 0, 0),
+                       ty_vec_make((float)size[0], (float)size[1], (float)size[2]), from, to);
 }
 
 /* Interpolated values of all channels. */
@@ -56,7 +56,7 @@ static void values_at(const ty_grid_medium* medium, float* const planes[3], cons
 /* Light that reaches a part of a step: its integral along the ray per unit of color, m or 1/m, the cosine between its
  * direction and the ray, the distance of its mean, and the angle it subtends. */
 typedef struct part_light {
-    float amount, along, middle, angle;
+    float amount, along, center, angle;
 } part_light;
 
 /* The integral of 1 / r^2 over the part is its angle seen from the light over the light's distance from the ray; the
@@ -70,10 +70,11 @@ static part_light find_local_light(const grid_march* march, const grid_light* li
     out.angle = atan2f(off * (to - from), off * off + a * b);
     out.amount = out.angle / off;
     out.along = ahead / sqrtf(ahead * ahead + beside * beside);
-    out.middle = ty_clampf(light->approach.nearest + off * ahead / beside, from, to);
+    out.center = ty_clampf(light->approach.nearest + off * ahead / beside, from, to);
     if (view->kind != TY_KIND_SPOT) return out;
-    const ty_vec way = ty_sub(ty_mad(march->origin, march->direction, out.middle), view->position);
-    out.amount *= ty_spot_falloff(view, ty_dot(way, view->direction) / sqrtf(ty_maxf(ty_dot(way, way), 1e-30f)));
+    const ty_vec from_light = ty_sub(ty_mad(march->origin, march->direction, out.center), view->position);
+    out.amount *= ty_spot_falloff(view, ty_dot(from_light, view->direction) /
+                                            sqrtf(ty_maxf(ty_dot(from_light, from_light), 1e-30f)));
     return out;
 }
 
@@ -83,9 +84,9 @@ static void add_lit_part(grid_march* march, const grid_light* light, const grid_
     part_light part = {.amount = to - from, .along = ty_dot(view->direction, march->direction)};
     float passing[3], phase = 0;
     if (view->kind != TY_KIND_DIRECTIONAL) part = find_local_light(march, light, from, to);
-    if (part.angle > WIDEST && part.middle > from && part.middle < to) {
-        add_lit_part(march, light, step, from, part.middle);
-        add_lit_part(march, light, step, part.middle, to);
+    if (part.angle > WIDEST && part.center > from && part.center < to) {
+        add_lit_part(march, light, step, from, part.center);
+        add_lit_part(march, light, step, part.center, to);
         return;
     }
     values_at(medium, light->of->planes, &step->at, passing);
@@ -111,7 +112,7 @@ static void take_step(grid_march* march, float from, float to) {
     const ty_airlight* airlight = march->airlight;
     const ty_grid_medium* medium = airlight->medium;
     grid_step step = {.from = from, .to = to};
-    step.at = ty_cell_locate(medium->box.size, ty_mad(march->cells, march->cells_way, 0.5f * (from + to)));
+    step.at = ty_cell_locate(medium->box.size, ty_mad(march->cells, march->cells_direction, 0.5f * (from + to)));
     values_at(medium, medium->extinction, &step.at, step.extinction);
     if (!(step.extinction[0] + step.extinction[1] + step.extinction[2] > 0)) return;
     values_at(medium, medium->scattering, &step.at, step.scattering);
@@ -140,13 +141,14 @@ void ty_airlight_heterogeneous(const ty_airlight* airlight, ty_vec origin, ty_ve
     march.origin = origin;
     march.direction = direction;
     march.cells = to_cells(airlight->medium, origin, true);
-    march.cells_way = to_cells(airlight->medium, direction, false);
+    march.cells_direction = to_cells(airlight->medium, direction, false);
     march.sum = sum;
     memset(march.depth, 0, sizeof march.depth);
-    if (!clip_to_box(airlight->medium, march.cells, march.cells_way, &from, &to)) return;
+    if (!clip_to_box(airlight->medium, march.cells, march.cells_direction, &from, &to)) return;
     find_lights(&march, from, to);
-    const ty_vec way = march.cells_way;
-    const float size = 1.0f / ty_maxf(fabsf(way.x), ty_maxf(fabsf(way.y), fabsf(way.z)));
+    const ty_vec cells_direction = march.cells_direction;
+    const float size =
+        1.0f / ty_maxf(fabsf(cells_direction.x), ty_maxf(fabsf(cells_direction.y), fabsf(cells_direction.z)));
     float t = from;
     for (int32_t i = 0; t < to; ++i) {
         const float end = ty_minf(to, from + ((float)i + offset) * size);
@@ -165,12 +167,12 @@ void ty_airlight_heterogeneous_transmittance(const ty_airlight* airlight, const 
     const bool sun = light->light->kind == TY_KIND_DIRECTIONAL;
     const ty_vec back = sun ? ty_scale(light->light->direction, -1.0f) : ty_sub(light->light->position, point);
     ty_vec cells = to_cells(medium, point, true);
-    const ty_vec way = to_cells(medium, back, false);
+    const ty_vec direction = to_cells(medium, back, false);
     float from = 0, to = sun ? TY_FLOAT_MAX : 1.0f;
     for (int c = 0; c < 3; ++c) transmittance[c] = 1;
-    if (!clip_to_box(medium, cells, way, &from, &to)) return;
+    if (!clip_to_box(medium, cells, direction, &from, &to)) return;
     /* The path between the box and a point outside it is vacuum. */
-    cells = ty_mad(cells, way, from);
+    cells = ty_mad(cells, direction, from);
     const ty_cell_point at = ty_cell_locate(medium->box.size, cells);
     values_at(medium, light->planes, &at, transmittance);
 }

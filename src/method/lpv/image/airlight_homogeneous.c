@@ -183,12 +183,12 @@ typedef struct sun_paths {
 static void find_box(const airlight_ray* ray, ty_vec back, const ty_medium_view* medium, sun_box* box) {
     const ty_vec o = ty_map_point(medium->to_bounds, ray->origin);
     const ty_vec d = ty_map_direction(medium->to_bounds, ray->direction), e = ty_map_direction(medium->to_bounds, back);
-    const float from[3] = {o.x, o.y, o.z}, way[3] = {d.x, d.y, d.z}, up[3] = {e.x, e.y, e.z};
+    const float from[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z}, up[3] = {e.x, e.y, e.z};
     const float slant = BOX_SLANT * sqrtf(ty_dot(e, e));
     for (int a = 0; a < 3; ++a) {
         const float along = fabsf(up[a]) < slant ? slant : up[a], inverse = 1.0f / along;
         box->leave[a] = (copysignf(1.0f, along) - from[a]) * inverse;
-        box->slope[a] = -way[a] * inverse;
+        box->slope[a] = -direction[a] * inverse;
         box->across[a] = 2.0f * fabsf(inverse);
     }
 }
@@ -341,9 +341,9 @@ static void passing_to(const airlight_ray* ray, const local_light* local, const 
     const ty_scene_view* scene = ray->airlight->scene;
     const media_interval* interval = lit_part->interval;
     const bool simple = local->of->inside != 0 && (ray->airlight->collide & ~interval->media) == 0;
-    const float way = t - interval->from + (simple ? distance : 0.0f);
+    const float travelled = t - interval->from + (simple ? distance : 0.0f);
     for (int c = 0; c < ray->airlight->channels; ++c)
-        passing[c] = ty_attenuation(interval->depth[c] + interval->extinction[c] * way);
+        passing[c] = ty_attenuation(interval->depth[c] + interval->extinction[c] * travelled);
     for (int c = ray->airlight->channels; c < 3; ++c) passing[c] = passing[0];
     if (simple) return;
     float from_light[3];
@@ -356,11 +356,11 @@ static void passing_to(const airlight_ray* ray, const local_light* local, const 
 
 static void take_panel(const airlight_ray* ray, const local_light* local, const lit_interval* lit_part,
                        const quadrature_panel* panel) {
-    const float middle = 0.5f * (panel->low + panel->high), half = 0.5f * (panel->high - panel->low);
+    const float center = 0.5f * (panel->low + panel->high), half = 0.5f * (panel->high - panel->low);
     const ty_light_view* light = local->of->light;
     for (int i = 0; i < NODES; ++i) {
         float sine, cosine, scattered[3], passing[3];
-        ty_sincos_2pi((middle + half * node[i]) * (0.5f / TY_PI), &sine, &cosine);
+        ty_sincos_2pi((center + half * node[i]) * (0.5f / TY_PI), &sine, &cosine);
         const float ahead = panel->sign * cosine, distance = local->approach.off / sine;
         const float t = ty_clampf(local->approach.nearest + ahead * distance, lit_part->from, lit_part->to);
         float weight = node_weight[i] * 2.0f * half / local->approach.off;
@@ -405,13 +405,13 @@ static void integrate_local_light(const airlight_ray* ray, const void* user, con
 
 /* The Henyey-Greenstein function of the angle has its pole at imaginary distance ln(1 / g). */
 static void find_peaks(const ty_airlight* airlight, local_light* local) {
-    float most[2] = {1e-3f, 1e-3f};
+    float max_g[2] = {1e-3f, 1e-3f};
     for (int32_t m = 0; m < airlight->scene->medium_count; ++m)
         for (int c = 0; c < 3; ++c) {
-            most[0] = ty_maxf(most[0], airlight->scene->media[m].g[c]);
-            most[1] = ty_maxf(most[1], -airlight->scene->media[m].g[c]);
+            max_g[0] = ty_maxf(max_g[0], airlight->scene->media[m].g[c]);
+            max_g[1] = ty_maxf(max_g[1], -airlight->scene->media[m].g[c]);
         }
-    for (int i = 0; i < 2; ++i) local->peak[i] = -ty_logf(most[i]);
+    for (int i = 0; i < 2; ++i) local->peak[i] = -ty_logf(max_g[i]);
 }
 
 /* A spot light's intensity has kinks at its inner cone. */

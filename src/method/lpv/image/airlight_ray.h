@@ -51,8 +51,8 @@ static inline ty_closest_approach ty_closest_approach_to(ty_vec light, ty_vec or
     const ty_vec off = ty_sub(origin, light);
     const float nearest = -ty_dot(off, direction);
     const ty_vec beside = ty_mad(off, direction, nearest);
-    const float least = TY_AIRLIGHT_OFFSET_RELATIVE * fabsf(nearest) + TY_AIRLIGHT_OFFSET_MIN;
-    return (ty_closest_approach){nearest, ty_maxf(sqrtf(ty_dot(beside, beside)), least)};
+    const float min_off = TY_AIRLIGHT_OFFSET_RELATIVE * fabsf(nearest) + TY_AIRLIGHT_OFFSET_MIN;
+    return (ty_closest_approach){nearest, ty_maxf(sqrtf(ty_dot(beside, beside)), min_off)};
 }
 
 /* At most TY_SHADOW_RAYS_MAX rays. */

@@ -59,12 +59,13 @@ void ty_lpv_find_upsample_weights(ty_lpv_march_state* state) {
 /* ---- pixels ---- */
 
 static void ray_march_pixel(ty_lpv_march_state* state, int32_t x, int32_t y, ty_lpv_media_radiance* out) {
-    const ty_media_ray way = ty_lpv_media_ray_of(state, x, y, ty_lpv_step_offset(state, x, y));
+    const ty_media_ray media_ray = ty_lpv_media_ray_of(state, x, y, ty_lpv_step_offset(state, x, y));
     ty_ray_march_result ray_march;
-    state->kernels->ray_march(&state->ray_march, &way, 1, &ray_march);
-    *out = ty_lpv_media_radiance_of(&ray_march, way.far);
+    state->kernels->ray_march(&state->ray_march, &media_ray, 1, &ray_march);
+    *out = ty_lpv_media_radiance_of(&ray_march, media_ray.far);
     if (state->job->airlight != NULL && (state->job->def->parts & TY_LPV_SINGLE) != 0)
-        ty_airlight_ray(state->job->airlight, way.origin, way.direction, way.far, way.offset, out->single, NULL);
+        ty_airlight_ray(state->job->airlight, media_ray.origin, media_ray.direction, media_ray.far, media_ray.offset,
+                        out->single, NULL);
 }
 
 /* Single scattering is computed anew for a pixel where it differs between the rays around it by more than this fraction
@@ -78,24 +79,24 @@ static float light_of(const ty_lpv_march_state* state, int32_t x, int32_t y, con
     const float* surface = state->surface + 3 * ty_lpv_band_index(state, x, y);
     float sum = 0.0f;
     for (int c = 0; c < 3; ++c)
-        sum +=
-            surface[c] * radiance->transmittance[c] + radiance->glow[c] + radiance->single[c] + radiance->multiple[c];
+        sum += surface[c] * radiance->transmittance[c] + radiance->emission[c] + radiance->single[c] +
+               radiance->multiple[c];
     return sum;
 }
 
 static void single_scattering_pixel(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t fine,
                                     ty_lpv_media_radiance* out) {
-    const ty_media_ray way = ty_lpv_media_ray_of(state, x, y, ty_lpv_step_offset(state, x, y));
-    const float share = 1.0f / (float)(fine * fine);
+    const ty_media_ray media_ray = ty_lpv_media_ray_of(state, x, y, ty_lpv_step_offset(state, x, y));
+    const float weight = 1.0f / (float)(fine * fine);
     for (int c = 0; c < 3; ++c) out->single[c] = 0.0f;
     for (int32_t i = 0; i < fine * fine; ++i) {
         const float dx = fine > 1 ? ((float)(i % fine) + 0.5f) / (float)fine : state->dx;
         const float dy = fine > 1 ? ((float)(i / fine) + 0.5f) / (float)fine : state->dy;
         float single[3];
-        ty_airlight_ray(state->job->airlight, way.origin,
-                        ty_camera_direction(&state->camera, (float)x + dx, (float)y + dy), way.far, way.offset, single,
-                        NULL);
-        for (int c = 0; c < 3; ++c) out->single[c] += share * single[c];
+        ty_airlight_ray(state->job->airlight, media_ray.origin,
+                        ty_camera_direction(&state->camera, (float)x + dx, (float)y + dy), media_ray.far,
+                        media_ray.offset, single, NULL);
+        for (int c = 0; c < 3; ++c) out->single[c] += weight * single[c];
     }
 }
 
@@ -112,7 +113,7 @@ static bool sharpen(ty_lpv_march_state* state, int32_t x, int32_t y, float contr
 static int64_t find_media_row(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t count,
                               ty_lpv_media_radiance* out) {
     float contrast[TY_TILE];
-    int64_t alone = 0;
+    int64_t extra_rays = 0;
     if (state->pixels_per_ray > 1) {
         const float* distance = state->distance + ty_lpv_band_index(state, x, y);
         state->kernels->upsample(&state->upsample, x, y, count, distance, out, contrast);
@@ -122,12 +123,12 @@ static int64_t find_media_row(ty_lpv_march_state* state, int32_t x, int32_t y, i
             out[i] = ty_lpv_media_sample_at(state, x + i, y)->radiance;
         } else if (contrast[i] < 0.0f) {
             ray_march_pixel(state, x + i, y, &out[i]);
-            ++alone;
+            ++extra_rays;
         } else if (sharpen(state, x + i, y, contrast[i], &out[i])) {
-            ++alone;
+            ++extra_rays;
         }
     }
-    return alone;
+    return extra_rays;
 }
 
 /* Callers' values may overflow a float in sums. */
@@ -144,8 +145,8 @@ static void add_pixel(const ty_lpv_march_state* state, int32_t x, int32_t y, con
     const size_t at = (size_t)y * (size_t)state->width + (size_t)x;
     float color[3];
     for (int c = 0; c < 3; ++c)
-        color[c] =
-            surface[c] * radiance->transmittance[c] + radiance->glow[c] + radiance->single[c] + radiance->multiple[c];
+        color[c] = surface[c] * radiance->transmittance[c] + radiance->emission[c] + radiance->single[c] +
+                   radiance->multiple[c];
     add(state->planes.color, at, color);
     add(state->planes.transmittance, at, radiance->transmittance);
     add(state->planes.albedo, at, radiance->scattered);
@@ -155,11 +156,11 @@ static void add_pixel(const ty_lpv_march_state* state, int32_t x, int32_t y, con
 
 void ty_lpv_composite_tile(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t right, int32_t bottom) {
     ty_lpv_media_radiance radiance[TY_TILE];
-    int64_t alone = 0;
+    int64_t extra_rays = 0;
     for (int32_t i = 0; i < TY_TILE; ++i) radiance[i] = (ty_lpv_media_radiance){.transmittance = {1.0f, 1.0f, 1.0f}};
     for (int32_t row = y; row < bottom; ++row) {
-        if (state->media_samples != NULL) alone += find_media_row(state, x, row, right - x, radiance);
+        if (state->media_samples != NULL) extra_rays += find_media_row(state, x, row, right - x, radiance);
         for (int32_t i = 0; i < right - x; ++i) add_pixel(state, x + i, row, &radiance[i]);
     }
-    atomic_fetch_add(&state->marched, alone);
+    atomic_fetch_add(&state->marched, extra_rays);
 }

@@ -3,12 +3,12 @@
 
 #include "base/float_mode.h"
 
-static void ray_march(const ty_ray_march_request* request, const ty_media_ray* ways, int32_t count,
+static void ray_march(const ty_ray_march_request* request, const ty_media_ray* rays, int32_t count,
                       ty_ray_march_result* out) {
     const unsigned state = ty_flush_denormals();
     ty_ray_march ray;
     for (int32_t i = 0; i < count; ++i) {
-        ty_ray_march_follow(&ray, request, ways[i].origin, ways[i].direction, ways[i].far, ways[i].offset);
+        ty_ray_march_follow(&ray, request, rays[i].origin, rays[i].direction, rays[i].far, rays[i].offset);
         out[i] = ray.out;
     }
     ty_restore_denormals(state);

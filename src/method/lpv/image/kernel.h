@@ -20,7 +20,7 @@ typedef struct ty_irradiance_query {
 } ty_irradiance_query;
 
 typedef struct ty_lpv_image_kernels {
-    void (*ray_march)(const ty_ray_march_request* request, const ty_media_ray* ways, int32_t count,
+    void (*ray_march)(const ty_ray_march_request* request, const ty_media_ray* rays, int32_t count,
                       ty_ray_march_result* out);
     /* Upsampled media samples of the pixels of a row from (x, y) on, at the given distances; contrast: as in
      * ty_lpv_upsample_row. */

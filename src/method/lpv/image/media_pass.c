@@ -37,7 +37,7 @@ ty_lpv_media_radiance ty_lpv_media_radiance_of(const ty_ray_march_result* ray_ma
     memcpy(radiance.transmittance, ray_march->transmittance, sizeof radiance.transmittance);
     memcpy(radiance.multiple, ray_march->multiple, sizeof radiance.multiple);
     memcpy(radiance.scattered, ray_march->scattered, sizeof radiance.scattered);
-    memcpy(radiance.glow, ray_march->glow, sizeof radiance.glow);
+    memcpy(radiance.emission, ray_march->emission, sizeof radiance.emission);
     return radiance;
 }
 
@@ -50,13 +50,14 @@ static void store_media_sample(const ty_ray_march_result* ray_march, float far, 
 }
 
 void ty_lpv_ray_march_tile(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t right, int32_t bottom) {
-    ty_media_ray ways[TY_TILE];
+    ty_media_ray media_rays[TY_TILE];
     ty_ray_march_result ray_march[TY_TILE];
     for (int32_t row = y; row < bottom; ++row) {
         ty_lpv_media_sample* media_samples = ty_lpv_media_sample_at(state, 0, row);
-        for (int32_t i = x; i < right; ++i) ways[i - x] = media_ray_at(state, i, row);
-        state->kernels->ray_march(&state->ray_march, ways, right - x, ray_march);
-        for (int32_t i = x; i < right; ++i) store_media_sample(&ray_march[i - x], ways[i - x].far, &media_samples[i]);
+        for (int32_t i = x; i < right; ++i) media_rays[i - x] = media_ray_at(state, i, row);
+        state->kernels->ray_march(&state->ray_march, media_rays, right - x, ray_march);
+        for (int32_t i = x; i < right; ++i)
+            store_media_sample(&ray_march[i - x], media_rays[i - x].far, &media_samples[i]);
     }
     atomic_fetch_add(&state->marched, (int64_t)(right - x) * (bottom - y));
 }
@@ -67,8 +68,9 @@ void ty_lpv_single_scattering_tile(ty_lpv_march_state* state, int32_t x, int32_t
     int32_t count = 0, next = 0;
     for (int32_t row = y; row < bottom; ++row)
         for (int32_t i = x; i < right; ++i) {
-            const ty_media_ray way = media_ray_at(state, i, row);
-            rays[count++] = (ty_eye_ray){.direction = way.direction, .far = way.far, .offset = way.offset};
+            const ty_media_ray media_ray = media_ray_at(state, i, row);
+            rays[count++] =
+                (ty_eye_ray){.direction = media_ray.direction, .far = media_ray.far, .offset = media_ray.offset};
         }
     if (count == 0) return;
     ty_airlight_rays(state->job->airlight, state->camera.origin, rays, count, single, NULL);

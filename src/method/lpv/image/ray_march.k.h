@@ -26,7 +26,7 @@ typedef struct ty_ray_march_request {
 typedef struct ty_ray_march_result {
     float transmittance[3];
     float multiple[3];  /* scattered light of the lattice, W m^-2 sr^-1 */
-    float glow[3];      /* emission of the media */
+    float emission[3];  /* emission of the media */
     float scattered[3]; /* fraction of the light that media scatter */
     /* At the end of the ray, to extrapolate to slightly longer or shorter rays: extinction, 1/m, and the derivatives of
      * `multiple` and `scattered` with respect to distance. */
@@ -35,7 +35,7 @@ typedef struct ty_ray_march_result {
 
 /* Coefficients of the media at a point, 1/m, and their emission per metre. */
 typedef struct ty_media_coefficients {
-    float extinction[3], scattering[3], forward[3], glow[3]; /* forward: scattering times g */
+    float extinction[3], scattering[3], forward[3], emission[3]; /* forward: scattering times g */
 } ty_media_coefficients;
 
 /* A voxel traversal of a medium's cells. */
@@ -69,7 +69,7 @@ TY_FN void ty_media_coefficients_add(ty_media_coefficients* media, TY_GLOBAL con
         media->extinction[c] += medium->sigma_t[c];
         media->scattering[c] += medium->sigma_s[c];
         media->forward[c] += medium->sigma_s[c] * medium->g[c];
-        media->glow[c] += ty_maxf(0.0f, medium->sigma_t[c] - medium->sigma_s[c]) * medium->emission[c];
+        media->emission[c] += ty_maxf(0.0f, medium->sigma_t[c] - medium->sigma_s[c]) * medium->emission[c];
     }
 }
 
@@ -81,7 +81,7 @@ TY_FN void ty_media_coefficients_load(const ty_grid_medium* medium, const int32_
         media->extinction[c] = medium->extinction[c][at];
         media->scattering[c] = medium->scattering[c][at];
         media->forward[c] = medium->scattering[c][at] * medium->g[c][at];
-        media->glow[c] = medium->emission[0] != NULL ? medium->emission[c][at] * TY_INV_4PI : 0.0f;
+        media->emission[c] = medium->emission[0] != NULL ? medium->emission[c][at] * TY_INV_4PI : 0.0f;
     }
 }
 
@@ -141,7 +141,7 @@ TY_FN void ty_ray_march_add_interval(ty_ray_march* ray, const ty_media_coefficie
         const float reach = ray->out.transmittance[c] * length * ty_mean_attenuation(x, decay);
         ray->isotropic[c] += reach * media->scattering[c];
         ray->directed[c] += reach * media->forward[c];
-        ray->out.glow[c] += reach * media->glow[c];
+        ray->out.emission[c] += reach * media->emission[c];
         ray->out.scattered[c] += reach * media->scattering[c];
         ray->out.transmittance[c] *= decay;
         depth += x * (1.0f / 3.0f);

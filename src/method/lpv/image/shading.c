@@ -43,9 +43,9 @@ static void trace_shadows(ty_lpv_march_state* state, shadow_packet* packet) {
 
 static void queue_shadow_ray(ty_lpv_march_state* state, const ty_light_sample* sample, ty_lpv_pixel* pixel,
                              const float light[3], shadow_packet* packet) {
-    const ty_vec from = ty_mad(pixel->position, pixel->facing, pixel->margin), way = sample->wi;
+    const ty_vec from = ty_mad(pixel->position, pixel->facing, pixel->margin), wi = sample->wi;
     const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : INFINITY;
-    packet->rays[packet->count] = (ty_ray){{from.x, from.y, from.z}, {way.x, way.y, way.z}, far};
+    packet->rays[packet->count] = (ty_ray){{from.x, from.y, from.z}, {wi.x, wi.y, wi.z}, far};
     packet->pixels[packet->count] = pixel;
     memcpy(packet->light[packet->count], light, sizeof packet->light[0]);
     if (++packet->count == TY_PACKET) trace_shadows(state, packet);
@@ -58,9 +58,9 @@ static float visibility_of(const ty_lpv_march_state* state, const ty_shadow_hier
     if (asks && ty_dot(pixel->facing, sample->wi) < grazing) return -1.0f;
     const float texel = texel_width(map, sample->distance), own = asks ? own_with_rays : own_without;
     bool sure;
-    const float share = ty_shadow_visibility(map, pixel->position, pixel->facing, own * texel + 2.0f * pixel->margin,
-                                             touching * texel, &sure);
-    return asks && !sure ? -1.0f : share;
+    const float fraction = ty_shadow_visibility(map, pixel->position, pixel->facing, own * texel + 2.0f * pixel->margin,
+                                                touching * texel, &sure);
+    return asks && !sure ? -1.0f : fraction;
 }
 
 /* ---- direct light ---- */
@@ -93,13 +93,13 @@ static void add_light(ty_lpv_march_state* state, int32_t index, ty_lpv_tile* til
         float light[3];
         if (isinf(pixel->distance) || !ty_light_sample_from(view, pixel->position, 0.5f, 0.5f, &sample)) continue;
         if (!(ty_dot(pixel->normal, sample.wi) > 0.0f)) continue;
-        const float share = visibility_of(state, map, pixel, &sample);
-        if (share == 0.0f || !reflect_light(state, index, &sample, pixel, light)) continue;
-        if (share < 0.0f) {
+        const float fraction = visibility_of(state, map, pixel, &sample);
+        if (fraction == 0.0f || !reflect_light(state, index, &sample, pixel, light)) continue;
+        if (fraction < 0.0f) {
             queue_shadow_ray(state, &sample, pixel, light, &packet);
             continue;
         }
-        for (int c = 0; c < 3; ++c) pixel->radiance[c] += share * light[c];
+        for (int c = 0; c < 3; ++c) pixel->radiance[c] += fraction * light[c];
     }
     trace_shadows(state, &packet);
 }
@@ -120,7 +120,7 @@ static const float flat_within = 0.25f, flat_cosine = 0.998f;
  * corners. */
 static bool is_flat(const ty_lpv_march_state* state, const ty_lpv_tile* tile, int32_t first) {
     const ty_lpv_pixel* block = &tile->pixels[first];
-    const float most = flat_within * state->lattices.lattices[0].cell;
+    const float max_off = flat_within * state->lattices.lattices[0].cell;
     if (first + TY_BLOCK_PIXELS > tile->count || block[TY_BLOCK_PIXELS - 1].x != block[0].x + TY_BLOCK - 1 ||
         block[TY_BLOCK_PIXELS - 1].y != block[0].y + TY_BLOCK - 1)
         return false;
@@ -128,7 +128,7 @@ static bool is_flat(const ty_lpv_march_state* state, const ty_lpv_tile* tile, in
     for (int32_t i = 0; i < TY_BLOCK_PIXELS && flat; ++i) {
         if (isinf(block[i].distance)) return false;
         const ty_vec off = ty_sub(block[i].position, block[0].position);
-        flat = ty_dot(off, off) < most * most && ty_dot(block[i].normal, block[0].normal) > flat_cosine;
+        flat = ty_dot(off, off) < max_off * max_off && ty_dot(block[i].normal, block[0].normal) > flat_cosine;
     }
     return flat;
 }

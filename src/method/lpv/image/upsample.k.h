@@ -8,7 +8,7 @@ enum { TY_LPV_UPSAMPLE_PERIOD = 8, TY_LPV_UPSAMPLE_FLOATS = 16 };
 
 /* Radiance and transmittance of the media in front of a pixel; TY_LPV_UPSAMPLE_FLOATS floats. */
 typedef struct ty_lpv_media_radiance {
-    float transmittance[3], multiple[3], scattered[3], glow[3], single[3];
+    float transmittance[3], multiple[3], scattered[3], emission[3], single[3];
     float distance; /* length of the ray, m; INFINITY: unbounded */
 } ty_lpv_media_radiance;
 
@@ -70,7 +70,7 @@ TY_FN ty_lpv_upsample_lanes ty_lpv_upsample_lanes_make(void) {
 
 /* Weighted mean of the rays, each extrapolated by the small distance `farther`, m. */
 TY_FN void ty_lpv_upsample_mean(const ty_lpv_upsample_lanes* lanes,
-                                TY_GLOBAL const ty_lpv_media_sample* const media_samples[4], const float share[4],
+                                TY_GLOBAL const ty_lpv_media_sample* const media_samples[4], const float weight[4],
                                 const float farther[4], float mean[TY_LPV_UPSAMPLE_FLOATS]) {
     TY_GLOBAL const float *radiance[4], *change[4];
     float x[4], y[4], z[4];
@@ -88,25 +88,25 @@ TY_FN void ty_lpv_upsample_mean(const ty_lpv_upsample_lanes* lanes,
         for (int i = 0; i < 4; ++i) {
             const float half = x[i] * a + y[i] * b + z[i] * c;
             const float rise = change[i][j] * (lanes->rises[j] - lanes->fades[j] * radiance[i][j]);
-            sum += share[i] * (radiance[i][j] + farther[i] * (1.0f - half) * rise);
+            sum += weight[i] * (radiance[i][j] + farther[i] * (1.0f - half) * rise);
         }
-        const float least = lanes->rises[j] > 0.0f ? 0.0f : -TY_FLOAT_MAX;
-        const float most = lanes->fades[j] > 0.0f ? 1.0f : TY_FLOAT_MAX;
-        mean[j] = ty_clampf(sum, least, most);
+        const float min = lanes->rises[j] > 0.0f ? 0.0f : -TY_FLOAT_MAX;
+        const float max = lanes->fades[j] > 0.0f ? 1.0f : TY_FLOAT_MAX;
+        mean[j] = ty_clampf(sum, min, max);
     }
 }
 
 /* Range of single scattering among the rays with nonzero weight, sum of all channels. */
 TY_FN float ty_lpv_upsample_contrast(TY_GLOBAL const ty_lpv_media_sample* const media_samples[4],
-                                     const float share[4]) {
-    float least = TY_FLOAT_MAX, most = 0.0f;
+                                     const float weight[4]) {
+    float min = TY_FLOAT_MAX, max = 0.0f;
     for (int i = 0; i < 4; ++i) {
         TY_GLOBAL const float* single = media_samples[i]->radiance.single;
         const float sum = single[0] + single[1] + single[2];
-        least = share[i] != 0.0f ? ty_minf(least, sum) : least;
-        most = share[i] != 0.0f ? ty_maxf(most, sum) : most;
+        min = weight[i] != 0.0f ? ty_minf(min, sum) : min;
+        max = weight[i] != 0.0f ? ty_maxf(max, sum) : max;
     }
-    return most - least;
+    return max - min;
 }
 
 /* Pixels of a row that are processed together. */
@@ -140,7 +140,7 @@ TY_FN void ty_lpv_upsample_find(const ty_lpv_upsample* from, int32_t x, int32_t 
  * position is the pixel. */
 TY_FN void ty_lpv_upsample_weigh(const ty_lpv_upsample* from, int32_t x, int32_t y, int32_t count,
                                  ty_lpv_upsample_neighbours* row) {
-    float like[4][TY_LPV_UPSAMPLE_WIDTH], least[TY_LPV_UPSAMPLE_WIDTH];
+    float like[4][TY_LPV_UPSAMPLE_WIDTH], min[TY_LPV_UPSAMPLE_WIDTH];
     int32_t columns[2], rows[2];
     const float down = ty_lpv_upsample_pair(y, from->height, rows);
     for (int i = 0; i < 4; ++i) {
@@ -152,12 +152,12 @@ TY_FN void ty_lpv_upsample_weigh(const ty_lpv_upsample* from, int32_t x, int32_t
     }
 #pragma omp simd
     for (int32_t k = 0; k < TY_LPV_UPSAMPLE_WIDTH; ++k)
-        least[k] = ty_minf(ty_minf(like[0][k], like[1][k]), ty_minf(like[2][k], like[3][k]));
+        min[k] = ty_minf(ty_minf(like[0][k], like[1][k]), ty_minf(like[2][k], like[3][k]));
     for (int32_t k = 0; k < TY_LPV_UPSAMPLE_WIDTH; ++k) {
         float weight[4];
         const int32_t at = x + (k < count ? k : 0);
         const float along = ty_lpv_upsample_pair(at, from->width, columns);
-        const bool centred = least[k] > 0.5f && columns[0] < columns[1] && rows[0] < rows[1];
+        const bool centred = min[k] > 0.5f && columns[0] < columns[1] && rows[0] < rows[1];
         ty_lpv_upsample_bilinear(along, down, weight);
         TY_GLOBAL const float* table = from->weights[y % TY_LPV_UPSAMPLE_PERIOD][at % TY_LPV_UPSAMPLE_PERIOD];
         for (int i = 0; i < 4; ++i) row->weight[i][k] = centred ? table[i] : weight[i];

@@ -70,8 +70,8 @@ static void trace(ty_lpv_march_state* state, ty_lpv_tile* tile) {
 
 /* ---- handed in by a caller ---- */
 
-static float number_in(float value, float most) {
-    return value >= 0.0f ? ty_minf(value, most) : 0.0f;
+static float number_in(float value, float max) {
+    return value >= 0.0f ? ty_minf(value, max) : 0.0f;
 }
 
 /* Callers' values are unchecked. Distances above this, m, whose squares overflow, count as no surface. */

@@ -123,7 +123,7 @@ static void close_links(void* user, int64_t link, int32_t worker) {
     ty_lattice* lattice = job->lattice;
     const ty_link_grid grid = ty_link_grid_of(lattice, (int32_t)link);
     const int32_t shift[3] = {abs(grid.step[0]), abs(grid.step[1]), abs(grid.step[2])};
-    const ty_vec way = ty_vec_make((float)grid.step[0], (float)grid.step[1], (float)grid.step[2]);
+    const ty_vec direction = ty_vec_make((float)grid.step[0], (float)grid.step[1], (float)grid.step[2]);
     const cube_grid cubes = cubes_of(lattice, shift);
     const float per_face = slack / (lattice->cell * lattice->cell);
     int32_t cube[3];
@@ -133,7 +133,7 @@ static void close_links(void* user, int64_t link, int32_t worker) {
         return;
     }
     for (size_t i = 0; i < job->count; ++i) {
-        const float across = fabsf(ty_dot(job->surfels[i].normal, way));
+        const float across = fabsf(ty_dot(job->surfels[i].normal, direction));
         if (!(across > 1e-4f) || !cube_at(&cubes, job->surfels[i].position, cube)) continue;
         covered[ty_link_at(&grid, cube)] += job->surfels[i].area * across * per_face;
     }
@@ -154,10 +154,10 @@ static bool is_before_center(const block_job* job, const cube_grid* cells, const
     const float half = 0.5f * job->lattice->cell;
     int32_t at[3];
     if (!cube_at(cells, surfel->position, at)) return false;
-    const ty_vec middle =
+    const ty_vec center =
         ty_vec_make(cells->lower[0] + half * (float)(2 * at[0] + 1), cells->lower[1] + half * (float)(2 * at[1] + 1),
                     cells->lower[2] + half * (float)(2 * at[2] + 1));
-    *off = ty_dot(ty_sub(surfel->position, middle), surfel->normal) * cells->per_cell;
+    *off = ty_dot(ty_sub(surfel->position, center), surfel->normal) * cells->per_cell;
     ty_link_cell(job->lattice, at, cell);
     return *off > least_surface_depth;
 }

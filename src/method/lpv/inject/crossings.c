@@ -86,8 +86,8 @@ static void close_crossed(void* user, int64_t link, int32_t worker) {
                     ty_link_set(job->lattice, (int32_t)link, grid, place, 0);
                     continue;
                 }
-                for (int32_t way = -1; way <= 1; way += 2)
-                    if (ty_link_next(grid, place, way, other) && job->crossed[link][ty_link_at(grid, other)] != 0)
+                for (int32_t sign = -1; sign <= 1; sign += 2)
+                    if (ty_link_next(grid, place, sign, other) && job->crossed[link][ty_link_at(grid, other)] != 0)
                         ty_link_set(job->lattice, (int32_t)link, grid, place, 255);
             }
 }

@@ -17,11 +17,11 @@ typedef struct reflect_job {
 
 /* The splat of one texel; false if it reflects nothing into the lattice. */
 static bool reflect(const reflect_job* job, const ty_rsm_rays* rays, int32_t i, ty_splat* out) {
-    if (!(rays->share[i] > 0.0f) || !isfinite(rays->length[i])) return false;
-    const ty_vec origin = ty_vec_make(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]);
-    const ty_vec way = ty_vec_make(rays->way[0][i], rays->way[1][i], rays->way[2][i]);
-    const ty_vec normal = ty_vec_make(rays->normal[0][i], rays->normal[1][i], rays->normal[2][i]);
-    const ty_vec point = ty_mad(origin, way, rays->length[i]);
+    if (!(rays->measure[i] > 0.0f) || !isfinite(rays->length[i])) return false;
+    const ty_vec origin = ty_rsm_ray_vec(rays->origin, i);
+    const ty_vec direction = ty_rsm_ray_vec(rays->direction, i);
+    const ty_vec normal = ty_rsm_ray_vec(rays->normal, i);
+    const ty_vec point = ty_mad(origin, direction, rays->length[i]);
     float depth[3];
     out->cell = ty_splat_cell(&job->cells, ty_lattice_lit_side(job->lattice, point, normal));
     if (out->cell < 0) out->cell = ty_splat_cell(&job->cells, ty_lattice_lift(point, normal, job->lattice->cell));
@@ -30,7 +30,7 @@ static bool reflect(const reflect_job* job, const ty_rsm_rays* rays, int32_t i, 
     const float* albedo = job->view.light->rsm->albedo + 3 * (rays->first + (size_t)i);
     const float* color = job->view.light->light->color;
     ty_rsm_ray_optical_depth(&job->view.medium, rays, i, depth);
-    for (int c = 0; c < 3; ++c) out->power[c] = rays->share[i] * color[c] * albedo[c] * ty_attenuation(depth[c]);
+    for (int c = 0; c < 3; ++c) out->power[c] = rays->measure[i] * color[c] * albedo[c] * ty_attenuation(depth[c]);
     return true;
 }
 
@@ -52,7 +52,7 @@ ty_result ty_lattice_inject_reflected(ty_lattice* lattice, const ty_lpv_def* def
                              .view = ty_rsm_ray_view_of(light, dims ? medium : NULL),
                              .cells = ty_splat_cells_of(lattice)};
     ty_splat_rows rows = {
-        .rows = ty_rsm_row_count(light), .most = light->rsm->side, .user = &job, .row = reflect_row, .band = {1}};
+        .rows = ty_rsm_row_count(light), .max_splats = light->rsm->side, .user = &job, .row = reflect_row, .band = {1}};
     if (light->rsm->normal == NULL) return TY_OK;
     /* A virtual light per texel, as a clamped cosine lobe about its normal (Kaplanyan and Dachsbacher 2010). */
     for (int32_t l = 1; l < lattice->bands; ++l)

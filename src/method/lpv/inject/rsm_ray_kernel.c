@@ -10,10 +10,10 @@ static void parallel_rays(const ty_rsm_face* face, float s0, float ds, float t, 
         r->origin[0][i] = base.x + s * face->right.x;
         r->origin[1][i] = base.y + s * face->right.y;
         r->origin[2][i] = base.z + s * face->right.z;
-        r->way[0][i] = face->forward.x;
-        r->way[1][i] = face->forward.y;
-        r->way[2][i] = face->forward.z;
-        r->share[i] = face->area;
+        r->direction[0][i] = face->forward.x;
+        r->direction[1][i] = face->forward.y;
+        r->direction[2][i] = face->forward.z;
+        r->measure[i] = face->area;
     }
 }
 
@@ -39,11 +39,11 @@ static void central_rays(const ty_rsm_face* face, float s0, float ds, float t, t
         r->origin[0][i] = from.x;
         r->origin[1][i] = from.y;
         r->origin[2][i] = from.z;
-        r->way[0][i] = x * inverse;
-        r->way[1][i] = y * inverse;
-        r->way[2][i] = z * inverse;
+        r->direction[0][i] = x * inverse;
+        r->direction[1][i] = y * inverse;
+        r->direction[2][i] = z * inverse;
         r->length[i] *= length;
-        r->share[i] = area * mean_density(wide2, s, ds, before, after);
+        r->measure[i] = area * mean_density(wide2, s, ds, before, after);
     }
 }
 
@@ -53,9 +53,10 @@ static void fade(const ty_rsm_face* face, ty_rsm_rays* r) {
     const ty_vec axis = face->axis;
 #pragma omp simd
     for (int32_t i = 0; i < r->count; ++i) {
-        const float above = r->way[0][i] * axis.x + r->way[1][i] * axis.y + r->way[2][i] * axis.z - outer;
+        const float above =
+            r->direction[0][i] * axis.x + r->direction[1][i] * axis.y + r->direction[2][i] * axis.z - outer;
         const float x = above >= range ? 1.0f : above * per_range;
-        r->share[i] *= above > 0.0f ? x * x * (3.0f - 2.0f * x) : 0.0f;
+        r->measure[i] *= above > 0.0f ? x * x * (3.0f - 2.0f * x) : 0.0f;
     }
 }
 
@@ -75,11 +76,11 @@ static void clip(const ty_rsm_rays* r, const float lower[3], const float upper[3
         end[i] = r->length[i];
     }
     for (int a = 0; a < 3; ++a) {
-        const float low = lower[a], high = upper[a], *origin = r->origin[a], *way = r->way[a];
+        const float low = lower[a], high = upper[a], *origin = r->origin[a], *direction = r->direction[a];
 #pragma omp simd
         for (int32_t i = 0; i < r->count; ++i) {
-            const float per_way = 1.0f / (fabsf(way[i]) > 1e-12f ? way[i] : 1e-12f);
-            const float at_low = (low - origin[i]) * per_way, at_high = (high - origin[i]) * per_way;
+            const float per_direction = 1.0f / (fabsf(direction[i]) > 1e-12f ? direction[i] : 1e-12f);
+            const float at_low = (low - origin[i]) * per_direction, at_high = (high - origin[i]) * per_direction;
             begin[i] = ty_maxf(begin[i], ty_minf(at_low, at_high));
             end[i] = ty_minf(end[i], ty_maxf(at_low, at_high));
         }
@@ -108,12 +109,12 @@ static void find_cells(const ty_ray_segments* parts, const ty_rsm_rays* r, const
     for (int32_t i = 0; i < r->count; ++i) {
         const float at = along[i], before = r->length[i] - at;
         const float u = r->normal[0][i], v = r->normal[1][i], w = r->normal[2][i];
-        const float facing = -(r->way[0][i] * u + r->way[1][i] * v + r->way[2][i] * w);
+        const float facing = -(r->direction[0][i] * u + r->direction[1][i] * v + r->direction[2][i] * w);
         const float clearance = 0.5f * p.cell * (fabsf(u) + fabsf(v) + fabsf(w));
         const float missing = before < p.near_end ? ty_maxf(0.0f, clearance - before * facing) * per_cell : 0.0f;
-        const float x = (r->origin[0][i] + at * r->way[0][i] - p.lower[0]) * per_cell;
-        const float y = (r->origin[1][i] + at * r->way[1][i] - p.lower[1]) * per_cell;
-        const float z = (r->origin[2][i] + at * r->way[2][i] - p.lower[2]) * per_cell;
+        const float x = (r->origin[0][i] + at * r->direction[0][i] - p.lower[0]) * per_cell;
+        const float y = (r->origin[1][i] + at * r->direction[1][i] - p.lower[1]) * per_cell;
+        const float z = (r->origin[2][i] + at * r->direction[2][i] - p.lower[2]) * per_cell;
         const float to_x = x + missing * u, to_y = y + missing * v, to_z = z + missing * w;
         const int32_t stays = is_inside(to_x, nx) & is_inside(to_y, ny) & is_inside(to_z, nz);
         const int32_t i_x = inside_of(stays != 0 ? to_x : x, nx), i_y = inside_of(stays != 0 ? to_y : y, ny);
@@ -138,19 +139,19 @@ static void part(const ty_ray_segments* given, const ty_rsm_rays* r, int32_t par
     }
     for (int32_t c = 0; c < p.channels; ++c) {
         const float sigma = p.extinction[c], scattering = p.scattering[c];
-        float* share = out->share[c];
+        float* weight = out->weight[c];
 #pragma omp simd
         for (int32_t i = 0; i < r->count; ++i) {
             const float across = sigma * length[i], scattered = scattering * length[i];
-            share[i] = r->share[i] * ty_attenuation(sigma * (from[i] - r->enter[i])) * scattered *
-                       ty_mean_attenuation(across, ty_attenuation(across));
+            weight[i] = r->measure[i] * ty_attenuation(sigma * (from[i] - r->enter[i])) * scattered *
+                        ty_mean_attenuation(across, ty_attenuation(across));
         }
     }
 #pragma omp simd
     for (int32_t i = 0; i < r->count; ++i) from[i] += ty_scattering_distance(r->jitter[i], length[i], extinction);
     find_cells(&p, r, from, out->cell);
     for (int32_t i = 0; i < r->count; ++i)
-        if (!(length[i] > 0.0f && r->share[i] > 0.0f)) out->cell[i] = -1;
+        if (!(length[i] > 0.0f && r->measure[i] > 0.0f)) out->cell[i] = -1;
 }
 
 const ty_rsm_ray_kernels TY_KERNEL_NAME(ty_rsm_ray_kernels) = {.rays = rays, .clip = clip, .part = part};

@@ -12,14 +12,19 @@ enum { TY_RSM_RAYS = 64 };
 typedef struct ty_rsm_rays {
     int32_t count;
     size_t first; /* index of the first texel */
-    float origin[3][TY_RSM_RAYS], way[3][TY_RSM_RAYS];
+    float origin[3][TY_RSM_RAYS], direction[3][TY_RSM_RAYS];
     float length[TY_RSM_RAYS];    /* to the surface, m; INFINITY: none */
-    float share[TY_RSM_RAYS];     /* solid angle or area times falloff, so that times color it is W; 0: unlit */
+    float measure[TY_RSM_RAYS];   /* solid angle or area times falloff, so that times color it is W; 0: unlit */
     float normal[3][TY_RSM_RAYS]; /* of the surface, or opposite to the ray */
     float jitter[TY_RSM_RAYS];    /* 0..1 */
     float begin[TY_RSM_RAYS], end[TY_RSM_RAYS];   /* interval in the lattice, m; begin = end: empty */
     float enter[TY_RSM_RAYS], leave[TY_RSM_RAYS]; /* interval in the medium's box, m */
 } ty_rsm_rays;
+
+/* The origin, direction or normal of ray i. */
+static inline ty_vec ty_rsm_ray_vec(const float columns[3][TY_RSM_RAYS], int32_t i) {
+    return ty_vec_make(columns[0][i], columns[1][i], columns[2][i]);
+}
 
 /* A face of a map. */
 typedef struct ty_rsm_face {
@@ -42,7 +47,7 @@ typedef struct ty_ray_segments {
 
 typedef struct ty_segment_splats {
     int32_t cell[TY_RSM_RAYS]; /* -1: no scattering */
-    float share[3][TY_RSM_RAYS];
+    float weight[3][TY_RSM_RAYS];
 } ty_segment_splats;
 
 typedef struct ty_rsm_ray_kernels {

@@ -31,12 +31,12 @@ static ty_rsm_face face_of(const ty_lpv_light* light, int32_t face) {
 }
 
 static bool is_homogeneous(const float* plane, size_t count) {
-    const float first = plane[0], most = 1e-5f * fabsf(first);
+    const float first = plane[0], tolerance = 1e-5f * fabsf(first);
     for (size_t from = 0; from < count; from += EVEN_BLOCK) {
         const size_t end = count - from < EVEN_BLOCK ? count : from + EVEN_BLOCK;
         int32_t others = 0;
 #pragma omp simd reduction(+ : others)
-        for (size_t i = from; i < end; ++i) others += !(fabsf(plane[i] - first) <= most);
+        for (size_t i = from; i < end; ++i) others += !(fabsf(plane[i] - first) <= tolerance);
         if (others > 0) return false;
     }
     return true;
@@ -75,7 +75,8 @@ void ty_rsm_rays_at(const ty_rsm_ray_view* view, int64_t row, int32_t x, ty_rsm_
     view->kernels->rays(&view->faces[row / rsm->side], x, (int32_t)(row % rsm->side), out);
     for (int32_t i = 0; i < out->count; ++i)
         for (size_t a = 0; a < 3; ++a)
-            out->normal[a][i] = rsm->normal != NULL ? rsm->normal[3 * (out->first + (size_t)i) + a] : -out->way[a][i];
+            out->normal[a][i] =
+                rsm->normal != NULL ? rsm->normal[3 * (out->first + (size_t)i) + a] : -out->direction[a][i];
     if (view->medium.medium != NULL) {
         view->kernels->clip(out, view->medium.lower, view->medium.upper, out->enter, out->leave);
         return;
@@ -84,30 +85,27 @@ void ty_rsm_rays_at(const ty_rsm_ray_view* view, int64_t row, int32_t x, ty_rsm_
     memset(out->leave, 0, sizeof out->leave);
 }
 
-static ty_vec column(const float rows[3][TY_RSM_RAYS], int32_t i) {
-    return ty_vec_make(rows[0][i], rows[1][i], rows[2][i]);
-}
-
 void ty_rsm_ray_optical_depth(const ty_rsm_ray_medium* medium, const ty_rsm_rays* rays, int32_t i, float depth[3]) {
     for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
     if (medium->medium == NULL) return;
     if (medium->homogeneous)
         for (int c = 0; c < 3; ++c) depth[c] = medium->medium->extinction[c][0] * (rays->leave[i] - rays->enter[i]);
     else
-        ty_grid_depth(medium->medium, NULL, column(rays->origin, i), column(rays->way, i), rays->length[i], depth);
+        ty_grid_depth(medium->medium, NULL, ty_rsm_ray_vec(rays->origin, i), ty_rsm_ray_vec(rays->direction, i),
+                      rays->length[i], depth);
 }
 
 /* ---- heterogeneous media ---- */
 
 ty_medium_walk ty_medium_walk_begin(const ty_grid_medium* medium, const ty_rsm_rays* rays, int32_t i) {
     ty_medium_walk walk = {.medium = medium, .cells = {.end = (double)rays->length[i]}};
-    double origin[3], way[3];
+    double origin[3], direction[3];
     for (int a = 0; a < 3; ++a) {
         origin[a] = (double)rays->origin[a][i];
-        way[a] = (double)rays->way[a][i];
+        direction[a] = (double)rays->direction[a][i];
     }
-    walk.inside = ty_cell_ray_clip(&medium->box, origin, way, &walk.cells);
-    if (walk.inside) ty_cell_ray_begin(medium, origin, way, &walk.cells);
+    walk.inside = ty_cell_ray_clip(&medium->box, origin, direction, &walk.cells);
+    if (walk.inside) ty_cell_ray_begin(medium, origin, direction, &walk.cells);
     return walk;
 }
 

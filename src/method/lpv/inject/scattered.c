@@ -33,12 +33,12 @@ static float jitter_of(const scatter_job* job, int64_t row, int32_t x) {
     return (float)(at - (double)(int64_t)at);
 }
 
-static void take_splat(const scatter_job* job, const ty_rsm_rays* rays, int32_t i, int32_t cell, const float share[3],
+static void take_splat(const scatter_job* job, const ty_rsm_rays* rays, int32_t i, int32_t cell, const float weight[3],
                        ty_splat* out) {
     const float* color = job->view.light->light->color;
     out->cell = cell;
-    out->axis = ty_vec_make(rays->way[0][i], rays->way[1][i], rays->way[2][i]);
-    for (int c = 0; c < 3; ++c) out->power[c] = share[job->parts.channels == 1 ? 0 : c] * color[c];
+    out->axis = ty_rsm_ray_vec(rays->direction, i);
+    for (int c = 0; c < 3; ++c) out->power[c] = weight[job->parts.channels == 1 ? 0 : c] * color[c];
 }
 
 /* ---- homogeneous media ---- */
@@ -49,8 +49,8 @@ static int32_t scatter_evenly(const scatter_job* job, const ty_rsm_rays* rays, t
     for (int32_t part = 0; part < job->samples; ++part) {
         job->view.kernels->part(&job->parts, rays, part, &splats);
         for (int32_t i = 0; i < rays->count; ++i) {
-            const float share[3] = {splats.share[0][i], splats.share[1][i], splats.share[2][i]};
-            if (splats.cell[i] >= 0) take_splat(job, rays, i, splats.cell[i], share, &out[count++]);
+            const float weight[3] = {splats.weight[0][i], splats.weight[1][i], splats.weight[2][i]};
+            if (splats.cell[i] >= 0) take_splat(job, rays, i, splats.cell[i], weight, &out[count++]);
         }
     }
     return count;
@@ -81,13 +81,13 @@ static void add_segment(const scatter_job* job, ray_part* part, const ty_medium_
 }
 
 /* The distance along the ray below which a fraction of the part's scattering lies, m. */
-static float place_of(const scatter_job* job, const ray_part* part, float share) {
-    const float wanted = share * part->until[part->count - 1];
+static float place_of(const scatter_job* job, const ray_part* part, float fraction) {
+    const float wanted = fraction * part->until[part->count - 1];
     int32_t i = 0;
     while (i < part->count - 1 && part->until[i] <= wanted) ++i;
     const ty_medium_segment* segment = &part->segments[i];
     const float before = i > 0 ? part->until[i - 1] : 0.0f, within = part->until[i] - before;
-    const float u = within > 0.0f ? ty_clampf((wanted - before) / within, 0.0f, 1.0f) : share;
+    const float u = within > 0.0f ? ty_clampf((wanted - before) / within, 0.0f, 1.0f) : fraction;
     float extinction = 0.0f;
     for (int32_t c = 0; c < job->parts.channels; ++c) extinction += segment->extinction[c] / (float)job->parts.channels;
     return segment->begin + ty_scattering_distance(u, segment->length, extinction);
@@ -95,13 +95,13 @@ static float place_of(const scatter_job* job, const ray_part* part, float share)
 
 /* The cell of a point, moved off the surface that the ray ends on, so that the cell's center is on the lit side. */
 static int32_t cell_of(const scatter_job* job, const ty_rsm_rays* rays, int32_t i, float at) {
-    const ty_vec way = ty_vec_make(rays->way[0][i], rays->way[1][i], rays->way[2][i]);
-    const ty_vec normal = ty_vec_make(rays->normal[0][i], rays->normal[1][i], rays->normal[2][i]);
-    const ty_vec origin = ty_vec_make(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]);
-    const ty_vec point = ty_mad(origin, way, at);
+    const ty_vec direction = ty_rsm_ray_vec(rays->direction, i);
+    const ty_vec normal = ty_rsm_ray_vec(rays->normal, i);
+    const ty_vec origin = ty_rsm_ray_vec(rays->origin, i);
+    const ty_vec point = ty_mad(origin, direction, at);
     const float before = rays->length[i] - at;
     if (!(before < job->parts.near_end)) return ty_splat_cell(&job->cells, point);
-    const float missing = ty_splat_clearance(job->lattice, normal) + before * ty_dot(way, normal);
+    const float missing = ty_splat_clearance(job->lattice, normal) + before * ty_dot(direction, normal);
     const int32_t cell = ty_splat_cell(&job->cells, ty_mad(point, normal, ty_maxf(0.0f, missing)));
     return cell >= 0 ? cell : ty_splat_cell(&job->cells, point);
 }
@@ -111,15 +111,15 @@ static bool scatter_part(const scatter_job* job, const ty_rsm_rays* rays, int32_
     if (part->count == 0 || !(part->until[part->count - 1] > 0.0f)) return false;
     const int32_t cell = cell_of(job, rays, i, place_of(job, part, rays->jitter[i]));
     if (cell < 0) return false;
-    float share[3];
-    for (int c = 0; c < 3; ++c) share[c] = rays->share[i] * part->scattered[c];
-    take_splat(job, rays, i, cell, share, out);
+    float weight[3];
+    for (int c = 0; c < 3; ++c) weight[c] = rays->measure[i] * part->scattered[c];
+    take_splat(job, rays, i, cell, weight, out);
     return true;
 }
 
 static int32_t scatter_ray(const scatter_job* job, const ty_rsm_rays* rays, int32_t i, ty_splat* out) {
     const double begin = (double)rays->begin[i], length = (double)(rays->end[i] - rays->begin[i]);
-    if (!(length > 0) || !(rays->share[i] > 0.0f)) return 0;
+    if (!(length > 0) || !(rays->measure[i] > 0.0f)) return 0;
     const int32_t wanted = 1 + (int32_t)((float)length * job->parts.per_metre);
     const int32_t parts = wanted < job->samples ? wanted : job->samples;
     ty_medium_walk walk = ty_medium_walk_begin(job->view.medium.medium, rays, i);
@@ -184,7 +184,7 @@ ty_result ty_lattice_inject_scattered(ty_lattice* lattice, const ty_lpv_def* def
     if (medium == NULL) return TY_OK;
     const scatter_job job = make_job(lattice, def, light, medium);
     ty_splat_rows rows = {.rows = ty_rsm_row_count(light),
-                          .most = light->rsm->side * def->samples,
+                          .max_splats = light->rsm->side * def->samples,
                           .user = &job,
                           .row = scatter_row,
                           .band = {1},

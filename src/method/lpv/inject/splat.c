@@ -12,17 +12,17 @@ typedef struct splat_job {
     const ty_splat_rows* rows;
     int32_t slabs, slab_cells;
     int64_t first, count; /* rows of this batch */
-    ty_splat* sorted;     /* `most` a row */
+    ty_splat* sorted;     /* `max_splats` a row */
     int32_t* begin;       /* slabs + 1 a row: where each slab's splats begin */
-    ty_splat* scratch;    /* `most` a worker */
+    ty_splat* scratch;    /* `max_splats` a worker */
     double* power;        /* 3 a slab */
 } splat_job;
 
 /* Sorts the splats of a row by slab, stably. */
 static void sort_row(void* user, int64_t index, int32_t worker) {
     const splat_job* job = user;
-    const size_t most = (size_t)job->rows->most;
-    ty_splat *unsorted = job->scratch + most * (size_t)worker, *sorted = job->sorted + most * (size_t)index;
+    const size_t max_splats = (size_t)job->rows->max_splats;
+    ty_splat *unsorted = job->scratch + max_splats * (size_t)worker, *sorted = job->sorted + max_splats * (size_t)index;
     int32_t* begin = job->begin + (size_t)index * (size_t)(job->slabs + 1);
     const int32_t count = job->rows->row(job->rows->user, job->first + index, unsorted);
     memset(begin, 0, (size_t)(job->slabs + 1) * sizeof *begin);
@@ -66,7 +66,7 @@ static void add_slab(void* user, int64_t slab, int32_t worker) {
     const splat_job* job = user;
     double* power = job->power + 3 * slab;
     for (int64_t row = 0; row < job->count; ++row) {
-        const ty_splat* splats = job->sorted + (size_t)job->rows->most * (size_t)row;
+        const ty_splat* splats = job->sorted + (size_t)job->rows->max_splats * (size_t)row;
         const int32_t* begin = job->begin + (size_t)row * (size_t)(job->slabs + 1) + slab;
         for (int32_t i = begin[0]; i < begin[1]; ++i) {
             add_splat(job, &splats[i]);
@@ -87,21 +87,21 @@ static void add_batches(splat_job* job, int64_t batch, double power[3]) {
 
 ty_result ty_splats_add(ty_lattice* lattice, const ty_splat_rows* rows, double power[3]) {
     ty_context* context = lattice->context;
-    const size_t most = (size_t)rows->most, workers = (size_t)ty_context_threads(context);
-    const int64_t fitting = BATCH / rows->most > 0 ? BATCH / rows->most : 1;
+    const size_t max_splats = (size_t)rows->max_splats, workers = (size_t)ty_context_threads(context);
+    const int64_t fitting = BATCH / rows->max_splats > 0 ? BATCH / rows->max_splats : 1;
     const size_t batch = (size_t)(fitting < rows->rows ? fitting : rows->rows);
     splat_job job = {.lattice = lattice, .rows = rows, .slabs = lattice->box.size[2]};
     job.slab_cells = lattice->box.size[0] * lattice->box.size[1];
     const size_t begins = batch * (size_t)(job.slabs + 1), powers = 3 * (size_t)job.slabs;
-    job.sorted = ty_alloc_array(context, batch * most, sizeof *job.sorted, false);
+    job.sorted = ty_alloc_array(context, batch * max_splats, sizeof *job.sorted, false);
     job.begin = ty_alloc_array(context, begins, sizeof *job.begin, false);
-    job.scratch = ty_alloc_array(context, workers * most, sizeof *job.scratch, false);
+    job.scratch = ty_alloc_array(context, workers * max_splats, sizeof *job.scratch, false);
     job.power = ty_alloc_array(context, powers, sizeof *job.power, true);
     const bool taken = job.sorted != NULL && job.begin != NULL && job.scratch != NULL && job.power != NULL;
     if (taken) add_batches(&job, (int64_t)batch, power);
-    ty_free_array(context, job.sorted, batch * most, sizeof *job.sorted);
+    ty_free_array(context, job.sorted, batch * max_splats, sizeof *job.sorted);
     ty_free_array(context, job.begin, begins, sizeof *job.begin);
-    ty_free_array(context, job.scratch, workers * most, sizeof *job.scratch);
+    ty_free_array(context, job.scratch, workers * max_splats, sizeof *job.scratch);
     ty_free_array(context, job.power, powers, sizeof *job.power);
     return taken ? TY_OK : TY_ERROR_MEMORY;
 }

@@ -15,7 +15,7 @@ typedef struct ty_splat {
 /* Rows of at most `most` splats each. */
 typedef struct ty_splat_rows {
     int64_t rows;
-    int32_t most;
+    int32_t max_splats;
     const void* user;
     int32_t (*row)(const void* user, int64_t row,
                    ty_splat* out); /* called from any thread; returns the number of splats */

@@ -60,10 +60,10 @@ static void add_view(const ty_lpv_job* job, surfel_list* list) {
     const size_t width = (size_t)size[0], count = width * (size_t)size[1];
     for (size_t at = 0; at < count; ++at) {
         if (!isfinite(view->distance[at])) continue;
-        const ty_vec way =
+        const ty_vec ray =
             ty_mad(ty_mad(eye.corner, eye.dx, (float)(at % width) + 0.5f), eye.dy, (float)(at / width) + 0.5f);
-        const float norm = sqrtf(ty_dot(way, way)), distance = view->distance[at];
-        const ty_vec direction = ty_scale(way, 1.0f / norm), normal = ty_vec_load(view->normal + 3 * at);
+        const float norm = sqrtf(ty_dot(ray, ray)), distance = view->distance[at];
+        const ty_vec direction = ty_scale(ray, 1.0f / norm), normal = ty_vec_load(view->normal + 3 * at);
         const float solid_angle = ty_dot(eye.dx, eye.dx) / (norm * norm * norm);
         add_point(list, ty_mad(eye.origin, direction, distance), normal, solid_angle * distance * distance,
                   ty_dot(normal, direction), view->albedo + 3 * at);

@@ -26,9 +26,9 @@ static inline size_t ty_link_at(const ty_link_grid* grid, const int32_t place[3]
 }
 
 /* The previous (way -1) or next (1) link in a row; false if there is none. */
-static inline bool ty_link_next(const ty_link_grid* grid, const int32_t place[3], int32_t way, int32_t next[3]) {
+static inline bool ty_link_next(const ty_link_grid* grid, const int32_t place[3], int32_t sign, int32_t next[3]) {
     for (int a = 0; a < 3; ++a) {
-        next[a] = place[a] + way * grid->step[a];
+        next[a] = place[a] + sign * grid->step[a];
         if (next[a] < 0 || next[a] >= grid->size[a]) return false;
     }
     return true;

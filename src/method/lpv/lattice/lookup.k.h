@@ -31,8 +31,8 @@ TY_FN ty_vec ty_lattice_lift(ty_vec point, ty_vec normal, float cell) {
 TY_FN ty_vec ty_surface_depths_leave(TY_GLOBAL const int32_t* surface_depth_index,
                                      TY_GLOBAL const ty_surface_depths* surface_depths, const int32_t size[3],
                                      ty_vec place) {
-    ty_vec way = ty_vec_make(0.0f, 0.0f, 0.0f);
-    if (surface_depth_index == NULL) return way;
+    ty_vec displacement = ty_vec_make(0.0f, 0.0f, 0.0f);
+    if (surface_depth_index == NULL) return displacement;
     const int32_t x = (int32_t)ty_clampf(place.x, 0.0f, (float)size[0] - 0.5f);
     const int32_t y = (int32_t)ty_clampf(place.y, 0.0f, (float)size[1] - 0.5f);
     const int32_t z = (int32_t)ty_clampf(place.z, 0.0f, (float)size[2] - 0.5f);
@@ -42,10 +42,11 @@ TY_FN ty_vec ty_surface_depths_leave(TY_GLOBAL const int32_t* surface_depth_inde
         TY_GLOBAL const float* plane = surface_depths[which].plane[side];
         const ty_vec normal = ty_vec_make(plane[0], plane[1], plane[2]);
         const float clearance = 0.5f * (fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z));
-        const float height = ty_dot(ty_add(off, way), normal) - plane[3];
-        if (clearance > 0.0f && height > -0.02f && height < clearance) way = ty_mad(way, normal, clearance - height);
+        const float height = ty_dot(ty_add(off, displacement), normal) - plane[3];
+        if (clearance > 0.0f && height > -0.02f && height < clearance)
+            displacement = ty_mad(displacement, normal, clearance - height);
     }
-    return way;
+    return displacement;
 }
 
 /* A point in cell coordinates. */
@@ -144,11 +145,11 @@ TY_FN ty_lattice_cascade_weights ty_lattice_choose_cascades(ty_lattice* const* l
         const float depth = ty_lattice_depth(lattices[i], ty_lattice_coordinates(lattices[i], point));
         const bool last = i == count - 1;
         if (!(depth > (last ? -0.5f : 0.0f))) continue;
-        const float share = last ? 1.0f : ty_clampf(depth * (1.0f / TY_LATTICE_BLEND), 0.0f, 1.0f);
+        const float weight = last ? 1.0f : ty_clampf(depth * (1.0f / TY_LATTICE_BLEND), 0.0f, 1.0f);
         mix.lattice[0] = i;
-        mix.weight[0] = share;
-        mix.lattice[1] = share < 1.0f ? i + 1 : -1;
-        mix.weight[1] = 1.0f - share;
+        mix.weight[0] = weight;
+        mix.lattice[1] = weight < 1.0f ? i + 1 : -1;
+        mix.weight[1] = 1.0f - weight;
         return mix;
     }
     return mix;

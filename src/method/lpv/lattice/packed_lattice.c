@@ -26,14 +26,14 @@ static void pack_light(const pack_job* job, size_t cell) {
 /* A neighbour's weight is the transmission from it into the cell. */
 static void pack_links(const pack_job* job, size_t cell) {
     uint8_t* links = job->links + cell * TY_PACKED_LINKS;
-    uint8_t least = UINT8_MAX;
+    uint8_t min = UINT8_MAX;
     links[TY_PACKED_SELF] = UINT8_MAX;
     for (int32_t i = 0; i < 2 * TY_PACKED_SELF + 1; ++i) {
         if (i == TY_PACKED_SELF) continue;
         links[i] = job->lattice->transmission[ty_lpv_link(1 - i % 3, 1 - i / 3 % 3, 1 - i / 9)][cell];
-        least = links[i] < least ? links[i] : least;
+        min = links[i] < min ? links[i] : min;
     }
-    job->blocked[cell] = least < UINT8_MAX;
+    job->blocked[cell] = min < UINT8_MAX;
 }
 
 static void pack_plane(void* user, int64_t z, int32_t worker) {

@@ -37,10 +37,10 @@ typedef struct ty_packed_cells {
 
 /* The lower of the two cells around a coordinate, measured in cells from the first cell's center, and the interpolation
  * fraction. */
-TY_FN int32_t ty_packed_axis(float place, int32_t size, float* share) {
-    const float middle = ty_clampf(place, 0.0f, (float)(size - 1));
-    const int32_t last = size > 1 ? size - 2 : 0, cell = (int32_t)middle, base = cell < last ? cell : last;
-    *share = middle - (float)base;
+TY_FN int32_t ty_packed_axis(float place, int32_t size, float* fraction) {
+    const float clamped = ty_clampf(place, 0.0f, (float)(size - 1));
+    const int32_t last = size > 1 ? size - 2 : 0, cell = (int32_t)clamped, base = cell < last ? cell : last;
+    *fraction = clamped - (float)base;
     return base;
 }
 
@@ -155,7 +155,7 @@ TY_FN void ty_packed_irradiance(const ty_packed_lattices* lattices, ty_vec point
     ty_sh_at(ty_scale(normal, -1.0f), lattices->lattices[0].floats > TY_PACKED_FLOATS ? TY_SH_BANDS : 2, y);
     for (int32_t i = finest; i < finest + (coarser > 0.0f ? 2 : 1); ++i) {
         const ty_packed_lattice* lattice = &lattices->lattices[i];
-        const float share = i == finest ? 1.0f - coarser : coarser;
+        const float fraction = i == finest ? 1.0f - coarser : coarser;
         float mean[TY_PACKED_FLOATS_MAX];
         ty_packed_cells cells;
         const ty_vec lifted = ty_lattice_lift(point, normal, lattice->cell);
@@ -171,7 +171,7 @@ TY_FN void ty_packed_irradiance(const ty_packed_lattices* lattices, ty_vec point
         if (third) ty_packed_mean(&cells, TY_PACKED_FLOATS, mean + TY_PACKED_FLOATS);
         for (int c = 0; c < 3; ++c)
             irradiance[c] +=
-                share * ty_packed_clamped_cosine(mean + 4 * c, third ? mean + TY_PACKED_FLOATS + 5 * c : NULL, y);
+                fraction * ty_packed_clamped_cosine(mean + 4 * c, third ? mean + TY_PACKED_FLOATS + 5 * c : NULL, y);
     }
 }
 

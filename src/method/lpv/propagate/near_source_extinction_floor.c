@@ -20,7 +20,8 @@ static float extinction_floor_at(const floor_job* job, ty_vec point) {
     for (int32_t i = 0; i < job->count; ++i) {
         const ty_light_view* light = &job->lights[i];
         const ty_vec off = ty_sub(point, light->position);
-        const float least = 0.5f * job->lattice->cell, square = ty_maxf(ty_dot(off, off), least * least);
+        const float min_distance = 0.5f * job->lattice->cell,
+                    square = ty_maxf(ty_dot(off, off), min_distance * min_distance);
         const float color = light->color[0] + light->color[1] + light->color[2];
         const bool is_local = light->kind == TY_KIND_POINT || light->kind == TY_KIND_SPOT;
         const float bright = is_local ? color / square : color;

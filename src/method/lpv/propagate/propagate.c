@@ -36,21 +36,21 @@ static bool book(const ty_lpv_sums* sums, const double size[3], double tolerance
 }
 
 typedef struct iteration_plan {
-    int32_t most;
+    int32_t max;
     double tolerance; /* negative: none */
 } iteration_plan;
 
 static iteration_plan plan_iterations(const ty_lpv_def* def) {
-    if (def->iterations > 0) return (iteration_plan){.most = def->iterations, .tolerance = -1};
-    if (def->mode == TY_LPV_MODE_PUBLISHED) return (iteration_plan){.most = ITERATIONS_PUBLISHED, .tolerance = -1};
-    return (iteration_plan){.most = ITERATIONS_MAX, .tolerance = def->tolerance};
+    if (def->iterations > 0) return (iteration_plan){.max = def->iterations, .tolerance = -1};
+    if (def->mode == TY_LPV_MODE_PUBLISHED) return (iteration_plan){.max = ITERATIONS_PUBLISHED, .tolerance = -1};
+    return (iteration_plan){.max = ITERATIONS_MAX, .tolerance = def->tolerance};
 }
 
 static ty_result iterate(ty_lpv_propagation* propagation, const ty_lpv_def* def, const double size[3],
                          double absorbed[3], ty_part_progress* progress, ty_lattice_power* power) {
     const iteration_plan plan = plan_iterations(def);
-    for (bool done = false; !done && power->iterations < plan.most; ++power->iterations) {
-        if (ty_part_show(progress, "propagation", (double)power->iterations / plan.most) != TY_OK) return TY_CANCELLED;
+    for (bool done = false; !done && power->iterations < plan.max; ++power->iterations) {
+        if (ty_part_show(progress, "propagation", (double)power->iterations / plan.max) != TY_OK) return TY_CANCELLED;
         const ty_lpv_sums sums = ty_lpv_propagation_step(propagation, power->iterations % 2 == 0);
         done = book(&sums, size, plan.tolerance, power, absorbed);
     }

@@ -8,9 +8,9 @@
 
 /* The clamped cosine lobe about a link, for light that surfaces reflect, scaled to a first term of 1. */
 static void make_lobe(const int32_t step[3], float lobe[TY_SH_TERMS]) {
-    const ty_vec way = ty_normalize(ty_vec_make((float)step[0], (float)step[1], (float)step[2]));
+    const ty_vec direction = ty_normalize(ty_vec_make((float)step[0], (float)step[1], (float)step[2]));
     float y[TY_SH_TERMS];
-    ty_sh_at(way, TY_SH_BANDS, y);
+    ty_sh_at(direction, TY_SH_BANDS, y);
     for (int32_t t = 0; t < TY_SH_TERMS; ++t) lobe[t] = y[t] * ty_sh_cosine(ty_sh_band(t)) / (TY_SH_0 * TY_PI);
 }
 
@@ -333,11 +333,11 @@ typedef struct slab_job {
 
 /* The part of a row's injected light that counts in its own cell. */
 static void count_row(const slab_job* job, int32_t channel, int32_t term, size_t first, const float* propagated_sh,
-                      const float* share, float* counted) {
+                      const float* fraction, float* counted) {
     const int32_t count = job->propagation->lattice->box.size[0];
     const float* own_cell_sh = job->own_cell_sh != NULL ? job->own_cell_sh[channel][term] : NULL;
     for (int32_t x = 0; x < count; ++x)
-        counted[x] = job->own_cell_sh == NULL ? share[x] * propagated_sh[x]
+        counted[x] = job->own_cell_sh == NULL ? fraction[x] * propagated_sh[x]
                      : own_cell_sh != NULL    ? own_cell_sh[first + (size_t)x]
                                               : 0.0f;
 }

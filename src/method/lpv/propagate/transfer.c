@@ -157,8 +157,8 @@ ty_lpv_links_step ty_lpv_links_step_in(const ty_lpv_transfer* transfer, float ce
 
 /* Sums of outgoing light are divided by this factor, which therefore must not be 0. */
 static float nonzero_factor(double scatter_factor) {
-    static const double least = 1e-6;
-    return (float)(fabs(scatter_factor) < least ? least : scatter_factor);
+    static const double min = 1e-6;
+    return (float)(fabs(scatter_factor) < min ? min : scatter_factor);
 }
 
 ty_lpv_medium_step ty_lpv_links_step_about(const ty_lpv_transfer* transfer, float cell, const ty_lpv_links_step* step,
