@@ -13,7 +13,7 @@ static ty_result render(ty_context* context, const char* scene_path, const char*
     def.width = 64;
     def.height = 48;
     ty_image* image = NULL;
-    ty_path_stats stats;
+    ty_path_stats stats = ty_default_path_stats();
     result = ty_path_render(scene, &def, &image, &stats);
     if (result == TY_OK) {
         printf("%g samples per pixel in %.2f s, relative error %.2g\n", stats.spp, stats.seconds, stats.error);

@@ -53,7 +53,7 @@ static ty_result run(ty_context* context, float* rgba, float* depth) {
     for (int frame = 0; frame < FRAMES && result == TY_OK; ++frame) {
         draw(rgba, depth, frame);
         const ty_screen_image image = describe(rgba, depth);
-        ty_screen_stats stats;
+        ty_screen_stats stats = ty_default_screen_stats();
         result = ty_screen_apply(context, &def, &image, workspace, size, &stats);
         if (result == TY_OK)
             printf("frame %d: %.2f ms, %d levels, beside the lamp %.3f\n", frame, 1e3 * stats.seconds, stats.levels,

@@ -34,7 +34,7 @@ static ty_result render_view(ty_scene* scene, const ty_fld* light, const ty_fld_
     camera.position[2] = 2;
     camera.fov_y = 30;
     ty_image* image = NULL;
-    ty_fld_stats stats = {0};
+    ty_fld_stats stats = ty_default_fld_stats();
     ty_result result = ty_scene_set_camera(scene, &camera);
     if (result == TY_OK) result = ty_fld_view(light, scene, def, &image, &stats);
     if (result == TY_OK) result = ty_image_write_png(ty_scene_context(scene), image, 2, TY_TONE_FILMIC, path);
@@ -47,7 +47,7 @@ int main(void) {
     ty_context* context = NULL;
     ty_scene* scene = NULL;
     ty_fld* light = NULL;
-    ty_fld_stats stats = {0};
+    ty_fld_stats stats = ty_default_fld_stats();
     const ty_context_def context_def = ty_default_context_def();
     ty_result result = ty_context_create(&context_def, &context);
     if (result == TY_OK) result = make_scene(context, &scene);

@@ -137,7 +137,7 @@ static ty_result render_view(ty_scene* scene, const ty_lpv* light, ty_lpv_def* d
     view.albedo = b->albedo;
     ty_camera_def camera = ty_default_camera_def();
     ty_image* image = NULL;
-    ty_lpv_stats stats = {0};
+    ty_lpv_stats stats = ty_default_lpv_stats();
     camera.position[0] = -5 + 9 * frame;
     camera.position[1] = 1.7;
     camera.position[2] = 6;
@@ -164,7 +164,7 @@ static ty_result run(ty_context* context, const buffers* shadow, const buffers* 
     ty_rsm map;
     ty_scene* scene = NULL;
     ty_lpv* light = NULL;
-    ty_lpv_stats stats = {0};
+    ty_lpv_stats stats = ty_default_lpv_stats();
     ty_lpv_def def = ty_default_lpv_def();
     draw_shadow_map(forward, shadow, &map);
     def.maps = &map;

@@ -52,7 +52,7 @@ static ty_result render_view(ty_scene* scene, const ty_dom* light, const ty_dom_
 static ty_result render_frame(ty_context* context, int frame, ty_dom** light) {
     ty_scene* scene = NULL;
     ty_dom* now = NULL;
-    ty_dom_stats stats = {0};
+    ty_dom_stats stats = ty_default_dom_stats();
     ty_dom_def def = ty_default_dom_def();
     def.width = def.height = 192;
     def.directions = 48;

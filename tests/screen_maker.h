@@ -69,7 +69,7 @@ static inline ty_screen_image image_of(const picture* p) {
 
 static inline ty_screen_stats apply(ty_context* context, const ty_screen_def* def, const picture* p) {
     const ty_screen_image image = image_of(p);
-    ty_screen_stats stats;
+    ty_screen_stats stats = ty_default_screen_stats();
     const ty_result result = ty_screen_apply(context, def, &image, NULL, 0, &stats);
     if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_take_error(context));
     return stats;

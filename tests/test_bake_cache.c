@@ -155,7 +155,7 @@ static void a_cache_of_ones_own_is_the_same(void** state) {
     ty_bake_cache* cache = NULL;
     ty_bake_def def = ty_default_bake_def();
     ty_bake_cache_info about;
-    ty_bake_stats stats;
+    ty_bake_stats stats = ty_default_bake_stats();
     def.cells = 8;
     bake_probes(*state, scene, &def, places, own);
     must(*state, ty_bake_cache_estimate(scene, &def, &about));

@@ -45,7 +45,7 @@ static const volume_suite suite = {&calls, bad_fields, sizeof bad_fields / sizeo
 static void statistics_tell_what_was_done(void** state) {
     ty_scene* scene = foggy_scene(*state);
     ty_fld_def def = small_fld();
-    ty_fld_stats stats;
+    ty_fld_stats stats = ty_default_fld_stats();
     ty_image* image = NULL;
     check_result(*state, ty_fld_render(scene, &def, &image, &stats));
     for (int a = 0; a < 3; ++a) {
@@ -53,7 +53,7 @@ static void statistics_tell_what_was_done(void** state) {
         assert_int_equal(stats.diffusion_size[a], 6);
     }
     assert_int_equal(stats.planes, 3); /* g of the first channel is another */
-    assert_true(stats.converged && stats.isa != NULL && stats.bytes > 0);
+    assert_true(stats.converged && stats.isa != NULL && stats.memory_bytes > 0);
     for (int c = 0; c < 3; ++c) {
         assert_true(stats.iterations[c] >= 1 && stats.cycles[c] >= 1 && stats.work[c] >= 1);
         assert_true(stats.residual[c] <= def.tolerance && stats.emitted[c] > 0);
@@ -80,7 +80,7 @@ static void running_out_of_iterations_is_told(void** state) {
     ty_scene* scene = foggy_scene(*state);
     for (int solver = 0; solver < 3; ++solver) {
         ty_fld_def def = small_fld();
-        ty_fld_stats stats;
+        ty_fld_stats stats = ty_default_fld_stats();
         def.solver = (ty_fld_solver)solver;
         def.iterations = 1;
         def.tolerance = 1e-12;

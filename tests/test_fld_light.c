@@ -178,7 +178,7 @@ static void energy_is_kept(void** state) {
             const ty_light_def source = light_of_kind(kind);
             ty_scene* scene = lit(*state, &medium, &source, 1);
             const ty_fld_def def = small_fld();
-            ty_fld_stats stats;
+            ty_fld_stats stats = ty_default_fld_stats();
             ty_fld_destroy(solve(scene, &def, &stats));
             assert_true(stats.converged);
             for (int c = 0; c < 3; ++c) {
@@ -200,7 +200,7 @@ static void glowing_fog_needs_no_lights(void** state) {
     set3f(medium.emission, 1, 0.5f, 0);
     ty_scene* scene = lit(*state, &medium, NULL, 0);
     const ty_fld_def def = small_fld();
-    ty_fld_stats stats;
+    ty_fld_stats stats = ty_default_fld_stats();
     solve_cells(scene, &def, &light, &stats);
     assert_sound(&light, "emission");
     assert_close(stats.emitted[0], 12.566370614 * 0.1 * 3, 1e-4);
@@ -222,7 +222,7 @@ static void dark_fog_is_dark(void** state) {
     ty_scene* scene = lit(*state, &medium, NULL, 0);
     for (int solver = 0; solver < 3; ++solver) {
         ty_fld_def def = small_fld();
-        ty_fld_stats stats;
+        ty_fld_stats stats = ty_default_fld_stats();
         def.solver = (ty_fld_solver)solver;
         solve_cells(scene, &def, &light, &stats);
         assert_true(stats.converged);
@@ -240,7 +240,7 @@ static void channels_do_not_mix(void** state) {
     const ty_medium_def medium = colored_block();
     ty_scene* scene = lit(*state, &medium, &sun, 1);
     const ty_fld_def def = small_fld();
-    ty_fld_stats stats;
+    ty_fld_stats stats = ty_default_fld_stats();
     solve_cells(scene, &def, &all, &stats);
     assert_int_equal(stats.planes, 3);
     ty_scene_destroy(scene);
@@ -275,7 +275,7 @@ static void colors_of_light_scale(void** state) {
                                         point_light(0, 0, 2, 2 * colors[k][0], 2 * colors[k][1], 2 * colors[k][2])};
         ty_scene* scene = lit(*state, &gray, lights, 2);
         const ty_fld_def def = small_fld();
-        ty_fld_stats stats;
+        ty_fld_stats stats = ty_default_fld_stats();
         solve_cells(scene, &def, &light, &stats);
         int solves = 0;
         const int bright = k == 0 ? 2 : k == 1 ? 1 : 0;
@@ -371,7 +371,7 @@ static void solvers_agree(void** state) {
         ty_scene* scene = lit(*state, &medium, lights, 2);
         for (int solver = 0; solver < 3; ++solver) {
             ty_fld_def def = small_fld();
-            ty_fld_stats stats;
+            ty_fld_stats stats = ty_default_fld_stats();
             def.limiter = (ty_fld_limiter)limiter;
             def.solver = (ty_fld_solver)solver;
             def.tolerance = tolerances[solver];

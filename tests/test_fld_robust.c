@@ -33,7 +33,7 @@ static brightness look_at(ty_context* context, const ty_medium_def* media, int m
     if (light != NULL) add_light(scene, light);
     commit(scene);
     ty_image* image = NULL;
-    ty_fld_stats stats;
+    ty_fld_stats stats = ty_default_fld_stats();
     check_result(context, ty_fld_render(scene, def, &image, &stats));
     assert_true(stats.converged);
     assert_close(stats.absorbed[0] + stats.leaving[0], stats.emitted[0], 1e-3 * stats.emitted[0]);

@@ -210,7 +210,7 @@ static void bins_are_what_lookups_find(void** state) {
 
 static void tables_are_kept_and_found(void** state) {
     const ty_impulse_def def = least_def("impulse_cache/new");
-    ty_impulse_stats stats;
+    ty_impulse_stats stats = ty_default_impulse_stats();
     remove("impulse_cache/new/impulse-1-4000.tables");
     ty_impulse* first = make(*state, &def, &stats);
     assert_true(stats.built);
@@ -242,7 +242,7 @@ static void folders_that_cannot_be_written_are_a_warning(void** state) {
     skip_under_sanitizers();
     put_file("impulse_no_folder", "x", 1);
     const ty_impulse_def def = least_def("impulse_no_folder");
-    ty_impulse_stats stats;
+    ty_impulse_stats stats = ty_default_impulse_stats();
     ty_impulse_destroy(make(*state, &def, &stats));
     assert_true(stats.built);
     assert_string_equal(stats.path, "");

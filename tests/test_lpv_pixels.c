@@ -34,7 +34,7 @@ static ty_lpv_def small_def(void) {
                         .spp = 1,
                         .step = 1,
                         .shadow_rays = true,
-                        .half = true,
+                        .half_resolution_march = true,
                         .aovs = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH | TY_AOV_NORMAL |
                                 TY_AOV_ALBEDO};
 }
@@ -129,7 +129,7 @@ static void end_case(view_case* at) {
 
 static ty_image* image_of(view_case* at, ty_lpv_stats* stats) {
     ty_image* image = NULL;
-    ty_lpv_stats own = {0};
+    ty_lpv_stats own = ty_default_lpv_stats();
     check(at->scene, ty_lpv_image(&at->job, &image, stats != NULL ? stats : &own));
     return image;
 }
@@ -309,11 +309,11 @@ static void compare(const ty_image* a, const ty_image* b, double* rmse, double* 
 static void half_resolution(void** state) {
     view_case at;
     double rmse, largest;
-    ty_lpv_stats stats = {0};
+    ty_lpv_stats stats = ty_default_lpv_stats();
     begin_still(&at, *state);
-    at.def.half = false;
+    at.def.half_resolution_march = false;
     ty_image* full = image_of(&at, NULL);
-    at.def.half = true;
+    at.def.half_resolution_march = true;
     ty_image* half = image_of(&at, &stats);
     compare(half, full, &rmse, &largest);
     const double alone = (double)stats.marched / (WIDE * HIGH) - 0.25;
@@ -429,7 +429,7 @@ static void shadows(void** state) {
     const ty_camera_view rays = ty_camera_get_view(&camera, WIDE, HIGH);
     for (int asks = 0; asks < 2; ++asks) {
         at.def.shadow_rays = asks != 0;
-        ty_lpv_stats stats = {0};
+        ty_lpv_stats stats = ty_default_lpv_stats();
         ty_image* image = image_of(&at, &stats);
         const float* r = plane_of(image, "R");
         int wrong = 0, dark = 0;
@@ -581,7 +581,7 @@ static void progress_and_cancelling(void** state) {
     for (int until = 1; until <= 3; ++until) {
         so_far = (told){.until = until};
         ty_image* image = (ty_image*)&at;
-        ty_lpv_stats stats = {0};
+        ty_lpv_stats stats = ty_default_lpv_stats();
         assert_int_equal(ty_lpv_image(&at.job, &image, &stats), TY_CANCELLED);
         assert_null(image);
         assert_int_equal(so_far.calls, until);

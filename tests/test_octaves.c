@@ -60,14 +60,14 @@ static void scattering_may_not_exceed_scaled_extinction(void** state) {
 static void statistics_tell_what_was_done(void** state) {
     ty_scene* scene = foggy_scene(*state);
     ty_octaves_def def = small_octaves();
-    ty_octaves_stats stats;
+    ty_octaves_stats stats = ty_default_octaves_stats();
     ty_image* image = NULL;
     def.count = 3;
     check_result(*state, ty_octaves_render(scene, &def, &image, &stats));
     for (int a = 0; a < 3; ++a) assert_int_equal(stats.size[a], 12);
     assert_int_equal(stats.planes, 3);
     assert_int_equal(stats.lights, 2);
-    assert_true(stats.bytes == 3.0 * 12 * 12 * 12 * (3 + 12) * sizeof(float));
+    assert_true(stats.memory_bytes == 3.0 * 12 * 12 * 12 * (3 + 12) * sizeof(float));
     const double parts = stats.medium_seconds + stats.direct_seconds + stats.march_seconds;
     assert_true(stats.isa != NULL && stats.march_seconds > 0);
     assert_close(stats.seconds, parts, 0.5 * parts);

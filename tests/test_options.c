@@ -252,7 +252,7 @@ static void smaller_defs_keep_defaults(void** state) {
     ty_scene* scene = foggy_scene(context);
     old_def old;
     ty_fld_def whole = ty_default_fld_def();
-    ty_fld_stats stats, expected;
+    ty_fld_stats stats = ty_default_fld_stats(), expected = ty_default_fld_stats();
     ty_fld* light = NULL;
     memset(&old, 0x5a, sizeof old);
     ty_init_fld_def(&old, size);
@@ -274,6 +274,96 @@ static void smaller_defs_keep_defaults(void** state) {
     assert_int_equal(ty_scene_set_option(scene, "fld", "tolerance", "0.5"), TY_OK);
     assert_int_equal(ty_method_options(scene, "fld", old.bytes), TY_ERROR_ARGUMENT);
     assert_non_null(strstr(ty_take_error(context), "older"));
+    ty_scene_destroy(scene);
+}
+
+/* Statistics of an older program are filled in as far as they go, and those that no default function made are refused.
+ */
+static void smaller_stats_are_filled_in_so_far(void** state) {
+    const size_t size = offsetof(ty_fld_stats, solve_seconds);
+    ty_context* context = *state;
+    ty_scene* scene = foggy_scene(context);
+    old_def old;
+    ty_fld_def def = ty_default_fld_def();
+    ty_fld_stats whole = ty_default_fld_stats(), copy = ty_default_fld_stats(), unmade = {0};
+    ty_fld* light = NULL;
+    ty_image* image = NULL;
+    memset(&old, 0x5a, sizeof old);
+    ty_init_stats(&old, size);
+    expect_marks(&old, size);
+    def.resolution = 8;
+    assert_int_equal(ty_fld_solve(scene, &def, &light, (ty_fld_stats*)old.bytes), TY_OK);
+    expect_marks(&old, size);
+    ty_fld_destroy(light);
+    assert_int_equal(ty_fld_render(scene, &def, &image, &whole), TY_OK);
+    ty_image_destroy(image);
+    memcpy(&copy, old.bytes, size);
+    assert_int_equal(copy.bytes, size);
+    assert_int_equal(whole.bytes, sizeof whole);
+    assert_memory_equal(copy.iterations, whole.iterations, sizeof whole.iterations);
+    assert_memory_equal(copy.leaving, whole.leaving, sizeof whole.leaving);
+    assert_true(copy.direct_seconds > 0 && copy.solve_seconds == 0 && whole.solve_seconds > 0);
+    assert_true(whole.march_seconds > 0 && whole.isa != NULL);
+    ty_take_error(context);
+    assert_int_equal(ty_fld_solve(scene, &def, &light, &unmade), TY_ERROR_ARGUMENT);
+    assert_null(light);
+    assert_non_null(strstr(ty_take_error(context), "ty_default_fld_stats"));
+    ty_scene_destroy(scene);
+}
+
+/* A program of a newer version has fields that this library leaves at 0. */
+static void larger_stats_keep_zeros_behind(void** state) {
+    struct {
+        ty_path_stats known;
+        double later;
+    } newer;
+    const ty_path_stats made = {.seconds = 2, .paths = 3};
+    ty_path_stats own;
+    ty_init_stats(&newer, sizeof newer);
+    assert_int_equal(ty_take_stats(*state, &newer, "ty_default_path_stats", &own, sizeof own), TY_OK);
+    ty_give_stats(&made, sizeof made, &newer);
+    assert_true(newer.known.seconds == 2 && newer.known.paths == 3 && newer.later == 0);
+    assert_int_equal(newer.known.bytes, sizeof newer);
+    assert_int_equal(ty_take_stats(*state, NULL, "ty_default_path_stats", &own, sizeof own), TY_OK);
+    ty_give_stats(&made, sizeof made, NULL);
+}
+
+/* The stats of every call are checked before any work. */
+static void all_stats_are_checked(void** state) {
+    ty_context* context = *state;
+    ty_scene* scene = foggy_scene(context);
+    ty_image* image = NULL;
+    ty_impulse* tables = NULL;
+    ty_bake_probe probe;
+    const float position[3] = {0};
+    ty_take_error(context);
+#define EXPECT_REFUSED(name, call)                                                                                     \
+    do {                                                                                                               \
+        ty_##name##_stats unmade = {0};                                                                                \
+        assert_int_equal(call, TY_ERROR_ARGUMENT);                                                                     \
+        assert_non_null(strstr(ty_take_error(context), "ty_default_" #name "_stats"));                                 \
+        const ty_##name##_stats made = ty_default_##name##_stats();                                                    \
+        assert_int_equal(made.bytes, sizeof made);                                                                     \
+    } while (0)
+#define EXPECT_RENDER_REFUSED(name)                                                                                    \
+    do {                                                                                                               \
+        const ty_##name##_def def = ty_default_##name##_def();                                                         \
+        EXPECT_REFUSED(name, ty_##name##_render(scene, &def, &image, &unmade));                                        \
+    } while (0)
+    EXPECT_RENDER_REFUSED(path);
+    EXPECT_RENDER_REFUSED(fld);
+    EXPECT_RENDER_REFUSED(pop);
+    EXPECT_RENDER_REFUSED(dom);
+    EXPECT_RENDER_REFUSED(lpv);
+    EXPECT_RENDER_REFUSED(octaves);
+    const ty_screen_def screen = ty_default_screen_def();
+    const ty_screen_image picture = ty_default_screen_image();
+    EXPECT_REFUSED(screen, ty_screen_apply(context, &screen, &picture, NULL, 0, &unmade));
+    const ty_impulse_def impulse = ty_default_impulse_def();
+    EXPECT_REFUSED(impulse, ty_impulse_create(context, &impulse, &tables, &unmade));
+    const ty_bake_def bake = ty_default_bake_def();
+    EXPECT_REFUSED(bake, ty_bake_probes(scene, &bake, position, 1, &probe, &unmade));
+    EXPECT_REFUSED(bake, ty_bake_surfaces(scene, &bake, NULL, 0, NULL, &unmade));
     ty_scene_destroy(scene);
 }
 
@@ -320,7 +410,8 @@ int main(void) {
         cmocka_unit_test(words_are_numbers_and_back), cmocka_unit_test(files_have_all_options),
         cmocka_unit_test(zero_is_refused_for_auto),   cmocka_unit_test(scenes_carry_options),
         cmocka_unit_test(smaller_defs_keep_defaults), cmocka_unit_test(all_defs_have_sizes),
-        cmocka_unit_test(methods_are_found_by_name),
+        cmocka_unit_test(methods_are_found_by_name),  cmocka_unit_test(smaller_stats_are_filled_in_so_far),
+        cmocka_unit_test(all_stats_are_checked),      cmocka_unit_test(larger_stats_keep_zeros_behind),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

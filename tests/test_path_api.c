@@ -200,7 +200,7 @@ static void empty_scenes_are_black(void** state) {
     ty_scene* scene = make_scene(*state);
     assert_int_equal(ty_scene_commit(scene), TY_OK);
     const ty_path_def def = small_def(2);
-    ty_path_stats stats;
+    ty_path_stats stats = ty_default_path_stats();
     ty_image* image = render(scene, &def, &stats);
     for (int c = 0; c < 6; ++c) assert_true(total(image, c) == 0);
     assert_true(stats.vertices == 0 && stats.error == 0);
@@ -211,7 +211,7 @@ static void empty_scenes_are_black(void** state) {
 static void statistics_tell_what_was_done(void** state) {
     ty_scene* scene = foggy_scene(*state);
     const ty_path_def def = small_def(6);
-    ty_path_stats stats;
+    ty_path_stats stats = ty_default_path_stats();
     ty_image* image = render(scene, &def, &stats);
     assert_valid(image);
     assert_int_equal(stats.paths, 6 * PIXELS);
@@ -270,7 +270,7 @@ static void callers_can_cancel(void** state) {
     ty_path_def def = small_def(1 << 24);
     def.progress = look;
     def.progress_user = &w;
-    ty_path_stats stats;
+    ty_path_stats stats = ty_default_path_stats();
     ty_image* image = NULL;
     const double begun = ty_wall_seconds();
     assert_int_equal(ty_path_render(scene, &def, &image, &stats), TY_CANCELLED);
@@ -296,7 +296,7 @@ static void time_bounds_the_work(void** state) {
     ty_scene* scene = foggy_scene(*state);
     ty_path_def def = small_def(1 << 24);
     def.seconds = 0.15;
-    ty_path_stats stats;
+    ty_path_stats stats = ty_default_path_stats();
     const double begun = ty_wall_seconds();
     ty_image* image = render(scene, &def, &stats);
     const double seconds = ty_wall_seconds() - begun;
@@ -312,7 +312,7 @@ static void no_pixel_is_left_out(void** state) {
     ty_path_def def = small_def(1 << 24);
     def.width = def.height = 80;
     def.seconds = 1e-9;
-    ty_path_stats stats;
+    ty_path_stats stats = ty_default_path_stats();
     ty_image* image = render(scene, &def, &stats);
     assert_true(stats.spp >= 1);
     for (int i = 0; i < 80 * 80; ++i) assert_true(ty_image_plane_const(image, 0)[i] > 0.1f);
@@ -325,7 +325,7 @@ static void error_bounds_the_work(void** state) {
     ty_path_def def = small_def(1 << 20);
     double spp = 0;
     for (int i = 0; i < 2; ++i) {
-        ty_path_stats stats;
+        ty_path_stats stats = ty_default_path_stats();
         def.error = i == 0 ? 0.1 : 0.04;
         ty_image* image = render(scene, &def, &stats);
         assert_true(stats.error > 0 && stats.error <= def.error);
@@ -421,7 +421,7 @@ static void deeper_paths_bring_more_light(void** state) {
     for (int i = 0; i < 4; ++i) {
         ty_path_def def = small_def(32);
         def.max_depth = depths[i];
-        ty_path_stats stats;
+        ty_path_stats stats = ty_default_path_stats();
         ty_image* image = render(scene, &def, &stats);
         assert_true(total(image, 1) > 1.005 * before);
         if (depths[i] == 1) assert_true(stats.vertices <= stats.paths);

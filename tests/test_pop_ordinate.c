@@ -49,7 +49,7 @@ static void add_light(ty_scene* scene, ty_light_kind kind, double x, double y, d
 static void lights_by_kind(void** state) {
     ty_scene* scene = pop_fog(*state, 1, 0);
     ty_pop_def def = pop_def(8);
-    def.sharp = false;
+    def.fine_lights = false;
     direct_add_sun(scene, 0, -2, 0, 3);
     add_light(scene, TY_LIGHT_POINT, 0, 4, 0);
     add_light(scene, TY_LIGHT_SPOT, 0, 0, 4);
@@ -109,7 +109,7 @@ static void two_sides_and_none(void** state) {
     check_result(*state, ty_scene_add_mesh(scene, &mesh));
     direct_add_sun(scene, 0, -2, 0, 0);
     ty_pop_def def = pop_def(8);
-    def.sharp = false;
+    def.fine_lights = false;
     found f = find(scene, &def, NULL);
     assert_int_equal(f.set.count, 2 * 4 * 16);
     double up = 0, down = 0;

@@ -75,14 +75,14 @@ static void any_state_leads_to_the_same_image(void** state) {
     ty_scene* scene = foggy_scene(*state);
     keeper k = {.every = 1}, nobody = {0};
     const ty_path_def def = kept_def(40, &k);
-    ty_path_stats plain_stats;
+    ty_path_stats plain_stats = ty_default_path_stats();
     ty_image* plain = render(scene, &def, &plain_stats);
     assert_true(k.kept > 5);
     for (int i = 0; i < k.kept; ++i) {
         ty_path_def again = kept_def(40, &nobody);
         again.resume = k.bytes[i];
         again.resume_size = k.size;
-        ty_path_stats stats;
+        ty_path_stats stats = ty_default_path_stats();
         ty_image* image = render(scene, &again, &stats);
         assert_true(same_images(image, plain));
         assert_int_equal(stats.paths, plain_stats.paths);
@@ -158,7 +158,7 @@ static void error_bounds_survive_interruptions(void** state) {
     ty_scene* scene = foggy_scene(*state);
     ty_path_def def = small_def(1 << 20);
     def.error = 0.08;
-    ty_path_stats plain_stats, stats;
+    ty_path_stats plain_stats = ty_default_path_stats(), stats = ty_default_path_stats();
     ty_image* plain = render(scene, &def, &plain_stats);
     for (int n = 1; n < 14; n += 2) {
         size_t size;
@@ -185,7 +185,7 @@ static void time_bounds_survive_interruptions(void** state) {
     def.seconds = 0.2;
     def.state = keep;
     def.state_user = &k;
-    ty_path_stats first, second;
+    ty_path_stats first = ty_default_path_stats(), second = ty_default_path_stats();
     ty_image_destroy(render(scene, &def, &first));
     def.resume = k.bytes[0];
     def.resume_size = k.size;

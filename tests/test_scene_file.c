@@ -502,7 +502,7 @@ static void every_key_is_accepted(void** state) {
     expect_ok(context, ty_method_options(scene, "lpv", &lpv));
     assert_int_equal(lpv.mode, TY_LPV_MODE_PUBLISHED);
     assert_int_equal(lpv.parts, TY_LPV_PLAIN | TY_LPV_MARCH | TY_LPV_SINGLE);
-    assert_true(lpv.tolerance == 0.02 && lpv.step == 0.75 && !lpv.shadow_rays && !lpv.half);
+    assert_true(lpv.tolerance == 0.02 && lpv.step == 0.75 && !lpv.shadow_rays && !lpv.half_resolution_march);
     ty_dom_def dom = ty_default_dom_def();
     expect_ok(context, ty_method_options(scene, "dom", &dom));
     assert_int_equal(dom.acceleration, TY_DOM_ACCELERATION_NONE);

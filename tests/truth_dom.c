@@ -11,7 +11,7 @@ static error measure(const ty_scene* scene, const ty_dom_def* def, const truth* 
     ty_context* context = ty_scene_context(scene);
     double* fluence = new_numbers(3 * CELLS);
     ty_dom* light = NULL;
-    ty_dom_stats stats;
+    ty_dom_stats stats = ty_default_dom_stats();
     must(context, ty_dom_solve(scene, def, &light, &stats));
     must(context, ty_dom_fluence(light, low, high, coarse, fluence, NULL));
     assert_true(stats.converged);

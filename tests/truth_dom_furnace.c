@@ -85,7 +85,7 @@ static bool is_unseen(ty_context* context, const box_case* c) {
     ty_scene* scene = white_box(context, c->half, c->sigma, &sky);
     const ty_dom_def def = ty_default_dom_def();
     ty_dom* light = NULL;
-    ty_dom_stats stats;
+    ty_dom_stats stats = ty_default_dom_stats();
     must(context, ty_dom_solve(scene, &def, &light, &stats));
     assert_true(stats.converged);
     const double emitted = stats.emitted[1] / (4 * pi) - 1;
@@ -118,7 +118,7 @@ static bool keeps_the_sun(ty_context* context, double x, double y, double sigma)
     ty_scene* scene = white_box(context, 1, sigma, &sun);
     const ty_dom_def def = ty_default_dom_def();
     ty_dom* light = NULL;
-    ty_dom_stats stats;
+    ty_dom_stats stats = ty_default_dom_stats();
     must(context, ty_dom_solve(scene, &def, &light, &stats));
     const double entered = stats.emitted[1] / (4 / sqrt(x * x + y * y + 1));
     printf("sun along %g, %g, -1, %g/m: emitted %.4f of what enters\n", x, y, sigma, entered);

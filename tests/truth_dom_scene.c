@@ -20,7 +20,7 @@ static ty_dom_def dom_def(const scene_case* c, const ty_image* surfaces) {
 
 static ty_image* dom_image(const ty_scene* scene, const ty_dom_def* def) {
     ty_image* image = NULL;
-    ty_dom_stats stats;
+    ty_dom_stats stats = ty_default_dom_stats();
     must(ty_scene_context(scene), ty_dom_render(scene, def, &image, &stats));
     assert_true(stats.converged);
     assert_finite(image);

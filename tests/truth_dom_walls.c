@@ -13,7 +13,7 @@ static ty_image* dom_image(const ty_scene* scene, const scene_case* c, const ty_
     ty_dom_def def = ty_default_dom_def();
     must(ty_scene_context(scene), ty_method_options(scene, "dom", &def));
     ty_image* image = NULL;
-    ty_dom_stats stats;
+    ty_dom_stats stats = ty_default_dom_stats();
     def.width = c->width;
     def.height = c->height;
     def.spp = 4;

@@ -27,7 +27,7 @@ static error measure(const ty_scene* scene, const ty_fld_def* def, const truth* 
     double* fluence = new_numbers(3 * CELLS);
     double* flux = new_numbers(9 * CELLS);
     ty_fld* light = NULL;
-    ty_fld_stats stats;
+    ty_fld_stats stats = ty_default_fld_stats();
     must(context, ty_fld_solve(scene, def, &light, &stats));
     must(context, ty_fld_fluence(light, low, high, coarse, fluence, NULL, flux));
     assert_true(stats.converged);

@@ -7,7 +7,7 @@ static ty_image* fld_image(const ty_scene* scene, const scene_case* c, const ty_
                            double ratio) {
     ty_fld_def def = ty_default_fld_def();
     ty_image* image = NULL;
-    ty_fld_stats stats;
+    ty_fld_stats stats = ty_default_fld_stats();
     def.width = c->width;
     def.height = c->height;
     def.spp = 4;

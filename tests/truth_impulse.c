@@ -24,7 +24,7 @@ static ty_impulse* tables;
 
 static int start(void** state) {
     ty_impulse_def def = ty_default_impulse_def();
-    ty_impulse_stats stats;
+    ty_impulse_stats stats = ty_default_impulse_stats();
     def.bounces = TY_IMPULSE_BOUNCES_MAX;
     def.folder = "";
     if (start_context(state) != 0 || ty_impulse_create(*state, &def, &tables, &stats) != TY_OK) return -1;

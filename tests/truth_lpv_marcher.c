@@ -174,7 +174,7 @@ static ty_image* march_shared(const ty_scene* scene, const ty_lpv* light, const 
 
 static ty_image* view_own(const ty_scene* scene, const ty_lpv* light, ty_lpv_def* def, bool half, double* seconds) {
     ty_image* image = NULL;
-    def->half = half;
+    def->half_resolution_march = half;
     const double begun = processor_seconds();
     must(ty_scene_context(scene), ty_lpv_view(light, scene, def, &image, NULL));
     *seconds = processor_seconds() - begun;

@@ -20,10 +20,10 @@ static error measure(const ty_scene* scene, bool sharp, const truth* expected) {
     ty_context* context = ty_scene_context(scene);
     double* fluence = new_numbers(3 * CELLS);
     ty_pop* light = NULL;
-    ty_pop_stats stats;
+    ty_pop_stats stats = ty_default_pop_stats();
     ty_pop_def def = ty_default_pop_def();
     def.resolution = COARSE;
-    def.sharp = sharp;
+    def.fine_lights = sharp;
     must(context, ty_pop_solve(scene, &def, &light, &stats));
     must(context, ty_pop_fluence(light, low, high, coarse, fluence, NULL));
     assert_true(stats.converged);

@@ -102,8 +102,10 @@ static inline ty_bake_def ty_default_bake_def(void) {
     return def;
 }
 
-/// Statistics of a bake.
+/// Statistics of a bake. Create them with ty_default_bake_stats().
 typedef struct ty_bake_stats {
+    uint32_t cookie;      ///< Set by ty_default_bake_stats() and checked.
+    uint32_t bytes;       ///< Set by ty_default_bake_stats() to the size of the structure.
     double seconds;       ///< Wall clock time of the whole, s.
     double table_seconds; ///< Time to compute or read the tables of impulse responses, s.
     double cache_seconds; ///< Time to fill the cache, if the call created it, s.
@@ -112,6 +114,13 @@ typedef struct ty_bake_stats {
     double ray_seconds;   ///< Estimated time to trace these rays alone, s; 0: not measured.
     double mean_samples;  ///< Mean number of paths per receiver.
 } ty_bake_stats;
+
+/// Statistics with all fields 0.
+static inline ty_bake_stats ty_default_bake_stats(void) {
+    ty_bake_stats stats;
+    ty_init_stats(&stats, sizeof stats);
+    return stats;
+}
 
 /// The properties of a cache.
 typedef struct ty_bake_cache_info {

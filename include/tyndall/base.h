@@ -98,6 +98,12 @@ static inline ty_context_def ty_default_context_def(void) {
     return def;
 }
 
+/// Sets the `bytes` bytes of a structure of statistics, such as ty_path_stats, to 0, and notes its size in it. Each
+/// such structure has a default function that calls this one with the size that the program was compiled with, so that
+/// later versions of the library can add fields at the end: a call fills in the fields that both the program and the
+/// library know.
+TY_API void ty_init_stats(void* stats, size_t bytes);
+
 /// Creates a context. When it fails, ty_take_error(NULL) tells why.
 /// Errors: TY_ERROR_ARGUMENT (a wrong definition, or a field out of range), TY_ERROR_MEMORY.
 TY_API ty_result ty_context_create(const ty_context_def* def, ty_context** out);

@@ -81,8 +81,11 @@ static inline ty_dom_def ty_default_dom_def(void) {
     return def;
 }
 
-/// Statistics of a solve and of an image, per channel where there are three numbers.
+/// Statistics of a solve and of an image, per channel where there are three numbers. Create them with
+/// ty_default_dom_stats().
 typedef struct ty_dom_stats {
+    uint32_t cookie;                ///< Set by ty_default_dom_stats() and checked.
+    uint32_t bytes;                 ///< Set by ty_default_dom_stats() to the size of the structure.
     int32_t direct_size[3];         ///< Cells of uncollided light along x, y, z.
     int32_t size[3];                ///< Cells of the sweep along x, y, z.
     int32_t planes;                 ///< 1: one solve for all channels; 3.
@@ -105,9 +108,16 @@ typedef struct ty_dom_stats {
     double solve_seconds;           ///< Time to solve, s.
     double march_seconds;           ///< Time of the image, s.
     double sweep_seconds;           ///< Time of sweeps alone, a part of solve_seconds, s.
-    double bytes;                   ///< Memory of the solve.
+    double memory_bytes;            ///< Memory of the solve.
     const char* isa;                ///< Instruction set of the kernels, as in ty_path_stats.
 } ty_dom_stats;
+
+/// Statistics with all fields 0.
+static inline ty_dom_stats ty_default_dom_stats(void) {
+    ty_dom_stats stats;
+    ty_init_stats(&stats, sizeof stats);
+    return stats;
+}
 
 /// Samples the media of a committed scene, finds the uncollided light of all lights, and solves for the rest. stats may
 /// be NULL. A solve that runs out of sweeps returns TY_OK with stats->converged false. `*out` is destroyed with

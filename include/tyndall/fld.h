@@ -100,8 +100,11 @@ static inline ty_fld_def ty_default_fld_def(void) {
     return def;
 }
 
-/// Statistics of a solve and of an image, per channel where there are three numbers.
+/// Statistics of a solve and of an image, per channel where there are three numbers. Create them with
+/// ty_default_fld_stats().
 typedef struct ty_fld_stats {
+    uint32_t cookie;           ///< Set by ty_default_fld_stats() and checked.
+    uint32_t bytes;            ///< Set by ty_default_fld_stats() to the size of the structure.
     int32_t direct_size[3];    ///< Cells of uncollided light along x, y, z.
     int32_t diffusion_size[3]; ///< Cells of diffusion along x, y, z.
     int32_t planes;            ///< 1: all channels have the same coefficients, and one solve; 3.
@@ -118,9 +121,16 @@ typedef struct ty_fld_stats {
     double direct_seconds;     ///< Time to find the uncollided light, s.
     double solve_seconds;      ///< Time to solve the diffusion equation, s.
     double march_seconds;      ///< Time of the image, s.
-    double bytes;              ///< Memory of the solve, with all channels that are solved side by side.
+    double memory_bytes;       ///< Memory of the solve, with all channels that are solved side by side.
     const char* isa;           ///< Instruction set of the kernels, as in ty_path_stats.
 } ty_fld_stats;
+
+/// Statistics with all fields 0.
+static inline ty_fld_stats ty_default_fld_stats(void) {
+    ty_fld_stats stats;
+    ty_init_stats(&stats, sizeof stats);
+    return stats;
+}
 
 /// The light in a scene's media: solved once, and seen from any camera. It does not refer to the scene, which may be
 /// destroyed before it.

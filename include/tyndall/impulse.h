@@ -53,12 +53,21 @@ static inline ty_impulse_def ty_default_impulse_def(void) {
 /// Immutable tables of impulse responses.
 typedef struct ty_impulse ty_impulse;
 
-/// The origin of tables.
+/// The origin of tables. Create them with ty_default_impulse_stats().
 typedef struct ty_impulse_stats {
+    uint32_t cookie; ///< Set by ty_default_impulse_stats() and checked.
+    uint32_t bytes;  ///< Set by ty_default_impulse_stats() to the size of the structure.
     bool built;      ///< True: the tables were computed. False: they were read from the folder.
     double seconds;  ///< Wall clock time, s.
     char path[1024]; ///< Path of the file; "" without one.
 } ty_impulse_stats;
+
+/// Statistics with all fields 0.
+static inline ty_impulse_stats ty_default_impulse_stats(void) {
+    ty_impulse_stats stats;
+    ty_init_stats(&stats, sizeof stats);
+    return stats;
+}
 
 /// Creates the tables for all kinds of emitters. They are read from the folder if a complete file of this version and
 /// definition is there; otherwise they are computed in less than a minute and written to the folder. A folder that

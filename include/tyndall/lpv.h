@@ -102,14 +102,14 @@ typedef struct ty_lpv_def {
     int32_t shadow_side; ///< Texels along a side of the shadow maps of single scattering, 16..4096; default 512.
     bool shadow_rays;    ///< True: surfaces near the edges of shadows trace rays instead of trusting the maps alone;
                          ///< default true.
-    bool half;           ///< True: media are marched at half of the resolution, and upsampled by depth; default
-                         ///< true.
-    double step;         ///< Step of the ray march, cells, 0.05..8; default 1.
-    int32_t width;       ///< Image width, pixels; 0 (default): that of the camera. Set with `height`.
-    int32_t height;      ///< Image height, pixels; 0 (default): that of the camera.
-    int32_t spp;         ///< Rays per pixel, 1..64; default 1, through its centre; without `view`.
-    uint32_t aovs;       ///< Flags TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH, _NORMAL; default 0.
-    uint64_t seed;       ///< Seed of the positions of samples; default 0.
+    bool half_resolution_march; ///< True: media are marched at half of the resolution, and upsampled by depth; default
+                                ///< true.
+    double step;                ///< Step of the ray march, cells, 0.05..8; default 1.
+    int32_t width;              ///< Image width, pixels; 0 (default): that of the camera. Set with `height`.
+    int32_t height;             ///< Image height, pixels; 0 (default): that of the camera.
+    int32_t spp;                ///< Rays per pixel, 1..64; default 1, through its centre; without `view`.
+    uint32_t aovs;              ///< Flags TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH, _NORMAL; default 0.
+    uint64_t seed;              ///< Seed of the positions of samples; default 0.
 
     ty_progress_fn progress; ///< Default NULL.
     void* progress_user;     ///< Passed on to `progress`; default NULL.
@@ -124,8 +124,11 @@ static inline ty_lpv_def ty_default_lpv_def(void) {
     return def;
 }
 
-/// Statistics of a solve and of an image. Times are over all lights, channels and cascades.
+/// Statistics of a solve and of an image. Times are over all lights, channels and cascades. Create them with
+/// ty_default_lpv_stats().
 typedef struct ty_lpv_stats {
+    uint32_t cookie;                      ///< Set by ty_default_lpv_stats() and checked.
+    uint32_t bytes;                       ///< Set by ty_default_lpv_stats() to the size of the structure.
     int32_t size[TY_LPV_CASCADES_MAX][3]; ///< Cells of each cascade along x, y, z.
     double cell[TY_LPV_CASCADES_MAX];     ///< Side of a cell of each cascade, m.
     int32_t iterations;                   ///< Iterations of propagation.
@@ -155,6 +158,13 @@ typedef struct ty_lpv_stats {
     double ray_seconds; ///< Mean time to trace a ray, over all threads, s.
     const char* isa;    ///< Instruction set of the kernels, as in ty_path_stats.
 } ty_lpv_stats;
+
+/// Statistics with all fields 0.
+static inline ty_lpv_stats ty_default_lpv_stats(void) {
+    ty_lpv_stats stats;
+    ty_init_stats(&stats, sizeof stats);
+    return stats;
+}
 
 /// The light in a scene's media and between its surfaces: solved once, and seen from any camera. It does not refer to
 /// the scene, which may be destroyed before it, but it does refer to the maps of its definition.

@@ -67,18 +67,27 @@ static inline ty_octaves_def ty_default_octaves_def(void) {
     return def;
 }
 
-/// Statistics of a solve and of an image.
+/// Statistics of a solve and of an image. Create them with ty_default_octaves_stats().
 typedef struct ty_octaves_stats {
-    int32_t size[3]; ///< Cells of light along x, y, z.
-    int32_t planes;  ///< 1: all channels have the same coefficients; 3.
-    int32_t lights;  ///< Fields of light per octave: one per light with one direction or point, one of all others.
-    double bytes;    ///< Memory of the fields of all octaves.
-    double seconds;  ///< Wall clock time of the whole, s.
+    uint32_t cookie;     ///< Set by ty_default_octaves_stats() and checked.
+    uint32_t bytes;      ///< Set by ty_default_octaves_stats() to the size of the structure.
+    int32_t size[3];     ///< Cells of light along x, y, z.
+    int32_t planes;      ///< 1: all channels have the same coefficients; 3.
+    int32_t lights;      ///< Fields of light per octave: one per light with one direction or point, one of all others.
+    double memory_bytes; ///< Memory of the fields of all octaves.
+    double seconds;      ///< Wall clock time of the whole, s.
     double medium_seconds; ///< Time to sample the media, s.
     double direct_seconds; ///< Time to attenuate the light of all octaves, s.
     double march_seconds;  ///< Time of the image, s.
     const char* isa;       ///< Instruction set of the kernels, as in ty_path_stats.
 } ty_octaves_stats;
+
+/// Statistics with all fields 0.
+static inline ty_octaves_stats ty_default_octaves_stats(void) {
+    ty_octaves_stats stats;
+    ty_init_stats(&stats, sizeof stats);
+    return stats;
+}
 
 /// The light in a scene's media: solved once, and seen from any camera. It does not refer to the scene, which may be
 /// destroyed before it.

@@ -65,8 +65,10 @@ static inline ty_path_def ty_default_path_def(void) {
     return def;
 }
 
-/// Statistics of a render, including the runs that it resumed.
+/// Statistics of a render, including the runs that it resumed. Create them with ty_default_path_stats().
 typedef struct ty_path_stats {
+    uint32_t cookie;    ///< Set by ty_default_path_stats() and checked.
+    uint32_t bytes;     ///< Set by ty_default_path_stats() to the size of the structure.
     double seconds;     ///< Wall clock time, s.
     double cpu_seconds; ///< Processor time over all threads, s.
     double spp;         ///< Mean number of samples per pixel.
@@ -75,6 +77,13 @@ typedef struct ty_path_stats {
     uint64_t vertices;  ///< Number of scatterings and reflections.
     const char* isa;    ///< Instruction set of the kernel: "x86-64", "x86-64-v3", "x86-64-v4" or "generic".
 } ty_path_stats;
+
+/// Statistics with all fields 0.
+static inline ty_path_stats ty_default_path_stats(void) {
+    ty_path_stats stats;
+    ty_init_stats(&stats, sizeof stats);
+    return stats;
+}
 
 /// Renders radiance through the pixels of the scene's camera: R, G, B, and the channels of def->aovs. After
 /// TY_CANCELLED, `*out` is a valid image with fewer samples. stats may be NULL. The image does not refer to the scene.

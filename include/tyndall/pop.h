@@ -44,8 +44,8 @@ typedef struct ty_pop_def {
     int32_t merged; ///< Cells of the grid that joins all ordinates, along the longest side of the box around all media,
                     ///< 4..512. TY_AUTO (default): 1.5 times the resolution, at most 48 or the resolution; twice the
                     ///< resolution in the other modes (Sec. 5.3).
-    bool sharp;     ///< True: the first eight directional, point and spot lights are propagated through cells as fine
-                    ///< as the medium's instead of grids of their own; default true; mode split.
+    bool fine_lights; ///< True: the first eight directional, point and spot lights are propagated through cells as fine
+                      ///< as the medium's instead of grids of their own; default true; mode split.
     int32_t direct; ///< Cells of these lights along the longest side, 4..1024. TY_AUTO (default): as fine as the finest
                     ///< voxels, at most 256; 64 for media without voxels.
 
@@ -105,8 +105,10 @@ static inline ty_pop_def ty_default_pop_def(void) {
     return def;
 }
 
-/// Statistics of a solve and of an image.
+/// Statistics of a solve and of an image. Create them with ty_default_pop_stats().
 typedef struct ty_pop_stats {
+    uint32_t cookie;             ///< Set by ty_default_pop_stats() and checked.
+    uint32_t bytes;              ///< Set by ty_default_pop_stats() to the size of the structure.
     int32_t ordinates;           ///< Number of grids: of environments, lights and virtual point lights.
     int32_t vpls;                ///< Number of these that are virtual point lights.
     int32_t size[3];             ///< Cells of an ordinate's grid along its axes.
@@ -127,9 +129,16 @@ typedef struct ty_pop_stats {
     double residuum_seconds;     ///< Time of isotropic light in one grid, s; mode split: of diffusion.
     double merge_seconds;        ///< Time to join ordinates in one grid, s.
     double march_seconds;        ///< Time of the image, s.
-    double bytes;                ///< Memory of the ordinates' grids.
+    double memory_bytes;         ///< Memory of the ordinates' grids.
     const char* isa;             ///< Instruction set of the kernels, as in ty_path_stats.
 } ty_pop_stats;
+
+/// Statistics with all fields 0.
+static inline ty_pop_stats ty_default_pop_stats(void) {
+    ty_pop_stats stats;
+    ty_init_stats(&stats, sizeof stats);
+    return stats;
+}
 
 /// The light in a scene's media: solved once, and seen from the camera position of the solve, or with keep_lobes from
 /// any. It does not refer to the scene, which may be destroyed before it.

@@ -146,8 +146,10 @@ static inline ty_screen_image ty_default_screen_image(void) {
     return def;
 }
 
-/// Statistics of a call.
+/// Statistics of a call. Create them with ty_default_screen_stats().
 typedef struct ty_screen_stats {
+    uint32_t cookie;        ///< Set by ty_default_screen_stats() and checked.
+    uint32_t bytes;         ///< Set by ty_default_screen_stats() to the size of the structure.
     double seconds;         ///< Wall clock time of the call, s.
     double step_seconds[3]; ///< Time of attenuation (Eq. 3-5), filtering (Eq. 6-9) and composition (Eq. 10-12), s.
     int32_t levels;         ///< K that was used.
@@ -157,9 +159,16 @@ typedef struct ty_screen_stats {
                        ///< the light (small angles).
     int64_t nonfinite_fixed; ///< Number of pixels with a negative or non-finite value that was replaced.
     int64_t missing_depth;   ///< Number of pixels without a distance.
-    double bytes;            ///< Memory that the passes read and wrote, each plane counted once a pass.
+    double memory_bytes;     ///< Memory that the passes read and wrote, each plane counted once a pass.
     const char* isa;         ///< Instruction set of the kernels, as in ty_path_stats.
 } ty_screen_stats;
+
+/// Statistics with all fields 0.
+static inline ty_screen_stats ty_default_screen_stats(void) {
+    ty_screen_stats stats;
+    ty_init_stats(&stats, sizeof stats);
+    return stats;
+}
 
 /// Size of the workspace that a call needs, bytes; 0 if the size of the image, or a field that it depends on, is wrong.
 TY_API size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height);

@@ -9,7 +9,10 @@
 ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const ty_bake_receiver* receivers,
                            int64_t count, ty_bake_light* light, ty_bake_stats* stats) {
     ty_bake_run run;
-    ty_result result = ty_bake_run_begin(&run, scene, def, receivers, count, TY_BAKE_SURFACE_TERMS);
+    ty_bake_stats own;
+    ty_result result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_bake_stats", &own, sizeof own);
+    if (result != TY_OK) return result;
+    result = ty_bake_run_begin(&run, scene, def, receivers, count, TY_BAKE_SURFACE_TERMS);
     if (result == TY_OK) {
         result = ty_bake_sample(&run);
         for (int64_t i = 0; i < count; ++i) {
@@ -23,7 +26,7 @@ ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const 
                 }
             }
         }
-        if (stats != NULL) *stats = run.stats;
+        ty_give_stats(&run.stats, sizeof run.stats, stats);
     }
     ty_bake_run_end(&run);
     return result;
@@ -42,16 +45,20 @@ static void write_probe(const ty_bake_run* run, int64_t i, ty_bake_probe* out) {
 ty_result ty_bake_probes(const ty_scene* scene, const ty_bake_def* def, const float* positions, int64_t count,
                          ty_bake_probe* probes, ty_bake_stats* stats) {
     ty_context* context = ty_scene_context(scene);
-    if (count < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "bake: a count of %lld probes", (long long)count);
+    ty_bake_stats own;
+    ty_result result = ty_take_stats(context, stats, "ty_default_bake_stats", &own, sizeof own);
+    if (result == TY_OK && count < 0)
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "bake: a count of %lld probes", (long long)count);
+    if (result != TY_OK) return result;
     ty_bake_receiver* receivers = ty_alloc_array(context, (size_t)count, sizeof *receivers, true);
     if (receivers == NULL) return TY_ERROR_MEMORY;
     for (int64_t i = 0; i < count; ++i) memcpy(receivers[i].position, positions + 3 * i, sizeof receivers[i].position);
     ty_bake_run run;
-    ty_result result = ty_bake_run_begin(&run, scene, def, receivers, count, TY_BAKE_SH_TERMS);
+    result = ty_bake_run_begin(&run, scene, def, receivers, count, TY_BAKE_SH_TERMS);
     if (result == TY_OK) {
         result = ty_bake_sample(&run);
         for (int64_t i = 0; i < count; ++i) write_probe(&run, i, &probes[i]);
-        if (stats != NULL) *stats = run.stats;
+        ty_give_stats(&run.stats, sizeof run.stats, stats);
     }
     ty_bake_run_end(&run);
     ty_free_array(context, receivers, (size_t)count, sizeof *receivers);

@@ -107,6 +107,31 @@ ty_result ty_take_def(ty_context* context, const void* def, const char* default_
     return TY_OK;
 }
 
+void ty_init_stats(void* stats, size_t bytes) {
+    memset(stats, 0, bytes);
+    ty_mark_def(stats, bytes);
+}
+
+static size_t min_bytes(const void* stats, size_t size) {
+    const size_t bytes = ty_def_bytes(stats);
+    return bytes < size ? bytes : size;
+}
+
+ty_result ty_take_stats(ty_context* context, const void* stats, const char* default_function, void* own, size_t size) {
+    ty_def_head head = {TY_DEF_COOKIE, sizeof head};
+    if (stats != NULL) memcpy(&head, stats, sizeof head);
+    memset(own, 0, size);
+    if (head.cookie != TY_DEF_COOKIE || head.bytes < sizeof head)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "stats were not made by %s()", default_function);
+    if (stats != NULL) memcpy(own, stats, min_bytes(stats, size));
+    return TY_OK;
+}
+
+void ty_give_stats(const void* own, size_t size, void* stats) {
+    const size_t head = sizeof(ty_def_head);
+    if (stats != NULL) memcpy((char*)stats + head, (const char*)own + head, min_bytes(stats, size) - head);
+}
+
 /* Large arrays use large pages where available: the first touch of small pages costs as much as the computation on
  * them. */
 static void* default_alloc(void* user, size_t size) {

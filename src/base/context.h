@@ -36,6 +36,12 @@ size_t ty_def_bytes(const void* def);
  * TY_ERROR_ARGUMENT when def is NULL, was not made by its default function or is larger than the library's. */
 ty_result ty_take_def(ty_context* context, const void* def, const char* default_function, void* own, size_t size);
 
+/* Clears own, of size bytes, and copies a caller's stats over it as far as they go; NULL is allowed. Fails with
+ * TY_ERROR_ARGUMENT when they were not made by their default function. */
+ty_result ty_take_stats(ty_context* context, const void* stats, const char* default_function, void* own, size_t size);
+/* Copies own, of size bytes, into a caller's stats as far as they go, all but their head; NULL is allowed. */
+void ty_give_stats(const void* own, size_t size, void* stats);
+
 /* Memory aligned to 64 bytes from the context's allocator. ty_alloc_array checks the product for overflow and the total
  * of the context's arrays against the machine's memory, stores a message on failure and clears the array on request; a
  * count of 0 gives a valid pointer. */

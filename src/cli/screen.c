@@ -78,7 +78,7 @@ static int load_and_apply(cli_session* session, const screen_options* options, c
     screen_input input = {0};
     ty_screen_def def;
     ty_medium_def medium = ty_default_medium_def();
-    screen_report report = {.options = options, .input = &input, .def = &def};
+    screen_report report = {.options = options, .input = &input, .def = &def, .stats = ty_default_screen_stats()};
     const ty_result result = ty_medium_parse(session->context, options->medium, &medium);
     int status = result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
     if (status == CLI_GO)

@@ -178,7 +178,7 @@ void screen_report_stats(json_writer* json, const void* user) {
     json_int(json, "nonfinite_fixed", stats->nonfinite_fixed);
     json_int(json, "missing_depth", stats->missing_depth);
     json_int(json, "filled", report->input->filled);
-    json_number(json, "bytes", stats->bytes);
+    json_number(json, "bytes", stats->memory_bytes);
     json_text(json, "isa", stats->isa == NULL ? "" : stats->isa);
     json_number(json, "load_seconds", report->load_seconds);
     json_number(json, "screen_seconds", stats->seconds);

@@ -34,6 +34,12 @@ typedef struct ty_method_run {
     _Alignas(16) char stats[TY_METHOD_STATS_MAX]; /* the method's own stats struct */
 } ty_method_run;
 
+/* The method's own stats struct, of `bytes`, all 0. */
+static inline void* ty_method_stats(ty_method_run* run, size_t bytes) {
+    ty_init_stats(run->stats, bytes);
+    return run->stats;
+}
+
 typedef enum ty_stat_type {
     TY_STAT_INT,     /* int32_t */
     TY_STAT_LONG,    /* int64_t */

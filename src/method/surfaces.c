@@ -13,6 +13,7 @@ ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* requ
     def.state = NULL;
     def.resume = NULL;
     def.resume_size = 0;
+    run->path = ty_default_path_stats();
     result = ty_path_render(scene, &def, out, &run->path);
     if (result != TY_CANCELLED) return result;
     ty_image_destroy(*out);

@@ -42,7 +42,9 @@ typedef struct ty_option {
 } ty_option;
 
 /* The name and the offset of a field. */
-#define TY_OPTION_FIELD(def, field) .name = #field, .offset = offsetof(def, field), .size = sizeof(((def*)0)->field)
+#define TY_OPTION_FIELD(def, field) TY_OPTION_KEY(def, field, #field)
+/* The same for a field whose key in files is another word. */
+#define TY_OPTION_KEY(def, field, key) .name = (key), .offset = offsetof(def, field), .size = sizeof(((def*)0)->field)
 
 /* The options of one def. Fields without an option begin as zero. */
 typedef struct ty_option_table {

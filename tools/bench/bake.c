@@ -330,7 +330,7 @@ static ty_result measure_rays(const bench_session* bench, ty_context* context, c
     ray_set sets[RAY_SETS];
     ty_mesh_def mesh;
     receivers p = {.count = 0};
-    ty_bake_stats stats = {.seconds = 0};
+    ty_bake_stats stats = ty_default_bake_stats();
     ty_bake_def def = ty_default_bake_def();
     ty_result result = ty_scene_get_mesh(scene, 0, &mesh);
     if (result == TY_OK) result = bench_make_rays(scene, size, sets);

@@ -62,6 +62,7 @@ static ty_result time_solve(const bench_session* bench, const ty_scene* scene, i
     def.directions = DIRECTIONS;
     def.resolution = side;
     ty_result result = TY_OK;
+    out->stats = ty_default_dom_stats();
     for (int run = -1; run < runs && result == TY_OK; ++run) {
         ty_dom* light = NULL;
         const double begun = cli_cpu_seconds();
@@ -102,7 +103,7 @@ static void print_solve_json(const bench_session* bench, int index, const solved
     }
     json_number(json, "cpu_seconds", s->cpu);
     json_number(json, "aim_ms", max_ms[index]);
-    json_number(json, "bytes", s->stats.bytes);
+    json_number(json, "bytes", s->stats.memory_bytes);
     json_number(json, "cells_directions_sweeps_per_second", rate);
     json_number(json, "gflops", flops);
     json_number(json, "fraction_of_fma_peak", flops / peak->gflops);
@@ -216,6 +217,8 @@ static ty_result render_pair(const bench_session* bench, const ty_scene* scene, 
     ty_path_def path = ty_default_path_def();
     ty_dom_def dom = ty_default_dom_def();
     double cpu = cli_cpu_seconds();
+    out->dom = out->full = ty_default_dom_stats();
+    out->path = ty_default_path_stats();
     ty_result result = ty_dom_render(scene, &dom, &large, &out->full);
     ty_image_destroy(large);
     out->full_cpu = cli_cpu_seconds() - cpu;

@@ -217,7 +217,7 @@ static ty_result time_scene(const bench_session* bench, const ty_scene* scene, t
     ty_result result = TY_OK;
     for (int run = 0; run < runs && result == TY_OK; ++run)
         for (int m = 0; m < 2 && result == TY_OK; ++m) {
-            ty_fld_stats stats;
+            ty_fld_stats stats = ty_default_fld_stats();
             result = time_method(bench, scene, m == 0, &stats);
             if (result != TY_OK) break;
             const double of[4] = {stats.medium_seconds, stats.direct_seconds, stats.solve_seconds, stats.march_seconds};

@@ -35,7 +35,7 @@ static ty_result time_tables(const bench_session* bench, const char* folder, dou
     def.folder = folder;
     for (int32_t run = 0; run < bench->options->runs; ++run) {
         ty_impulse* tables = NULL;
-        ty_impulse_stats stats;
+        ty_impulse_stats stats = ty_default_impulse_stats();
         const ty_result result = ty_impulse_create(bench->session->context, &def, &tables, &stats);
         if (result != TY_OK) return result;
         ty_impulse_destroy(tables);
@@ -100,7 +100,7 @@ static ty_result measure(const bench_session* bench, const char* folder, measure
     ty_impulse_def def = ty_default_impulse_def();
     def.folder = folder;
     ty_impulse* tables = NULL;
-    ty_impulse_stats stats = {0};
+    ty_impulse_stats stats = ty_default_impulse_stats();
     ty_result result = time_tables(bench, "", &out->build);
     if (result == TY_OK) result = ty_impulse_create(bench->session->context, &def, &tables, &stats);
     if (result == TY_OK) result = time_tables(bench, folder, &out->load);

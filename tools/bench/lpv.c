@@ -87,6 +87,7 @@ static void read_stages(const ty_lpv_stats* stats, double seconds[STAGES]) {
 static ty_result time_def(const bench_session* bench, const ty_scene* scene, const ty_lpv_def* def, timed* out) {
     double seconds[STAGES + 1][RUNS_MAX];
     const int runs = bench->options->runs;
+    out->stats = ty_default_lpv_stats();
     for (int run = -1; run < runs; ++run) {
         ty_lpv* light = NULL;
         double taken[STAGES];
@@ -230,7 +231,7 @@ static ty_result bench_frame(const bench_session* bench, const char* name, const
     def.height = size[1];
     for (int run = -1; run < runs; ++run) {
         ty_image* image = NULL;
-        ty_lpv_stats stats;
+        ty_lpv_stats stats = ty_default_lpv_stats();
         const ty_result result = ty_lpv_render(scene, &def, &image, &stats);
         ty_image_destroy(image);
         if (result != TY_OK) return result;

@@ -31,13 +31,13 @@ static ty_result time_count(const bench_session* bench, const ty_scene* scene, i
     double seconds[RUNS_MAX], parts[STAGES][RUNS_MAX];
     const int runs = bench->options->runs;
     for (int run = 0; run < runs; ++run) {
-        ty_octaves_stats stats;
+        ty_octaves_stats stats = ty_default_octaves_stats();
         const ty_result result = render(bench, scene, counts[index], &stats);
         if (result != TY_OK) return result;
         const double of[STAGES] = {stats.medium_seconds, stats.direct_seconds, stats.march_seconds};
         seconds[run] = stats.seconds;
         for (int s = 0; s < STAGES; ++s) parts[s][run] = of[s];
-        out->bytes[index] = stats.bytes;
+        out->bytes[index] = stats.memory_bytes;
     }
     out->seconds[index] = bench_median(seconds, runs);
     for (int s = 0; s < STAGES; ++s) out->stages[index][s] = bench_median(parts[s], runs);

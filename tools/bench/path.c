@@ -51,7 +51,7 @@ static ty_result render(const bench_session* bench, const ty_scene* scene, uint6
 static ty_result measure_pair(const bench_session* bench, const ty_scene* scene, int run, const ty_image* reference,
                               path_result* out) {
     ty_image* images[2] = {NULL, NULL};
-    ty_path_stats stats[2];
+    ty_path_stats stats[2] = {ty_default_path_stats(), ty_default_path_stats()};
     ty_result result = TY_OK;
     for (int i = 0; result == TY_OK && i < 2; ++i)
         result =

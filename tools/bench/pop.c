@@ -65,6 +65,7 @@ static ty_result time_def(const bench_session* bench, const ty_scene* scene, con
     static double seconds[STAGES][RUNS_MAX];
     const int runs = bench->options->runs;
     ty_result result = TY_OK;
+    out->stats = ty_default_pop_stats();
     for (int run = -1; run < runs && result == TY_OK; ++run) {
         ty_image* picture = NULL;
         ty_pop* light = NULL;
@@ -116,7 +117,7 @@ static void print_typical(const bench_session* bench, const timed typical[MODES]
         json_int(bench->json, "ordinates", typical[m].stats.ordinates);
         json_int(bench->json, "iterations", typical[m].stats.iterations);
         json_int(bench->json, "residuum_iterations", typical[m].stats.residuum_iterations);
-        json_number(bench->json, "bytes", typical[m].stats.bytes);
+        json_number(bench->json, "bytes", typical[m].stats.memory_bytes);
         if (modes[m] == TY_POP_MODE_PUBLISHED) {
             json_number(bench->json, "propagation_gflops", propagation_gflops(&typical[m]));
             json_number(bench->json, "fraction_of_peak", propagation_gflops(&typical[m]) / peak);

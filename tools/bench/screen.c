@@ -157,11 +157,11 @@ static ty_result run_rounds(ty_context* context, const scene* s, const bench_mem
     for (int round = -1; round < r->count; ++round) {
         const int to = round < 0 ? 0 : round;
         for (int i = 0; i < CASES; ++i) {
-            ty_screen_stats stats;
+            ty_screen_stats stats = ty_default_screen_stats();
             const ty_result result = run_case(context, s, i, &r->seconds[i][to], &stats);
             if (result != TY_OK) return result;
             for (int step = 0; step < 3; ++step) r->steps[i][step][to] = stats.step_seconds[step];
-            out->cases[i].bytes = stats.bytes;
+            out->cases[i].bytes = stats.memory_bytes;
             out->cases[i].levels = stats.levels;
         }
         const bench_memory_slice slice = {(round + 1) % MEMORY_PARTS, MEMORY_PARTS};

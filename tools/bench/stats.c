@@ -39,7 +39,7 @@ ty_result bench_time_path(const bench_session* bench, const ty_scene* scene, int
     def.height = size[1];
     def.progress = cli_progress_report;
     def.progress_user = &bench->session->progress;
-    ty_path_stats stats;
+    ty_path_stats stats = ty_default_path_stats();
     ty_image* image = NULL;
     const ty_result result = ty_path_render(scene, &def, &image, &stats);
     ty_image_destroy(image);

@@ -120,7 +120,7 @@ void bake_view_free(bake_view* view) {
 ty_result bake_view_light(figure_run* run, const char* item, const ty_scene* scene, const ty_bake_def* def,
                           const ty_bake_receiver* receivers, int64_t count, ty_bake_light** out, double* seconds) {
     ty_bake_def own = *def;
-    ty_bake_stats stats = {.seconds = 0};
+    ty_bake_stats stats = ty_default_bake_stats();
     ty_bake_light* light = calloc((size_t)count + 1, sizeof *light);
     own.seed += run->session->common.seed;
     own.progress = cli_progress_report;

@@ -91,7 +91,7 @@ static ty_result run_setting(figure_run* run, const ty_scene* scene, int column,
                              double (*fluence)[3], plot_chart* chart, plot_table* table) {
     char error[16];
     ty_dom* light = NULL;
-    ty_dom_stats stats;
+    ty_dom_stats stats = ty_default_dom_stats();
     const int32_t resolution = settings[setting].resolution / (run->options->quick ? 4 : 1);
     ty_result result = dom_solve(run, scene, settings[setting].directions, 0, resolution, &light, &stats);
     if (result == TY_OK) result = dom_scattered_fluence(light, &pop_cube_cells, truth, fluence);

@@ -92,7 +92,7 @@ static ty_result fill_cell(figure_run* run, const char* item, const ty_scene* sc
                            plot_sheet* sheet) {
     char count[FIGURE_NAME_SIZE], own[2 * FIGURE_NAME_SIZE], error[16];
     ty_dom* light = NULL;
-    ty_dom_stats stats;
+    ty_dom_stats stats = ty_default_dom_stats();
     plot_cell* cell = plot_sheet_cell(sheet, 0, 1 + column);
     name_count(column, count);
     snprintf(own, sizeof own, "%s, slice, %s", item, count);

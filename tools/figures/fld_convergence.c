@@ -197,7 +197,7 @@ static const struct {
 static ty_result solve_nebula(figure_run* run, const ty_scene* scene, int setup, int index, plot_series* series) {
     char item[FIGURE_NAME_SIZE];
     ty_fld* light = NULL;
-    ty_fld_stats stats;
+    ty_fld_stats stats = ty_default_fld_stats();
     ty_fld_def def = ty_default_fld_def();
     def.ratio = RATIO;
     def.boundary = TY_FLD_BOUNDARY_DIRICHLET;

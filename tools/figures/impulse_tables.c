@@ -144,7 +144,7 @@ static ty_result make(figure_run* run, const ty_impulse* tables, const ty_impuls
 
 ty_result figure_impulse_tables(figure_run* run) {
     ty_impulse_def def = ty_default_impulse_def();
-    ty_impulse_stats stats;
+    ty_impulse_stats stats = ty_default_impulse_stats();
     ty_impulse* tables = NULL;
     def.bounces = TY_IMPULSE_BOUNCES_MAX;
     def.folder = "";

@@ -46,7 +46,7 @@ static ty_result note_components(figure_run* run, const char* item, const ty_sce
                     {TY_LPV_SCATTERED, "of scattered light alone, accounted for"}};
     ty_result result = TY_OK;
     for (int i = 0; i < 2 && result == TY_OK; ++i) {
-        ty_lpv_stats stats;
+        ty_lpv_stats stats = ty_default_lpv_stats();
         result = solve(run, scene, mode, TY_LPV_SCATTERING | sources[i].part, ITERATIONS, &stats);
         if (result == TY_OK && injected(&stats) > 0)
             result = figure_expect(run, item, sources[i].name, "1", accounted(&stats), 1, 0.03);
@@ -57,7 +57,7 @@ static ty_result note_components(figure_run* run, const char* item, const ty_sce
 static ty_result add_series(figure_run* run, const ty_scene* scene, int mode, int depth, plot_chart* charts) {
     char item[FIGURE_NAME_SIZE];
     plot_series *sum = &charts[0].series[charts[0].series_count++], *left = &charts[1].series[charts[1].series_count++];
-    ty_lpv_stats stats = {0};
+    ty_lpv_stats stats = ty_default_lpv_stats();
     double worst = 0;
     ty_result result = TY_OK;
     snprintf(item, sizeof item, "%s, σt d = %g", mode_names[mode], depths[depth]);

@@ -31,7 +31,7 @@ static ty_result find_fluence(figure_run* run, const ty_scene* scene, const ty_p
 
 static ty_result run_step(figure_run* run, const ty_scene* scene, int step, pop_truth* fluence, plot_chart charts[2]) {
     char item[FIGURE_NAME_SIZE];
-    ty_pop_stats stats;
+    ty_pop_stats stats = ty_default_pop_stats();
     ty_pop_def def = pop_cube_def(run, TY_POP_MODE_PUBLISHED);
     def.iterations = steps[step];
     def.residuum = 0;
@@ -48,7 +48,7 @@ static ty_result run_step(figure_run* run, const ty_scene* scene, int step, pop_
 static ty_result fill_charts(figure_run* run, pop_truth* fluence, plot_chart charts[2]) {
     ty_scene* scene = NULL;
     const ty_pop_def split = pop_cube_def(run, TY_POP_MODE_SPLIT);
-    ty_pop_stats stats;
+    ty_pop_stats stats = ty_default_pop_stats();
     ty_result result = pop_load_cube(run, 0.7, &scene);
     if (result == TY_OK) result = find_fluence(run, scene, NULL, fluence, &stats);
     if (result == TY_OK) add_series(&charts[0], "path tracing", (const double(*)[3])fluence->scattered, PLOT_LINE);

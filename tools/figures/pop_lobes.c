@@ -97,7 +97,7 @@ static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, in
                           double (*fluence)[3], slice* out, plot_table* table) {
     char item[FIGURE_NAME_SIZE], error[16];
     ty_pop* light = NULL;
-    ty_pop_stats stats;
+    ty_pop_stats stats = ty_default_pop_stats();
     snprintf(item, sizeof item, "g %g, %s", cosines[column], modes[mode].name);
     ty_pop_def def = pop_cube_def(run, modes[mode].mode);
     def.iterations = modes[mode].iterations > 0 ? modes[mode].iterations : TY_AUTO;

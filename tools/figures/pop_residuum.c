@@ -69,7 +69,7 @@ static ty_result compare(figure_run* run, int variant, const figure_picture* pic
 
 static ty_result fill_column(figure_run* run, ty_scene* scene, int column, const int32_t size[2],
                              figure_picture pictures[VARIANTS], double seconds[VARIANTS], plot_sheet* sheet) {
-    ty_pop_stats stats;
+    ty_pop_stats stats = ty_default_pop_stats();
     snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", variants[column].title);
     const ty_result result =
         render_variant(run, scene, column, size, &pictures[column], plot_sheet_cell(sheet, 0, column), &stats);

@@ -71,7 +71,7 @@ static ty_result fill_cell(figure_run* run, const screen_view* view, const ty_im
 /* The surface image, its distances, and the reference over a window and unbounded. */
 static ty_result fill_references(figure_run* run, const screen_view* view, plot_sheet* sheet, ty_image** reference) {
     ty_screen_def def = screen_room_def(view, &water);
-    ty_screen_stats stats;
+    ty_screen_stats stats = ty_default_screen_stats();
     ty_image* windowed = NULL;
     ty_difference difference;
     def.variant = TY_SCREEN_REFERENCE;
@@ -102,7 +102,7 @@ static ty_result fill_stage(figure_run* run, const screen_view* view, int stage,
     ty_screen_def def = screen_room_def(view, &water);
     stages[stage].make(&def);
     ty_image* image = NULL;
-    ty_screen_stats stats;
+    ty_screen_stats stats = ty_default_screen_stats();
     ty_difference difference;
     plot_cell *cell = plot_sheet_cell(sheet, 0, stage), *errors = plot_sheet_cell(sheet, 1, stage);
     ty_result result = screen_apply(run, view, &def, &image, &stats);

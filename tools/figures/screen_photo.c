@@ -78,7 +78,7 @@ static void write_lines(const ty_screen_def* def, int medium, plot_cell* cell) {
 static ty_result fill_medium(figure_run* run, const screen_view* view, int medium, plot_cell* cell) {
     const char* item = media[medium].title;
     ty_screen_def def;
-    ty_screen_stats stats;
+    ty_screen_stats stats = ty_default_screen_stats();
     ty_image* image = NULL;
     ty_result result = make_def(run, view, medium, &def);
     if (result == TY_OK) result = screen_apply(run, view, &def, &image, &stats);

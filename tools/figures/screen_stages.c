@@ -94,7 +94,7 @@ static ty_result fill_sheet(figure_run* run, const screen_view* view, plot_sheet
     const ty_screen_def def = screen_room_def(view, &water);
     plot_cell* cells = sheet->cells;
     ty_image* image = NULL;
-    ty_screen_stats stats;
+    ty_screen_stats stats = ty_default_screen_stats();
     split s = {0};
     ty_result result = split_view(run, view, &def, &s);
     if (result == TY_OK) result = screen_apply(run, view, &def, &image, &stats);

@@ -102,7 +102,7 @@ static ty_result prepare(figure_run* run, const screen_view* view, ty_image* out
 static ty_result run_once(figure_run* run, const screen_view* view, const table_job* job, int which, timing* out,
                           const char** isa) {
     const ty_screen_def def = make_def(view, which);
-    ty_screen_stats stats;
+    ty_screen_stats stats = ty_default_screen_stats();
     const ty_result result =
         ty_screen_apply(run->session->context, &def, &job->image, job->workspace, job->workspace_size, &stats);
     if (result != TY_OK) return result;

@@ -47,7 +47,7 @@ static ty_result fill_method(figure_run* run, const screen_view* view, int colum
     char item[FIGURE_NAME_SIZE];
     snprintf(item, sizeof item, "%s, thickness %g", names[method], waters[column].thickness);
     ty_image* image = NULL;
-    ty_screen_stats stats;
+    ty_screen_stats stats = ty_default_screen_stats();
     ty_difference difference;
     ty_result result = screen_apply(run, view, &def, &image, &stats);
     if (result == TY_OK) result = figure_note_difference(run, item, image, reference, &difference);
@@ -69,7 +69,7 @@ static ty_result fill_column(figure_run* run, const screen_view* view, int colum
     ty_screen_def def = screen_room_def(view, &waters[column]);
     def.variant = TY_SCREEN_REFERENCE;
     ty_image* reference = NULL;
-    ty_screen_stats stats;
+    ty_screen_stats stats = ty_default_screen_stats();
     plot_cell* cell = plot_sheet_cell(sheet, 0, column);
     ty_result result = screen_apply(run, view, &def, &reference, &stats);
     if (result == TY_OK)

@@ -431,7 +431,7 @@ ty_result ty_bake_impulse_take_tables(ty_bake_run* run) {
     run->request.impulse.tables = def->tables;
     if (def->tables != NULL) return TY_OK;
     ty_impulse_def impulse = ty_default_impulse_def();
-    ty_impulse_stats stats;
+    ty_impulse_stats stats = ty_default_impulse_stats();
     if (def->scatterings > impulse.bounces) impulse.bounces = def->scatterings;
     impulse.progress = def->progress;
     impulse.progress_user = def->progress_user;

@@ -76,7 +76,7 @@ static ty_bake_def make_def(bake_run* run) {
 static ty_result make_tables(bake_run* run) {
     if (run->def.method != TY_BAKE_IMPULSE || ty_scene_get_info(run->scene).media == 0) return TY_OK;
     ty_impulse_def def = ty_default_impulse_def();
-    ty_impulse_stats stats = {.seconds = 0};
+    ty_impulse_stats stats = ty_default_impulse_stats();
     if (def.bounces < run->def.scatterings) def.bounces = run->def.scatterings;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;

@@ -83,7 +83,7 @@ static void count_stats(bake_unit* unit, const ty_bake_stats* stats, double rece
 static ty_result gather(const bake_run* run, bake_unit* unit, int32_t mesh, const ty_bake_receiver* receivers,
                         int64_t count, ty_bake_light* light) {
     ty_bake_def def = run->def;
-    ty_bake_stats stats = {.seconds = 0};
+    ty_bake_stats stats = ty_default_bake_stats();
     def.seed += 0x9e3779b97f4a7c15u * ((uint64_t)mesh + 1);
     const ty_result result = ty_bake_surfaces(run->scene, &def, receivers, count, light, &stats);
     count_stats(unit, &stats, (double)count);
@@ -189,7 +189,7 @@ static ty_result bake_points(bake_run* run, bake_unit* unit) {
     float* made = grid ? bake_grid_points(&run->plan.grid) : NULL;
     const float* points = grid ? made : run->plan.probes;
     ty_bake_probe* probes = calloc((size_t)unit->receivers, sizeof *probes);
-    ty_bake_stats stats = {.seconds = 0};
+    ty_bake_stats stats = ty_default_bake_stats();
     ty_result result = points == NULL || probes == NULL ? TY_ERROR_MEMORY : TY_OK;
     if (result == TY_OK) result = ty_bake_probes(run->scene, &run->def, points, unit->receivers, probes, &stats);
     count_stats(unit, &stats, 1);

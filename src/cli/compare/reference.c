@@ -58,6 +58,7 @@ static ty_result sample(refining* r, int32_t spp, double bound) {
     def.resume = r->stored.bytes;
     def.resume_size = r->stored.size;
     ty_image* image = NULL;
+    r->report.run.path = ty_default_path_stats();
     result = ty_path_render(r->scene, &def, &image, &r->report.run.path);
     if (image == NULL) return result;
     ty_image_destroy(r->comparison->reference.image);

@@ -97,6 +97,7 @@ static ty_result render_paths(cli_session* session, const ty_scene* scene, const
         def.spp = request->spp >> 2 * steps;
         def.resume = stored.bytes;
         def.resume_size = stored.size;
+        report->run.path = ty_default_path_stats();
         result = ty_path_render(scene, &def, &image, &report->run.path);
         if (result != TY_OK)
             ty_image_destroy(image);

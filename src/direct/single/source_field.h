@@ -23,7 +23,7 @@ typedef struct ty_source_field {
 } ty_source_field;
 
 /* Weights for interpolation between the cell centers of a box at a point, m. */
-static inline ty_cell_point ty_cover_locate(const ty_grid_box* box, const double point[3]) {
+static inline ty_cell_point ty_coverage_locate(const ty_grid_box* box, const double point[3]) {
     float cells[3];
     for (int a = 0; a < 3; ++a)
         cells[a] = (float)((point[a] - box->lower[a]) * box->size[a] / (box->upper[a] - box->lower[a]));

@@ -62,7 +62,7 @@ static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double frac
         ty_dom_destroy(job.light);
         return result;
     }
-    if (stats != NULL) *stats = job.stats;
+    *stats = job.stats;
     *out = job.light;
     return TY_OK;
 }
@@ -70,8 +70,13 @@ static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double frac
 ty_result ty_dom_solve(const ty_scene* scene, const ty_dom_def* def, ty_dom** out, ty_dom_stats* stats) {
     *out = NULL;
     ty_dom_def known;
-    const ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
-    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
+    ty_dom_stats own;
+    ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_dom_stats", &own, sizeof own);
+    if (result == TY_OK) result = solve(scene, def, 1, out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 void ty_dom_destroy(ty_dom* light) {
@@ -109,24 +114,31 @@ ty_result ty_dom_view(const ty_dom* light, const ty_scene* scene, const ty_dom_d
                       ty_dom_stats* stats) {
     *out = NULL;
     ty_dom_def known;
-    const ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
+    ty_dom_stats own;
+    ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_dom_stats", &own, sizeof own);
     if (result != TY_OK) return result;
-    return ty_dom_march(light, scene, def, ty_part_begin(def->progress, def->progress_user, 0, 1), out, stats);
+    result = ty_dom_march(light, scene, def, ty_part_begin(def->progress, def->progress_user, 0, 1), out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 ty_result ty_dom_render(const ty_scene* scene, const ty_dom_def* def, ty_image** out, ty_dom_stats* stats) {
     *out = NULL;
     ty_dom* light = NULL;
-    ty_dom_stats local_stats = {0};
+    ty_dom_stats own;
     const double begun = ty_wall_seconds();
     ty_dom_def known;
     ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &local_stats);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_dom_stats", &own, sizeof own);
+    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
     progress.begun = begun;
-    result = ty_dom_march(light, scene, def, progress, out, &local_stats);
+    result = ty_dom_march(light, scene, def, progress, out, &own);
     ty_dom_destroy(light);
-    if (stats != NULL) *stats = local_stats;
+    ty_give_stats(&own, sizeof own, stats);
     return result;
 }

@@ -28,12 +28,12 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_dom_stats, solve_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_dom_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_dom_stats, sweep_seconds), TY_STAT_NUMBER},
-    {TY_STAT_FIELD(ty_dom_stats, bytes), TY_STAT_NUMBER},
+    {.name = "bytes", .offset = offsetof(ty_dom_stats, memory_bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_dom_stats, isa), TY_STAT_TEXT},
 };
 
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    ty_dom_stats* dom = (ty_dom_stats*)run->stats;
+    ty_dom_stats* dom = ty_method_stats(run, sizeof *dom);
     ty_image* surfaces = NULL;
     ty_dom_def def = ty_default_dom_def();
     ty_result result = ty_method_options(scene, "dom", &def);

@@ -50,7 +50,7 @@ ty_result ty_fld_diffuse(ty_fld_job* job) {
     const ty_result result = ty_diffuse_light_solve(&def, job->def->beam == TY_FLD_BEAM_REDUCED, job->coarse,
                                                     job->source, &job->progress, &job->light->diffuse, &solved);
     stats->converged = solved.converged;
-    stats->bytes = solved.bytes;
+    stats->memory_bytes = solved.bytes;
     memcpy(stats->iterations, solved.iterations, sizeof stats->iterations);
     memcpy(stats->cycles, solved.cycles, sizeof stats->cycles);
     memcpy(stats->residual, solved.residual, sizeof stats->residual);

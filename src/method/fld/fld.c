@@ -60,7 +60,7 @@ static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double frac
         ty_fld_destroy(job.light);
         return result;
     }
-    if (stats != NULL) *stats = job.stats;
+    *stats = job.stats;
     *out = job.light;
     return TY_OK;
 }
@@ -68,8 +68,13 @@ static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double frac
 ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** out, ty_fld_stats* stats) {
     *out = NULL;
     ty_fld_def known;
-    const ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
-    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
+    ty_fld_stats own;
+    ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_fld_stats", &own, sizeof own);
+    if (result == TY_OK) result = solve(scene, def, 1, out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 void ty_fld_destroy(ty_fld* light) {
@@ -98,7 +103,7 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
     march.progress_user = &progress;
     ty_march_stats marched = {0};
     const ty_result result = ty_march(scene, &march, out, &marched);
-    if (result == TY_OK && stats != NULL) {
+    if (result == TY_OK) {
         stats->march_seconds = marched.seconds;
         stats->seconds += marched.seconds;
         stats->isa = marched.isa;
@@ -110,25 +115,32 @@ ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
                       ty_fld_stats* stats) {
     *out = NULL;
     ty_fld_def known;
-    const ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
+    ty_fld_stats own;
+    ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_fld_stats", &own, sizeof own);
     if (result != TY_OK) return result;
     const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
-    return view(light, scene, def, progress, out, stats);
+    result = view(light, scene, def, progress, out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 ty_result ty_fld_render(const ty_scene* scene, const ty_fld_def* def, ty_image** out, ty_fld_stats* stats) {
     *out = NULL;
     ty_fld* light = NULL;
-    ty_fld_stats local_stats = {0};
+    ty_fld_stats own;
     const double begun = ty_wall_seconds();
     ty_fld_def known;
     ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &local_stats);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_fld_stats", &own, sizeof own);
+    if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_fraction, 1 - solve_fraction);
     progress.begun = begun;
-    result = view(light, scene, def, progress, out, &local_stats);
+    result = view(light, scene, def, progress, out, &own);
     ty_fld_destroy(light);
-    if (stats != NULL) *stats = local_stats;
+    ty_give_stats(&own, sizeof own, stats);
     return result;
 }

@@ -22,13 +22,13 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_fld_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_fld_stats, solve_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_fld_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
-    {TY_STAT_FIELD(ty_fld_stats, bytes), TY_STAT_NUMBER},
+    {.name = "bytes", .offset = offsetof(ty_fld_stats, memory_bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_fld_stats, isa), TY_STAT_TEXT},
 };
 
 static ty_result render_limited(const ty_scene* scene, const ty_render_request* request, bool limited, ty_image** out,
                                 ty_method_run* run) {
-    ty_fld_stats* fld = (ty_fld_stats*)run->stats;
+    ty_fld_stats* fld = ty_method_stats(run, sizeof *fld);
     ty_image* surfaces = NULL;
     ty_fld_def def = ty_default_fld_def();
     ty_result result = ty_method_options(scene, "fld", &def);

@@ -42,11 +42,12 @@ void ty_impulse_destroy(ty_impulse* tables) {
 
 ty_result ty_impulse_create(ty_context* context, const ty_impulse_def* def, ty_impulse** out, ty_impulse_stats* stats) {
     ty_impulse_def known;
-    ty_result result = ty_options_take(context, &table, def, &known);
+    ty_impulse_stats made;
+    ty_result result = ty_take_stats(context, stats, "ty_default_impulse_stats", &made, sizeof made);
+    if (result == TY_OK) result = ty_options_take(context, &table, def, &known);
     if (result == TY_OK && out == NULL) result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_impulse_create: out is NULL");
     if (result != TY_OK) return result;
     def = &known;
-    ty_impulse_stats made = {0};
     const double start = ty_wall_seconds();
     ty_impulse* tables = NULL;
     ty_impulse_path(def, made.path);
@@ -60,7 +61,7 @@ ty_result ty_impulse_create(ty_context* context, const ty_impulse_def* def, ty_i
     }
     if (made.built && made.path[0] != '\0' && !ty_impulse_save(tables, made.path)) made.path[0] = '\0';
     made.seconds = ty_wall_seconds() - start;
-    if (stats != NULL) *stats = made;
+    ty_give_stats(&made, sizeof made, stats);
     *out = tables;
     return TY_OK;
 }

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* Progress after each stage of a solve, and the fraction of a render that the solve takes. */
-static const double medium_until = 0.05, map_until = 0.4, inject_until = 0.7, solve_share = 0.4;
+static const double medium_until = 0.05, map_until = 0.4, inject_until = 0.7, solve_fraction = 0.4;
 
 /* ---- solving ---- */
 
@@ -114,18 +114,19 @@ static ty_result propagate(ty_lpv_job* job, int32_t index, double until) {
     return result;
 }
 
-static ty_result run_parts(ty_lpv_job* job, double share) {
-    ty_result result = ty_part_next(&job->progress, "media", share * medium_until);
+static ty_result run_parts(ty_lpv_job* job, double fraction) {
+    ty_result result = ty_part_next(&job->progress, "media", fraction * medium_until);
     if (result == TY_OK) result = place(job);
-    if (result == TY_OK) result = ty_part_next(&job->progress, "maps", share * map_until);
+    if (result == TY_OK) result = ty_part_next(&job->progress, "maps", fraction * map_until);
     if (result == TY_OK) result = ty_lpv_find_maps(job);
     for (int32_t i = job->light->count - 1; i >= 0 && result == TY_OK; --i)
-        result = propagate(job, i, share * (1 - (1 - inject_until) * i / job->light->count));
+        result = propagate(job, i, fraction * (1 - (1 - inject_until) * i / job->light->count));
     return result;
 }
 
 /* share: fraction of the caller's progress that the solve covers. */
-static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double share, ty_lpv** out, ty_lpv_stats* stats) {
+static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double fraction, ty_lpv** out,
+                       ty_lpv_stats* stats) {
     ty_context* context = ty_scene_context(scene);
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
     ty_result result = ty_lpv_check_scene(scene);
@@ -136,7 +137,7 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double shar
     job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
     if (job.light == NULL) return TY_ERROR_MEMORY;
     job.light->context = context;
-    result = run_parts(&job, share);
+    result = run_parts(&job, fraction);
     job.stats.seconds = ty_wall_seconds() - job.progress.begun;
     job.stats.rays = atomic_load(&job.counter.rays);
     job.stats.ray_seconds = 1e-9 * (double)atomic_load(&job.counter.nanoseconds) / ty_context_threads(context);
@@ -145,7 +146,7 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double shar
         ty_lpv_destroy(job.light);
         return result;
     }
-    if (stats != NULL) *stats = job.stats;
+    *stats = job.stats;
     *out = job.light;
     return TY_OK;
 }
@@ -153,8 +154,13 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double shar
 ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_lpv** out, ty_lpv_stats* stats) {
     *out = NULL;
     ty_lpv_known known;
-    const ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
-    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
+    ty_lpv_stats own;
+    ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_lpv_stats", &own, sizeof own);
+    if (result == TY_OK) result = solve(scene, def, 1, out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 void ty_lpv_destroy(ty_lpv* light) {
@@ -200,9 +206,7 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
 static ty_result view_from(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def,
                            ty_part_progress* progress, ty_image** out, ty_lpv_stats* stats) {
     ty_lpv_def own = *def;
-    ty_lpv_stats unused;
     const double begun = ty_wall_seconds();
-    if (stats == NULL) stats = &unused;
     own.progress = ty_part_report;
     own.progress_user = progress;
     const ty_result result = make_image(light, scene, &own, out, stats);
@@ -214,26 +218,33 @@ ty_result ty_lpv_view(const ty_lpv* light, const ty_scene* scene, const ty_lpv_d
                       ty_lpv_stats* stats) {
     *out = NULL;
     ty_lpv_known known;
-    const ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
+    ty_lpv_stats own;
+    ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_lpv_stats", &own, sizeof own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
-    return view_from(light, scene, def, &progress, out, stats);
+    result = view_from(light, scene, def, &progress, out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 ty_result ty_lpv_render(const ty_scene* scene, const ty_lpv_def* def, ty_image** out, ty_lpv_stats* stats) {
     *out = NULL;
     ty_lpv* light = NULL;
-    ty_lpv_stats own = {0};
+    ty_lpv_stats own;
     const double begun = ty_wall_seconds();
     ty_lpv_known known;
     ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &own);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_lpv_stats", &own, sizeof own);
+    if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &own);
     if (result != TY_OK) return result;
-    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
+    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_fraction, 1 - solve_fraction);
     progress.begun = begun;
     result = view_from(light, scene, def, &progress, out, &own);
     ty_lpv_destroy(light);
-    if (stats != NULL) *stats = own;
+    ty_give_stats(&own, sizeof own, stats);
     return result;
 }
 

@@ -54,7 +54,7 @@ double ty_lpv_image_seconds(const ty_lpv_stats* lpv) {
 }
 
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    ty_lpv_stats* lpv = (ty_lpv_stats*)run->stats;
+    ty_lpv_stats* lpv = ty_method_stats(run, sizeof *lpv);
     ty_lpv_def def = ty_default_lpv_def();
     ty_result result = ty_method_options(scene, "lpv", &def);
     TY_TAKE_REQUEST(&def, request);

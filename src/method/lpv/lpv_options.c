@@ -48,7 +48,7 @@ static const ty_option options[] = {
      .unit = "texels", .doc = "Side of the shadow maps of single scattering."},
     {TY_OPTION_FIELD(ty_lpv_def, shadow_rays), .type = TY_OPTION_BOOL, .preset = 1,
      .doc = "Traces rays from surfaces near edges of shadows; else the maps alone decide."},
-    {TY_OPTION_FIELD(ty_lpv_def, half), .type = TY_OPTION_BOOL, .preset = 1,
+    {TY_OPTION_KEY(ty_lpv_def, half_resolution_march, "half"), .type = TY_OPTION_BOOL, .preset = 1,
      .doc = "Marches through media at half of the resolution."},
     TY_OPTION_STEP(ty_lpv_def, "cells"),
     TY_OPTION_SPP(ty_lpv_def),

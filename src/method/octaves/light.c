@@ -111,7 +111,7 @@ ty_result ty_octaves_light(ty_octaves_job* job) {
         if (result == TY_OK) result = light_octave(job, extinction, i);
     }
     job->stats.lights = job->light->light_count;
-    job->stats.bytes = field_bytes(job->light);
+    job->stats.memory_bytes = field_bytes(job->light);
     for (int32_t p = 0; p < medium->planes; ++p)
         ty_free_array(job->context, extinction[p], medium->cells, sizeof(float));
     return result;

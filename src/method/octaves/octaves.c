@@ -51,7 +51,7 @@ static ty_result solve(const ty_scene* scene, const ty_octaves_def* def, double 
         ty_octaves_destroy(job.light);
         return result;
     }
-    if (stats != NULL) *stats = job.stats;
+    *stats = job.stats;
     *out = job.light;
     return TY_OK;
 }
@@ -60,8 +60,13 @@ ty_result ty_octaves_solve(const ty_scene* scene, const ty_octaves_def* def, ty_
                            ty_octaves_stats* stats) {
     *out = NULL;
     ty_octaves_def known;
-    const ty_result result = ty_octaves_take_def(ty_scene_context(scene), &def, &known);
-    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
+    ty_octaves_stats own;
+    ty_result result = ty_octaves_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_octaves_stats", &own, sizeof own);
+    if (result == TY_OK) result = solve(scene, def, 1, out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 void ty_octaves_destroy(ty_octaves* light) {
@@ -88,7 +93,7 @@ static ty_result view(const ty_octaves* light, const ty_scene* scene, const ty_o
     march.progress_user = &progress;
     ty_march_stats marched = {0};
     const ty_result result = ty_march(scene, &march, out, &marched);
-    if (result == TY_OK && stats != NULL) {
+    if (result == TY_OK) {
         stats->march_seconds = marched.seconds;
         stats->seconds += marched.seconds;
         stats->isa = marched.isa;
@@ -100,25 +105,32 @@ ty_result ty_octaves_view(const ty_octaves* light, const ty_scene* scene, const 
                           ty_octaves_stats* stats) {
     *out = NULL;
     ty_octaves_def known;
-    const ty_result result = ty_octaves_take_def(ty_scene_context(scene), &def, &known);
+    ty_octaves_stats own;
+    ty_result result = ty_octaves_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_octaves_stats", &own, sizeof own);
     if (result != TY_OK) return result;
     const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
-    return view(light, scene, def, progress, out, stats);
+    result = view(light, scene, def, progress, out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 ty_result ty_octaves_render(const ty_scene* scene, const ty_octaves_def* def, ty_image** out, ty_octaves_stats* stats) {
     *out = NULL;
     ty_octaves* light = NULL;
-    ty_octaves_stats own = {0};
+    ty_octaves_stats own;
     const double begun = ty_wall_seconds();
     ty_octaves_def known;
     ty_result result = ty_octaves_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_octaves_stats", &own, sizeof own);
     if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_fraction, 1 - solve_fraction);
     progress.begun = begun;
     result = view(light, scene, def, progress, out, &own);
     ty_octaves_destroy(light);
-    if (stats != NULL) *stats = own;
+    ty_give_stats(&own, sizeof own, stats);
     return result;
 }

@@ -14,12 +14,12 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_octaves_stats, medium_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_octaves_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_octaves_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
-    {TY_STAT_FIELD(ty_octaves_stats, bytes), TY_STAT_NUMBER},
+    {.name = "bytes", .offset = offsetof(ty_octaves_stats, memory_bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_octaves_stats, isa), TY_STAT_TEXT},
 };
 
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    ty_octaves_stats* octaves = (ty_octaves_stats*)run->stats;
+    ty_octaves_stats* octaves = ty_method_stats(run, sizeof *octaves);
     ty_image* surfaces = NULL;
     ty_octaves_def def = ty_default_octaves_def();
     ty_result result = ty_method_options(scene, "octaves", &def);

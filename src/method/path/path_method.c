@@ -28,6 +28,7 @@ ty_result ty_request_path_def(const ty_scene* scene, const ty_render_request* re
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
     ty_path_def def;
     ty_result result = ty_request_path_def(scene, request, &def);
+    run->path = ty_default_path_stats();
     if (result == TY_OK) result = ty_path_render(scene, &def, out, &run->path);
     run->own_seconds = run->path.seconds;
     return result;

@@ -99,7 +99,7 @@ ty_result ty_pop_fluence(const ty_pop* light, const double lower[3], const doubl
 
 static ty_cell_point locate(const ty_grid_box* box, ty_vec point) {
     const double position[3] = {(double)point.x, (double)point.y, (double)point.z};
-    return ty_cover_locate(box, position);
+    return ty_coverage_locate(box, position);
 }
 
 /* Adds the forward-scattered radiance of fine-grid lights. */

@@ -287,7 +287,7 @@ static ty_result light_grids(ty_pop_job* job, ty_pop_merged* residuum) {
     ty_result result = begin_batch(&b);
     if (result == TY_OK && job->def->keep_lobes) result = allocate_lobes(light, b.iterations);
     if (result == TY_OK) result = run_batches(&b, light_one);
-    job->stats.bytes = (double)(b.accumulated_floats * sizeof(float)) * light->count;
+    job->stats.memory_bytes = (double)(b.accumulated_floats * sizeof(float)) * light->count;
     end_batch(&b);
     return result;
 }

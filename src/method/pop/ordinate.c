@@ -26,7 +26,7 @@ static bool can_use_fine_grid(const ty_light_view* light) {
 
 bool ty_pop_uses_fine_grid(const ty_scene* scene, const ty_pop_def* def, int32_t light) {
     const ty_light_set* set = &scene->view.lights;
-    if (!def->sharp || def->mode != TY_POP_MODE_SPLIT || !can_use_fine_grid(&set->lights[light])) return false;
+    if (!def->fine_lights || def->mode != TY_POP_MODE_SPLIT || !can_use_fine_grid(&set->lights[light])) return false;
     int32_t before = 0;
     for (int32_t i = 0; i < light; ++i) before += can_use_fine_grid(&set->lights[i]);
     return before < TY_POP_FINE_LIGHTS_MAX;

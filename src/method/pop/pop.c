@@ -70,7 +70,7 @@ static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double frac
         ty_pop_destroy(job.light);
         return result;
     }
-    if (stats != NULL) *stats = job.stats;
+    *stats = job.stats;
     *out = job.light;
     return TY_OK;
 }
@@ -78,8 +78,13 @@ static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double frac
 ty_result ty_pop_solve(const ty_scene* scene, const ty_pop_def* def, ty_pop** out, ty_pop_stats* stats) {
     *out = NULL;
     ty_pop_def known;
-    const ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
-    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
+    ty_pop_stats own;
+    ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_pop_stats", &own, sizeof own);
+    if (result == TY_OK) result = solve(scene, def, 1, out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 void ty_pop_destroy(ty_pop* light) {
@@ -189,7 +194,7 @@ static ty_result march(const ty_pop* light, const ty_scene* scene, const ty_pop_
     ty_result result = make_fields(light, ty_scene_get_view(scene)->mesh != NULL, &f);
     if (result == TY_OK) result = ty_march(scene, &march, out, NULL);
     free_fields(light, &f);
-    if (result == TY_OK && stats != NULL) {
+    if (result == TY_OK) {
         stats->march_seconds = ty_wall_seconds() - begun;
         stats->seconds += stats->march_seconds;
     }
@@ -216,30 +221,37 @@ ty_result ty_pop_view(const ty_pop* light, const ty_scene* scene, const ty_pop_d
                       ty_pop_stats* stats) {
     *out = NULL;
     ty_pop_def known;
-    const ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
+    ty_pop_stats own;
+    ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_pop_stats", &own, sizeof own);
     if (result != TY_OK) return result;
     const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
     float eye[3];
     get_eye(scene, eye);
     const bool same = memcmp(eye, light->eye, sizeof eye) == 0 || light->count == 0;
-    return same ? march(light, scene, def, progress, out, stats)
-                : view_from(light, eye, scene, def, progress, out, stats);
+    result =
+        same ? march(light, scene, def, progress, out, &own) : view_from(light, eye, scene, def, progress, out, &own);
+    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
+    return result;
 }
 
 ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image** out, ty_pop_stats* stats) {
     *out = NULL;
     ty_pop* light = NULL;
-    ty_pop_stats totals = {0};
+    ty_pop_stats own;
     const double begun = ty_wall_seconds();
     ty_pop_def known;
     ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &totals);
+    if (result == TY_OK)
+        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_pop_stats", &own, sizeof own);
+    if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_fraction, 1 - solve_fraction);
     progress.begun = begun;
-    result = march(light, scene, def, progress, out, &totals);
+    result = march(light, scene, def, progress, out, &own);
     ty_pop_destroy(light);
-    if (stats != NULL) *stats = totals;
+    ty_give_stats(&own, sizeof own, stats);
     return result;
 }
 

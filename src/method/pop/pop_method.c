@@ -27,12 +27,12 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_pop_stats, residuum_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_pop_stats, merge_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_pop_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
-    {TY_STAT_FIELD(ty_pop_stats, bytes), TY_STAT_NUMBER},
+    {.name = "bytes", .offset = offsetof(ty_pop_stats, memory_bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_pop_stats, isa), TY_STAT_TEXT},
 };
 
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    ty_pop_stats* pop = (ty_pop_stats*)run->stats;
+    ty_pop_stats* pop = ty_method_stats(run, sizeof *pop);
     ty_image* surfaces = NULL;
     ty_pop_def def = ty_default_pop_def();
     ty_result result = ty_method_options(scene, "pop", &def);

@@ -233,6 +233,6 @@ ty_result ty_screen_gather(ty_screen_job* job) {
     job->stats.step_seconds[2] = ty_wall_seconds() - filtered;
     job->stats.levels = levels;
     job->stats.max_spread = ty_screen_radius(job, 0, (double)(spread_of(&g, levels) * spread_of(&g, levels)));
-    job->stats.bytes = count_bytes(&g, levels);
+    job->stats.memory_bytes = count_bytes(&g, levels);
     return TY_OK;
 }

@@ -360,6 +360,6 @@ ty_result ty_screen_scatter(ty_screen_job* job) {
     job->stats.step_seconds[2] = ty_wall_seconds() - filtered;
     job->stats.levels = levels;
     job->stats.max_spread = max_radius(&s, levels);
-    job->stats.bytes = count_bytes(&s, levels);
+    job->stats.memory_bytes = count_bytes(&s, levels);
     return TY_OK;
 }

@@ -152,7 +152,7 @@ static ty_result copy_image(ty_screen_job* job) {
     job->stats.step_seconds[0] = ty_wall_seconds() - start;
     job->stats.nonfinite_fixed = work.nonfinite_fixed;
     job->stats.missing_depth = work.missing_depth;
-    job->stats.bytes = (double)job->image->width * job->image->height * (4 + 3) * sizeof(float);
+    job->stats.memory_bytes = (double)job->image->width * job->image->height * (4 + 3) * sizeof(float);
     return TY_OK;
 }
 
@@ -251,7 +251,8 @@ ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const t
     const double began = ty_wall_seconds();
     known_input known;
     ty_screen_job job = {.context = context, .memory = memory};
-    ty_result result = start(&job, def, image, true, &known);
+    ty_result result = ty_take_stats(context, stats, "ty_default_screen_stats", &job.stats, sizeof job.stats);
+    if (result == TY_OK) result = start(&job, def, image, true, &known);
     if (result != TY_OK) return result;
     const size_t needed = workspace(context, job.def, job.image->width, job.image->height);
     if (memory != NULL && (memory_size < needed || (uintptr_t)memory % 64 != 0))
@@ -262,7 +263,7 @@ ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const t
     result = run(&job);
     if (memory == NULL) ty_free_array(context, job.memory, needed, 1);
     job.stats.seconds = ty_wall_seconds() - began;
-    if (stats != NULL) *stats = job.stats;
+    ty_give_stats(&job.stats, sizeof job.stats, stats);
     return result;
 }
 

@@ -25,7 +25,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_screen_stats, spread), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_screen_stats, oversized), TY_STAT_LONG},
     {TY_STAT_FIELD(ty_screen_stats, nonfinite_fixed), TY_STAT_LONG},
-    {TY_STAT_FIELD(ty_screen_stats, bytes), TY_STAT_NUMBER},
+    {.name = "bytes", .offset = offsetof(ty_screen_stats, memory_bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_screen_stats, isa), TY_STAT_TEXT},
 };
 
@@ -124,10 +124,11 @@ static ty_result render(const ty_scene* scene, const ty_render_request* request,
     surfaces.ignore_media = true;
     surfaces.aovs |= TY_AOV_DEPTH;
     run->own_seconds = ty_wall_seconds() - begun;
+    run->path = ty_default_path_stats();
     const ty_result traced = ty_path_render(scene, &surfaces, &image, &run->path);
     if (traced != TY_OK && traced != TY_CANCELLED) return traced;
     const double finished = ty_wall_seconds();
-    result = scatter(scene, &def, image, (ty_screen_stats*)run->stats);
+    result = scatter(scene, &def, image, ty_method_stats(run, sizeof(ty_screen_stats)));
     if (result == TY_OK && (request->aovs & TY_AOV_DEPTH) == 0)
         result = ty_image_drop_channel(ty_scene_context(scene), &image, "depth.Z");
     if (result != TY_OK) {

@@ -86,7 +86,7 @@ static void note_solve(ty_dom_job* job, const channel_solve* solve, int32_t conc
     const ty_dom_boundary_power* boundary = &solve->boundary;
     stats->converged = stats->converged && solved->converged && boundary->converged;
     stats->sweep_seconds += (solved->sweep_seconds + boundary->sweep_seconds) / concurrent;
-    stats->bytes = fmax(stats->bytes, solved->bytes * concurrent);
+    stats->memory_bytes = fmax(stats->memory_bytes, solved->bytes * concurrent);
     for (int32_t c = channel; c < end; ++c) {
         const double factor = (double)light->color[c];
         stats->sweeps[c] = solved->sweeps + boundary->sweeps;

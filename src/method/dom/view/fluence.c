@@ -74,7 +74,7 @@ static bool is_outside(const ty_grid_box* box, const double point[3]) {
 /* Adds up the moments at a point along a unit direction. */
 static void radiance_along(const ty_dom* light, const double point[3], const double direction[3], double radiance[3]) {
     const int32_t terms = light->output_bands * light->output_bands;
-    const ty_cell_point position = ty_cover_locate(&light->box, point);
+    const ty_cell_point position = ty_coverage_locate(&light->box, point);
     double y[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
     ty_harmonics_at(direction, light->output_bands, y);
     for (int32_t c = 0; c < 3; ++c) {

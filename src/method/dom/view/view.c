@@ -250,7 +250,7 @@ ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_
     march.blurred = f.blurred;
     if (result == TY_OK) result = ty_march(scene, &march, out, &marched);
     free_fields(light, &f);
-    if (result == TY_OK && stats != NULL) {
+    if (result == TY_OK) {
         stats->march_seconds = ty_wall_seconds() - begun;
         stats->seconds += stats->march_seconds;
         stats->isa = marched.isa;

@@ -166,7 +166,7 @@ static ty_result begin_state(const ty_lpv_image_job* job, ty_lpv_march_state* st
     state->width = def->width;
     state->height = def->height;
     state->samples = def->view != NULL ? 1 : def->spp;
-    state->pixels_per_ray = def->half ? 2 : 1;
+    state->pixels_per_ray = def->half_resolution_march ? 2 : 1;
     state->media_width = (def->width + state->pixels_per_ray - 1) / state->pixels_per_ray;
     state->media_height = (def->height + state->pixels_per_ray - 1) / state->pixels_per_ray;
     state->upsample.width = state->media_width;
@@ -208,7 +208,7 @@ ty_result ty_lpv_image(const ty_lpv_image_job* job, ty_image** out, ty_lpv_stats
     }
     if (result == TY_OK) {
         ty_lpv_output_planes_finish(&state.planes, state.samples);
-        if (stats != NULL) finish_stats(&state, stats);
+        finish_stats(&state, stats);
         *out = state.planes.image;
     } else {
         ty_image_destroy(state.planes.image);
