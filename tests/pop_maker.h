@@ -6,7 +6,7 @@
 
 static inline ty_pop_def pop_def(int32_t ordinates) {
     return (ty_pop_def){.resolution = 20,
-                        .sharp = true,
+                        .fine_lights = true,
                         .ordinates = ordinates,
                         .prefilter = 1,
                         .importance = true,

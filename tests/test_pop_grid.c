@@ -1,22 +1,22 @@
 /* Ordinates' grids: where their cells lie, and transmittances in them. */
 #include "pop_grid_maker.h"
 
-#include "method/pop/lobe.k.h"
+#include "method/pop/grid/lobe.k.h"
 
 static const double anisotropies[] = {0, 0.5, 0.9, -0.5};
 
-/* ---- frames ---- */
+/* ---- geometry ---- */
 
-static void frames_follow_an_axis(void** state) {
+static void grids_follow_an_axis(void** state) {
     (void)state;
     const ty_grid_box box = {{0, 0, 0}, {1, 1, 1}, {16, 16, 16}};
     for (int a = 0; a < 6; ++a) {
         const double way[3] = {a / 2 == 0, a / 2 == 1, a / 2 == 2}, sign = a % 2 ? -1 : 1;
         const ty_discrete_light light = parallel_light(sign * way[0], sign * way[1], sign * way[2]);
-        ty_pop_grid frame;
-        ty_pop_grid_fit(&box, &light, 16, &frame);
-        assert_vec_close(frame.step, ty_vec_make(0.0625f, 0.0625f, 0.0625f), 1e-8);
-        const ty_vec middle = ty_pop_cell_center(&frame, 3, 5, 0);
+        ty_pop_grid grid;
+        ty_pop_grid_fit(&box, &light, 16, &grid);
+        assert_vec_close(grid.step, ty_vec_make(0.0625f, 0.0625f, 0.0625f), 1e-8);
+        const ty_vec middle = ty_pop_cell_center(&grid, 3, 5, 0);
         const double place[3] = {(double)middle.x * 16, (double)middle.y * 16, (double)middle.z * 16};
         for (int b = 0; b < 3; ++b) assert_close(place[b] - floor(place[b]), 0.5, 1e-5);
         assert_close(place[a / 2], sign > 0 ? 0.5 : 15.5, 1e-5);
@@ -24,23 +24,23 @@ static void frames_follow_an_axis(void** state) {
 }
 
 /* Every corner of the box is in the grid, and every side of the grid meets one. */
-static void frames_follow_a_slanted_direction(void** state) {
+static void grids_follow_a_slanted_direction(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, 2, 0}, {1.5, 3, 4}, {16, 16, 16}};
     uint64_t random = 1;
     for (int n = 0; n < 20; ++n) {
         const ty_vec way = random_unit(&random);
         const ty_discrete_light light = parallel_light((double)way.x, (double)way.y, (double)way.z);
-        ty_pop_grid frame;
-        ty_pop_grid_fit(&box, &light, 10, &frame);
-        assert_vec_close(frame.axis[2], way, 1e-6);
-        const float step[3] = {frame.step.x, frame.step.y, frame.step.z};
+        ty_pop_grid grid;
+        ty_pop_grid_fit(&box, &light, 10, &grid);
+        assert_vec_close(grid.axis[2], way, 1e-6);
+        const float step[3] = {grid.step.x, grid.step.y, grid.step.z};
         for (int a = 0; a < 3; ++a) {
-            assert_close((double)ty_dot(frame.axis[a], frame.axis[(a + 1) % 3]), 0, 1e-6);
+            assert_close((double)ty_dot(grid.axis[a], grid.axis[(a + 1) % 3]), 0, 1e-6);
             double low = 1e9, high = -1e9;
             for (int corner = 0; corner < 8; ++corner) {
                 const ty_vec at = ty_vec_make(corner & 1 ? 1.5f : -1, corner & 2 ? 3 : 2, corner & 4 ? 4 : 0);
-                const double along = (double)ty_dot(ty_sub(at, frame.origin), frame.axis[a]);
+                const double along = (double)ty_dot(ty_sub(at, grid.origin), grid.axis[a]);
                 low = fmin(low, along);
                 high = fmax(high, along);
             }
@@ -50,24 +50,24 @@ static void frames_follow_a_slanted_direction(void** state) {
     }
 }
 
-static void frames_surround_a_point(void** state) {
+static void grids_surround_a_point(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, -1, -1}, {1, 1, 1}, {16, 16, 16}};
-    ty_pop_grid frame;
+    ty_pop_grid grid;
     ty_discrete_light light = point_light(0, 0, 0);
-    ty_pop_grid_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_DISCRETE_POINT);
-    assert_close((double)ty_pop_radius(&frame, 20), sqrt(3), 1e-4);
-    assert_true((double)frame.inner <= 0.0501);
-    assert_close((double)frame.growth, sqrt(4 * 3.14159265) / 20, 2e-3);
+    ty_pop_grid_fit(&box, &light, 20, &grid);
+    assert_int_equal(grid.kind, TY_DISCRETE_POINT);
+    assert_close((double)ty_pop_radius(&grid, 20), sqrt(3), 1e-4);
+    assert_true((double)grid.inner <= 0.0501);
+    assert_close((double)grid.growth, sqrt(4 * 3.14159265) / 20, 2e-3);
     light = point_light(1.5, 0, 0);
-    ty_pop_grid_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_DISCRETE_POINT);
-    assert_close((double)frame.inner, 0.5, 1e-6);
+    ty_pop_grid_fit(&box, &light, 20, &grid);
+    assert_int_equal(grid.kind, TY_DISCRETE_POINT);
+    assert_close((double)grid.inner, 0.5, 1e-6);
     light = point_light(60, 0, 0);
-    ty_pop_grid_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_DISCRETE_DIRECTIONAL);
-    assert_vec_close(frame.axis[2], ty_vec_make(-1, 0, 0), 1e-6);
+    ty_pop_grid_fit(&box, &light, 20, &grid);
+    assert_int_equal(grid.kind, TY_DISCRETE_DIRECTIONAL);
+    assert_vec_close(grid.axis[2], ty_vec_make(-1, 0, 0), 1e-6);
 }
 
 /* ---- transmittances ---- */
@@ -92,19 +92,19 @@ static double mean_decay(double sigma, double from, double to) {
 }
 
 static void check_cell(const pop_case* c, const double sigma[3], int32_t i, int32_t j, int32_t k, size_t plane) {
-    const ty_pop_grid* frame = &c->light.grid;
-    const ty_vec middle = ty_pop_cell_center(frame, i, j, k), way = ty_pop_direction(frame, i, j);
-    const double length = (double)ty_pop_cell_length(frame, k);
-    const double below = frame->kind == TY_DISCRETE_POINT
-                             ? (double)ty_pop_radius(frame, (float)k + 0.5f) - (double)ty_pop_radius(frame, (float)k)
+    const ty_pop_grid* grid = &c->light.grid;
+    const ty_vec middle = ty_pop_cell_center(grid, i, j, k), way = ty_pop_direction(grid, i, j);
+    const double length = (double)ty_pop_cell_length(grid, k);
+    const double below = grid->kind == TY_DISCRETE_POINT
+                             ? (double)ty_pop_radius(grid, (float)k + 0.5f) - (double)ty_pop_radius(grid, (float)k)
                              : 0.5 * length;
     double range[2];
     cube_range(middle, way, range);
-    const double start = frame->kind == TY_DISCRETE_POINT ? -(double)ty_pop_radius(frame, (float)k + 0.5f) : -1e9;
+    const double start = grid->kind == TY_DISCRETE_POINT ? -(double)ty_pop_radius(grid, (float)k + 0.5f) : -1e9;
     const double enter = fmax(range[0], start), from = fmax(enter, -below), to = fmin(range[1], length - below);
     if (!(to > from)) return;
-    const size_t cells = pop_cells(frame);
-    const size_t at = (size_t)i + (size_t)frame->size[0] * ((size_t)j + (size_t)frame->size[1] * (size_t)k);
+    const size_t cells = pop_cells(grid);
+    const size_t at = (size_t)i + (size_t)grid->size[0] * ((size_t)j + (size_t)grid->size[1] * (size_t)k);
     for (size_t order = 0; order < 3; ++order)
         assert_close((double)c->light.lobes[(3 * plane + order) * cells + at],
                      mean_decay(sigma[order], from - enter, to - enter), 2e-5);
@@ -122,13 +122,13 @@ static void check_homogeneous(ty_context* context, const ty_discrete_light* ordi
     pop_case made = pop_begin(scene, ordinate, TY_POP_MODE_SPLIT, 16, 1);
     pop_run(&made);
     assert_int_equal(made.light.planes, colored ? 3 : 1);
-    const ty_pop_grid* frame = &made.light.grid;
+    const ty_pop_grid* grid = &made.light.grid;
     for (int p = 0; p < made.light.planes; ++p) {
         const double kept = fmax(0, g), s = (double)sigma_s[p], t = s + (double)sigma_a[p];
         const double sigma[3] = {t, t - kept * s, t - kept * kept * s};
-        for (int32_t k = 0; k < frame->size[2]; ++k)
-            for (int32_t j = 0; j < frame->size[1]; ++j)
-                for (int32_t i = 0; i < frame->size[0]; ++i) check_cell(&made, sigma, i, j, k, (size_t)p);
+        for (int32_t k = 0; k < grid->size[2]; ++k)
+            for (int32_t j = 0; j < grid->size[1]; ++j)
+                for (int32_t i = 0; i < grid->size[0]; ++i) check_cell(&made, sigma, i, j, k, (size_t)p);
     }
     pop_end(&made);
 }
@@ -358,11 +358,11 @@ static void surfaces_cast_shadows(void** state) {
             light.shadowed = 1;
             pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 16, 1);
             pop_run(&made);
-            const ty_pop_grid* frame = &made.light.grid;
+            const ty_pop_grid* grid = &made.light.grid;
             for (int32_t k = 0; k < 16; ++k)
                 for (int32_t j = 0; j < 16; ++j)
                     for (int32_t i = 0; i < 16; ++i) {
-                        const ty_vec at = ty_pop_cell_center(frame, i, j, k);
+                        const ty_vec at = ty_pop_cell_center(grid, i, j, k);
                         const bool beyond = (double)at.y<heights[inside] - 0.2, beside = fabsf(at.x - 0.5f)> 0.4f;
                         if (!beside || fabsf(at.y - 0.5f) > 0.5f || fabsf(at.x - 0.5f) > 0.5f) continue;
                         const float fluence = pop_seen(&made.light, i, j, k)[3];
@@ -505,9 +505,9 @@ static void one_density_serves_all_channels(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frames_follow_an_axis),
-        cmocka_unit_test(frames_follow_a_slanted_direction),
-        cmocka_unit_test(frames_surround_a_point),
+        cmocka_unit_test(grids_follow_an_axis),
+        cmocka_unit_test(grids_follow_a_slanted_direction),
+        cmocka_unit_test(grids_surround_a_point),
         cmocka_unit_test(homogeneous_media_fade_light_exactly),
         cmocka_unit_test(moments_are_those_of_the_lobes),
         cmocka_unit_test(discs_scatter_as_they_should),

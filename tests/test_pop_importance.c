@@ -1,6 +1,6 @@
 /* How much the camera sees of light from each direction. */
 #include "files.h"
-#include "method/pop/ordinate.h"
+#include "method/pop/ordinate/ordinate.h"
 #include "pop_maker.h"
 
 static const double pi = 3.14159265358979323846;

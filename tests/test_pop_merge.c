@@ -14,11 +14,11 @@ static ty_vec direction_of(int n) {
 }
 
 /* Whether a point is between middles of cells, where nothing is held to the grid's edge. */
-static bool is_inside(const ty_pop_grid* frame, ty_vec point) {
-    const float step[3] = {frame->step.x, frame->step.y, frame->step.z};
+static bool is_inside(const ty_pop_grid* grid, ty_vec point) {
+    const float step[3] = {grid->step.x, grid->step.y, grid->step.z};
     for (int a = 0; a < 3; ++a) {
-        const float at = ty_dot(ty_sub(point, frame->origin), frame->axis[a]) / step[a];
-        if (at < 0.5f || at > (float)frame->size[a] - 0.5f) return false;
+        const float at = ty_dot(ty_sub(point, grid->origin), grid->axis[a]) / step[a];
+        if (at < 0.5f || at > (float)grid->size[a] - 0.5f) return false;
     }
     return true;
 }
@@ -165,11 +165,11 @@ static void fill_weighted(const ty_pop_light* light, ty_vec middle, float* cell)
 static void weights_decide(void** state) {
     ty_pop_light light = parallel_light(&cube, direction_of(0), TY_POP_CELL_FLOATS);
     ty_pop_merged merged = make_merged(&cube, false);
-    const ty_pop_grid* frame = &light.grid;
-    for (int32_t k = 0; k < frame->size[2]; ++k)
-        for (int32_t j = 0; j < frame->size[1]; ++j)
-            for (int32_t i = 0; i < frame->size[0]; ++i)
-                fill_weighted(&light, ty_pop_cell_center(frame, i, j, k), cell_of(&light, i, j, k));
+    const ty_pop_grid* grid = &light.grid;
+    for (int32_t k = 0; k < grid->size[2]; ++k)
+        for (int32_t j = 0; j < grid->size[1]; ++j)
+            for (int32_t i = 0; i < grid->size[0]; ++i)
+                fill_weighted(&light, ty_pop_cell_center(grid, i, j, k), cell_of(&light, i, j, k));
     merge(*state, &light, &merged);
     int dense = 0, empty = 0;
     for (size_t i = 0; i < box_cells(&cube); ++i) {

@@ -1,7 +1,7 @@
 /* Lights as principal ordinates. */
 #include "base/random.k.h"
 #include "files.h"
-#include "method/pop/ordinate.h"
+#include "method/pop/ordinate/ordinate.h"
 #include "pop_maker.h"
 #include "scene/phase.k.h"
 
@@ -49,7 +49,7 @@ static void add_light(ty_scene* scene, ty_light_kind kind, double x, double y, d
 static void lights_by_kind(void** state) {
     ty_scene* scene = pop_fog(*state, 1, 0);
     ty_pop_def def = pop_def(8);
-    def.sharp = false;
+    def.fine_lights = false;
     direct_add_sun(scene, 0, -2, 0, 3);
     add_light(scene, TY_LIGHT_POINT, 0, 4, 0);
     add_light(scene, TY_LIGHT_SPOT, 0, 0, 4);
@@ -78,7 +78,7 @@ static void lights_by_kind(void** state) {
     forget(&f, scene);
 }
 
-static void sharp_lights_are_left_out(void** state) {
+static void fine_grid_lights_are_left_out(void** state) {
     ty_scene* scene = pop_fog(*state, 1, 0);
     ty_pop_def def = pop_def(8);
     for (int i = 0; i < 10; ++i) {
@@ -86,7 +86,7 @@ static void sharp_lights_are_left_out(void** state) {
         add_light(scene, i % 2 == 0 ? TY_LIGHT_POINT : TY_LIGHT_DIRECTIONAL, i, 4, 0);
     }
     found f = find(scene, &def, NULL);
-    assert_int_equal(f.set.count, 16 + 2); /* the ninth and tenth are not sharp */
+    assert_int_equal(f.set.count, 16 + 2); /* the ninth and tenth have no fine grid */
     for (int i = 0; i < 8; ++i) assert_true(ty_pop_uses_fine_grid(scene, &def, i));
     for (int i = 8; i < 11; ++i) assert_false(ty_pop_uses_fine_grid(scene, &def, i));
     def.mode = TY_POP_MODE_COLLIDED;
@@ -109,7 +109,7 @@ static void two_sides_and_none(void** state) {
     check_result(*state, ty_scene_add_mesh(scene, &mesh));
     direct_add_sun(scene, 0, -2, 0, 0);
     ty_pop_def def = pop_def(8);
-    def.sharp = false;
+    def.fine_lights = false;
     found f = find(scene, &def, NULL);
     assert_int_equal(f.set.count, 2 * 4 * 16);
     double up = 0, down = 0;
@@ -426,7 +426,7 @@ int main(void) {
 #define on_context(f) cmocka_unit_test_setup_teardown(f, start_context, stop_context)
     const struct CMUnitTest tests[] = {
         on_context(lights_by_kind),
-        on_context(sharp_lights_are_left_out),
+        on_context(fine_grid_lights_are_left_out),
         on_context(two_sides_and_none),
         on_context(even_environments),
         on_context(one_bright_texel),

@@ -2,7 +2,7 @@
 #include "direct/shadow/grid_depth.h"
 #include "direct/lights/vpl_samples.h"
 #include "files.h"
-#include "method/pop/ordinate.h"
+#include "method/pop/ordinate/ordinate.h"
 #include "pop_maker.h"
 
 static const double pi = 3.14159265358979323846;

@@ -82,13 +82,13 @@ static void lamps_shine_through(void** state) {
         ty_scene* scene = lamp_in_a_ball(*state, anisotropies[i]);
         ty_image* truth = path_image(scene, &size, 0);
         printf("a lamp in a ball, g %.1f, mean ratio / relative RMSE:\n", anisotropies[i]);
-        for (int sharp = 0; sharp <= 1; ++sharp) {
+        for (int fine_lights = 0; fine_lights <= 1; ++fine_lights) {
             ty_pop_def def = pop_def(48, 48);
             ty_pop_stats stats;
-            def.sharp = sharp != 0;
+            def.fine_lights = fine_lights != 0;
             ty_image* image = pop_image(scene, &def, &stats);
-            const ty_difference d = compare(*state, sharp != 0 ? "fine cells" : "shells", image, truth);
-            worst = fmax(worst, fabs(d.mean_ratio[3] - measured[i][sharp]));
+            const ty_difference d = compare(*state, fine_lights != 0 ? "fine cells" : "shells", image, truth);
+            worst = fmax(worst, fabs(d.mean_ratio[3] - measured[i][fine_lights]));
             ty_image_destroy(image);
         }
         ty_image_destroy(truth);

@@ -44,8 +44,8 @@ typedef struct ty_pop_def {
     int32_t merged; ///< Cells of the grid that joins all ordinates, along the longest side of the box around all media,
                     ///< 4..512. TY_AUTO (default): 1.5 times the resolution, at most 48 or the resolution; twice the
                     ///< resolution in the other modes (Sec. 5.3).
-    bool sharp;     ///< True: the first eight directional, point and spot lights are propagated through cells as fine
-                    ///< as the medium's instead of grids of their own; default true; mode split.
+    bool fine_lights; ///< True: the first eight directional, point and spot lights are propagated through cells as fine
+                      ///< as the medium's instead of grids of their own; default true; mode split.
     int32_t direct; ///< Cells of these lights along the longest side, 4..1024. TY_AUTO (default): as fine as the finest
                     ///< voxels, at most 256; 64 for media without voxels.
 
@@ -121,7 +121,7 @@ typedef struct ty_pop_stats {
     double importance_seconds;   ///< Time to find the map of importance, s.
     double ordinate_seconds;     ///< Time to choose ordinates, s.
     double vpl_seconds;          ///< Time to find virtual point lights, s.
-    double direct_seconds;       ///< Time of the lights of `sharp`, s.
+    double direct_seconds;       ///< Time of the lights of `fine_lights`, s.
     double initial_seconds;      ///< Time to sample media on the ordinates' grids, and the light that enters them, s.
     double propagation_seconds;  ///< Time of propagation, s; mode split: 0.
     double residuum_seconds;     ///< Time of isotropic light in one grid, s; mode split: of diffusion.

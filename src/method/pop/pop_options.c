@@ -16,7 +16,7 @@ static const ty_option options[] = {
      .flags = TY_OPTION_AUTO, .unit = "cells",
      .doc = "Cells of the grid that ordinates are brought together in, along the longest side; auto is one and a half "
             "of resolution, but at most 48 or resolution, and twice resolution in the modes published and collided."},
-    {TY_OPTION_FIELD(ty_pop_def, sharp), .type = TY_OPTION_BOOL, .preset = 1,
+    {TY_OPTION_FIELD(ty_pop_def, fine_lights), .formerly = "sharp", .type = TY_OPTION_BOOL, .preset = 1,
      .doc = "Puts the first eight directional, point and spot lights through cells as fine as the medium's instead of "
             "grids of their own; mode split alone."},
     {TY_OPTION_FIELD(ty_pop_def, direct), .type = TY_OPTION_INT, .min = 4, .max = 1024, .preset = TY_AUTO,
