@@ -1,11 +1,7 @@
 /* Discrete ordinates with a first-collision source as a method; surfaces are path traced through the media. */
-#include "image/march.h"
 #include "method/dom/job.h"
-#include "method/method.h"
 
 #include <stdio.h>
-
-_Static_assert(sizeof(ty_dom_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");
 
 static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_dom_stats, direct_size), TY_STAT_INT, .count = 3},
@@ -33,18 +29,7 @@ static const ty_stat stats[] = {
 };
 
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    ty_dom_stats* dom = (ty_dom_stats*)run->stats;
-    ty_image* surfaces = NULL;
-    ty_dom_def def = ty_default_dom_def();
-    ty_result result = ty_method_options(scene, "dom", &def);
-    TY_TAKE_REQUEST(&def, request);
-    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
-    def.unscattered = surfaces;
-    if (result == TY_OK) result = ty_dom_render(scene, &def, out, dom);
-    run->own_seconds = dom->seconds;
-    run->path.seconds += run->own_seconds;
-    ty_image_destroy(surfaces);
-    return result;
+    return ty_volume_method_render(&ty_volume_dom, NULL, scene, request, out, run);
 }
 
 static void describe(const ty_method_run* run, char* text, size_t size) {

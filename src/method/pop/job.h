@@ -2,11 +2,9 @@
 #ifndef TY_METHOD_POP_JOB_H
 #define TY_METHOD_POP_JOB_H
 
-#include "base/progress.h"
-#include "image/options.h"
 #include "method/pop/fine/delta_source.h"
 #include "method/pop/solution.h"
-#include "option/option.h"
+#include "method/volume_method.h"
 #include "scene/scene.h"
 
 typedef struct ty_pop_job {
@@ -25,10 +23,7 @@ typedef struct ty_pop_job {
 } ty_pop_job;
 
 extern const ty_option_table ty_pop_options;
-/* Makes *def point to own: a copy of the caller's def in the library's own size, with all ranges checked. Fails with
- * the first field out of range. Errors: TY_ERROR_ARGUMENT. */
-ty_result ty_pop_take_def(ty_context* context, const ty_pop_def** def, ty_pop_def* own);
-ty_image_options ty_pop_image_options(const ty_pop_def* def);
+extern const ty_volume_method ty_volume_pop;
 
 /* Sizes all grids and samples the media on them. */
 ty_result ty_pop_sample_media(ty_pop_job* job);
