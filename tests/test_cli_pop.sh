@@ -123,6 +123,4 @@ test_interrupt() {
 write_scenes '{"type": "point", "position": [0, 1.5, 0], "intensity": 3},
     {"type": "area", "origin": [-0.5, 2, -0.5], "u": [1, 0, 0], "v": [0, 0, 1], "radiance": 1}'
 
-for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
-no_temporary_files
-finish 180
+run_tests 180

@@ -480,7 +480,6 @@ static void torn_files_do_no_harm(void** state) {
     free(bytes);
 }
 
-/* Refuses each allocation in turn. */
 static ty_result read_and_free(ty_context* strict, void* user) {
     ty_model model;
     const char* json = user;
