@@ -82,8 +82,8 @@ static inline size_t pop_cells(const ty_pop_grid* grid) {
     return (size_t)grid->size[0] * (size_t)grid->size[1] * (size_t)grid->size[2];
 }
 
-/* The floats of a cell of `seen`. */
-static inline const float* pop_seen(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
+/* The floats of a cell of `accumulated`. */
+static inline const float* pop_accumulated(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
     const int32_t ghosts = ty_pop_ghost_width(&light->grid), row = light->grid.size[0] + 2 * ghosts;
     const int32_t rows = light->grid.size[1] + 2 * ghosts;
     return light->accumulated +
@@ -93,8 +93,9 @@ static inline const float* pop_seen(const ty_pop_light* light, int32_t i, int32_
 
 /* One of its floats, in split mode without the weight that it is multiplied by. */
 static inline double pop_value(const ty_pop_light* light, int32_t i, int32_t j, int32_t k, int number) {
-    const float* seen = pop_seen(light, i, j, k);
-    return (double)seen[number] / (light->mode == TY_POP_MODE_SPLIT ? (double)seen[TY_POP_CELL_WEIGHT] : 1);
+    const float* accumulated = pop_accumulated(light, i, j, k);
+    return (double)accumulated[number] /
+           (light->mode == TY_POP_MODE_SPLIT ? (double)accumulated[TY_POP_CELL_WEIGHT] : 1);
 }
 
 #endif

@@ -19,7 +19,7 @@ static inline float half_width(const ty_grid_box* box, ty_vec axis) {
     return (float)(0.5 * width);
 }
 
-static inline ty_vec box_middle(const ty_grid_box* box) {
+static inline ty_vec box_center(const ty_grid_box* box) {
     return ty_vec_make((float)(0.5 * (box->lower[0] + box->upper[0])), (float)(0.5 * (box->lower[1] + box->upper[1])),
                        (float)(0.5 * (box->lower[2] + box->upper[2])));
 }
@@ -32,7 +32,7 @@ static inline ty_pop_light parallel_light(const ty_grid_box* box, ty_vec directi
     *grid = (ty_pop_grid){.kind = TY_DISCRETE_DIRECTIONAL, .size = {9, 10, 11}};
     ty_onb(direction, &grid->axis[0], &grid->axis[1]);
     grid->axis[2] = direction;
-    grid->origin = box_middle(box);
+    grid->origin = box_center(box);
     float half[3];
     for (int a = 0; a < 3; ++a) {
         half[a] = half_width(box, grid->axis[a]);
@@ -68,7 +68,7 @@ static inline float* cell_of(const ty_pop_light* light, int32_t i, int32_t j, in
 
 /* Fills each cell, its ghosts as what it repeats. */
 static inline void fill_light(const ty_pop_light* light,
-                              void (*fill)(const ty_pop_light*, ty_vec middle, float* cell)) {
+                              void (*fill)(const ty_pop_light*, ty_vec center, float* cell)) {
     const ty_pop_grid* grid = &light->grid;
     const int32_t ghosts = ty_pop_ghost_width(grid);
     for (int32_t k = 0; k < grid->size[2]; ++k)
@@ -104,13 +104,13 @@ static inline void free_merged(ty_pop_merged* merged) {
     }
 }
 
-static inline ty_vec merged_middle(const ty_grid_box* box, size_t cell) {
+static inline ty_vec merged_center(const ty_grid_box* box, size_t cell) {
     const size_t row = (size_t)box->size[0], slice = row * (size_t)box->size[1];
     const size_t at[3] = {cell % row, cell / row % (size_t)box->size[1], cell / slice};
-    double middle[3];
+    double center[3];
     for (int a = 0; a < 3; ++a)
-        middle[a] = box->lower[a] + ((double)at[a] + 0.5) * (box->upper[a] - box->lower[a]) / box->size[a];
-    return ty_vec_make((float)middle[0], (float)middle[1], (float)middle[2]);
+        center[a] = box->lower[a] + ((double)at[a] + 0.5) * (box->upper[a] - box->lower[a]) / box->size[a];
+    return ty_vec_make((float)center[0], (float)center[1], (float)center[2]);
 }
 
 #endif

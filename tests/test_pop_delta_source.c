@@ -13,7 +13,8 @@ typedef struct beam {
     ty_grid_medium fine, merged;
     ty_light_fluence light;
     ty_pop_delta_source delta_source;
-    float extinction[FINE], scattering[FINE], g[FINE], kept[FINE], straight[FINE], bent[FINE];
+    float extinction[FINE], scattering[FINE], g[FINE], phi_order_1[FINE], phi_unscattered[FINE],
+        phi_second_moment[FINE];
 } beam;
 
 static beam* new_beam(ty_context* context, ty_vec direction, float g) {
@@ -33,9 +34,9 @@ static beam* new_beam(ty_context* context, ty_vec direction, float g) {
     b->light.kind = TY_FLUENCE_DIRECTIONAL;
     b->light.anchor = direction;
     b->light.lobe_order = b->light.shared = 1;
-    b->light.fluence[0] = b->kept;
-    b->light.unscattered[0] = b->straight;
-    b->light.next_order[0] = b->bent;
+    b->light.fluence[0] = b->phi_order_1;
+    b->light.unscattered[0] = b->phi_unscattered;
+    b->light.next_order[0] = b->phi_second_moment;
     for (int i = 0; i < FINE; ++i) b->g[i] = g;
     assert_true(TY_OK == ty_pop_delta_source_create(context, MERGED, &b->delta_source));
     return b;
@@ -52,8 +53,8 @@ static void fill_any(beam* b, uint64_t seed) {
         const float density = (float)uniform(&seed) < 0.3f ? 0 : 20 * (float)uniform(&seed);
         b->extinction[i] = density;
         b->scattering[i] = density * (float)uniform(&seed);
-        b->bent[i] = (float)uniform(&seed);
-        b->kept[i] = b->bent[i] + (float)uniform(&seed);
+        b->phi_second_moment[i] = (float)uniform(&seed);
+        b->phi_order_1[i] = b->phi_second_moment[i] + (float)uniform(&seed);
     }
 }
 
@@ -62,8 +63,8 @@ static void fill_even(beam* b, float extinction, float scattering) {
     for (int i = 0; i < FINE; ++i) {
         b->extinction[i] = extinction;
         b->scattering[i] = scattering;
-        b->bent[i] = 0.5f;
-        b->kept[i] = 0.75f;
+        b->phi_second_moment[i] = 0.5f;
+        b->phi_order_1[i] = 0.75f;
     }
 }
 
@@ -73,10 +74,10 @@ static double mean_of(const float* values, int count) {
     return sum / count;
 }
 
-static double mean_turned(const beam* b) {
+static double mean_diffuse_source(const beam* b) {
     double sum = 0;
     for (int i = 0; i < FINE; ++i)
-        sum += (1 - (double)(b->g[i] * b->g[i])) * (double)b->scattering[i] * (double)b->bent[i];
+        sum += (1 - (double)(b->g[i] * b->g[i])) * (double)b->scattering[i] * (double)b->phi_second_moment[i];
     return sum / FINE;
 }
 
@@ -94,8 +95,8 @@ static void all_is_emitted(void** state) {
         assert_true(TY_OK == ty_pop_delta_source_add_light(&b->fine, &b->light, &b->merged, &b->delta_source));
         for (int c = 0; c < 3; ++c) {
             for (int i = 0; i < MERGED; ++i) assert_true(b->delta_source.arrays[c][0][i] >= 0);
-            assert_close(mean_of(b->delta_source.arrays[c][0], MERGED), (double)b->light.color[c] * mean_turned(b),
-                         1e-4);
+            assert_close(mean_of(b->delta_source.arrays[c][0], MERGED),
+                         (double)b->light.color[c] * mean_diffuse_source(b), 1e-4);
         }
         free_beam(*state, b);
     }
@@ -105,7 +106,7 @@ static void all_is_emitted(void** state) {
 static void even_scattering_stays(void** state) {
     beam* b = new_beam(*state, direction_of(7), 0);
     fill_even(b, 3, 2);
-    for (int i = 0; i < FINE; ++i) b->kept[i] = b->bent[i];
+    for (int i = 0; i < FINE; ++i) b->phi_order_1[i] = b->phi_second_moment[i];
     assert_true(TY_OK == ty_pop_delta_source_add_light(&b->fine, &b->light, &b->merged, &b->delta_source));
     for (int i = 0; i < MERGED; ++i) {
         assert_close(b->delta_source.arrays[0][0][i], 1, 1e-5);
@@ -118,18 +119,18 @@ static void even_scattering_stays(void** state) {
  * sigma_s); at the first cells nothing has come from upstream, and at the last all is left. */
 static void flux_comes_and_stays(void** state) {
     for (int d = 0; d < 6; ++d) {
-        const ty_vec way = direction_of(d);
-        const float along[3] = {way.x, way.y, way.z};
+        const ty_vec omega = direction_of(d);
+        const float along[3] = {omega.x, omega.y, omega.z};
         const int a = d / 2, count = merged_box.size[a], step = a == 0 ? 1 : a == 1 ? 8 : 48;
-        const int first = along[a] > 0 ? 0 : count - 1, last = count - 1 - first, middle = count / 2;
-        beam* b = new_beam(*state, way, 0.5f);
+        const int first = along[a] > 0 ? 0 : count - 1, last = count - 1 - first, center = count / 2;
+        beam* b = new_beam(*state, omega, 0.5f);
         fill_even(b, 50, 40);
         assert_true(TY_OK == ty_pop_delta_source_add_light(&b->fine, &b->light, &b->merged, &b->delta_source));
         const double flux = 0.62 * 0.5 * 0.5 * 40 * 0.5 / (50 - 0.5 * 40), emitted = 0.75 * 40 * 0.5;
-        const float *source = b->delta_source.arrays[0][0], *flowing = b->delta_source.arrays[0][2 + a];
-        assert_close(source[step * middle], emitted, 1e-4);
-        assert_close((double)flowing[step * middle], (flux - 0.25) * (double)along[a], 1e-4);
-        assert_close(b->delta_source.arrays[0][1][step * middle], -0.25, 1e-5);
+        const float *source = b->delta_source.arrays[0][0], *flux_correction = b->delta_source.arrays[0][2 + a];
+        assert_close(source[step * center], emitted, 1e-4);
+        assert_close((double)flux_correction[step * center], (flux - 0.25) * (double)along[a], 1e-4);
+        assert_close(b->delta_source.arrays[0][1][step * center], -0.25, 1e-5);
         assert_close((double)source[step * first], emitted - flux / b->merged.cell[a], 1e-4);
         assert_close((double)source[step * last], emitted + flux / b->merged.cell[a], 1e-4);
         free_beam(*state, b);

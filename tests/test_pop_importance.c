@@ -66,10 +66,10 @@ static double mean_of(const gaze* g, const float map[DIRECTIONS], ty_vec* flow, 
     *flow = ty_vec_make(0, 0, 0);
     for (int32_t i = 0; i < DIRECTIONS; ++i) {
         const int32_t row = i / WIDTH;
-        const double share = (cos(pi * row / HEIGHT) - cos(pi * (row + 1) / HEIGHT)) / (2 * WIDTH);
+        const double fraction = (cos(pi * row / HEIGHT) - cos(pi * (row + 1) / HEIGHT)) / (2 * WIDTH);
         assert_true(map[i] >= 0 && isfinite(map[i]));
-        sum += share * (double)map[i];
-        *flow = ty_mad(*flow, look_of(g->up, i), (float)share * map[i]);
+        sum += fraction * (double)map[i];
+        *flow = ty_mad(*flow, look_of(g->up, i), (float)fraction * map[i]);
         if (map[i] > map[best]) best = i;
     }
     *brightest = look_of(g->up, best);

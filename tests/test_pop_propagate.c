@@ -11,7 +11,7 @@ static ty_scene* cube_scene(ty_context* context, double sigma_s, double sigma_a,
     return scene;
 }
 
-/* One of the arrays of kept lobes: 0 what has not scattered, then bands' light and that times its mean cosine. */
+/* One of the arrays of stored lobes: 0 what has not scattered, then bands' light and that times its mean cosine. */
 static const float* lobe_array(const pop_case* made, size_t number) {
     return made->light.lobes + number * pop_cells(&made->light.grid);
 }
@@ -31,7 +31,7 @@ static double total_left(const pop_case* made) {
     double sum = 0;
     for (int32_t k = 0; k < size[2]; ++k)
         for (int32_t j = 0; j < size[1]; ++j)
-            for (int32_t i = 0; i < size[0]; ++i) sum += (double)pop_seen(&made->light, i, j, k)[8];
+            for (int32_t i = 0; i < size[0]; ++i) sum += (double)pop_accumulated(&made->light, i, j, k)[8];
     return sum;
 }
 
@@ -50,10 +50,10 @@ static double leaving(const pop_case* made, const float* light, const float* tur
                     turned != NULL ? turned[at] / fmaxf(light[at], 1e-30f) : made->light.ordinate.mean_cosine;
                 float front, side, back;
                 ty_pop_patch_fractions(a, &front, &side, &back);
-                double share = (double)((k == n - 1 ? front : 0) + (k == 0 ? back : 0));
+                double fraction = (double)((k == n - 1 ? front : 0) + (k == 0 ? back : 0));
                 if (grid->kind == TY_DISCRETE_DIRECTIONAL)
-                    share += (double)side * ((i == 0) + (i == n - 1) + (j == 0) + (j == n - 1));
-                sum += share * (double)light[at];
+                    fraction += (double)side * ((i == 0) + (i == n - 1) + (j == 0) + (j == n - 1));
+                sum += fraction * (double)light[at];
             }
     return sum;
 }
@@ -142,7 +142,7 @@ static void cosines_fall_as_published(void** state) {
 
 /* ---- what comes of it ---- */
 
-/* Fluence and radiance towards the eye are sums over iterations; kept lobes give them for another eye. */
+/* Fluence and radiance towards the eye are sums over iterations; stored lobes give them for another eye. */
 static void fluence_and_radiance_are_sums_over_iterations(void** state) {
     const ty_discrete_light lights[2] = {parallel_light(0.3, -1, 0.2), point_light(0.3, 0.4, 0.55)};
     for (int l = 0; l < 2; ++l)
@@ -160,8 +160,8 @@ static void fluence_and_radiance_are_sums_over_iterations(void** state) {
                 const size_t at = cell_at(&made.light.grid, 2, 6, k);
                 double sum = (double)lobe_array(&made, 0)[at];
                 for (size_t band = 0; band < 2; ++band) sum += (double)lobe_array(&made, 1 + 2 * band)[at];
-                assert_close((double)pop_seen(&made.light, 2, 6, k)[3], sum, 1e-5 * sum);
-                assert_close((double)pop_seen(&made.light, 2, 6, k)[4], 3 * sum, 3e-5 * sum);
+                assert_close((double)pop_accumulated(&made.light, 2, 6, k)[3], sum, 1e-5 * sum);
+                assert_close((double)pop_accumulated(&made.light, 2, 6, k)[4], 3 * sum, 3e-5 * sum);
             }
             ty_pop_evaluate_lobes(made.medium, other.eye, &made.light);
             double worst = 0, most = 0;
@@ -185,7 +185,7 @@ static void radiance_adds_up_to_fluence(void** state) {
     pop_run(&made);
     assert_int_equal(made.light.bands, 5);
     const ty_vec point = ty_pop_cell_center(&made.light.grid, 3, 4, 5);
-    const float* seen = pop_seen(&made.light, 3, 4, 5);
+    const float* seen = pop_accumulated(&made.light, 3, 4, 5);
     float uncollided[3] = {0, 0, 0};
     double sum = 0;
     const int count = 5000;
@@ -200,7 +200,7 @@ static void radiance_adds_up_to_fluence(void** state) {
     pop_end(&made);
 }
 
-/* A lamp in the middle lights a shell alike all around, over the map's edges too. */
+/* A lamp at the center lights a shell alike all around, over the map's edges too. */
 static void a_point_light_lights_shells_alike(void** state) {
     for (int mode = 0; mode < 3; ++mode) {
         const ty_discrete_light light = point_light(0.5, 0.5, 0.5);
@@ -211,7 +211,7 @@ static void a_point_light_lights_shells_alike(void** state) {
             double low = 1e9, high = 0;
             for (int32_t j = -1; j <= 16; ++j)
                 for (int32_t i = -1; i <= 16; ++i) {
-                    const double value = (double)pop_seen(&made.light, i, j, k)[3];
+                    const double value = (double)pop_accumulated(&made.light, i, j, k)[3];
                     low = fmin(low, value);
                     high = fmax(high, value);
                 }

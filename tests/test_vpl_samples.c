@@ -70,14 +70,14 @@ static void depth_along_rays(void** state) {
     for (int i = 0; i < 200; ++i) {
         const ty_vec from = ty_vec_make((float)uniform_in(&random, -3, 10), (float)uniform_in(&random, -3, 10),
                                         (float)uniform_in(&random, -3, 10));
-        const ty_vec way = random_unit(&random);
+        const ty_vec omega = random_unit(&random);
         const float far = (float)uniform_in(&random, 1, 12);
         float depth[3];
         double sum = 0;
         enum { STEPS = 20000 };
-        ty_grid_depth(m, NULL, from, way, far, depth);
+        ty_grid_depth(m, NULL, from, omega, far, depth);
         for (int k = 0; k < STEPS; ++k) {
-            const ty_vec at = ty_mad(from, way, far * ((float)k + 0.5f) / STEPS);
+            const ty_vec at = ty_mad(from, omega, far * ((float)k + 0.5f) / STEPS);
             const double place[3] = {(double)at.x, (double)at.y, (double)at.z};
             int32_t cell[3];
             bool inside = true;
@@ -99,15 +99,16 @@ static void depth_along_rays(void** state) {
 /* ---- maps ---- */
 
 static void a_sun_on_a_square(void** state) {
-    static const double ways[3][3] = {{0, -1, 0}, {1, -2, 0.5}, {-1, -0.4, 2}};
+    static const double directions[3][3] = {{0, -1, 0}, {1, -2, 0.5}, {-1, -0.4, 2}};
     for (int i = 0; i < 3; ++i) {
         ty_scene* scene = make_scene(*state);
         const ty_vpl_samples_def def = {.side = 256};
         add_floor(scene, -1);
-        direct_add_sun(scene, ways[i][0], ways[i][1], ways[i][2], 3);
+        direct_add_sun(scene, directions[i][0], directions[i][1], directions[i][2], 3);
         ty_vpl_samples* map = map_of(scene, &def);
-        const double length = sqrt(ways[i][0] * ways[i][0] + ways[i][1] * ways[i][1] + ways[i][2] * ways[i][2]);
-        const double power = 3 * 16 * -ways[i][1] / length;
+        const double length = sqrt(directions[i][0] * directions[i][0] + directions[i][1] * directions[i][1] +
+                                   directions[i][2] * directions[i][2]);
+        const double power = 3 * 16 * -directions[i][1] / length;
         double area = 0;
         assert_close(map->flux[0] / (0.2 * power), 1, 0.004);
         assert_close(map->flux[2] / (0.8 * power), 1, 0.004);

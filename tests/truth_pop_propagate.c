@@ -40,7 +40,7 @@ static double propagated(ty_context* context, double g, ty_pop_mode mode, int32_
     pop_run(&made);
     double sum = 0;
     for (int32_t k = 0; k < SIDE; ++k)
-        for (int32_t i = 0; i < SIDE * SIDE; ++i) sum += (double)pop_seen(&made.light, i % SIDE, i / SIDE, k)[3];
+        for (int32_t i = 0; i < SIDE * SIDE; ++i) sum += (double)pop_accumulated(&made.light, i % SIDE, i / SIDE, k)[3];
     pop_end(&made);
     return sum / CELLS - (1 - exp(-4)) / 4;
 }

@@ -57,7 +57,7 @@ static ty_difference compare(ty_context* context, const char* name, const ty_ima
     return d;
 }
 
-/* ---- Fig. 10: a lamp in a ball ---- */
+/* ---- Fig. 10: a point light in a ball ---- */
 
 static ty_scene* lamp_in_a_ball(ty_context* context, double g) {
     ty_scene* scene = new_scene(context);
@@ -72,7 +72,7 @@ static ty_scene* lamp_in_a_ball(ty_context* context, double g) {
 }
 
 /* Mean ratio of the shells' and of fine cells' pictures, per g, as measured. They are held to it within 0.03: paths
- * that meet the lamp make quick runs' truth noisy by 0.02. */
+ * that meet the light make quick runs' truth noisy by 0.02. */
 static void lamps_shine_through(void** state) {
     static const double anisotropies[] = {0, 0.5, 0.9};
     static const double measured[3][2] = {{0.924, 1.007}, {0.949, 0.993}, {1.044, 1.041}};

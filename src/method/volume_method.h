@@ -1,5 +1,5 @@
-/* Methods whose light is solved once and seen from any camera: the parts of ty_NAME_solve, ty_NAME_view, ty_NAME_render
- * and of the registry's render that are the same in all of them. */
+/* Methods whose light is solved once and rendered from any camera: the parts of ty_NAME_solve, ty_NAME_view,
+ * ty_NAME_render and of the registry's render that are the same in all of them. */
 #ifndef TY_METHOD_VOLUME_METHOD_H
 #define TY_METHOD_VOLUME_METHOD_H
 

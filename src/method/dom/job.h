@@ -1,4 +1,4 @@
-/* One solve on its way through sources and ordinates. */
+/* State of one solve by discrete ordinates: media, sources and boundary faces. */
 #ifndef TY_METHOD_DOM_JOB_H
 #define TY_METHOD_DOM_JOB_H
 

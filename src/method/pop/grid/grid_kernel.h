@@ -51,8 +51,8 @@ typedef struct ty_pop_grid_kernels {
     void (*attenuate)(const ty_pop_slab* slab, ty_pop_transmittance* transmittance);
     /* Power that a plane scatters out of a forward lobe of the given fluence R, W per unit color. */
     float (*diffuse_power)(const ty_pop_slab* slab, int32_t plane, const float* fluence);
-    void (*eye_cosines)(const ty_pop_slab* slab, ty_pop_eye_view* look);
-    void (*scatter)(const ty_pop_slab* slab, ty_pop_eye_view* look);
+    void (*eye_cosines)(const ty_pop_slab* slab, ty_pop_eye_view* view);
+    void (*scatter)(const ty_pop_slab* slab, ty_pop_eye_view* view);
 } ty_pop_grid_kernels;
 TY_DECLARE_KERNELS(ty_pop_grid_kernels);
 
