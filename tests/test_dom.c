@@ -23,8 +23,7 @@ static ty_dom* solve_dom(const ty_scene* scene, const ty_dom_def* def, ty_dom_st
 static ty_scene* plain_scene(ty_context* context) {
     const ty_medium_def block = colored_block();
     const ty_light_def sun = sun_light(1, 2, 3);
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
+    ty_light_def sky = sky_light(1, 1, 1);
     ty_scene* scene = make_scene(context);
     add_medium(scene, &block);
     add_light(scene, &sun);

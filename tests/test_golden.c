@@ -80,11 +80,7 @@ static ty_scene* make_golden_scene(ty_context* context, bool sky) {
     set3f(fog.sigma_s, 0.3f, 0.4f, 0.5f);
     set3f(smoke.g, 0.6f, 0.6f, 0.6f);
     must(context, ty_grid_create(context, &grid, &smoke.density_grid));
-    ty_shape_def floor = ty_default_shape_def();
-    floor.kind = TY_SHAPE_QUAD;
-    set3(floor.origin, -2, -1.05, -2);
-    set3(floor.u, 0, 0, 4);
-    set3(floor.v, 4, 0, 0);
+    ty_shape_def floor = quad_shape((const double[3][3]){{-2, -1.05, -2}, {0, 0, 4}, {4, 0, 0}});
     set3f(floor.albedo, 0.7f, 0.5f, 0.3f);
     ty_light_def sun = ty_default_light_def(), lamp = sun, environment = sun;
     set3(sun.direction, -0.4, -1, -0.3);

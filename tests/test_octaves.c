@@ -134,8 +134,7 @@ static void energy_in_a_white_furnace(void** state) {
     for (size_t i = 0; i < sizeof sigma_s / sizeof *sigma_s; ++i) {
         ty_scene* scene = make_scene(*state);
         const ty_medium_def fog = box_medium(lower, upper, sigma_s[i], 0);
-        ty_light_def sky = ty_default_light_def();
-        sky.kind = TY_LIGHT_ENVIRONMENT;
+        ty_light_def sky = sky_light(1, 1, 1);
         add_medium(scene, &fog);
         add_light(scene, &sky);
         commit(scene);

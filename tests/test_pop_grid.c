@@ -338,10 +338,7 @@ static void radiance_is_that_of_the_lobes(void** state) {
 /* ---- lights and surfaces ---- */
 
 static void add_wall(ty_scene* scene, double x0, double y, double x1) {
-    ty_shape_def wall = ty_default_shape_def();
-    set3(wall.origin, x0, y, -5);
-    set3(wall.u, x1 - x0, 0, 0);
-    set3(wall.v, 0, 0, 10);
+    ty_shape_def wall = quad_shape((const double[3][3]){{x0, y, -5}, {x1 - x0, 0, 0}, {0, 0, 10}});
     check_result(ty_scene_context(scene), ty_scene_add_shape(scene, &wall));
 }
 
@@ -384,10 +381,7 @@ static void a_far_floor_does_not_shade_itself(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     for (int distance = 2; distance <= 20; distance += 6) {
         ty_scene* scene = scene_of(*state, &medium);
-        ty_shape_def floor = ty_default_shape_def();
-        set3(floor.origin, -50, -0.5, -50);
-        set3(floor.u, 0, 0, 100);
-        set3(floor.v, 100, 0, 0);
+        ty_shape_def floor = quad_shape((const double[3][3]){{-50, -0.5, -50}, {0, 0, 100}, {100, 0, 0}});
         check_result(*state, ty_scene_add_shape(scene, &floor));
         ty_discrete_light light = point_light(distance, -0.5, 0.3);
         light.direction = ty_vec_make(0, 1, 0);

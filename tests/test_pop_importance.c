@@ -33,10 +33,7 @@ static void find_with(const gaze* g, const ty_pop_def* def, float map[DIRECTIONS
     }
     if (g->up == TY_AXIS_Z) set3(camera.up, 0, 0, 1);
     check_result(context, ty_scene_set_camera(scene, &camera));
-    ty_shape_def wall = ty_default_shape_def();
-    set3(wall.origin, -50, -50, -1.5);
-    set3(wall.u, 100, 0, 0);
-    set3(wall.v, 0, 100, 0);
+    ty_shape_def wall = quad_shape((const double[3][3]){{-50, -50, -1.5}, {100, 0, 0}, {0, 100, 0}});
     if (g->wall) check_result(context, ty_scene_add_shape(scene, &wall));
     check_result(context, ty_scene_commit(scene));
     check_result(context, ty_grid_box_fit(scene, 20, &box));

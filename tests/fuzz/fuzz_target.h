@@ -11,7 +11,9 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
 
-enum { FUZZ_MEMORY = 1 << 26 };
+#ifndef FUZZ_MEMORY
+#define FUZZ_MEMORY (1 << 26) /* bytes; a target may have its own limit */
+#endif
 
 static inline void* fuzz_alloc(void* user, size_t size) {
     size_t* used = user;
