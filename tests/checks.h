@@ -108,6 +108,24 @@ static inline ty_medium_def box_medium(const double lower[3], const double upper
     return def;
 }
 
+/* An environment of one radiance. */
+static inline ty_light_def sky_light(float red, float green, float blue) {
+    ty_light_def sky = ty_default_light_def();
+    sky.kind = TY_LIGHT_ENVIRONMENT;
+    set3f(sky.color, red, green, blue);
+    return sky;
+}
+
+/* A quad by its origin and the edges u and v. */
+static inline ty_shape_def quad_shape(const double corners[3][3]) {
+    ty_shape_def quad = ty_default_shape_def();
+    quad.kind = TY_SHAPE_QUAD;
+    memcpy(quad.origin, corners[0], sizeof quad.origin);
+    memcpy(quad.u, corners[1], sizeof quad.u);
+    memcpy(quad.v, corners[2], sizeof quad.v);
+    return quad;
+}
+
 static inline ty_scene* make_scene(ty_context* context) {
     ty_scene* scene = NULL;
     assert_int_equal(ty_scene_create(context, TY_AXIS_Y, &scene), TY_OK);

@@ -232,6 +232,13 @@ no_temporary_files() {
   [ -z "$(find . -name '*tmp*')" ] || fail "temporary files are left: $(find . -name '*tmp*')"
 }
 
+# run_tests LEAST: runs all functions test_..., and ends with their result.
+run_tests() {
+  for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
+  no_temporary_files
+  finish "$1"
+}
+
 # finish LEAST: the result of the whole test; at least so many checks were made.
 finish() {
   echo "$checks checks, $failures failed"

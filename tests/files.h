@@ -48,6 +48,23 @@ static inline ty_context* strict_context(strict_memory* memory) {
     return context;
 }
 
+/* Refuses the first allocation of some work and all after it, then the second and so on: the work fails with a message
+ * and gives everything back each time, until there is enough. Returns how often it failed. */
+static inline int64_t check_short_memory(ty_context* context, strict_memory* memory,
+                                         ty_result (*work)(ty_context* context, void* user), void* user) {
+    const size_t before = memory->used;
+    for (int64_t refused = 0;; ++refused) {
+        memory->until_refusal = refused;
+        const ty_result result = work(context, user);
+        memory->until_refusal = -1;
+        assert_int_equal(memory->used, before);
+        assert_int_equal(result == TY_OK, ty_take_error(context)[0] == '\0');
+        if (result == TY_OK) return refused;
+        assert_int_equal(result, TY_ERROR_MEMORY);
+        assert_true(refused < 1000);
+    }
+}
+
 /* A new file each time: rewriting one in place makes some file systems wait for the disk. */
 static inline void put_file(const char* path, const void* bytes, size_t size) {
     remove(path);

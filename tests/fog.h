@@ -32,8 +32,7 @@ static inline ty_scene* dark_scene(ty_context* context) {
     const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
     ty_scene* scene = make_scene(context);
     const ty_medium_def fog = box_medium(lower, upper, 0, 0.5f);
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
+    ty_light_def sky = sky_light(1, 1, 1);
     assert_int_equal(ty_scene_add_medium(scene, &fog), TY_OK);
     assert_int_equal(ty_scene_add_light(scene, &sky), TY_OK);
     assert_int_equal(ty_scene_commit(scene), TY_OK);

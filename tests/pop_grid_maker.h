@@ -4,7 +4,7 @@
 
 #include "base/context.h"
 #include "direct_maker.h"
-#include "method/pop/grid.h"
+#include "method/pop/published/propagate.h"
 
 /* A scene of one box, and an ordinate's light in it. */
 typedef struct pop_case {
@@ -12,7 +12,7 @@ typedef struct pop_case {
     ty_grid_medium* medium;
     ty_pop_def def;
     ty_pop_light light;
-    ty_pop_propagation_stats walked;
+    ty_pop_propagation_stats propagation;
     int32_t iterations;
     float* scratch;
     float eye[3];
@@ -53,11 +53,11 @@ static inline pop_case pop_begin(ty_scene* scene, const ty_discrete_light* ordin
     made.light.ordinate = *ordinate;
     made.light.floats = mode == TY_POP_MODE_SPLIT ? TY_POP_CELL_FLOATS : TY_POP_CELL_FLOATS_PROPAGATED;
     ty_pop_grid_fit(&box, ordinate, resolution, &made.light.grid);
-    const ty_pop_grid* frame = &made.light.grid;
+    const ty_pop_grid* grid = &made.light.grid;
     const int32_t planes = made.medium->planes;
-    made.light.accumulated = calloc(ty_pop_accumulated_floats(frame, made.light.floats), sizeof(float));
-    made.light.lobes = calloc(ty_pop_lobe_floats(frame, &made.def, planes, iterations), sizeof(float));
-    made.scratch = calloc(ty_pop_scratch_floats(frame, &made.def, planes) + 1, sizeof(float));
+    made.light.accumulated = calloc(ty_pop_accumulated_floats(grid, made.light.floats), sizeof(float));
+    made.light.lobes = calloc(ty_pop_lobe_floats(grid, &made.def, planes, iterations), sizeof(float));
+    made.scratch = calloc(ty_pop_scratch_floats(grid, &made.def, planes) + 1, sizeof(float));
     assert_true(made.light.accumulated != NULL && made.light.lobes != NULL && made.scratch != NULL);
     return made;
 }
@@ -67,7 +67,7 @@ static inline void pop_run(pop_case* made) {
         ty_pop_sweep(made->scene, made->medium, made->eye, &made->light);
     else
         ty_pop_propagate(made->scene, &made->def, made->medium, made->eye, made->iterations, made->scratch,
-                         &made->light, &made->walked);
+                         &made->light, &made->propagation);
 }
 
 static inline void pop_end(pop_case* made) {
@@ -78,22 +78,24 @@ static inline void pop_end(pop_case* made) {
     free(made->scratch);
 }
 
-static inline size_t pop_cells(const ty_pop_grid* frame) {
-    return (size_t)frame->size[0] * (size_t)frame->size[1] * (size_t)frame->size[2];
+static inline size_t pop_cells(const ty_pop_grid* grid) {
+    return (size_t)grid->size[0] * (size_t)grid->size[1] * (size_t)grid->size[2];
 }
 
-/* The floats of a cell of `seen`. */
-static inline const float* pop_seen(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
-    const int32_t ring = ty_pop_ring(&light->grid), row = light->grid.size[0] + 2 * ring;
-    const int32_t rows = light->grid.size[1] + 2 * ring;
+/* The floats of a cell of `accumulated`. */
+static inline const float* pop_accumulated(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
+    const int32_t ghosts = ty_pop_ghost_width(&light->grid), row = light->grid.size[0] + 2 * ghosts;
+    const int32_t rows = light->grid.size[1] + 2 * ghosts;
     return light->accumulated +
-           (size_t)light->floats * ((size_t)(i + ring) + (size_t)row * ((size_t)(j + ring) + (size_t)rows * (size_t)k));
+           (size_t)light->floats *
+               ((size_t)(i + ghosts) + (size_t)row * ((size_t)(j + ghosts) + (size_t)rows * (size_t)k));
 }
 
 /* One of its floats, in split mode without the weight that it is multiplied by. */
 static inline double pop_value(const ty_pop_light* light, int32_t i, int32_t j, int32_t k, int number) {
-    const float* seen = pop_seen(light, i, j, k);
-    return (double)seen[number] / (light->mode == TY_POP_MODE_SPLIT ? (double)seen[TY_POP_CELL_WEIGHT] : 1);
+    const float* accumulated = pop_accumulated(light, i, j, k);
+    return (double)accumulated[number] /
+           (light->mode == TY_POP_MODE_SPLIT ? (double)accumulated[TY_POP_CELL_WEIGHT] : 1);
 }
 
 #endif

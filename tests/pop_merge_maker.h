@@ -1,9 +1,9 @@
-/* What tests of merging share: frames about boxes, lights on them, and merged grids. */
+/* What tests of merging share: grids about boxes, lights on them, and merged grids. */
 #ifndef TY_TESTS_POP_MERGE_MAKER_H
 #define TY_TESTS_POP_MERGE_MAKER_H
 
 #include "checks.h"
-#include "method/pop/merge.h"
+#include "method/pop/published/residuum.h"
 
 static inline float* new_floats(size_t count) {
     float* values = calloc(count, sizeof *values);
@@ -19,7 +19,7 @@ static inline float half_width(const ty_grid_box* box, ty_vec axis) {
     return (float)(0.5 * width);
 }
 
-static inline ty_vec box_middle(const ty_grid_box* box) {
+static inline ty_vec box_center(const ty_grid_box* box) {
     return ty_vec_make((float)(0.5 * (box->lower[0] + box->upper[0])), (float)(0.5 * (box->lower[1] + box->upper[1])),
                        (float)(0.5 * (box->lower[2] + box->upper[2])));
 }
@@ -28,18 +28,18 @@ static inline ty_vec box_middle(const ty_grid_box* box) {
 static inline ty_pop_light parallel_light(const ty_grid_box* box, ty_vec direction, int32_t floats) {
     ty_pop_light light = {.ordinate = {.kind = TY_DISCRETE_DIRECTIONAL, .direction = direction, .mean_cosine = 1},
                           .floats = floats};
-    ty_pop_grid* frame = &light.grid;
-    *frame = (ty_pop_grid){.kind = TY_DISCRETE_DIRECTIONAL, .size = {9, 10, 11}};
-    ty_onb(direction, &frame->axis[0], &frame->axis[1]);
-    frame->axis[2] = direction;
-    frame->origin = box_middle(box);
+    ty_pop_grid* grid = &light.grid;
+    *grid = (ty_pop_grid){.kind = TY_DISCRETE_DIRECTIONAL, .size = {9, 10, 11}};
+    ty_onb(direction, &grid->axis[0], &grid->axis[1]);
+    grid->axis[2] = direction;
+    grid->origin = box_center(box);
     float half[3];
     for (int a = 0; a < 3; ++a) {
-        half[a] = half_width(box, frame->axis[a]);
-        frame->origin = ty_mad(frame->origin, frame->axis[a], -half[a]);
+        half[a] = half_width(box, grid->axis[a]);
+        grid->origin = ty_mad(grid->origin, grid->axis[a], -half[a]);
     }
-    frame->step = ty_vec_make(2 * half[0] / 9, 2 * half[1] / 10, 2 * half[2] / 11);
-    light.accumulated = new_floats((size_t)floats * ty_pop_ringed_cells(frame));
+    grid->step = ty_vec_make(2 * half[0] / 9, 2 * half[1] / 10, 2 * half[2] / 11);
+    light.accumulated = new_floats((size_t)floats * ty_pop_cells_with_ghosts(grid));
     return light;
 }
 
@@ -51,7 +51,7 @@ static inline ty_pop_light radial_light(ty_vec position, int32_t side, int32_t s
                                .origin = position,
                                .inner = inner,
                                .growth = logf(outer / inner) / (float)shells};
-    light.accumulated = new_floats((size_t)floats * ty_pop_ringed_cells(&light.grid));
+    light.accumulated = new_floats((size_t)floats * ty_pop_cells_with_ghosts(&light.grid));
     return light;
 }
 
@@ -59,24 +59,24 @@ static inline void free_light(ty_pop_light* light) {
     free(light->accumulated);
 }
 
-/* What a light has in cell i, j, k, ring included (then i and j begin at -1). */
+/* What a light has in cell i, j, k, ghosts included (then i and j begin at -1). */
 static inline float* cell_of(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
-    const int32_t ring = ty_pop_ring(&light->grid), row = light->grid.size[0] + 2 * ring;
-    const int32_t rows = light->grid.size[1] + 2 * ring;
-    return light->accumulated + (size_t)light->floats * (size_t)((k * rows + j + ring) * row + i + ring);
+    const int32_t ghosts = ty_pop_ghost_width(&light->grid), row = light->grid.size[0] + 2 * ghosts;
+    const int32_t rows = light->grid.size[1] + 2 * ghosts;
+    return light->accumulated + (size_t)light->floats * (size_t)((k * rows + j + ghosts) * row + i + ghosts);
 }
 
-/* Fills each cell, its ring as what it repeats. */
+/* Fills each cell, its ghosts as what it repeats. */
 static inline void fill_light(const ty_pop_light* light,
-                              void (*fill)(const ty_pop_light*, ty_vec middle, float* cell)) {
-    const ty_pop_grid* frame = &light->grid;
-    const int32_t ring = ty_pop_ring(frame);
-    for (int32_t k = 0; k < frame->size[2]; ++k)
-        for (int32_t j = -ring; j < frame->size[1] + ring; ++j)
-            for (int32_t i = -ring; i < frame->size[0] + ring; ++i) {
+                              void (*fill)(const ty_pop_light*, ty_vec center, float* cell)) {
+    const ty_pop_grid* grid = &light->grid;
+    const int32_t ghosts = ty_pop_ghost_width(grid);
+    for (int32_t k = 0; k < grid->size[2]; ++k)
+        for (int32_t j = -ghosts; j < grid->size[1] + ghosts; ++j)
+            for (int32_t i = -ghosts; i < grid->size[0] + ghosts; ++i) {
                 int32_t from_i = i, from_j = j;
-                if (ring > 0) ty_octahedral_wrap(frame->size[0], &from_i, &from_j);
-                fill(light, ty_pop_cell_center(frame, from_i, from_j, k), cell_of(light, i, j, k));
+                if (ghosts > 0) ty_octahedral_wrap(grid->size[0], &from_i, &from_j);
+                fill(light, ty_pop_cell_center(grid, from_i, from_j, k), cell_of(light, i, j, k));
                 if (light->floats == TY_POP_CELL_FLOATS) cell_of(light, i, j, k)[TY_POP_CELL_WEIGHT] = 1;
             }
 }
@@ -104,13 +104,13 @@ static inline void free_merged(ty_pop_merged* merged) {
     }
 }
 
-static inline ty_vec merged_middle(const ty_grid_box* box, size_t cell) {
+static inline ty_vec merged_center(const ty_grid_box* box, size_t cell) {
     const size_t row = (size_t)box->size[0], slice = row * (size_t)box->size[1];
     const size_t at[3] = {cell % row, cell / row % (size_t)box->size[1], cell / slice};
-    double middle[3];
+    double center[3];
     for (int a = 0; a < 3; ++a)
-        middle[a] = box->lower[a] + ((double)at[a] + 0.5) * (box->upper[a] - box->lower[a]) / box->size[a];
-    return ty_vec_make((float)middle[0], (float)middle[1], (float)middle[2]);
+        center[a] = box->lower[a] + ((double)at[a] + 0.5) * (box->upper[a] - box->lower[a]) / box->size[a];
+    return ty_vec_make((float)center[0], (float)center[1], (float)center[2]);
 }
 
 #endif

@@ -35,7 +35,7 @@ declare -A below=(
   [figures]="$library cli scenes bench plot"
 )
 
-# The same within direct and dom, whose parts depend on one another in one direction alone. airlight, which has its own
+# The same within direct, pop and dom, whose parts depend on one another in one direction alone. airlight, which has its own
 # single scattering, is left out.
 declare -A parts_below=(
   [direct/media]=""
@@ -44,6 +44,11 @@ declare -A parts_below=(
   [direct/single]="direct/media direct/lights"
   [direct/uncollided]="direct/media direct/lights direct/single"
   [direct/surfaces]="direct/media direct/shadow direct/lights"
+  [method/pop/ordinate]=""
+  [method/pop/grid]=""
+  [method/pop/merge]="method/pop/grid"
+  [method/pop/published]="method/pop/grid method/pop/merge"
+  [method/pop/fine]="method/pop/ordinate"
   [method/dom/solve]=""
   [method/dom/sources]="method/dom/solve"
   [method/dom/view]="method/dom/sources"

@@ -85,6 +85,4 @@ test_interrupt() {
 
 write_scenes '{"type": "point", "position": [0, 1.5, 0], "intensity": 3}'
 
-for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
-no_temporary_files
-finish 180
+run_tests 180

@@ -172,6 +172,4 @@ cat > air.json << 'END'
 }
 END
 
-for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
-no_temporary_files
-finish 200
+run_tests 200

@@ -16,9 +16,9 @@ test_scenes_name_the_method() {
 
 # Every key changes what it should, or nothing at all.
 test_options() {
-  changed_by pop fog.json mode=published mode=collided resolution=10 merged=8 sharp=false direct=8 ordinates=5 \
+  changed_by pop fog.json mode=published mode=collided resolution=10 merged=8 fine_lights=false direct=8 ordinates=5 \
     prefilter=0 importance=false max_flux_fraction=1 spp=4 step=0.3
-  kept_by pop fog.json mode=split merged=12 tolerance=1e-2 sharp=true direct=64 prefilter=1 importance=true \
+  kept_by pop fog.json mode=split merged=12 tolerance=1e-2 fine_lights=true direct=64 prefilter=1 importance=true \
     surface_points=9 vpls=9 vpl_min_distance=0.2 shadow_texels=64 iterations=3 residuum=0.5 residuum_iterations=2 max_flux_fraction=auto \
     spp=1 step=1
   pop fog.json seeded.exr --seed 3
@@ -28,14 +28,14 @@ test_options() {
 # What the paper's modes alone heed, and what the diffusion alone heeds.
 test_modes() {
   for mode in published collided; do
-    pop fog.json walked.exr -D render.pop.mode=$mode
+    pop fog.json propagated.exr -D render.pop.mode=$mode
     for option in iterations=2 residuum=0 residuum_iterations=1; do
       pop fog.json other.exr -D render.pop.mode=$mode -D "render.pop.$option"
-      different walked.exr other.exr
+      different propagated.exr other.exr
     done
-    for option in max_flux_fraction=1 tolerance=1e-2 sharp=false direct=8; do
+    for option in max_flux_fraction=1 tolerance=1e-2 fine_lights=false direct=8; do
       pop fog.json other.exr -D render.pop.mode=$mode -D "render.pop.$option"
-      same walked.exr other.exr
+      same propagated.exr other.exr
     done
   done
   pop fog.json published.exr -D render.pop.mode=published
@@ -62,7 +62,7 @@ merged=3 pop.merged: 3 is outside \[4, 512\]
 merged=513 render.pop.merged
 direct=3 pop.direct: 3 is outside \[4, 1024\]
 direct=1025 render.pop.direct
-sharp=1 render.pop.sharp
+fine_lights=1 render.pop.fine_lights
 ordinates=0 render.pop.ordinates
 ordinates=4097 render.pop.ordinates
 prefilter=-1 render.pop.prefilter
@@ -123,6 +123,4 @@ test_interrupt() {
 write_scenes '{"type": "point", "position": [0, 1.5, 0], "intensity": 3},
     {"type": "area", "origin": [-0.5, 2, -0.5], "u": [1, 0, 0], "v": [0, 0, 1], "radiance": 1}'
 
-for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
-no_temporary_files
-finish 180
+run_tests 180

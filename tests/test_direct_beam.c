@@ -152,10 +152,7 @@ static void middle_of(const ty_grid_medium* medium, size_t cell, double at[3]) {
 /* Behind a board across the light there is none of it, beside it there is all, however far. */
 static void boards_throw_sharp_shadows(void** state) {
     ty_scene* scene = box_scene(*state, 0, 0);
-    ty_shape_def board = ty_default_shape_def();
-    set3(board.origin, 0, 1.5, -3);
-    set3(board.u, 5, 0, 0);
-    set3(board.v, 0, 5, 0);
+    ty_shape_def board = quad_shape((const double[3][3]){{0, 1.5, -3}, {5, 0, 0}, {0, 5, 0}});
     check_result(*state, ty_scene_add_shape(scene, &board));
     direct_add_sun(scene, 0.25, 0, 1, 1);
     direct_case made = direct_begin(scene, 60, 1, 1);
@@ -208,10 +205,7 @@ static void walls_in_the_faces_keep_light_apart(void** state) {
 /* A floor in the middle of the box: light ends there. */
 static void floors_end_light(void** state) {
     ty_scene* scene = box_scene(*state, 1, 0);
-    ty_shape_def floor = ty_default_shape_def();
-    set3(floor.origin, -5, 1.5, -5);
-    set3(floor.u, 0, 0, 10);
-    set3(floor.v, 10, 0, 0);
+    ty_shape_def floor = quad_shape((const double[3][3]){{-5, 1.5, -5}, {0, 0, 10}, {10, 0, 0}});
     check_result(*state, ty_scene_add_shape(scene, &floor));
     direct_add_sun(scene, 0, -1, 0, 1);
     direct_case made = direct_begin(scene, 30, 1, 1);
@@ -236,8 +230,7 @@ static void threads_change_no_bit(void** state) {
     for (int i = 0; i < 2; ++i) {
         contexts[i] = make_context(i == 0 ? 1 : 5);
         ty_scene* scene = cloud_scene(contexts[i], false);
-        ty_light_def sky = ty_default_light_def();
-        sky.kind = TY_LIGHT_ENVIRONMENT;
+        ty_light_def sky = sky_light(1, 1, 1);
         check_result(contexts[i], ty_scene_add_light(scene, &sky));
         direct_add_sun(scene, 1, -2, 3, 1);
         made[i] = direct_begin(scene, 29, 6, 1);

@@ -140,10 +140,7 @@ static void long_boxes_are_met(void** state) {
 static void boards_shade_lamps(void** state) {
     const double lamp[3] = {0, 3, 0};
     ty_scene* scene = cube_scene(*state, 0, lamp);
-    ty_shape_def board = ty_default_shape_def();
-    set3(board.origin, 0, 2, -5);
-    set3(board.u, 0, 0, 10);
-    set3(board.v, 5, 0, 0);
+    ty_shape_def board = quad_shape((const double[3][3]){{0, 2, -5}, {0, 0, 10}, {5, 0, 0}});
     check_result(*state, ty_scene_add_shape(scene, &board));
     direct_case made = direct_begin(scene, 24, 1, 1);
     ty_light_field* field = direct_light(&made, false);

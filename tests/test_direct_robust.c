@@ -20,10 +20,7 @@ static ty_result fill_scene(ty_scene* scene, ty_grid* grid, bool gray) {
     set3(area.u, 1, 0, 0);
     set3(area.v, 0, 0, 1);
     sky.kind = TY_LIGHT_ENVIRONMENT;
-    ty_shape_def board = ty_default_shape_def();
-    set3(board.origin, -0.5, 2.7, -1);
-    set3(board.u, 0, 0, 1);
-    set3(board.v, 1, 0, 0);
+    ty_shape_def board = quad_shape((const double[3][3]){{-0.5, 2.7, -1}, {0, 0, 1}, {1, 0, 0}});
     const ty_light_def* const lights[] = {&sun, &lamp, &area, &sky};
     ty_result result = ty_scene_add_medium(scene, &cloud);
     for (int i = 0; i < 4 && result == TY_OK; ++i) result = ty_scene_add_light(scene, lights[i]);

@@ -2,8 +2,6 @@
  * whether the light is right. */
 #include "volume_calls.h"
 
-#include <stddef.h>
-
 static ty_dom_def small_dom(void) {
     ty_dom_def def = ty_default_dom_def();
     def.resolution = 8;
@@ -25,8 +23,7 @@ static ty_dom* solve_dom(const ty_scene* scene, const ty_dom_def* def, ty_dom_st
 static ty_scene* plain_scene(ty_context* context) {
     const ty_medium_def block = colored_block();
     const ty_light_def sun = sun_light(1, 2, 3);
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
+    ty_light_def sky = sky_light(1, 1, 1);
     ty_scene* scene = make_scene(context);
     add_medium(scene, &block);
     add_light(scene, &sun);
@@ -49,37 +46,19 @@ static void look_at(const ty_dom* light, cells* out) {
 /* ---- calls ---- */
 
 VOLUME_CALLS(dom)
+VOLUME_FLUENCE(dom)
 
 static void make_def(volume_def* def, int variant) {
     (void)variant;
     def->dom = small_dom();
 }
 
-static ty_result call_fluence(const void* light, const double lower[3], const double upper[3], const int32_t size[3],
-                              double* fluence) {
-    return ty_dom_fluence(light, lower, upper, size, fluence, NULL);
-}
-
-static void look_up_all(const void* light, double numbers[VOLUME_NUMBERS]) {
-    cells all;
-    look_at(light, &all);
-    memcpy(numbers, &all, sizeof all);
-}
-
-static const volume_calls calls = {VOLUME_CALLS_OF(dom), .variants = 1, .told = 0.4, .make_scene = plain_scene};
+static const volume_calls calls = {VOLUME_CALLS_OF(dom), VOLUME_FLUENCE_OF, .variants = 1, .told = 0.4,
+                                   .make_scene = plain_scene};
 
 /* ---- arguments ---- */
 
-#define DOM(field, type, value, words)                                                                                 \
-    { offsetof(ty_dom_def, field), type, value, words }
-
-static const bad_field bad_fields[] = {
-    DOM(cookie, FIELD_INT, 0, "ty_default_dom_def"),
-    DOM(width, FIELD_INT, 0, "dom: 0 x 11"),
-    DOM(height, FIELD_INT, 65537, "dom: 19 x 65537"),
-    DOM(aovs, FIELD_INT, TY_AOV_NORMAL, "dom.aovs: "),
-};
-
+static const bad_field bad_fields[] = {VOLUME_BAD_FIELDS(dom)};
 static const volume_suite suite = {&calls, bad_fields, sizeof bad_fields / sizeof *bad_fields};
 
 static void points_are_checked(void** state) {
@@ -137,17 +116,6 @@ static double mean_of(const double* values) {
     double sum = 0;
     for (int i = 0; i < 3 * CELLS; ++i) sum += values[i] / (3 * CELLS);
     return sum;
-}
-
-static void threads_do_not_change_bits(void** state) {
-    (void)state;
-    volume_def def = {.dom = small_dom()};
-    def.dom.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
-    check_threads(&calls, &def);
-}
-
-static void light_outlives_its_scene(void** state) {
-    check_lifetimes(&calls, *state);
 }
 
 /* All directions' radiance together is the fluence of what has scattered. */
@@ -294,8 +262,6 @@ int main(void) {
         cmocka_unit_test(cameras_move_without_solving_again),
         cmocka_unit_test(points_are_checked),
         cmocka_unit_test(statistics_tell_what_was_done),
-        cmocka_unit_test(threads_do_not_change_bits),
-        cmocka_unit_test(light_outlives_its_scene),
         cmocka_unit_test(radiance_adds_up_to_fluence),
         cmocka_unit_test(starts_save_sweeps),
         cmocka_unit_test(gray_scenes_are_solved_once),

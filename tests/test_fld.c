@@ -2,8 +2,6 @@
  * right. */
 #include "volume_calls.h"
 
-#include <stddef.h>
-
 /* ---- calls ---- */
 
 VOLUME_CALLS(fld)
@@ -24,19 +22,12 @@ static void look_up_all(const void* light, double numbers[VOLUME_NUMBERS]) {
     memcpy(numbers, &all, sizeof all);
 }
 
-static const volume_calls calls = {VOLUME_CALLS_OF(fld), .variants = 3, .told = 0.5, .make_scene = foggy_scene};
+static const volume_calls calls = {VOLUME_CALLS_OF(fld), VOLUME_FLUENCE_OF, .variants = 3,
+                                   .resolution = 40,     .told = 0.5,       .make_scene = foggy_scene};
 
 /* ---- arguments ---- */
 
-#define FLD(field, type, value, words)                                                                                 \
-    { offsetof(ty_fld_def, field), type, value, words }
-
-static const bad_field bad_fields[] = {
-    FLD(cookie, FIELD_INT, 0, "ty_default_fld_def"),  FLD(width, FIELD_INT, 0, "fld: 0 x 11"),
-    FLD(height, FIELD_INT, 0, "fld: 19 x 0"),         FLD(width, FIELD_INT, -5, "fld: -5 x 11"),
-    FLD(height, FIELD_INT, 65537, "fld: 19 x 65537"), FLD(aovs, FIELD_INT, TY_AOV_NORMAL, "fld.aovs: "),
-};
-
+static const bad_field bad_fields[] = {VOLUME_BAD_FIELDS(fld)};
 static const volume_suite suite = {&calls, bad_fields, sizeof bad_fields / sizeof *bad_fields};
 
 /* ---- what is reported ---- */
@@ -94,18 +85,6 @@ static void running_out_of_iterations_is_told(void** state) {
 
 /* ---- results ---- */
 
-static void threads_do_not_change_bits(void** state) {
-    (void)state;
-    volume_def def = {.fld = small_fld()};
-    def.fld.resolution = 40;
-    def.fld.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
-    check_threads(&calls, &def);
-}
-
-static void light_outlives_its_scene(void** state) {
-    check_lifetimes(&calls, *state);
-}
-
 /* R, G, B are what was scattered, and what surfaces sent. */
 static void channels_add_up(void** state) {
     ty_scene* scene = foggy_scene(*state);
@@ -161,8 +140,6 @@ int main(void) {
         cmocka_unit_test(cameras_move_without_solving_again),
         cmocka_unit_test(statistics_tell_what_was_done),
         cmocka_unit_test(running_out_of_iterations_is_told),
-        cmocka_unit_test(threads_do_not_change_bits),
-        cmocka_unit_test(light_outlives_its_scene),
         cmocka_unit_test(channels_add_up),
         cmocka_unit_test(views_know_the_beam_of_their_light),
     };

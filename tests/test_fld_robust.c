@@ -11,12 +11,6 @@ static ty_medium_def cube(double half, float sigma_s, float sigma_a, float g) {
     return medium;
 }
 
-static ty_light_def sky_light(void) {
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
-    return sky;
-}
-
 typedef struct brightness {
     double mean, most;
 } brightness;
@@ -90,7 +84,7 @@ static void thick_media_are_as_bright_as_paper(void** state) {
 static void furnaces_are_even(void** state) {
     static const float sigma_s[] = {0.1f, 3, 30, 1000}, g[] = {0, 0.5f};
     static const double off[4][2] = {{0.003, 0.003}, {0.013, 0.013}, {0.1, 0.15}, {0.06, 0.14}};
-    const ty_light_def sky = sky_light();
+    const ty_light_def sky = sky_light(1, 1, 1);
     const ty_fld_def def = odd_def();
     for (int i = 0; i < 4; ++i)
         for (int k = 0; k < 2; ++k) {
@@ -111,7 +105,7 @@ static void units_do_not_matter(void** state) {
             const ty_medium_def medium = cube(unit, (float)(3 / unit), (float)(0.1 / unit), 0.5f);
             const float intensity = (float)(unit * unit);
             const ty_light_def lamp = point_light(0.1 * unit, 0.2 * unit, -0.3 * unit, intensity, intensity, intensity);
-            const ty_light_def light = kind == 0 ? sun_light(1, 1, 1) : kind == 1 ? lamp : sky_light();
+            const ty_light_def light = kind == 0 ? sun_light(1, 1, 1) : kind == 1 ? lamp : sky_light(1, 1, 1);
             const brightness b = look_at(*state, &medium, 1, &light, 5 * unit, &def);
             if (i == 0) first = b;
             assert_true(b.mean > 1e-3);
@@ -185,7 +179,7 @@ static void few_cells(void** state) {
 static void media_of_different_sizes(void** state) {
     static const double measured[3][3] = {
         {0.01477, 0.04953, 0.008338}, {0.9446, 0.8214, 0.9795}, {0.01183, 0.04293, 3.914e-7}};
-    const ty_light_def lights[3] = {sun_light(1, 1, 1), sky_light(), point_light(0, 1.01, 0, 1, 1, 1)};
+    const ty_light_def lights[3] = {sun_light(1, 1, 1), sky_light(1, 1, 1), point_light(0, 1.01, 0, 1, 1, 1)};
     const ty_fld_def def = odd_def();
     for (int k = 0; k < 3; ++k) {
         ty_medium_def media[4] = {cube(10, 0.02f, 0.001f, 0.5f), cube(0.5, 20, 0.1f, 0), cube(1, 2, 0, 0.8f),
@@ -223,7 +217,7 @@ static void lamps_and_cameras_inside(void** state) {
 static void options_at_their_ends(void** state) {
     static const double least[3] = {0.0198, 0.92, 0.014}, most[3] = {0.09, 1.2, 0.197};
     const ty_medium_def medium = cube(1, 2, 0.1f, 0.5f);
-    ty_light_def lights[3] = {sun_light(1, 1, 1), sky_light(), ty_default_light_def()};
+    ty_light_def lights[3] = {sun_light(1, 1, 1), sky_light(1, 1, 1), ty_default_light_def()};
     lights[2].kind = TY_LIGHT_AREA;
     set3(lights[2].position, -0.5, 1, -0.5);
     set3(lights[2].u, 1, 0, 0);

@@ -80,11 +80,7 @@ static ty_scene* make_golden_scene(ty_context* context, bool sky) {
     set3f(fog.sigma_s, 0.3f, 0.4f, 0.5f);
     set3f(smoke.g, 0.6f, 0.6f, 0.6f);
     must(context, ty_grid_create(context, &grid, &smoke.density_grid));
-    ty_shape_def floor = ty_default_shape_def();
-    floor.kind = TY_SHAPE_QUAD;
-    set3(floor.origin, -2, -1.05, -2);
-    set3(floor.u, 0, 0, 4);
-    set3(floor.v, 4, 0, 0);
+    ty_shape_def floor = quad_shape((const double[3][3]){{-2, -1.05, -2}, {0, 0, 4}, {4, 0, 0}});
     set3f(floor.albedo, 0.7f, 0.5f, 0.3f);
     ty_light_def sun = ty_default_light_def(), lamp = sun, environment = sun;
     set3(sun.direction, -0.4, -1, -0.3);
@@ -121,65 +117,26 @@ static uint64_t hash_path(ty_context* context) {
     return hash_image(image);
 }
 
-static uint64_t hash_fld(ty_context* context) {
-    ty_scene* scene = make_golden_scene(context, true);
-    ty_fld_def def = ty_default_fld_def();
-    ty_image* image = NULL;
-    def.resolution = 16;
-    def.environment_beams = 4;
-    def.width = WIDTH;
-    def.height = HEIGHT;
-    def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
-    must(context, ty_fld_render(scene, &def, &image, NULL));
-    ty_scene_destroy(scene);
-    return hash_image(image);
-}
+/* hash_NAME: an image by a method whose def begins as its default, then changes by assignments. */
+#define DEFINE_HASH(method, sky, ...)                                                                                  \
+    static uint64_t hash_##method(ty_context* context) {                                                               \
+        ty_scene* scene = make_golden_scene(context, sky);                                                             \
+        ty_##method##_def def = ty_default_##method##_def();                                                           \
+        ty_image* image = NULL;                                                                                        \
+        __VA_ARGS__;                                                                                                   \
+        def.width = WIDTH;                                                                                             \
+        def.height = HEIGHT;                                                                                           \
+        def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;                                                                    \
+        must(context, ty_##method##_render(scene, &def, &image, NULL));                                                \
+        ty_scene_destroy(scene);                                                                                       \
+        return hash_image(image);                                                                                      \
+    }
 
-static uint64_t hash_pop(ty_context* context) {
-    ty_scene* scene = make_golden_scene(context, true);
-    ty_pop_def def = ty_default_pop_def();
-    ty_image* image = NULL;
-    def.resolution = 8;
-    def.ordinates = 4;
-    def.width = WIDTH;
-    def.height = HEIGHT;
-    def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
-    must(context, ty_pop_render(scene, &def, &image, NULL));
-    ty_scene_destroy(scene);
-    return hash_image(image);
-}
-
-static uint64_t hash_dom(ty_context* context) {
-    ty_scene* scene = make_golden_scene(context, true);
-    ty_dom_def def = ty_default_dom_def();
-    ty_image* image = NULL;
-    def.resolution = 8;
-    def.direct = 16;
-    def.directions = 24;
-    def.environment_beams = 4;
-    def.width = WIDTH;
-    def.height = HEIGHT;
-    def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
-    must(context, ty_dom_render(scene, &def, &image, NULL));
-    ty_scene_destroy(scene);
-    return hash_image(image);
-}
-
-static uint64_t hash_lpv(ty_context* context) {
-    ty_scene* scene = make_golden_scene(context, false);
-    ty_lpv_def def = ty_default_lpv_def();
-    ty_image* image = NULL;
-    def.resolution = 8;
-    def.map_side = 32;
-    def.shadow_side = 64;
-    def.iterations = 4;
-    def.width = WIDTH;
-    def.height = HEIGHT;
-    def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
-    must(context, ty_lpv_render(scene, &def, &image, NULL));
-    ty_scene_destroy(scene);
-    return hash_image(image);
-}
+DEFINE_HASH(fld, true, def.resolution = 16, def.environment_beams = 4)
+DEFINE_HASH(pop, true, def.resolution = 8, def.ordinates = 4)
+DEFINE_HASH(dom, true, def.resolution = 8, def.direct = 16, def.directions = 24, def.environment_beams = 4)
+DEFINE_HASH(octaves, true, def.resolution = 16, def.environment_beams = 4)
+DEFINE_HASH(lpv, false, def.resolution = 8, def.map_side = 32, def.shadow_side = 64, def.iterations = 4)
 
 static uint64_t hash_screen(ty_context* context) {
     picture p = make_picture(61, 37, 0);
@@ -234,6 +191,7 @@ static const golden table[] = {
     {"fld", hash_fld, {0x9b2d4c47badc288c, 0xcea581ab6c95e13d, 0xcea581ab6c95e13d}},
     {"pop", hash_pop, {0x34c441425f962e3d, 0x3d87d44c87997d61, 0x3d87d44c87997d61}},
     {"dom", hash_dom, {0x07f4a01685fa79bf, 0xa085d5797792be0c, 0x9cf5397998e62256}},
+    {"octaves", hash_octaves, {0x5e077b56d501c87d, 0xa52b80a3862da1bd, 0xa52b80a3862da1bd}},
     {"lpv", hash_lpv, {0x8e3b7c9c033d9a61, 0xaf7eedad0f7c3bfe, 0xaf7eedad0f7c3bfe}},
     {"bake", hash_bake, {0xe9c6909a97e6b588, 0x1be5e8cc6301c228, 0x1be5e8cc6301c228}},
 };

@@ -67,10 +67,7 @@ static void add_ball(ty_scene* scene, double x, double y, double z, double radiu
 }
 
 static void add_floor(ty_scene* scene, double half, float albedo) {
-    ty_shape_def floor = ty_default_shape_def();
-    set3(floor.origin, -half, 0, half);
-    set3(floor.u, 2 * half, 0, 0);
-    set3(floor.v, 0, 0, -2 * half);
+    ty_shape_def floor = quad_shape((const double[3][3]){{-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half}});
     set3f(floor.albedo, albedo, albedo, albedo);
     check(scene, ty_scene_add_shape(scene, &floor));
 }

@@ -23,19 +23,13 @@ static void begin_fog(ty_context* context, lit_fog* fog) {
 }
 
 static void add_wall(ty_scene* scene, double z, float albedo) {
-    ty_shape_def wall = ty_default_shape_def();
-    wall.kind = TY_SHAPE_QUAD;
-    set3(wall.origin, -5, -5, z);
-    set3(wall.u, 10, 0, 0);
-    set3(wall.v, 0, 10, 0);
+    ty_shape_def wall = quad_shape((const double[3][3]){{-5, -5, z}, {10, 0, 0}, {0, 10, 0}});
     set3f(wall.albedo, albedo, albedo, albedo);
     check_result(ty_scene_context(scene), ty_scene_add_shape(scene, &wall));
 }
 
 static void add_sky(ty_scene* scene, float r, float g, float b) {
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
-    set3f(sky.color, r, g, b);
+    ty_light_def sky = sky_light(r, g, b);
     check_result(ty_scene_context(scene), ty_scene_add_light(scene, &sky));
 }
 

@@ -1,8 +1,6 @@
 /* Multiple scattering octaves: calls, and the sums of single scattering that they are, in closed form. */
 #include "volume_calls.h"
 
-#include <stddef.h>
-
 static ty_octaves_def small_octaves(void) {
     ty_octaves_def def = ty_default_octaves_def();
     def.resolution = 12;
@@ -21,27 +19,11 @@ static void make_def(volume_def* def, int variant) {
     def->octaves.view_extinction = (ty_octaves_view_extinction)variant;
 }
 
-static const volume_calls calls = {.name = "octaves",
-                                   .maker = "ty_default_octaves_def",
-                                   .variants = 2,
-                                   .told = 0.5,
-                                   .make_def = make_def,
-                                   .watch = watch_def,
-                                   .make_scene = foggy_scene,
-                                   .solve = call_solve,
-                                   .view = call_view,
-                                   .render = call_render,
-                                   .destroy = call_destroy};
+static const volume_calls calls = {VOLUME_CALLS_OF(octaves), .variants = 2, .resolution = 40, .told = 0.5,
+                                   .make_scene = foggy_scene};
 
-#define OCTAVES(field, type, value, words)                                                                             \
-    { offsetof(ty_octaves_def, field), type, value, words }
-
-static const bad_field bad_fields[] = {
-    OCTAVES(cookie, FIELD_INT, 0, "ty_default_octaves_def"),   OCTAVES(count, FIELD_INT, 9, "octaves.count"),
-    OCTAVES(width, FIELD_INT, 0, "octaves: 0 x 11"),           OCTAVES(height, FIELD_INT, 65537, "octaves: 19 x 65537"),
-    OCTAVES(aovs, FIELD_INT, TY_AOV_NORMAL, "octaves.aovs: "),
-};
-
+static const bad_field bad_fields[] = {VOLUME_BAD_FIELDS(octaves),
+                                       VOLUME_BAD_FIELD(octaves, count, FIELD_INT, 9, "octaves.count")};
 static const volume_suite suite = {&calls, bad_fields, sizeof bad_fields / sizeof *bad_fields};
 
 static void scattering_may_not_exceed_scaled_extinction(void** state) {
@@ -73,14 +55,6 @@ static void statistics_tell_what_was_done(void** state) {
     assert_close(stats.seconds, parts, 0.5 * parts);
     ty_image_destroy(image);
     ty_scene_destroy(scene);
-}
-
-static void threads_do_not_change_bits(void** state) {
-    (void)state;
-    volume_def def = {.octaves = small_octaves()};
-    def.octaves.resolution = 40;
-    def.octaves.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
-    check_threads(&calls, &def);
 }
 
 /* ---- sums of single scattering ---- */
@@ -160,8 +134,7 @@ static void energy_in_a_white_furnace(void** state) {
     for (size_t i = 0; i < sizeof sigma_s / sizeof *sigma_s; ++i) {
         ty_scene* scene = make_scene(*state);
         const ty_medium_def fog = box_medium(lower, upper, sigma_s[i], 0);
-        ty_light_def sky = ty_default_light_def();
-        sky.kind = TY_LIGHT_ENVIRONMENT;
+        ty_light_def sky = sky_light(1, 1, 1);
         add_medium(scene, &fog);
         add_light(scene, &sky);
         commit(scene);
@@ -230,14 +203,9 @@ static void channels_add_up(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_defs_are_refused),
+        VOLUME_TESTS,
         cmocka_unit_test(scattering_may_not_exceed_scaled_extinction),
-        cmocka_unit_test(scenes_need_media),
         cmocka_unit_test(statistics_tell_what_was_done),
-        cmocka_unit_test(progress_runs_to_the_end),
-        cmocka_unit_test(callers_can_cancel_at_any_time),
-        cmocka_unit_test(refused_memory_leaves_nothing),
-        cmocka_unit_test(threads_do_not_change_bits),
         cmocka_unit_test(cameras_move_without_solving_again),
         cmocka_unit_test(octaves_are_single_scattering_in_scaled_media),
         cmocka_unit_test(energy_in_a_white_furnace),

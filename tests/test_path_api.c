@@ -484,8 +484,7 @@ static void wrong_cells_are_refused(void** state) {
 /* A sky of radiance 1 gives a fluence of 4 pi far from anything; points, planes and boxes alike. */
 static void fluence_of_a_constant_sky(void** state) {
     ty_scene* scene = make_scene(*state);
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
+    ty_light_def sky = sky_light(1, 1, 1);
     assert_int_equal(ty_scene_add_light(scene, &sky), TY_OK);
     assert_int_equal(ty_scene_commit(scene), TY_OK);
     const double low[3] = {1, 2, 3}, high[3] = {4, 2, 3};

@@ -2,8 +2,6 @@
  * light is right. */
 #include "volume_calls.h"
 
-#include <stddef.h>
-
 /* Light that other cameras may see. */
 static ty_pop_def small_pop(void) {
     ty_pop_def def = ty_default_pop_def();
@@ -21,55 +19,22 @@ static ty_pop_def small_pop(void) {
 /* ---- calls ---- */
 
 VOLUME_CALLS(pop)
+VOLUME_FLUENCE(pop)
 
 static void make_def(volume_def* def, int mode) {
     def->pop = small_pop();
     def->pop.mode = (ty_pop_mode)mode;
 }
 
-static ty_result call_fluence(const void* light, const double lower[3], const double upper[3], const int32_t size[3],
-                              double* fluence) {
-    return ty_pop_fluence(light, lower, upper, size, fluence, NULL);
-}
-
-static void look_up_all(const void* light, double numbers[VOLUME_NUMBERS]) {
-    static const double lower[3] = {-1.1, -1, -1.2}, upper[3] = {1.1, 1.1, 0.9};
-    static const int32_t size[3] = {SIDE, SIDE, SIDE};
-    const size_t uncollided = (size_t)3 * CELLS;
-    assert_int_equal(ty_pop_fluence(light, lower, upper, size, numbers, numbers + uncollided), TY_OK);
-}
-
-static const volume_calls calls = {VOLUME_CALLS_OF(pop), .variants = 3, .told = 0.4, .make_scene = foggy_scene};
+static const volume_calls calls = {VOLUME_CALLS_OF(pop), VOLUME_FLUENCE_OF, .variants = 3, .told = 0.4,
+                                   .make_scene = foggy_scene};
 
 /* ---- arguments ---- */
 
-#define POP(field, type, value, words)                                                                                 \
-    { offsetof(ty_pop_def, field), type, value, words }
-
-static const bad_field bad_fields[] = {
-    POP(cookie, FIELD_INT, 0, "ty_default_pop_def"),
-    POP(width, FIELD_INT, 0, "pop: 0 x 11"),
-    POP(height, FIELD_INT, 65537, "pop: 19 x 65537"),
-    POP(aovs, FIELD_INT, TY_AOV_NORMAL, "pop.aovs: "),
-};
-
+static const bad_field bad_fields[] = {VOLUME_BAD_FIELDS(pop)};
 static const volume_suite suite = {&calls, bad_fields, sizeof bad_fields / sizeof *bad_fields};
 
 /* ---- results ---- */
-
-static void threads_do_not_change_bits(void** state) {
-    (void)state;
-    for (int mode = 0; mode < 3; ++mode) {
-        volume_def def;
-        make_def(&def, mode);
-        def.pop.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
-        check_threads(&calls, &def);
-    }
-}
-
-static void light_outlives_its_scene(void** state) {
-    check_lifetimes(&calls, *state);
-}
 
 /* A view from another camera position does not change the light: the first view can be had again. */
 static void views_do_not_change_light(void** state) {
@@ -98,8 +63,6 @@ static void views_do_not_change_light(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         VOLUME_TESTS,
-        cmocka_unit_test(threads_do_not_change_bits),
-        cmocka_unit_test(light_outlives_its_scene),
         cmocka_unit_test(views_do_not_change_light),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

@@ -1,46 +1,46 @@
 /* Ordinates' grids: where their cells lie, and transmittances in them. */
 #include "pop_grid_maker.h"
 
-#include "method/pop/lobe.k.h"
+#include "method/pop/grid/lobe.k.h"
 
 static const double anisotropies[] = {0, 0.5, 0.9, -0.5};
 
-/* ---- frames ---- */
+/* ---- geometry ---- */
 
-static void frames_follow_an_axis(void** state) {
+static void grids_follow_an_axis(void** state) {
     (void)state;
     const ty_grid_box box = {{0, 0, 0}, {1, 1, 1}, {16, 16, 16}};
     for (int a = 0; a < 6; ++a) {
-        const double way[3] = {a / 2 == 0, a / 2 == 1, a / 2 == 2}, sign = a % 2 ? -1 : 1;
-        const ty_discrete_light light = parallel_light(sign * way[0], sign * way[1], sign * way[2]);
-        ty_pop_grid frame;
-        ty_pop_grid_fit(&box, &light, 16, &frame);
-        assert_vec_close(frame.step, ty_vec_make(0.0625f, 0.0625f, 0.0625f), 1e-8);
-        const ty_vec middle = ty_pop_cell_center(&frame, 3, 5, 0);
-        const double place[3] = {(double)middle.x * 16, (double)middle.y * 16, (double)middle.z * 16};
+        const double omega[3] = {a / 2 == 0, a / 2 == 1, a / 2 == 2}, sign = a % 2 ? -1 : 1;
+        const ty_discrete_light light = parallel_light(sign * omega[0], sign * omega[1], sign * omega[2]);
+        ty_pop_grid grid;
+        ty_pop_grid_fit(&box, &light, 16, &grid);
+        assert_vec_close(grid.step, ty_vec_make(0.0625f, 0.0625f, 0.0625f), 1e-8);
+        const ty_vec center = ty_pop_cell_center(&grid, 3, 5, 0);
+        const double place[3] = {(double)center.x * 16, (double)center.y * 16, (double)center.z * 16};
         for (int b = 0; b < 3; ++b) assert_close(place[b] - floor(place[b]), 0.5, 1e-5);
         assert_close(place[a / 2], sign > 0 ? 0.5 : 15.5, 1e-5);
     }
 }
 
 /* Every corner of the box is in the grid, and every side of the grid meets one. */
-static void frames_follow_a_slanted_direction(void** state) {
+static void grids_follow_a_slanted_direction(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, 2, 0}, {1.5, 3, 4}, {16, 16, 16}};
     uint64_t random = 1;
     for (int n = 0; n < 20; ++n) {
-        const ty_vec way = random_unit(&random);
-        const ty_discrete_light light = parallel_light((double)way.x, (double)way.y, (double)way.z);
-        ty_pop_grid frame;
-        ty_pop_grid_fit(&box, &light, 10, &frame);
-        assert_vec_close(frame.axis[2], way, 1e-6);
-        const float step[3] = {frame.step.x, frame.step.y, frame.step.z};
+        const ty_vec omega = random_unit(&random);
+        const ty_discrete_light light = parallel_light((double)omega.x, (double)omega.y, (double)omega.z);
+        ty_pop_grid grid;
+        ty_pop_grid_fit(&box, &light, 10, &grid);
+        assert_vec_close(grid.axis[2], omega, 1e-6);
+        const float step[3] = {grid.step.x, grid.step.y, grid.step.z};
         for (int a = 0; a < 3; ++a) {
-            assert_close((double)ty_dot(frame.axis[a], frame.axis[(a + 1) % 3]), 0, 1e-6);
+            assert_close((double)ty_dot(grid.axis[a], grid.axis[(a + 1) % 3]), 0, 1e-6);
             double low = 1e9, high = -1e9;
             for (int corner = 0; corner < 8; ++corner) {
                 const ty_vec at = ty_vec_make(corner & 1 ? 1.5f : -1, corner & 2 ? 3 : 2, corner & 4 ? 4 : 0);
-                const double along = (double)ty_dot(ty_sub(at, frame.origin), frame.axis[a]);
+                const double along = (double)ty_dot(ty_sub(at, grid.origin), grid.axis[a]);
                 low = fmin(low, along);
                 high = fmax(high, along);
             }
@@ -50,31 +50,31 @@ static void frames_follow_a_slanted_direction(void** state) {
     }
 }
 
-static void frames_surround_a_point(void** state) {
+static void grids_surround_a_point(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, -1, -1}, {1, 1, 1}, {16, 16, 16}};
-    ty_pop_grid frame;
+    ty_pop_grid grid;
     ty_discrete_light light = point_light(0, 0, 0);
-    ty_pop_grid_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_DISCRETE_POINT);
-    assert_close((double)ty_pop_radius(&frame, 20), sqrt(3), 1e-4);
-    assert_true((double)frame.inner <= 0.0501);
-    assert_close((double)frame.growth, sqrt(4 * 3.14159265) / 20, 2e-3);
+    ty_pop_grid_fit(&box, &light, 20, &grid);
+    assert_int_equal(grid.kind, TY_DISCRETE_POINT);
+    assert_close((double)ty_pop_radius(&grid, 20), sqrt(3), 1e-4);
+    assert_true((double)grid.inner <= 0.0501);
+    assert_close((double)grid.growth, sqrt(4 * 3.14159265) / 20, 2e-3);
     light = point_light(1.5, 0, 0);
-    ty_pop_grid_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_DISCRETE_POINT);
-    assert_close((double)frame.inner, 0.5, 1e-6);
+    ty_pop_grid_fit(&box, &light, 20, &grid);
+    assert_int_equal(grid.kind, TY_DISCRETE_POINT);
+    assert_close((double)grid.inner, 0.5, 1e-6);
     light = point_light(60, 0, 0);
-    ty_pop_grid_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_DISCRETE_DIRECTIONAL);
-    assert_vec_close(frame.axis[2], ty_vec_make(-1, 0, 0), 1e-6);
+    ty_pop_grid_fit(&box, &light, 20, &grid);
+    assert_int_equal(grid.kind, TY_DISCRETE_DIRECTIONAL);
+    assert_vec_close(grid.axis[2], ty_vec_make(-1, 0, 0), 1e-6);
 }
 
 /* ---- transmittances ---- */
 
 /* Lengths of a ray within the unit cube. */
-static void cube_range(ty_vec origin, ty_vec way, double range[2]) {
-    const float o[3] = {origin.x, origin.y, origin.z}, w[3] = {way.x, way.y, way.z};
+static void cube_range(ty_vec origin, ty_vec omega, double range[2]) {
+    const float o[3] = {origin.x, origin.y, origin.z}, w[3] = {omega.x, omega.y, omega.z};
     range[0] = -1e9;
     range[1] = 1e9;
     for (int a = 0; a < 3; ++a) {
@@ -92,19 +92,19 @@ static double mean_decay(double sigma, double from, double to) {
 }
 
 static void check_cell(const pop_case* c, const double sigma[3], int32_t i, int32_t j, int32_t k, size_t plane) {
-    const ty_pop_grid* frame = &c->light.grid;
-    const ty_vec middle = ty_pop_cell_center(frame, i, j, k), way = ty_pop_direction(frame, i, j);
-    const double length = (double)ty_pop_cell_length(frame, k);
-    const double below = frame->kind == TY_DISCRETE_POINT
-                             ? (double)ty_pop_radius(frame, (float)k + 0.5f) - (double)ty_pop_radius(frame, (float)k)
+    const ty_pop_grid* grid = &c->light.grid;
+    const ty_vec center = ty_pop_cell_center(grid, i, j, k), omega = ty_pop_direction(grid, i, j);
+    const double length = (double)ty_pop_cell_length(grid, k);
+    const double below = grid->kind == TY_DISCRETE_POINT
+                             ? (double)ty_pop_radius(grid, (float)k + 0.5f) - (double)ty_pop_radius(grid, (float)k)
                              : 0.5 * length;
     double range[2];
-    cube_range(middle, way, range);
-    const double start = frame->kind == TY_DISCRETE_POINT ? -(double)ty_pop_radius(frame, (float)k + 0.5f) : -1e9;
+    cube_range(center, omega, range);
+    const double start = grid->kind == TY_DISCRETE_POINT ? -(double)ty_pop_radius(grid, (float)k + 0.5f) : -1e9;
     const double enter = fmax(range[0], start), from = fmax(enter, -below), to = fmin(range[1], length - below);
     if (!(to > from)) return;
-    const size_t cells = pop_cells(frame);
-    const size_t at = (size_t)i + (size_t)frame->size[0] * ((size_t)j + (size_t)frame->size[1] * (size_t)k);
+    const size_t cells = pop_cells(grid);
+    const size_t at = (size_t)i + (size_t)grid->size[0] * ((size_t)j + (size_t)grid->size[1] * (size_t)k);
     for (size_t order = 0; order < 3; ++order)
         assert_close((double)c->light.lobes[(3 * plane + order) * cells + at],
                      mean_decay(sigma[order], from - enter, to - enter), 2e-5);
@@ -122,13 +122,13 @@ static void check_homogeneous(ty_context* context, const ty_discrete_light* ordi
     pop_case made = pop_begin(scene, ordinate, TY_POP_MODE_SPLIT, 16, 1);
     pop_run(&made);
     assert_int_equal(made.light.planes, colored ? 3 : 1);
-    const ty_pop_grid* frame = &made.light.grid;
+    const ty_pop_grid* grid = &made.light.grid;
     for (int p = 0; p < made.light.planes; ++p) {
-        const double kept = fmax(0, g), s = (double)sigma_s[p], t = s + (double)sigma_a[p];
-        const double sigma[3] = {t, t - kept * s, t - kept * kept * s};
-        for (int32_t k = 0; k < frame->size[2]; ++k)
-            for (int32_t j = 0; j < frame->size[1]; ++j)
-                for (int32_t i = 0; i < frame->size[0]; ++i) check_cell(&made, sigma, i, j, k, (size_t)p);
+        const double forward_g = fmax(0, g), s = (double)sigma_s[p], t = s + (double)sigma_a[p];
+        const double sigma[3] = {t, t - forward_g * s, t - forward_g * forward_g * s};
+        for (int32_t k = 0; k < grid->size[2]; ++k)
+            for (int32_t j = 0; j < grid->size[1]; ++j)
+                for (int32_t i = 0; i < grid->size[0]; ++i) check_cell(&made, sigma, i, j, k, (size_t)p);
     }
     pop_end(&made);
 }
@@ -142,7 +142,7 @@ static void homogeneous_media_fade_light_exactly(void** state) {
                 check_homogeneous(*state, &lights[l], anisotropies[g], colored != 0);
 }
 
-/* ---- what is seen ---- */
+/* ---- radiance towards the eye ---- */
 
 /* Legendre moments of a lobe about its axis, times 2 l + 1 left out. */
 static void moments_of(double (*lobe)(double mu, const double* p), const double* p, double moment[3]) {
@@ -150,8 +150,8 @@ static void moments_of(double (*lobe)(double mu, const double* p), const double*
     moment[0] = moment[1] = moment[2] = 0;
     for (int i = 0; i < steps; ++i) {
         /* Cosines crowd where lobes peak. */
-        const double x = (i + 0.5) / steps, mu = 1 - 2 * x * x, share = 2 * 3.14159265358979 * 4 * x / steps;
-        const double value = share * lobe(mu, p);
+        const double x = (i + 0.5) / steps, mu = 1 - 2 * x * x, fraction = 2 * 3.14159265358979 * 4 * x / steps;
+        const double value = fraction * lobe(mu, p);
         moment[0] += value;
         moment[1] += value * mu;
         moment[2] += value * (1.5 * mu * mu - 0.5);
@@ -198,7 +198,7 @@ static double disc_lobe(double mu, const double* p) {
     return (double)(u * once + ty_pop_disc_forward(m, u, r, s, g, disc, width, lobe));
 }
 
-/* Discs take nothing away, and their share of the mean cosine. */
+/* Discs take nothing away, and their fraction of the mean cosine. */
 static void discs_scatter_as_they_should(void** state) {
     (void)state;
     static const double gs[] = {-0.8, 0, 1e-4, 0.3, 0.7, 0.9}, depths[] = {0, 1e-6, 0.01, 1, 8},
@@ -250,7 +250,7 @@ static ty_scene* scene_of(ty_context* context, const ty_medium_def* medium) {
     return scene;
 }
 
-/* Single scattering of a thin medium towards the eye, and from kept lobes towards another one. */
+/* Single scattering of a thin medium towards the eye, and from stored lobes towards another one. */
 static void views_add_up_lobes(void** state) {
     const ty_medium_def medium = pop_cube(2, 0.3, 0.7);
     const ty_discrete_light lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
@@ -263,8 +263,8 @@ static void views_add_up_lobes(void** state) {
         second.eye[0] = -3;
         pop_run(&first);
         pop_run(&second);
-        const float* seen = pop_seen(&first.light, 4, 5, 6);
-        assert_close((double)seen[1], 2 * (double)seen[0], 1e-6);
+        const float* accumulated = pop_accumulated(&first.light, 4, 5, 6);
+        assert_close((double)accumulated[1], 2 * (double)accumulated[0], 1e-6);
         ty_pop_evaluate_lobes(first.medium, second.eye, &first.light);
         const size_t floats = ty_pop_accumulated_floats(&first.light.grid, first.light.floats);
         for (size_t i = 0; i < floats; ++i)
@@ -288,11 +288,11 @@ static void views_have_the_value_of_the_lobe(void** state) {
         const double depth = (double)at.x, t = sigma_s + sigma_a, mu = (double)to.x;
         const double u = exp(-t * depth), r = exp(-(t - g * sigma_s) * depth), s = exp(-(t - g * g * sigma_s) * depth);
         const double p[5] = {u, r, s, g, 0.8}, expected = disc_lobe(mu, p);
-        const float* seen = pop_seen(&made.light, 7, 20, k);
-        const double weight = (double)seen[TY_POP_CELL_WEIGHT];
+        const float* accumulated = pop_accumulated(&made.light, 7, 20, k);
+        const double weight = (double)accumulated[TY_POP_CELL_WEIGHT];
         assert_true(weight > 0);
-        assert_close((double)seen[0], weight * expected, 1e-3 * weight * expected);
-        assert_close((double)seen[3], weight * r, 1e-3 * weight * r);
+        assert_close((double)accumulated[0], weight * expected, 1e-3 * weight * expected);
+        assert_close((double)accumulated[3], weight * r, 1e-3 * weight * r);
     }
     pop_end(&made);
 }
@@ -306,14 +306,14 @@ static void radiance_is_that_of_the_lobes(void** state) {
         lights[l].mean_cosine = 0.9f;
         pop_case made = pop_begin(scene_of(*state, &medium), &lights[l], TY_POP_MODE_SPLIT, 24, 1);
         pop_run(&made);
-        ty_vec way = lights[l].direction;
+        ty_vec omega = lights[l].direction;
         double range[2], square = 1;
         if (l == 1) {
             const ty_vec off = ty_sub(point, lights[l].position);
             square = (double)ty_dot(off, off);
-            way = ty_normalize(off);
+            omega = ty_normalize(off);
         }
-        cube_range(point, way, range);
+        cube_range(point, omega, range);
         const double length = l == 1 ? sqrt(square) : -range[0];
         const double u = exp(-2.3 * length) / square, r = exp(-1.3 * length) / square;
         double sum = 0, along = 0;
@@ -326,7 +326,7 @@ static void radiance_is_that_of_the_lobes(void** state) {
             ty_pop_light_radiance(made.medium, &made.light, point, to, radiance, i == 0 ? uncollided : NULL);
             assert_close((double)radiance[2], (double)radiance[0], 0);
             sum += (double)radiance[0] * 4 * 3.14159265 / count;
-            along += (double)radiance[0] * (double)ty_dot(to, way) * 4 * 3.14159265 / count;
+            along += (double)radiance[0] * (double)ty_dot(to, omega) * 4 * 3.14159265 / count;
         }
         assert_close((double)uncollided[0], u, 0.03 * u);
         assert_close(sum, r - u, 0.04 * r);
@@ -338,10 +338,7 @@ static void radiance_is_that_of_the_lobes(void** state) {
 /* ---- lights and surfaces ---- */
 
 static void add_wall(ty_scene* scene, double x0, double y, double x1) {
-    ty_shape_def wall = ty_default_shape_def();
-    set3(wall.origin, x0, y, -5);
-    set3(wall.u, x1 - x0, 0, 0);
-    set3(wall.v, 0, 0, 10);
+    ty_shape_def wall = quad_shape((const double[3][3]){{x0, y, -5}, {x1 - x0, 0, 0}, {0, 0, 10}});
     check_result(ty_scene_context(scene), ty_scene_add_shape(scene, &wall));
 }
 
@@ -358,14 +355,14 @@ static void surfaces_cast_shadows(void** state) {
             light.shadowed = 1;
             pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 16, 1);
             pop_run(&made);
-            const ty_pop_grid* frame = &made.light.grid;
+            const ty_pop_grid* grid = &made.light.grid;
             for (int32_t k = 0; k < 16; ++k)
                 for (int32_t j = 0; j < 16; ++j)
                     for (int32_t i = 0; i < 16; ++i) {
-                        const ty_vec at = ty_pop_cell_center(frame, i, j, k);
+                        const ty_vec at = ty_pop_cell_center(grid, i, j, k);
                         const bool beyond = (double)at.y<heights[inside] - 0.2, beside = fabsf(at.x - 0.5f)> 0.4f;
                         if (!beside || fabsf(at.y - 0.5f) > 0.5f || fabsf(at.x - 0.5f) > 0.5f) continue;
-                        const float fluence = pop_seen(&made.light, i, j, k)[3];
+                        const float fluence = pop_accumulated(&made.light, i, j, k)[3];
                         if (at.x < 0.5f && beyond)
                             assert_close((double)fluence, 0, 0);
                         else if (at.x > 0.5f || (double)at.y > heights[inside] + 0.2)
@@ -373,7 +370,7 @@ static void surfaces_cast_shadows(void** state) {
                     }
             made.light.ordinate.shadowed = 0;
             pop_run(&made);
-            for (int32_t k = 0; k < 16; ++k) assert_true(pop_seen(&made.light, 8, 8, k)[3] > 0);
+            for (int32_t k = 0; k < 16; ++k) assert_true(pop_accumulated(&made.light, 8, 8, k)[3] > 0);
             pop_end(&made);
         }
     }
@@ -384,10 +381,7 @@ static void a_far_floor_does_not_shade_itself(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     for (int distance = 2; distance <= 20; distance += 6) {
         ty_scene* scene = scene_of(*state, &medium);
-        ty_shape_def floor = ty_default_shape_def();
-        set3(floor.origin, -50, -0.5, -50);
-        set3(floor.u, 0, 0, 100);
-        set3(floor.v, 100, 0, 0);
+        ty_shape_def floor = quad_shape((const double[3][3]){{-50, -0.5, -50}, {0, 0, 100}, {100, 0, 0}});
         check_result(*state, ty_scene_add_shape(scene, &floor));
         ty_discrete_light light = point_light(distance, -0.5, 0.3);
         light.direction = ty_vec_make(0, 1, 0);
@@ -398,7 +392,7 @@ static void a_far_floor_does_not_shade_itself(void** state) {
         for (int32_t k = 0; k < 12; ++k)
             for (int32_t i = 0; i < 144; ++i) {
                 const ty_vec at = ty_pop_cell_center(&made.light.grid, i % 12, i / 12, k);
-                if (at.y > 0 && at.y < 1) assert_true(pop_seen(&made.light, i % 12, i / 12, k)[3] > 0);
+                if (at.y > 0 && at.y < 1) assert_true(pop_accumulated(&made.light, i % 12, i / 12, k)[3] > 0);
             }
         pop_end(&made);
     }
@@ -432,7 +426,7 @@ static void profiles_follow_the_density(void** state) {
     pop_end(&made);
 }
 
-/* In a parallel grid the light of a lamp still falls with distance, and with the medium passed. */
+/* In a parallel grid the light of a point light still falls with distance, and with the medium passed. */
 static void parallel_grids_keep_the_fall_with_distance(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     const ty_discrete_light light = point_light(0.5, 0.5, -5);
@@ -455,7 +449,7 @@ static void check_finite(const pop_case* made) {
     for (size_t i = 0; i < floats; ++i) assert_true(fabsf(made->light.accumulated[i]) < 1e9f);
 }
 
-/* Emptiness, thick cells, an eye in the middle of a cell, all g: numbers stay numbers. */
+/* Emptiness, thick cells, an eye at the center of a cell, all g: numbers stay numbers. */
 static void extreme_media_are_finite(void** state) {
     static const double densities[] = {0, 1e-12, 1, 1e4}, gs[] = {-0.999, -0.5, 0, 1e-7, 0.5, 0.999};
     for (int mode = 0; mode < 3; ++mode)
@@ -468,14 +462,14 @@ static void extreme_media_are_finite(void** state) {
                     ty_discrete_light light = radial ? point_light(0.5, 0.5, 0.5) : parallel_light(0, 0, 1);
                     light.color[2] = 0;
                     pop_case made = pop_begin(scene_of(*state, &medium), &light, (ty_pop_mode)mode, 8, 5);
-                    const ty_vec middle = ty_pop_cell_center(&made.light.grid, 3, 3, 3);
-                    memcpy(made.eye, &middle, sizeof made.eye);
+                    const ty_vec center = ty_pop_cell_center(&made.light.grid, 3, 3, 3);
+                    memcpy(made.eye, &center, sizeof made.eye);
                     pop_run(&made);
                     check_finite(&made);
                     ty_pop_evaluate_lobes(made.medium, made.eye, &made.light);
                     check_finite(&made);
                     float radiance[3] = {0, 0, 0}, uncollided[3] = {0, 0, 0};
-                    ty_pop_light_radiance(made.medium, &made.light, middle, ty_pop_direction(&made.light.grid, 3, 3),
+                    ty_pop_light_radiance(made.medium, &made.light, center, ty_pop_direction(&made.light.grid, 3, 3),
                                           radiance, uncollided);
                     for (int c = 0; c < 3; ++c) assert_true(fabsf(radiance[c]) < 1e11f && uncollided[c] < 1e9f);
                     pop_end(&made);
@@ -505,9 +499,9 @@ static void one_density_serves_all_channels(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frames_follow_an_axis),
-        cmocka_unit_test(frames_follow_a_slanted_direction),
-        cmocka_unit_test(frames_surround_a_point),
+        cmocka_unit_test(grids_follow_an_axis),
+        cmocka_unit_test(grids_follow_a_slanted_direction),
+        cmocka_unit_test(grids_surround_a_point),
         cmocka_unit_test(homogeneous_media_fade_light_exactly),
         cmocka_unit_test(moments_are_those_of_the_lobes),
         cmocka_unit_test(discs_scatter_as_they_should),

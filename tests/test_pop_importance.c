@@ -1,6 +1,6 @@
 /* How much the camera sees of light from each direction. */
 #include "files.h"
-#include "method/pop/ordinate.h"
+#include "method/pop/ordinate/ordinate.h"
 #include "pop_maker.h"
 
 static const double pi = 3.14159265358979323846;
@@ -33,10 +33,7 @@ static void find_with(const gaze* g, const ty_pop_def* def, float map[DIRECTIONS
     }
     if (g->up == TY_AXIS_Z) set3(camera.up, 0, 0, 1);
     check_result(context, ty_scene_set_camera(scene, &camera));
-    ty_shape_def wall = ty_default_shape_def();
-    set3(wall.origin, -50, -50, -1.5);
-    set3(wall.u, 100, 0, 0);
-    set3(wall.v, 0, 100, 0);
+    ty_shape_def wall = quad_shape((const double[3][3]){{-50, -50, -1.5}, {100, 0, 0}, {0, 100, 0}});
     if (g->wall) check_result(context, ty_scene_add_shape(scene, &wall));
     check_result(context, ty_scene_commit(scene));
     check_result(context, ty_grid_box_fit(scene, 20, &box));
@@ -66,10 +63,10 @@ static double mean_of(const gaze* g, const float map[DIRECTIONS], ty_vec* flow, 
     *flow = ty_vec_make(0, 0, 0);
     for (int32_t i = 0; i < DIRECTIONS; ++i) {
         const int32_t row = i / WIDTH;
-        const double share = (cos(pi * row / HEIGHT) - cos(pi * (row + 1) / HEIGHT)) / (2 * WIDTH);
+        const double fraction = (cos(pi * row / HEIGHT) - cos(pi * (row + 1) / HEIGHT)) / (2 * WIDTH);
         assert_true(map[i] >= 0 && isfinite(map[i]));
-        sum += share * (double)map[i];
-        *flow = ty_mad(*flow, look_of(g->up, i), (float)share * map[i]);
+        sum += fraction * (double)map[i];
+        *flow = ty_mad(*flow, look_of(g->up, i), (float)fraction * map[i]);
         if (map[i] > map[best]) best = i;
     }
     *brightest = look_of(g->up, best);

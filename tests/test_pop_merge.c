@@ -14,11 +14,11 @@ static ty_vec direction_of(int n) {
 }
 
 /* Whether a point is between middles of cells, where nothing is held to the grid's edge. */
-static bool is_inside(const ty_pop_grid* frame, ty_vec point) {
-    const float step[3] = {frame->step.x, frame->step.y, frame->step.z};
+static bool is_inside(const ty_pop_grid* grid, ty_vec point) {
+    const float step[3] = {grid->step.x, grid->step.y, grid->step.z};
     for (int a = 0; a < 3; ++a) {
-        const float at = ty_dot(ty_sub(point, frame->origin), frame->axis[a]) / step[a];
-        if (at < 0.5f || at > (float)frame->size[a] - 0.5f) return false;
+        const float at = ty_dot(ty_sub(point, grid->origin), grid->axis[a]) / step[a];
+        if (at < 0.5f || at > (float)grid->size[a] - 0.5f) return false;
     }
     return true;
 }
@@ -29,8 +29,8 @@ static void merge(ty_context* context, const ty_pop_light* light, ty_pop_merged*
 
 /* ---- interpolation ---- */
 
-static void fill_constant(const ty_pop_light* light, ty_vec middle, float* cell) {
-    (void)middle;
+static void fill_constant(const ty_pop_light* light, ty_vec center, float* cell) {
+    (void)center;
     for (int n = 0; n < light->floats; ++n) cell[n] = (float)(n + 1);
 }
 
@@ -55,8 +55,8 @@ static float slope(int n, ty_vec p) {
     return 3 + (float)n + (1 - 0.2f * (float)n) * p.x + 2 * p.y - 0.7f * (float)n * p.z;
 }
 
-static void fill_slopes(const ty_pop_light* light, ty_vec middle, float* cell) {
-    for (int n = 0; n < light->floats; ++n) cell[n] = slope(n, middle);
+static void fill_slopes(const ty_pop_light* light, ty_vec center, float* cell) {
+    for (int n = 0; n < light->floats; ++n) cell[n] = slope(n, center);
 }
 
 static void slopes_stay_between_middles(void** state) {
@@ -68,12 +68,12 @@ static void slopes_stay_between_middles(void** state) {
             fill_light(&light, fill_slopes);
             merge(*state, &light, &merged);
             for (size_t i = 0; i < box_cells(&slab); ++i) {
-                const ty_vec middle = merged_middle(&slab, i);
-                if (!is_inside(&light.grid, middle)) continue;
+                const ty_vec center = merged_center(&slab, i);
+                if (!is_inside(&light.grid, center)) continue;
                 ++looked_at;
                 for (int c = 0; c < 3; ++c) {
-                    assert_close(merged.accumulated_radiance[c][i], slope(c, middle), 3e-5);
-                    assert_close(merged.fluence[c][i], slope(3 + c, middle), 3e-5);
+                    assert_close(merged.accumulated_radiance[c][i], slope(c, center), 3e-5);
+                    assert_close(merged.fluence[c][i], slope(3 + c, center), 3e-5);
                 }
             }
             assert_true(looked_at > 1000);
@@ -82,8 +82,8 @@ static void slopes_stay_between_middles(void** state) {
         }
 }
 
-static void fill_noise(const ty_pop_light* light, ty_vec middle, float* cell) {
-    uint64_t state = ty_bits_from_float(middle.x) ^ (uint64_t)ty_bits_from_float(middle.y + middle.z) << 20;
+static void fill_noise(const ty_pop_light* light, ty_vec center, float* cell) {
+    uint64_t state = ty_bits_from_float(center.x) ^ (uint64_t)ty_bits_from_float(center.y + center.z) << 20;
     for (int n = 0; n < light->floats; ++n) cell[n] = (float)uniform(&state);
 }
 
@@ -108,7 +108,7 @@ static void check_places(ty_context* context, const ty_pop_light* light) {
     merge(context, light, &merged);
     for (size_t i = 0; i < box_cells(&slab); ++i) {
         const ty_pop_cell_position place =
-            ty_pop_locate(&light->grid, light->ordinate.min_distance, merged_middle(&slab, i));
+            ty_pop_locate(&light->grid, light->ordinate.min_distance, merged_center(&slab, i));
         const double tolerance = 1e-4 * (double)ty_maxf(1, place.inverse_square);
         for (int c = 0; c < 3; ++c) {
             assert_close(merged.accumulated_radiance[c][i], blend(light, &place, c), tolerance);
@@ -142,7 +142,7 @@ static void points_outside_do_no_harm(void** state) {
     static const ty_grid_box far = {{1e6, -1e9, 4}, {2e6, 1e9, 5e7}, {5, 6, 7}};
     for (int d = 0; d < DIRECTIONS; ++d) {
         ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_CELL_FLOATS),
-                                  radial_light(box_middle(&slab), 6, 6, 0.1f, 2, TY_POP_CELL_FLOATS)};
+                                  radial_light(box_center(&slab), 6, 6, 0.1f, 2, TY_POP_CELL_FLOATS)};
         ty_pop_merged merged = make_merged(&far, false);
         for (int l = 0; l < 2; ++l) fill_light(&lights[l], fill_constant);
         ty_pop_merge(*state, lights, 2, &merged);
@@ -155,8 +155,8 @@ static void points_outside_do_no_harm(void** state) {
 /* ---- what lights add ---- */
 
 /* Half of the cells are vacuum, from which those beside them take next to nothing. */
-static void fill_weighted(const ty_pop_light* light, ty_vec middle, float* cell) {
-    const bool dense = middle.x > 0;
+static void fill_weighted(const ty_pop_light* light, ty_vec center, float* cell) {
+    const bool dense = center.x > 0;
     const float weight = dense ? 1 : 1e-4f;
     for (int n = 0; n < light->floats; ++n) cell[n] = weight * (dense ? 1.0f : 9.0f);
     cell[TY_POP_CELL_WEIGHT] = weight;
@@ -165,17 +165,17 @@ static void fill_weighted(const ty_pop_light* light, ty_vec middle, float* cell)
 static void weights_decide(void** state) {
     ty_pop_light light = parallel_light(&cube, direction_of(0), TY_POP_CELL_FLOATS);
     ty_pop_merged merged = make_merged(&cube, false);
-    const ty_pop_grid* frame = &light.grid;
-    for (int32_t k = 0; k < frame->size[2]; ++k)
-        for (int32_t j = 0; j < frame->size[1]; ++j)
-            for (int32_t i = 0; i < frame->size[0]; ++i)
-                fill_weighted(&light, ty_pop_cell_center(frame, i, j, k), cell_of(&light, i, j, k));
+    const ty_pop_grid* grid = &light.grid;
+    for (int32_t k = 0; k < grid->size[2]; ++k)
+        for (int32_t j = 0; j < grid->size[1]; ++j)
+            for (int32_t i = 0; i < grid->size[0]; ++i)
+                fill_weighted(&light, ty_pop_cell_center(grid, i, j, k), cell_of(&light, i, j, k));
     merge(*state, &light, &merged);
     int dense = 0, empty = 0;
     for (size_t i = 0; i < box_cells(&cube); ++i) {
         const float value = merged.fluence[0][i];
         assert_true(value > 0.999f && value < 9.001f);
-        if (merged_middle(&cube, i).x > 0) assert_close(value, 1, 0.08);
+        if (merged_center(&cube, i).x > 0) assert_close(value, 1, 0.08);
         dense += value < 1.08f;
         empty += value > 8.9f;
     }
@@ -184,22 +184,22 @@ static void weights_decide(void** state) {
     free_light(&light);
 }
 
-static void fill_intensity(const ty_pop_light* light, ty_vec middle, float* cell) {
+static void fill_intensity(const ty_pop_light* light, ty_vec center, float* cell) {
     (void)light;
-    (void)middle;
+    (void)center;
     for (int c = 0; c < 3; ++c) cell[3 + c] = (float)(c + 1);
 }
 
-/* 1 / r^2, held near the lamp, and away from it. */
+/* 1 / r^2, held near the light, and away from it. */
 static void lamps_spread(void** state) {
-    static const ty_vec lamp = {0.3f, -0.2f, 0.1f};
-    ty_pop_light light = radial_light(lamp, 8, 12, 0.05f, 3, TY_POP_CELL_FLOATS);
+    static const ty_vec position = {0.3f, -0.2f, 0.1f};
+    ty_pop_light light = radial_light(position, 8, 12, 0.05f, 3, TY_POP_CELL_FLOATS);
     ty_pop_merged merged = make_merged(&cube, false);
     light.ordinate.min_distance = 0.25f;
     fill_light(&light, fill_intensity);
     merge(*state, &light, &merged);
     for (size_t i = 0; i < box_cells(&cube); ++i) {
-        const ty_vec off = ty_sub(merged_middle(&cube, i), lamp);
+        const ty_vec off = ty_sub(merged_center(&cube, i), position);
         const float held = ty_maxf(sqrtf(ty_dot(off, off)), 0.25f);
         for (int c = 0; c < 3; ++c) {
             const float expected = (float)(c + 1) / (held * held);
@@ -259,7 +259,7 @@ static void threads_make_no_difference(void** state) {
 
 /* ---- the residuum ---- */
 
-/* A cube of 15 x 15 x 15 cells, lit in the middle. */
+/* A cube of 15 x 15 x 15 cells, lit at the center. */
 typedef struct glow {
     ty_grid_medium medium;
     ty_pop_merged merged;
@@ -355,8 +355,8 @@ static void residuum_ends(void** state) {
     static const float absorption[3] = {0, 0.5f, 3};
     glow g = make_glow(absorption);
     double left;
-    const int32_t most = ty_pop_residuum(*state, &g.medium, 1e-3, 10000, &g.merged, &left);
-    assert_true(most > 20 && most < 2000);
+    const int32_t iterations = ty_pop_residuum(*state, &g.medium, 1e-3, 10000, &g.merged, &left);
+    assert_true(iterations > 20 && iterations < 2000);
     assert_true(left > 0 && left <= 1e-3);
     for (int c = 0; c < 3; ++c) assert_true(sum_of(g.merged.unpropagated[c]) <= 1e-3 * (c + 1));
     free_glow(&g);
@@ -367,7 +367,7 @@ static void residuum_ends(void** state) {
     free_glow(&g);
 }
 
-/* Cells are as large as the lights', and hold the box in their middle. */
+/* Cells are as large as the lights', and hold the box at their center. */
 static void residuum_has_the_lights_cells(void** state) {
     (void)state;
     for (int d = 0; d < DIRECTIONS; ++d) {
@@ -387,11 +387,11 @@ static void residuum_has_the_lights_cells(void** state) {
     }
 }
 
-/* Nothing is lost, wherever grids reach and lamps are. */
+/* Nothing is lost, wherever grids reach and point lights are. */
 static void residuum_takes_all(void** state) {
     for (int d = 0; d < DIRECTIONS; ++d) {
         ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_CELL_FLOATS_PROPAGATED),
-                                  radial_light(box_middle(&slab), 6, 7, 0.1f, 3, TY_POP_CELL_FLOATS_PROPAGATED)};
+                                  radial_light(box_center(&slab), 6, 7, 0.1f, 3, TY_POP_CELL_FLOATS_PROPAGATED)};
         const ty_vec step = lights[0].grid.step;
         const double outer = 3,
                      volumes[2] = {990 * (double)(step.x * step.y * step.z), 4 * 3.14159265358979 * (outer - 0.1)};
@@ -417,16 +417,16 @@ static void residuum_is_brought_to_other_cells(void** state) {
     ty_pop_merged from = make_merged(&large, false), to = make_merged(&slab, false);
     for (size_t i = 0; i < box_cells(&large); ++i)
         for (int c = 0; c < 3; ++c) {
-            from.accumulated_radiance[c][i] = slope(c, merged_middle(&large, i));
-            from.fluence[c][i] = slope(3 + c, merged_middle(&large, i));
+            from.accumulated_radiance[c][i] = slope(c, merged_center(&large, i));
+            from.fluence[c][i] = slope(3 + c, merged_center(&large, i));
         }
     for (size_t i = 0; i < box_cells(&slab); ++i) to.fluence[1][i] = 1;
     ty_pop_merged_add(*state, &from, &to);
     for (size_t i = 0; i < box_cells(&slab); ++i)
         for (int c = 0; c < 3; ++c) {
-            const ty_vec middle = merged_middle(&slab, i);
-            assert_close(to.accumulated_radiance[c][i], slope(c, middle), 3e-5);
-            assert_close(to.fluence[c][i], slope(3 + c, middle) + (c == 1 ? 1 : 0), 3e-5);
+            const ty_vec center = merged_center(&slab, i);
+            assert_close(to.accumulated_radiance[c][i], slope(c, center), 3e-5);
+            assert_close(to.fluence[c][i], slope(3 + c, center) + (c == 1 ? 1 : 0), 3e-5);
         }
     free_merged(&from);
     free_merged(&to);

@@ -214,8 +214,7 @@ static void wrong_lights(void** state) {
     ty_scene* scene = make_scene(context);
     ty_rsm_def def = {.side = 16};
     ty_rsm* map = NULL;
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
+    ty_light_def sky = sky_light(1, 1, 1);
     check_result(context, ty_scene_add_light(scene, &sky));
     check_result(context, ty_scene_commit(scene));
     assert_int_equal(ty_rsm_trace(scene, &def, 0, &map, NULL), TY_ERROR_ARGUMENT);

@@ -283,6 +283,8 @@ static const bad_case bad_cases[] = {
      "s.json:2: render.pop.streaming: unknown key; did you mean \"max_flux_fraction\"?"},
     {HEAD "\"render\": {\"pop\": {\"clamp\": 0.1}}}", NULL,
      "s.json:2: render.pop.clamp: unknown key; did you mean \"vpl_min_distance\"?"},
+    {HEAD "\"render\": {\"pop\": {\"sharp\": false}}}", NULL,
+     "s.json:2: render.pop.sharp: unknown key; did you mean \"fine_lights\"?"},
     {HEAD "\"render\": {\"screen\": {\"filter\": 5}}}", NULL,
      "s.json:2: render.screen.filter: 5 is not a multiple of 2"},
     {HEAD "\"render\": {\"screen\": {\"levels\": 16}}}", NULL,

@@ -441,7 +441,8 @@ static const char every_key[] =
     "\"sor\","
     "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
     "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5},"
-    "\"pop\":{\"mode\":\"collided\",\"resolution\":16,\"merged\":24,\"sharp\":false,\"direct\":40,\"ordinates\":27,"
+    "\"pop\":{\"mode\":\"collided\",\"resolution\":16,\"merged\":24,\"fine_lights\":false,\"direct\":40,\"ordinates\":"
+    "27,"
     "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"vpl_min_distance\":"
     "0.1,"
     "\"iterations\":11,\"residuum\":0.2,\"residuum_iterations\":12,\"max_flux_fraction\":0.7,\"tolerance\":1e-2,"
@@ -494,7 +495,7 @@ static void every_key_is_accepted(void** state) {
     expect_option(scene, "screen", "spread", "gaussian");
     expect_option(scene, "fld", "limiter", "larsen");
     expect_option(scene, "fld", "relaxation", "1.5");
-    expect_option(scene, "pop", "sharp", "false");
+    expect_option(scene, "pop", "fine_lights", "false");
     expect_option(scene, "pop", "merged", "24");
     expect_option(scene, "lpv", "window", "0.1");
     expect_option(scene, "octaves", "view_extinction", "scaled");

@@ -1,10 +1,10 @@
 /* Screen-space scattering as callers see it: layouts, in place, threads, instruction sets, memory, sizes, refusals. */
+#include "files.h"
 #include "screen_maker.h"
 
 #include "base/isa.h"
 #include "method/screen/job.h"
 
-#include <stdatomic.h>
 #include <stddef.h>
 
 /* Light, distances and a fog that spreads it over a few pixels and over most of the picture. */
@@ -201,47 +201,23 @@ static void workspace_is_exact(void** state) {
                 }
 }
 
-typedef struct ledger {
-    _Atomic int64_t allocations, open;
-    bool refuse;
-} ledger;
-
-static void* ledger_alloc(void* user, size_t size) {
-    ledger* book = user;
-    if (book->refuse) return NULL;
-    atomic_fetch_add(&book->allocations, 1);
-    atomic_fetch_add(&book->open, 1);
-    return aligned_alloc(64, (size + 63) / 64 * 64);
-}
-
-static void ledger_free(void* user, void* pointer, size_t size) {
-    (void)size;
-    atomic_fetch_sub(&((ledger*)user)->open, 1);
-    free(pointer);
-}
-
 static void with_a_workspace_nothing_is_allocated(void** state) {
     (void)state;
-    ledger book = {0};
-    ty_context_def context_def = ty_default_context_def();
-    context_def.threads = 3;
-    context_def.alloc = ledger_alloc;
-    context_def.free = ledger_free;
-    context_def.alloc_user = &book;
-    ty_context* context = NULL;
-    assert_int_equal(ty_context_create(&context_def, &context), TY_OK);
+    strict_memory memory = {.limit = SIZE_MAX, .until_refusal = -1};
+    ty_context* context = strict_context(&memory);
     picture p = scene_picture(260, 150);
     const ty_screen_image image = image_of(&p);
     for (int v = 0; v < VARIANT_COUNT; ++v) {
         const ty_screen_def def = scene_fog((variant)v);
         const size_t size = ty_screen_workspace(context, &def, p.width, p.height);
-        void* memory = aligned_alloc(64, size);
+        void* workspace = aligned_alloc(64, size);
         apply(context, &def, &p); /* threads, if any are kept, are there from here on */
-        const int64_t before = atomic_load(&book.allocations), open = atomic_load(&book.open);
-        assert_int_equal(ty_screen_apply(context, &def, &image, memory, size, NULL), TY_OK);
-        assert_int_equal(atomic_load(&book.allocations), before);
-        book.refuse = true;
-        assert_int_equal(ty_screen_apply(context, &def, &image, memory, size, NULL), TY_OK);
+        const size_t before = memory.used;
+        memory.until_refusal = 9; /* each allocation takes 1 */
+        assert_int_equal(ty_screen_apply(context, &def, &image, workspace, size, NULL), TY_OK);
+        assert_int_equal(memory.until_refusal, 9);
+        memory.until_refusal = 0;
+        assert_int_equal(ty_screen_apply(context, &def, &image, workspace, size, NULL), TY_OK);
         assert_int_equal(ty_screen_apply(context, &def, &image, NULL, 0, NULL), TY_ERROR_MEMORY);
         assert_error(context, "not enough memory");
         float* const none[3] = {NULL, NULL, NULL};
@@ -250,13 +226,13 @@ static void with_a_workspace_nothing_is_allocated(void** state) {
         int64_t filled = 0;
         assert_int_equal(ty_screen_fill_distance(context, 9, 9, p.distance, &filled), TY_ERROR_MEMORY);
         assert_error(context, "not enough memory");
-        book.refuse = false;
-        assert_int_equal(atomic_load(&book.open), open);
-        free(memory);
+        memory.until_refusal = -1;
+        assert_int_equal(memory.used, before);
+        free(workspace);
     }
     free_picture(&p);
     ty_context_destroy(context);
-    assert_int_equal(atomic_load(&book.open), 0);
+    assert_int_equal(memory.used, 0);
 }
 
 /* ---- sizes ---- */

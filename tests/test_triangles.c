@@ -552,7 +552,8 @@ static void memory_is_counted(void** state) {
 /* ---- memory that is short ---- */
 
 /* A scene with everything that meshes, textures and shells hold; frees all of it whatever happens. */
-static ty_result work(ty_context* context) {
+static ty_result work(ty_context* context, void* user) {
+    (void)user;
     static const uint8_t texel[4] = {200, 200, 200, 200};
     made_mesh mesh = made_nothing();
     float colors[12 * 3 * 4] = {0};
@@ -591,17 +592,7 @@ static void every_failed_allocation_is_reported(void** state) {
     (void)state;
     strict_memory memory = {.limit = (size_t)1 << 30, .until_refusal = -1};
     ty_context* context = strict_context(&memory);
-    const size_t before = memory.used;
-    ty_result result = TY_ERROR_MEMORY;
-    int64_t refused = 0;
-    for (; result == TY_ERROR_MEMORY; ++refused) {
-        memory.until_refusal = refused;
-        result = work(context);
-        assert_int_equal(memory.used, before);
-        if (result == TY_ERROR_MEMORY) assert_error(context, "not enough memory");
-    }
-    assert_int_equal(result, TY_OK);
-    assert_true(refused > 25);
+    assert_true(check_short_memory(context, &memory, work, NULL) > 25);
     ty_context_destroy(context);
     assert_int_equal(memory.used, 0);
 }

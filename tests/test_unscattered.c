@@ -36,13 +36,8 @@ static void assert_radiance(const ty_scene* scene, const double ray[6], const do
 static void what_shines_is_seen_through_fog(void** state) {
     static const double ray[6] = {0, 0, 5, 0, 0, 2}, past[6] = {3, 0, 5, 0, 0, 2};
     ty_scene* scene = make_scene(*state);
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
-    set3f(sky.color, 0.25f, 0.5f, 0.75f);
-    ty_shape_def board = ty_default_shape_def();
-    set3(board.origin, -1, -1, -3);
-    set3(board.u, 2, 0, 0);
-    set3(board.v, 0, 2, 0);
+    ty_light_def sky = sky_light(0.25f, 0.5f, 0.75f);
+    ty_shape_def board = quad_shape((const double[3][3]){{-1, -1, -3}, {2, 0, 0}, {0, 2, 0}});
     set3f(board.emission, 3, 2, 1);
     set3f(board.albedo, 0, 0, 0);
     add_fog(scene);
@@ -67,10 +62,7 @@ static void surfaces_reflect_what_fog_lets_pass(void** state) {
     ty_light_def sun = ty_default_light_def();
     set3(sun.direction, 0.6, 0, -0.8);
     set3f(sun.color, 2, 2, 2);
-    ty_shape_def wall = ty_default_shape_def();
-    set3(wall.origin, -10, -10, -3);
-    set3(wall.u, 20, 0, 0);
-    set3(wall.v, 0, 20, 0);
+    ty_shape_def wall = quad_shape((const double[3][3]){{-10, -10, -3}, {20, 0, 0}, {0, 20, 0}});
     set3f(wall.albedo, 0.8f, 0.5f, 0.2f);
     add_fog(scene);
     assert_int_equal(ty_scene_add_shape(scene, &wall), TY_OK);
@@ -100,8 +92,7 @@ static void absorbing_fog_is_no_other_case(void** state) {
     ty_scene* scene = make_scene(*state);
     ty_medium_def fog = box_medium(lower, upper, 0, 1);
     assert_int_equal(ty_grid_create_noise(*state, &noise, &fog.density_grid), TY_OK);
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
+    ty_light_def sky = sky_light(1, 1, 1);
     ty_shape_def ball = ty_default_shape_def();
     ball.kind = TY_SHAPE_SPHERE;
     ball.radius = 0.4;

@@ -16,14 +16,14 @@ static const cube_case cases[] = {{0, {{1.014, 0.092}, {1.014, 0.092}}},
                                   {0.96, {{1.042, 0.133}, {1.024, 0.134}}}};
 static const double ratio_margin = 0.015, rmse_margin = 0.012;
 
-static error measure(const ty_scene* scene, bool sharp, const truth* expected) {
+static error measure(const ty_scene* scene, bool fine_lights, const truth* expected) {
     ty_context* context = ty_scene_context(scene);
     double* fluence = new_numbers(3 * CELLS);
     ty_pop* light = NULL;
-    ty_pop_stats stats = ty_default_pop_stats();
+    ty_pop_stats stats;
     ty_pop_def def = ty_default_pop_def();
     def.resolution = COARSE;
-    def.fine_lights = sharp;
+    def.fine_lights = fine_lights;
     must(context, ty_pop_solve(scene, &def, &light, &stats));
     must(context, ty_pop_fluence(light, low, high, coarse, fluence, NULL));
     assert_true(stats.converged);
@@ -39,12 +39,12 @@ static void the_cube_is_as_bright_as_measured(void** state) {
         const double g = cases[i].g;
         ty_scene* scene = cube_in_light(*state, g);
         trace(scene, g, &expected);
-        for (int sharp = 0; sharp <= 1; ++sharp) {
-            const error pop = measure(scene, sharp != 0, &expected);
+        for (int fine_lights = 0; fine_lights <= 1; ++fine_lights) {
+            const error pop = measure(scene, fine_lights != 0, &expected);
             printf("g %.2f, %s: %.4f / %.4f (mean ratio / relative RMSE; noise %.4f)\n", g,
-                   sharp != 0 ? "fine cells" : "an ordinate's", pop.mean_ratio, pop.rmse, expected.noise);
-            assert_true(fabs(pop.mean_ratio - cases[i].measured[sharp].ratio) <= ratio_margin);
-            assert_true(pop.rmse <= cases[i].measured[sharp].rmse + rmse_margin);
+                   fine_lights != 0 ? "fine cells" : "an ordinate's", pop.mean_ratio, pop.rmse, expected.noise);
+            assert_true(fabs(pop.mean_ratio - cases[i].measured[fine_lights].ratio) <= ratio_margin);
+            assert_true(pop.rmse <= cases[i].measured[fine_lights].rmse + rmse_margin);
         }
         ty_scene_destroy(scene);
     }

@@ -57,7 +57,7 @@ static ty_difference compare(ty_context* context, const char* name, const ty_ima
     return d;
 }
 
-/* ---- Fig. 10: a lamp in a ball ---- */
+/* ---- Fig. 10: a point light in a ball ---- */
 
 static ty_scene* lamp_in_a_ball(ty_context* context, double g) {
     ty_scene* scene = new_scene(context);
@@ -72,7 +72,7 @@ static ty_scene* lamp_in_a_ball(ty_context* context, double g) {
 }
 
 /* Mean ratio of the shells' and of fine cells' pictures, per g, as measured. They are held to it within 0.03: paths
- * that meet the lamp make quick runs' truth noisy by 0.02. */
+ * that meet the light make quick runs' truth noisy by 0.02. */
 static void lamps_shine_through(void** state) {
     static const double anisotropies[] = {0, 0.5, 0.9};
     static const double measured[3][2] = {{0.924, 1.007}, {0.949, 0.993}, {1.044, 1.041}};
@@ -82,13 +82,13 @@ static void lamps_shine_through(void** state) {
         ty_scene* scene = lamp_in_a_ball(*state, anisotropies[i]);
         ty_image* truth = path_image(scene, &size, 0);
         printf("a lamp in a ball, g %.1f, mean ratio / relative RMSE:\n", anisotropies[i]);
-        for (int sharp = 0; sharp <= 1; ++sharp) {
+        for (int fine_lights = 0; fine_lights <= 1; ++fine_lights) {
             ty_pop_def def = pop_def(48, 48);
             ty_pop_stats stats = ty_default_pop_stats();
-            def.fine_lights = sharp != 0;
+            def.fine_lights = fine_lights != 0;
             ty_image* image = pop_image(scene, &def, &stats);
-            const ty_difference d = compare(*state, sharp != 0 ? "fine cells" : "shells", image, truth);
-            worst = fmax(worst, fabs(d.mean_ratio[3] - measured[i][sharp]));
+            const ty_difference d = compare(*state, fine_lights != 0 ? "fine cells" : "shells", image, truth);
+            worst = fmax(worst, fabs(d.mean_ratio[3] - measured[i][fine_lights]));
             ty_image_destroy(image);
         }
         ty_image_destroy(truth);
@@ -135,7 +135,7 @@ static void free_images(images* i) {
 static bool is_near(ty_context* context, const scene_case* c, const char* what, const measured* m) {
     ty_scene* scene = read_case(context, c);
     ty_pop_def def = pop_def(c->width, c->height);
-    ty_pop_stats stats = ty_default_pop_stats();
+    ty_pop_stats stats;
     def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
     images whole = {path_image(scene, c, 0), pop_image(scene, &def, &stats), fld_image(scene, c)};
     images scattered = {scattered_part(context, whole.truth), scattered_part(context, whole.pop),
@@ -208,7 +208,7 @@ static void more_ordinates_are_better(void** state) {
     for (int i = 0; i < (in_full() ? 3 : 2); ++i) {
         char name[32];
         ty_pop_def def = pop_def(c.width, c.height);
-        ty_pop_stats stats = ty_default_pop_stats();
+        ty_pop_stats stats;
         def.ordinates = counts[i];
         ty_image* image = pop_image(scene, &def, &stats);
         snprintf(name, sizeof name, "%d ordinates", (int)counts[i]);
@@ -261,7 +261,7 @@ static bool is_white(ty_context* context, const char* name, const ty_medium_def*
     ty_scene* scene = new_scene(context);
     const ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 1);
     ty_pop_def def = pop_def(48, 48);
-    ty_pop_stats stats = ty_default_pop_stats();
+    ty_pop_stats stats;
     double least = INFINITY, most = 0;
     add_medium(scene, medium);
     add_light(scene, &light);
@@ -307,7 +307,7 @@ static void nothing_comes_from_nothing(void** state) {
         const ty_medium_def fog = medium_cube(1, 3, lights == 0 ? 0 : 1, 0.7);
         const ty_light_def sky = light_of(TY_LIGHT_ENVIRONMENT, 0), lamp = light_of(TY_LIGHT_POINT, 0);
         ty_pop_def def = pop_def(12, 12);
-        ty_pop_stats stats = ty_default_pop_stats();
+        ty_pop_stats stats;
         add_medium(scene, &fog);
         if (lights > 0) add_light(scene, &sky);
         if (lights > 1) add_light(scene, &lamp);

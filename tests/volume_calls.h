@@ -10,6 +10,8 @@
 #include <tyndall/dom.h>
 #include <tyndall/octaves.h>
 
+#include <stddef.h>
+
 /* A def of any of them. */
 typedef union volume_def {
     ty_dom_def dom;
@@ -25,10 +27,12 @@ typedef struct volume_calls {
     const char* name;                               /* as messages begin */
     const char* maker;                              /* of defs, which messages name */
     int variants;                                   /* of defs, such as solvers, by all of which calls must behave */
+    int resolution;                                 /* in tests of threads; 0: that of make_def */
     double told;                                    /* fraction that even a short solve says is done, at least */
     void (*make_def)(volume_def* def, int variant); /* small, of WIDTH x HEIGHT */
     void (*watch)(volume_def* def, ty_progress_fn progress, void* user);
-    ty_scene* (*make_scene)(ty_context* context); /* that takes little time */
+    void (*enlarge)(volume_def* def, int resolution); /* 0: no change; and asks for all channels */
+    ty_scene* (*make_scene)(ty_context* context);     /* that takes little time */
     ty_result (*solve)(const ty_scene* scene, const volume_def* def, void** light);
     ty_result (*view)(void* light, const ty_scene* scene, const volume_def* def, ty_image** image);
     ty_result (*render)(const ty_scene* scene, const volume_def* def, ty_image** image);
@@ -44,6 +48,10 @@ typedef struct volume_calls {
     static void watch_def(volume_def* def, ty_progress_fn progress, void* user) {                                      \
         def->method.progress = progress;                                                                               \
         def->method.progress_user = user;                                                                              \
+    }                                                                                                                  \
+    static void enlarge_def(volume_def* def, int resolution) {                                                         \
+        if (resolution > 0) def->method.resolution = resolution;                                                       \
+        def->method.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;                      \
     }                                                                                                                  \
     static ty_result call_solve(const ty_scene* scene, const volume_def* def, void** light) {                          \
         ty_##method* solved = NULL;                                                                                    \
@@ -61,11 +69,35 @@ typedef struct volume_calls {
         ty_##method##_destroy(light);                                                                                  \
     }
 
-/* Those fields of a method's volume_calls; the file has make_def, call_fluence and look_up_all. */
+/* ty_NAME_fluence on the test's cells, for methods that have uncollided fluence and nothing else beside it. */
+#define VOLUME_FLUENCE(method)                                                                                         \
+    static ty_result call_fluence(const void* light, const double lower[3], const double upper[3],                     \
+                                  const int32_t size[3], double* fluence) {                                            \
+        return ty_##method##_fluence(light, lower, upper, size, fluence, NULL);                                        \
+    }                                                                                                                  \
+    static void look_up_all(const void* light, double numbers[VOLUME_NUMBERS]) {                                       \
+        static const double lower[3] = {-1.1, -1, -1.2}, upper[3] = {1.1, 1.1, 0.9};                                   \
+        static const int32_t size[3] = {SIDE, SIDE, SIDE};                                                             \
+        double* uncollided = numbers + 3 * CELLS;                                                                      \
+        assert_int_equal(ty_##method##_fluence(light, lower, upper, size, numbers, uncollided), TY_OK);                \
+    }
+
+/* Those fields of a method's volume_calls; the file has make_def. */
 #define VOLUME_CALLS_OF(method)                                                                                        \
     .name = #method, .maker = "ty_default_" #method "_def", .make_def = make_def, .watch = watch_def,                  \
-    .solve = call_solve, .view = call_view, .render = call_render, .fluence = call_fluence, .look_up = look_up_all,    \
-    .destroy = call_destroy
+    .enlarge = enlarge_def, .solve = call_solve, .view = call_view, .render = call_render, .destroy = call_destroy
+#define VOLUME_FLUENCE_OF .fluence = call_fluence, .look_up = look_up_all
+
+/* A field of a method's def with a value that is refused, and what the message says; those of all methods. */
+#define VOLUME_BAD_FIELD(method, field, type, value, words)                                                            \
+    { offsetof(ty_##method##_def, field), type, value, words }
+#define VOLUME_BAD_FIELDS(method)                                                                                      \
+    VOLUME_BAD_FIELD(method, cookie, FIELD_INT, 0, "ty_default_" #method "_def"),                                      \
+        VOLUME_BAD_FIELD(method, width, FIELD_INT, 0, #method ": 0 x 11"),                                             \
+        VOLUME_BAD_FIELD(method, width, FIELD_INT, -5, #method ": -5 x 11"),                                           \
+        VOLUME_BAD_FIELD(method, height, FIELD_INT, 0, #method ": 19 x 0"),                                            \
+        VOLUME_BAD_FIELD(method, height, FIELD_INT, 65537, #method ": 19 x 65537"),                                    \
+        VOLUME_BAD_FIELD(method, aovs, FIELD_INT, TY_AOV_NORMAL, #method ".aovs: ")
 
 /* A method and the defs that it must refuse. */
 typedef struct volume_suite {
@@ -144,6 +176,7 @@ static inline void scenes_need_media(void** state) {
 
 static inline void cuts_of_boxes_are_checked(void** state) {
     const volume_calls* calls = suite.calls;
+    if (calls->fluence == NULL) return;
     ty_context* context = *state;
     static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, odd[3] = {0, NAN, 0};
     static const int32_t size[3] = {1, 1, 1}, none[3] = {1, 0, 1}, many[3] = {1, 1, 65537};
@@ -315,17 +348,19 @@ static inline void cameras_move_without_solving_again(void** state) {
 }
 
 /* Light does not refer to the scene that it was solved for: lookups work without it, and views of a scene like it. */
-static inline void check_lifetimes(const volume_calls* calls, ty_context* context) {
+static inline void light_outlives_its_scene(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     static double numbers[2][VOLUME_NUMBERS];
     ty_image* images[2] = {NULL};
     ty_scene* scene = foggy_scene(context);
     volume_def def;
     calls->make_def(&def, 0);
     void* light = solve_volume(calls, scene, &def);
-    calls->look_up(light, numbers[0]);
+    if (calls->look_up != NULL) calls->look_up(light, numbers[0]);
     check_result(context, calls->view(light, scene, &def, &images[0]));
     ty_scene_destroy(scene);
-    calls->look_up(light, numbers[1]);
+    if (calls->look_up != NULL) calls->look_up(light, numbers[1]);
     assert_memory_equal(numbers[0], numbers[1], sizeof numbers[0]);
     scene = foggy_scene(context);
     check_result(context, calls->view(light, scene, &def, &images[1]));
@@ -356,10 +391,21 @@ static inline void check_threads(const volume_calls* calls, const volume_def* de
     for (int i = 0; i < 3; ++i) ty_context_destroy(contexts[i]);
 }
 
+static inline void threads_do_not_change_bits(void** state) {
+    (void)state;
+    for (int variant = 0; variant < suite.calls->variants; ++variant) {
+        volume_def def;
+        suite.calls->make_def(&def, variant);
+        suite.calls->enlarge(&def, suite.calls->resolution);
+        check_threads(suite.calls, &def);
+    }
+}
+
 /* For methods whose light does not depend on the camera, cameras_move_without_solving_again is one more. */
 #define VOLUME_TESTS                                                                                                   \
     cmocka_unit_test(wrong_defs_are_refused), cmocka_unit_test(scenes_need_media),                                     \
         cmocka_unit_test(cuts_of_boxes_are_checked), cmocka_unit_test(progress_runs_to_the_end),                       \
-        cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing)
+        cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing),             \
+        cmocka_unit_test(light_outlives_its_scene), cmocka_unit_test(threads_do_not_change_bits)
 
 #endif

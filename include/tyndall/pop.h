@@ -123,7 +123,7 @@ typedef struct ty_pop_stats {
     double importance_seconds;   ///< Time to find the map of importance, s.
     double ordinate_seconds;     ///< Time to choose ordinates, s.
     double vpl_seconds;          ///< Time to find virtual point lights, s.
-    double direct_seconds;       ///< Time of the lights of `sharp`, s.
+    double direct_seconds;       ///< Time of the lights of `fine_lights`, s.
     double initial_seconds;      ///< Time to sample media on the ordinates' grids, and the light that enters them, s.
     double propagation_seconds;  ///< Time of propagation, s; mode split: 0.
     double residuum_seconds;     ///< Time of isotropic light in one grid, s; mode split: of diffusion.

@@ -4,9 +4,7 @@
 
 #include <tyndall/io.h>
 
-#include <stdio.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
 static void read_all(ty_context* context, const char* path) {
     ty_volume_def def = ty_default_volume_def();
@@ -21,12 +19,5 @@ static void read_all(ty_context* context, const char* path) {
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     const int file = memfd_create("fuzz.nrrd", MFD_CLOEXEC);
     if (file < 0 || write(file, bytes, size) != (ssize_t)size) abort();
-    char path[64];
-    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
-    size_t used = 0;
-    ty_context* context = fuzz_context(&used);
-    read_all(context, path);
-    fuzz_finish(context, &used);
-    close(file);
-    return 0;
+    return fuzz_read_file(file, read_all);
 }

@@ -84,12 +84,5 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
         write_patched(file, bytes, size);
     else if (write(file, bytes, size) != (ssize_t)size)
         abort();
-    char path[64];
-    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
-    size_t used = 0;
-    ty_context* context = fuzz_context(&used);
-    read_all(context, path);
-    fuzz_finish(context, &used);
-    close(file);
-    return 0;
+    return fuzz_read_file(file, read_all);
 }

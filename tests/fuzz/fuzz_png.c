@@ -1,25 +1,13 @@
 /* PNG images from memory, as images and as textures, as they are and with the checksums that they should have: mutated
  * ones are hardly ever right, and libpng would look no further. */
-#include "fuzz_target.h"
-
-#include "base/context.h"
-#include "io/images/image_file.h"
+#include "fuzz_image.h"
 
 #include <string.h>
 
 #include <zlib.h>
 
 static void read_all(ty_context* context, const uint8_t* bytes, size_t size) {
-    ty_samples samples;
-    if (ty_read_png(context, "fuzz.png", bytes, size, &samples) == TY_OK) {
-        ty_image* image = NULL;
-        if (ty_image_from_samples(context, &samples, TY_SAMPLES_LINEAR, &image) == TY_OK) ty_image_destroy(image);
-        ty_free_samples(context, &samples);
-    }
-    int32_t width = 0, height = 0;
-    uint8_t* rgba8 = NULL;
-    if (ty_decode_rgba8(context, "fuzz.png", bytes, size, &width, &height, &rgba8) == TY_OK)
-        ty_free_array(context, rgba8, (size_t)width * (size_t)height, 4);
+    fuzz_read_samples(context, ty_read_png, "fuzz.png", bytes, size);
 }
 
 /* Chunks are a length, a name, so many bytes and a checksum over name and bytes; numbers are big-endian. */

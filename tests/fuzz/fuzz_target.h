@@ -4,11 +4,16 @@
 
 #include <tyndall/base.h>
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
 
-enum { FUZZ_MEMORY = 1 << 26 };
+#ifndef FUZZ_MEMORY
+#define FUZZ_MEMORY (1 << 26) /* bytes; a target may have its own limit */
+#endif
 
 static inline void* fuzz_alloc(void* user, size_t size) {
     size_t* used = user;
@@ -40,6 +45,27 @@ static inline ty_context* fuzz_context(size_t* used) {
 static inline void fuzz_finish(ty_context* context, const size_t* used) {
     ty_context_destroy(context);
     if (*used != 0) abort();
+}
+
+/* Reads a file in memory by its path, and closes it. */
+static inline int fuzz_read_file(int file, void (*read_all)(ty_context* context, const char* path)) {
+    char path[64];
+    size_t used = 0;
+    ty_context* context = fuzz_context(&used);
+    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    read_all(context, path);
+    fuzz_finish(context, &used);
+    close(file);
+    return 0;
+}
+
+/* A copy that ends in a zero, as files that are read do; to be freed. */
+static inline uint8_t* fuzz_copy_text(const uint8_t* bytes, size_t size) {
+    uint8_t* text = malloc(size + 1);
+    if (text == NULL) abort();
+    if (size > 0) memcpy(text, bytes, size);
+    text[size] = 0;
+    return text;
 }
 
 #endif

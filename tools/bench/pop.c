@@ -95,11 +95,11 @@ static ty_pop_def typical_def(const bench_session* bench, ty_pop_mode mode) {
 
 /* ---- fraction of peak performance ---- */
 
-/* Floating-point operations of one cell, channel and iteration (method/pop/grid_kernel.c, lobe.k.h); a division counts
- * as one. Scatter to neighbors: the patches of Eq. 2-3 with two inverse roots of 9 each, 42; radiance and radiance
- * times mean cosine for front, sides and back with half of the attenuation, 12. Gather from neighbors: sums over six
- * neighbors and the other half of the attenuation, 14; the new mean cosine and the transmitted radiance, 4; the
- * accumulated radiance (Eq. 7-8), 24. */
+/* Floating-point operations of one cell, channel and iteration (method/pop/published/propagate_kernel.c,
+ * grid/lobe.k.h); a division counts as one. Scatter to neighbors: the patches of Eq. 2-3 with two inverse roots of 9
+ * each, 42; radiance and radiance times mean cosine for front, sides and back with half of the attenuation, 12. Gather
+ * from neighbors: sums over six neighbors and the other half of the attenuation, 14; the new mean cosine and the
+ * transmitted radiance, 4; the accumulated radiance (Eq. 7-8), 24. */
 enum { OPERATIONS = 42 + 12 + 14 + 4 + 24 };
 
 static double propagation_gflops(const timed* t) {

@@ -1,6 +1,7 @@
 /* Groups of samples by light. */
 #include "direct/uncollided/light_groups.h"
 
+#include "base/context.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -100,4 +101,70 @@ ty_light_fluence ty_light_group_fluence(const ty_discrete_light* sources, const 
         for (int a = 0; a < 3; ++a) light.flux[c][a] = field->flux[c][a];
     }
     return light;
+}
+
+/* ---- light of all groups ---- */
+
+typedef struct groups_job {
+    const ty_scene* scene;
+    const ty_grid_medium* medium;
+    float* const* extinction;
+    const ty_discrete_light* samples;
+    const ty_light_group* groups;
+    int32_t group_count;
+    ty_part_progress* progress;
+} groups_job;
+
+static ty_result light_group(const groups_job* job, const ty_light_group* group, ty_light_field** field) {
+    ty_result result = ty_part_show(job->progress, "direct light", 0);
+    if (result == TY_OK && *field == NULL)
+        result = ty_light_groups_field(job->samples, group->dedicated ? group : job->groups,
+                                       group->dedicated ? 1 : job->group_count, group->dedicated, job->medium,
+                                       !group->dedicated, field);
+    if (result == TY_OK)
+        result = ty_uncollided_add_with_progress(job->scene, job->medium, job->extinction, &job->samples[group->first],
+                                                 group->count, *field, ty_part_report, job->progress);
+    return result;
+}
+
+static ty_result light_groups(const groups_job* job, ty_light_field** fields, ty_light_field** aggregate,
+                              ty_light_fluence* fluences, int32_t* count) {
+    ty_part_progress* progress = job->progress;
+    const double from = progress->from, fraction = progress->share;
+    ty_result result = TY_OK;
+    *count = 0;
+    progress->share = fraction / ty_maxf(1, (float)job->group_count);
+    for (int32_t i = 0; i < job->group_count && result == TY_OK; ++i) {
+        const ty_light_group* group = &job->groups[i];
+        ty_light_field** field = group->dedicated ? &fields[*count] : aggregate;
+        result = light_group(job, group, field);
+        progress->from += progress->share;
+        if (result == TY_OK && group->dedicated)
+            fluences[(*count)++] = ty_light_group_fluence(job->samples, group, *field);
+    }
+    progress->from = from;
+    progress->share = fraction;
+    if (result == TY_OK && *aggregate != NULL)
+        fluences[(*count)++] = ty_light_group_fluence(job->samples, NULL, *aggregate);
+    return result;
+}
+
+ty_result ty_light_groups_solve(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                                const ty_discrete_light_set* samples, int32_t max_dedicated, ty_part_progress* progress,
+                                ty_light_field** fields, ty_light_fluence* fluences, int32_t* count) {
+    const size_t max_groups = (size_t)samples->count;
+    ty_light_group* groups = ty_alloc_array(medium->context, max_groups, sizeof *groups, false);
+    if (groups == NULL) return TY_ERROR_MEMORY;
+    const groups_job job = {
+        .scene = scene,
+        .medium = medium,
+        .extinction = extinction,
+        .samples = samples->items,
+        .groups = groups,
+        .group_count = ty_light_groups_find(scene, &medium->box, samples->items, samples->count, max_dedicated, groups),
+        .progress = progress,
+    };
+    const ty_result result = light_groups(&job, fields, &fields[max_dedicated], fluences, count);
+    ty_free_array(medium->context, groups, max_groups, sizeof *groups);
+    return result;
 }

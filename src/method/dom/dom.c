@@ -5,8 +5,10 @@
 #include "method/dom/view/view.h"
 #include "scene/scene.h"
 
-/* Progress of a solve after each of its parts, and the fraction of a render that the solve takes. */
-static const double medium_until = 0.1, direct_until = 0.4, solve_share = 0.7;
+#include <string.h>
+
+/* Progress of a solve after each of its parts. */
+static const double medium_until = 0.1, direct_until = 0.4;
 
 /* ---- solving ---- */
 
@@ -44,38 +46,16 @@ static ty_result run_parts(ty_dom_job* job, double fraction) {
     return result;
 }
 
-/* share: fraction of the caller's progress that the solve takes. */
-static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double fraction, ty_dom** out,
-                       ty_dom_stats* stats) {
-    ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_scene_check_media(scene, "dom");
-    if (result != TY_OK) return result;
-    ty_dom_job job = {.context = context, .scene = scene, .def = def};
-    job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
-    job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
-    if (job.light == NULL) return TY_ERROR_MEMORY;
-    job.light->context = context;
-    result = run_parts(&job, fraction);
-    job.stats.seconds = ty_wall_seconds() - job.progress.begun;
+static ty_result solve(ty_volume_call* call) {
+    ty_dom_job job = {.context = call->context,
+                      .scene = call->scene,
+                      .def = call->def,
+                      .progress = call->progress,
+                      .light = call->light};
+    job.light->context = call->context;
+    const ty_result result = run_parts(&job, call->fraction);
+    memcpy(call->stats, &job.stats, sizeof job.stats);
     end_job(&job);
-    if (result != TY_OK) {
-        ty_dom_destroy(job.light);
-        return result;
-    }
-    *stats = job.stats;
-    *out = job.light;
-    return TY_OK;
-}
-
-ty_result ty_dom_solve(const ty_scene* scene, const ty_dom_def* def, ty_dom** out, ty_dom_stats* stats) {
-    *out = NULL;
-    ty_dom_def known;
-    ty_dom_stats own;
-    ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK)
-        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_dom_stats", &own, sizeof own);
-    if (result == TY_OK) result = solve(scene, def, 1, out, &own);
-    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
     return result;
 }
 
@@ -108,37 +88,10 @@ void ty_dom_destroy(ty_dom* light) {
     ty_free_array(context, light, 1, sizeof *light);
 }
 
-/* ---- images ---- */
+/* ---- calls ---- */
 
-ty_result ty_dom_view(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_image** out,
-                      ty_dom_stats* stats) {
-    *out = NULL;
-    ty_dom_def known;
-    ty_dom_stats own;
-    ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK)
-        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_dom_stats", &own, sizeof own);
-    if (result != TY_OK) return result;
-    result = ty_dom_march(light, scene, def, ty_part_begin(def->progress, def->progress_user, 0, 1), out, &own);
-    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
-    return result;
-}
+/* ty_dom_solve, ty_dom_view and ty_dom_render. */
+TY_DEFINE_VOLUME_CALLS(dom);
 
-ty_result ty_dom_render(const ty_scene* scene, const ty_dom_def* def, ty_image** out, ty_dom_stats* stats) {
-    *out = NULL;
-    ty_dom* light = NULL;
-    ty_dom_stats own;
-    const double begun = ty_wall_seconds();
-    ty_dom_def known;
-    ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK)
-        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_dom_stats", &own, sizeof own);
-    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &own);
-    if (result != TY_OK) return result;
-    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
-    progress.begun = begun;
-    result = ty_dom_march(light, scene, def, progress, out, &own);
-    ty_dom_destroy(light);
-    ty_give_stats(&own, sizeof own, stats);
-    return result;
-}
+const ty_volume_method ty_volume_dom = {TY_VOLUME_METHOD(dom), .solve_fraction = 0.7, .solve = solve,
+                                        .view = ty_dom_march};

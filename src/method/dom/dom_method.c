@@ -1,11 +1,7 @@
 /* Discrete ordinates with a first-collision source as a method; surfaces are path traced through the media. */
-#include "image/march.h"
 #include "method/dom/job.h"
-#include "method/method.h"
 
 #include <stdio.h>
-
-_Static_assert(sizeof(ty_dom_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");
 
 static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_dom_stats, direct_size), TY_STAT_INT, .count = 3},
@@ -28,23 +24,12 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_dom_stats, solve_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_dom_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_dom_stats, sweep_seconds), TY_STAT_NUMBER},
-    {.name = "bytes", .offset = offsetof(ty_dom_stats, memory_bytes), TY_STAT_NUMBER},
+    {TY_STAT_FIELD(ty_dom_stats, bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_dom_stats, isa), TY_STAT_TEXT},
 };
 
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    ty_dom_stats* dom = ty_method_stats(run, sizeof *dom);
-    ty_image* surfaces = NULL;
-    ty_dom_def def = ty_default_dom_def();
-    ty_result result = ty_method_options(scene, "dom", &def);
-    TY_TAKE_REQUEST(&def, request);
-    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
-    def.unscattered = surfaces;
-    if (result == TY_OK) result = ty_dom_render(scene, &def, out, dom);
-    run->own_seconds = dom->seconds;
-    run->path.seconds += run->own_seconds;
-    ty_image_destroy(surfaces);
-    return result;
+    return ty_volume_method_render(&ty_volume_dom, NULL, scene, request, out, run);
 }
 
 static void describe(const ty_method_run* run, char* text, size_t size) {

@@ -1,8 +1,6 @@
 /* Options of discrete ordinates. */
-#include "image/march.h"
+#include "image/options.h"
 #include "method/dom/job.h"
-
-#include <math.h>
 
 static const char* const accelerations[] = {"diffusion", "none", NULL};
 
@@ -47,16 +45,4 @@ const ty_option_table ty_dom_options = TY_OPTION_TABLE("dom", ty_dom_def, "ty_de
 
 void ty_init_dom_def(void* def, size_t bytes) {
     ty_options_init(&ty_dom_options, def, bytes);
-}
-
-ty_image_options ty_dom_image_options(const ty_dom_def* def) {
-    return (ty_image_options){def->width, def->height, def->spp, def->seed, def->step, def->aovs};
-}
-
-ty_result ty_dom_take_def(ty_context* context, const ty_dom_def** def, ty_dom_def* own) {
-    const ty_result result = ty_options_take(context, &ty_dom_options, *def, own);
-    if (result != TY_OK) return result;
-    *def = own;
-    const ty_image_options image = ty_dom_image_options(own);
-    return ty_check_image(context, "dom", &image, TY_MARCH_AOVS);
 }

@@ -1,12 +1,10 @@
-/* One solve on its way through sources and ordinates. */
+/* State of one solve by discrete ordinates: media, sources and boundary faces. */
 #ifndef TY_METHOD_DOM_JOB_H
 #define TY_METHOD_DOM_JOB_H
 
-#include "base/progress.h"
-#include "image/options.h"
 #include "method/dom/solution.h"
 #include "solve/ordinates/ordinates.h"
-#include "option/option.h"
+#include "method/volume_method.h"
 
 typedef struct ty_dom_job {
     ty_context* context;
@@ -28,11 +26,7 @@ typedef struct ty_dom_job {
     ty_dom_stats stats;
 } ty_dom_job;
 
-/* Fails with the first field that is out of its range. */
 extern const ty_option_table ty_dom_options;
-/* Makes *def point to own: a copy of the caller's def in the library's own size, with all ranges checked. Errors:
- * TY_ERROR_ARGUMENT. */
-ty_result ty_dom_take_def(ty_context* context, const ty_dom_def** def, ty_dom_def* own);
-ty_image_options ty_dom_image_options(const ty_dom_def* def);
+extern const ty_volume_method ty_volume_dom;
 
 #endif

@@ -7,50 +7,6 @@
 #include "direct/lights/discretize.h"
 #include "direct/uncollided/first_collision_source.h"
 
-/* Groups with dedicated fields, then all others in one aggregate field. */
-static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const ty_light_group* groups,
-                              int32_t count) {
-    ty_fld* light = job->light;
-    const double from = job->progress.from, fraction = job->progress.share;
-    ty_light_field** aggregate = &light->beam[TY_FLD_DEDICATED_FIELDS_MAX];
-    ty_result result = TY_OK;
-    job->progress.share = fraction / ty_maxf(1, (float)count);
-    for (int32_t i = 0; i < count && result == TY_OK; ++i) {
-        const ty_light_group* group = &groups[i];
-        ty_light_field** field = group->dedicated ? &light->beam[light->light_count] : aggregate;
-        result = ty_part_show(&job->progress, "direct light", 0);
-        if (result == TY_OK && *field == NULL)
-            result = ty_light_groups_field(job->sources.items, group->dedicated ? group : groups,
-                                           group->dedicated ? 1 : count, group->dedicated, job->fine, !group->dedicated,
-                                           field);
-        if (result == TY_OK)
-            result =
-                ty_uncollided_add_with_progress(job->scene, job->fine, extinction, &job->sources.items[group->first],
-                                                group->count, *field, ty_part_report, &job->progress);
-        job->progress.from += job->progress.share;
-        if (result == TY_OK && group->dedicated)
-            light->lights[light->light_count++] = ty_light_group_fluence(job->sources.items, group, *field);
-    }
-    job->progress.from = from;
-    job->progress.share = fraction;
-    if (result == TY_OK && *aggregate != NULL)
-        light->lights[light->light_count++] = ty_light_group_fluence(job->sources.items, NULL, *aggregate);
-    return result;
-}
-
-/* Groups sources by light; at most TY_FLD_DEDICATED_FIELDS_MAX groups have dedicated fields. */
-static ty_result light_sources(ty_fld_job* job, float* const extinction[3]) {
-    ty_light_group* groups = ty_alloc_array(job->context, (size_t)job->sources.count, sizeof *groups, false);
-    if (groups == NULL) return TY_ERROR_MEMORY;
-    const int32_t count = ty_light_groups_find(job->scene, &job->fine->box, job->sources.items, job->sources.count,
-                                               TY_FLD_DEDICATED_FIELDS_MAX, groups);
-    const ty_result result = light_groups(job, extinction, groups, count);
-    ty_free_array(job->context, groups, (size_t)job->sources.count, sizeof *groups);
-    return result;
-}
-
-/* ---- first-collision source ---- */
-
 ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, float* source[3]) {
     float* fine = ty_alloc_array(job->context, job->fine->cells, sizeof *fine, false);
     if (fine == NULL) return TY_ERROR_MEMORY;
@@ -81,7 +37,9 @@ ty_result ty_fld_direct_light(ty_fld_job* job) {
         if (extinction[p] == NULL) result = TY_ERROR_MEMORY;
     }
     if (result == TY_OK) ty_scaled_extinction(fine, job->def->beam == TY_FLD_BEAM_REDUCED ? 1 : 0, extinction);
-    if (result == TY_OK) result = light_sources(job, extinction);
+    if (result == TY_OK)
+        result = ty_light_groups_solve(job->scene, fine, extinction, &job->sources, TY_FLD_DEDICATED_FIELDS_MAX,
+                                       &job->progress, job->light->beam, job->light->lights, &job->light->light_count);
     for (int32_t p = 0; p < fine->planes; ++p) ty_free_array(job->context, extinction[p], fine->cells, sizeof(float));
     return result == TY_OK ? ty_fld_find_sources(job, job->coarse, job->source) : result;
 }

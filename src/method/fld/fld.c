@@ -2,12 +2,14 @@
 #include "method/fld/job.h"
 
 #include "base/context.h"
-#include "image/march.h"
+#include "method/volume_method.h"
 #include "scene/scene.h"
 #include "solve/diffusion/diffusion.h"
 
-/* Fractions of a solve's work done after each stage, and fraction of a render spent on the solve: for progress. */
-static const double medium_until = 0.15, direct_until = 0.5, diffuse_until = 0.9, solve_fraction = 0.5;
+#include <string.h>
+
+/* Fractions of a solve's work done after each stage: for progress. */
+static const double medium_until = 0.15, direct_until = 0.5, diffuse_until = 0.9;
 
 /* ---- solving ---- */
 
@@ -41,39 +43,17 @@ static ty_result run_stages(ty_fld_job* job, double fraction) {
     return result;
 }
 
-/* fraction: of the caller's progress covered by the solve. */
-static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double fraction, ty_fld** out,
-                       ty_fld_stats* stats) {
-    ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_scene_check_media(scene, "fld");
-    if (result != TY_OK) return result;
-    ty_fld_job job = {.context = context, .scene = scene, .def = def};
-    job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
-    job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
-    if (job.light == NULL) return TY_ERROR_MEMORY;
-    job.light->context = context;
-    job.light->reduced = def->beam == TY_FLD_BEAM_REDUCED;
-    result = run_stages(&job, fraction);
-    job.stats.seconds = ty_wall_seconds() - job.progress.begun;
+static ty_result solve(ty_volume_call* call) {
+    ty_fld_job job = {.context = call->context,
+                      .scene = call->scene,
+                      .def = call->def,
+                      .progress = call->progress,
+                      .light = call->light};
+    job.light->context = call->context;
+    job.light->reduced = job.def->beam == TY_FLD_BEAM_REDUCED;
+    const ty_result result = run_stages(&job, call->fraction);
+    memcpy(call->stats, &job.stats, sizeof job.stats);
     end_job(&job);
-    if (result != TY_OK) {
-        ty_fld_destroy(job.light);
-        return result;
-    }
-    *stats = job.stats;
-    *out = job.light;
-    return TY_OK;
-}
-
-ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** out, ty_fld_stats* stats) {
-    *out = NULL;
-    ty_fld_def known;
-    ty_fld_stats own;
-    ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK)
-        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_fld_stats", &own, sizeof own);
-    if (result == TY_OK) result = solve(scene, def, 1, out, &own);
-    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
     return result;
 }
 
@@ -86,11 +66,10 @@ void ty_fld_destroy(ty_fld* light) {
 
 /* ---- images ---- */
 
-static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_part_progress progress,
-                      ty_image** out, ty_fld_stats* stats) {
-    const ty_source_field field = ty_diffuse_light_field(light->diffuse, ty_scene_get_view(scene)->mesh != NULL);
-    const ty_image_options options = ty_fld_image_options(def);
-    ty_march_def march = ty_march_def_of(scene, &options);
+static ty_result view(ty_volume_call* call, ty_image** out) {
+    const ty_fld* light = call->light;
+    const ty_source_field field = ty_diffuse_light_field(light->diffuse, ty_scene_get_view(call->scene)->mesh != NULL);
+    ty_march_def march = ty_volume_march_def(call);
     march.light_box = light->direct_box;
     march.lights = light->lights;
     march.light_count = light->light_count;
@@ -98,49 +77,12 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
     march.field = &field;
     march.bilateral_sigma = 0;
     march.preserve_means = true;
-    march.unscattered = def->unscattered;
-    march.progress = ty_part_report;
-    march.progress_user = &progress;
-    ty_march_stats marched = {0};
-    const ty_result result = ty_march(scene, &march, out, &marched);
-    if (result == TY_OK) {
-        stats->march_seconds = marched.seconds;
-        stats->seconds += marched.seconds;
-        stats->isa = marched.isa;
-    }
-    return result;
+    return ty_march(call->scene, &march, out, NULL);
 }
 
-ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_image** out,
-                      ty_fld_stats* stats) {
-    *out = NULL;
-    ty_fld_def known;
-    ty_fld_stats own;
-    ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK)
-        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_fld_stats", &own, sizeof own);
-    if (result != TY_OK) return result;
-    const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
-    result = view(light, scene, def, progress, out, &own);
-    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
-    return result;
-}
+/* ---- calls ---- */
 
-ty_result ty_fld_render(const ty_scene* scene, const ty_fld_def* def, ty_image** out, ty_fld_stats* stats) {
-    *out = NULL;
-    ty_fld* light = NULL;
-    ty_fld_stats own;
-    const double begun = ty_wall_seconds();
-    ty_fld_def known;
-    ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK)
-        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_fld_stats", &own, sizeof own);
-    if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &own);
-    if (result != TY_OK) return result;
-    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_fraction, 1 - solve_fraction);
-    progress.begun = begun;
-    result = view(light, scene, def, progress, out, &own);
-    ty_fld_destroy(light);
-    ty_give_stats(&own, sizeof own, stats);
-    return result;
-}
+/* ty_fld_solve, ty_fld_view and ty_fld_render. */
+TY_DEFINE_VOLUME_CALLS(fld);
+
+const ty_volume_method ty_volume_fld = {TY_VOLUME_METHOD(fld), .solve_fraction = 0.5, .solve = solve, .view = view};

@@ -1,11 +1,7 @@
 /* Flux-limited and classical diffusion as methods; surfaces are path traced through the media. */
-#include "image/march.h"
 #include "method/fld/job.h"
-#include "method/method.h"
 
 #include <stdio.h>
-
-_Static_assert(sizeof(ty_fld_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");
 
 static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_fld_stats, direct_size), TY_STAT_INT, .count = 3},
@@ -22,35 +18,22 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_fld_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_fld_stats, solve_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_fld_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
-    {.name = "bytes", .offset = offsetof(ty_fld_stats, memory_bytes), TY_STAT_NUMBER},
+    {TY_STAT_FIELD(ty_fld_stats, bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_fld_stats, isa), TY_STAT_TEXT},
 };
 
-static ty_result render_limited(const ty_scene* scene, const ty_render_request* request, bool limited, ty_image** out,
-                                ty_method_run* run) {
-    ty_fld_stats* fld = ty_method_stats(run, sizeof *fld);
-    ty_image* surfaces = NULL;
-    ty_fld_def def = ty_default_fld_def();
-    ty_result result = ty_method_options(scene, "fld", &def);
-    TY_TAKE_REQUEST(&def, request);
-    if (!limited) def.limiter = TY_FLD_LIMITER_NONE;
-    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
-    def.unscattered = surfaces;
-    if (result == TY_OK) result = ty_fld_render(scene, &def, out, fld);
-    run->own_seconds = fld->seconds;
-    run->path.seconds += run->own_seconds;
-    ty_image_destroy(surfaces);
-    return result;
+static void remove_limiter(void* def) {
+    ((ty_fld_def*)def)->limiter = TY_FLD_LIMITER_NONE;
 }
 
 static ty_result render_fld(const ty_scene* scene, const ty_render_request* request, ty_image** out,
                             ty_method_run* run) {
-    return render_limited(scene, request, true, out, run);
+    return ty_volume_method_render(&ty_volume_fld, NULL, scene, request, out, run);
 }
 
 static ty_result render_cda(const ty_scene* scene, const ty_render_request* request, ty_image** out,
                             ty_method_run* run) {
-    return render_limited(scene, request, false, out, run);
+    return ty_volume_method_render(&ty_volume_fld, remove_limiter, scene, request, out, run);
 }
 
 static void describe(const ty_method_run* run, char* text, size_t size) {

@@ -1,5 +1,5 @@
 /* Options of flux-limited diffusion. */
-#include "image/march.h"
+#include "image/options.h"
 #include "method/fld/job.h"
 #include "scene/check.h"
 
@@ -55,16 +55,4 @@ const ty_option_table ty_fld_options = TY_OPTION_TABLE("fld", ty_fld_def, "ty_de
 
 void ty_init_fld_def(void* def, size_t bytes) {
     ty_options_init(&ty_fld_options, def, bytes);
-}
-
-ty_image_options ty_fld_image_options(const ty_fld_def* def) {
-    return (ty_image_options){def->width, def->height, def->spp, def->seed, def->step, def->aovs};
-}
-
-ty_result ty_fld_take_def(ty_context* context, const ty_fld_def** def, ty_fld_def* own) {
-    const ty_result result = ty_options_take(context, &ty_fld_options, *def, own);
-    if (result != TY_OK) return result;
-    *def = own;
-    const ty_image_options image = ty_fld_image_options(own);
-    return ty_check_image(context, "fld", &image, TY_MARCH_AOVS);
 }

@@ -4,9 +4,8 @@
 
 #include "direct/single/single.k.h"
 #include "direct/uncollided/uncollided.h"
-#include "image/options.h"
 #include "solve/diffusion/diffuse_light.h"
-#include "option/option.h"
+#include "method/volume_method.h"
 
 #include <tyndall/fld.h>
 
@@ -38,10 +37,7 @@ typedef struct ty_fld_job {
 } ty_fld_job;
 
 extern const ty_option_table ty_fld_options;
-/* Makes *def point to own: a copy of the caller's def in the library's own size, with all ranges checked. Errors:
- * TY_ERROR_ARGUMENT. */
-ty_result ty_fld_take_def(ty_context* context, const ty_fld_def** def, ty_fld_def* own);
-ty_image_options ty_fld_image_options(const ty_fld_def* def);
+extern const ty_volume_method ty_volume_fld;
 
 /* Samples the media on fine and coarse cells. */
 ty_result ty_fld_sample_media(ty_fld_job* job);

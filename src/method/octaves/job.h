@@ -2,12 +2,10 @@
 #ifndef TY_METHOD_OCTAVES_JOB_H
 #define TY_METHOD_OCTAVES_JOB_H
 
-#include "base/progress.h"
 #include "direct/lights/discretize.h"
 #include "direct/uncollided/light_groups.h"
 #include "image/march.h"
-#include "image/options.h"
-#include "option/option.h"
+#include "method/volume_method.h"
 
 #include <tyndall/octaves.h>
 
@@ -31,17 +29,14 @@ typedef struct ty_octaves_job {
     const ty_octaves_def* def;
     ty_part_progress progress;
     ty_grid_medium* medium;
-    ty_discrete_light_set sources; /* fields of the current octave, as are groups */
-    ty_light_group* groups;
-    int32_t group_count;
     ty_octaves* light;
     ty_octaves_stats stats;
 } ty_octaves_job;
 
 extern const ty_option_table ty_octaves_options;
-/* Copies a caller's def to own, sets *def to own, and checks it. Errors: TY_ERROR_ARGUMENT. */
-ty_result ty_octaves_take_def(ty_context* context, const ty_octaves_def** def, ty_octaves_def* own);
-ty_image_options ty_octaves_image_options(const ty_octaves_def* def);
+extern const ty_volume_method ty_volume_octaves;
+/* Refuses a scattering scale above the extinction scale of an attenuated view. */
+ty_result ty_octaves_check_scales(ty_context* context, const void* def);
 
 /* Computes a^i, b^i and c^i of all octaves (Wrenninge 2013). */
 ty_march_octaves ty_octaves_of(const ty_octaves_def* def);

@@ -3,45 +3,7 @@
 
 #include "base/context.h"
 
-/* The groups with a dedicated field, then the aggregate of all others. */
-static ty_result light_groups(ty_octaves_job* job, float* const extinction[3], int32_t octave) {
-    ty_octaves* light = job->light;
-    ty_light_field** fields = light->fields[octave];
-    ty_light_field** aggregate = &fields[TY_OCTAVES_OWN_MAX];
-    ty_light_fluence* lights = &light->lights[octave * light->light_count];
-    const double from = job->progress.from, fraction = job->progress.share;
-    ty_result result = TY_OK;
-    int32_t dedicated_count = 0;
-    job->progress.share = fraction / ty_maxf(1, (float)job->group_count);
-    for (int32_t i = 0; i < job->group_count && result == TY_OK; ++i) {
-        const ty_light_group* group = &job->groups[i];
-        ty_light_field** field = group->dedicated ? &fields[dedicated_count] : aggregate;
-        result = ty_part_show(&job->progress, "direct light", 0);
-        if (result == TY_OK && *field == NULL)
-            result = ty_light_groups_field(job->sources.items, group->dedicated ? group : job->groups,
-                                           group->dedicated ? 1 : job->group_count, group->dedicated, job->medium,
-                                           !group->dedicated, field);
-        if (result == TY_OK)
-            result =
-                ty_uncollided_add_with_progress(job->scene, job->medium, extinction, &job->sources.items[group->first],
-                                                group->count, *field, ty_part_report, &job->progress);
-        job->progress.from += job->progress.share;
-        if (result == TY_OK && group->dedicated)
-            lights[dedicated_count++] = ty_light_group_fluence(job->sources.items, group, *field);
-    }
-    job->progress.from = from;
-    job->progress.share = fraction;
-    if (result == TY_OK && *aggregate != NULL)
-        lights[dedicated_count] = ty_light_group_fluence(job->sources.items, NULL, *aggregate);
-    return result;
-}
-
-/* Fields per octave: one per dedicated group, and one aggregate of all others. */
-static int32_t count_lights(const ty_octaves_job* job) {
-    int32_t dedicated_count = 0;
-    for (int32_t i = 0; i < job->group_count; ++i) dedicated_count += job->groups[i].dedicated;
-    return dedicated_count + (dedicated_count < job->group_count);
-}
+#include <string.h>
 
 /* b^i sigma_t on all cells. */
 static void scale_extinction(const ty_grid_medium* medium, float scale, float* const extinction[3]) {
@@ -64,22 +26,17 @@ static ty_discretize_def source_def(const ty_octaves_def* def, int32_t octave) {
 
 static ty_result light_octave(ty_octaves_job* job, float* const extinction[3], int32_t octave) {
     const ty_discretize_def def = source_def(job->def, octave);
-    ty_result result = ty_discretize_lights(job->scene, &def, &job->sources);
-    if (result != TY_OK) {
-        ty_discrete_light_set_destroy(job->context, &job->sources);
-        return result;
-    }
-    const size_t count = (size_t)job->sources.count;
-    job->groups = ty_alloc_array(job->context, count, sizeof *job->groups, false);
-    if (job->groups != NULL) {
-        job->group_count = ty_light_groups_find(job->scene, &job->medium->box, job->sources.items, job->sources.count,
-                                                TY_OCTAVES_OWN_MAX, job->groups);
-        job->light->light_count = count_lights(job);
-        scale_extinction(job->medium, job->light->octaves.extinction[octave], extinction);
-    }
-    result = job->groups != NULL ? light_groups(job, extinction, octave) : TY_ERROR_MEMORY;
-    ty_free_array(job->context, job->groups, count, sizeof *job->groups);
-    ty_discrete_light_set_destroy(job->context, &job->sources);
+    ty_octaves* light = job->light;
+    ty_light_fluence lights[TY_OCTAVES_LIGHTS_MAX];
+    ty_discrete_light_set sources;
+    ty_result result = ty_discretize_lights(job->scene, &def, &sources);
+    scale_extinction(job->medium, light->octaves.extinction[octave], extinction);
+    if (result == TY_OK)
+        result = ty_light_groups_solve(job->scene, job->medium, extinction, &sources, TY_OCTAVES_OWN_MAX,
+                                       &job->progress, light->fields[octave], lights, &light->light_count);
+    if (result == TY_OK)
+        memcpy(light->lights + octave * light->light_count, lights, (size_t)light->light_count * sizeof *lights);
+    ty_discrete_light_set_destroy(job->context, &sources);
     return result;
 }
 

@@ -1,11 +1,7 @@
 /* Multiple scattering octaves as a method; surfaces are path traced through the media. */
-#include "image/march.h"
-#include "method/method.h"
 #include "method/octaves/job.h"
 
 #include <stdio.h>
-
-_Static_assert(sizeof(ty_octaves_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");
 
 static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_octaves_stats, size), TY_STAT_INT, .count = 3},
@@ -14,23 +10,12 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_octaves_stats, medium_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_octaves_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_octaves_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
-    {.name = "bytes", .offset = offsetof(ty_octaves_stats, memory_bytes), TY_STAT_NUMBER},
+    {TY_STAT_FIELD(ty_octaves_stats, bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_octaves_stats, isa), TY_STAT_TEXT},
 };
 
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    ty_octaves_stats* octaves = ty_method_stats(run, sizeof *octaves);
-    ty_image* surfaces = NULL;
-    ty_octaves_def def = ty_default_octaves_def();
-    ty_result result = ty_method_options(scene, "octaves", &def);
-    TY_TAKE_REQUEST(&def, request);
-    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
-    def.unscattered = surfaces;
-    if (result == TY_OK) result = ty_octaves_render(scene, &def, out, octaves);
-    run->own_seconds = octaves->seconds;
-    run->path.seconds += run->own_seconds;
-    ty_image_destroy(surfaces);
-    return result;
+    return ty_volume_method_render(&ty_volume_octaves, NULL, scene, request, out, run);
 }
 
 static void describe(const ty_method_run* run, char* text, size_t size) {

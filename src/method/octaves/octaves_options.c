@@ -1,5 +1,5 @@
 /* Options of multiple scattering octaves. */
-#include "image/march.h"
+#include "image/options.h"
 #include "method/octaves/job.h"
 
 #include "base/context.h"
@@ -37,22 +37,14 @@ void ty_init_octaves_def(void* def, size_t bytes) {
     ty_options_init(&ty_octaves_options, def, bytes);
 }
 
-ty_image_options ty_octaves_image_options(const ty_octaves_def* def) {
-    return (ty_image_options){def->width, def->height, def->spp, def->seed, def->step, def->aovs};
-}
-
 /* a <= b bounds the octaves of an attenuated view: along a ray with extinction b^i sigma_t, the radiance of octave i is
  * at most (a / b)^i times the albedo (Wrenninge 2013). */
-ty_result ty_octaves_take_def(ty_context* context, const ty_octaves_def** def, ty_octaves_def* own) {
-    const ty_result result = ty_options_take(context, &ty_octaves_options, *def, own);
-    if (result != TY_OK) return result;
-    *def = own;
-    if (own->view_extinction == TY_OCTAVES_VIEW_SCALED && own->scattering > own->extinction)
-        return ty_fail(context, TY_ERROR_ARGUMENT,
-                       "octaves.scattering: %g exceeds octaves.extinction (%g), with which a scaled view gains energy",
-                       own->scattering, own->extinction);
-    const ty_image_options image = ty_octaves_image_options(own);
-    return ty_check_image(context, "octaves", &image, TY_MARCH_AOVS);
+ty_result ty_octaves_check_scales(ty_context* context, const void* def) {
+    const ty_octaves_def* own = def;
+    if (own->view_extinction != TY_OCTAVES_VIEW_SCALED || own->scattering <= own->extinction) return TY_OK;
+    return ty_fail(context, TY_ERROR_ARGUMENT,
+                   "octaves.scattering: %g exceeds octaves.extinction (%g), with which a scaled view gains energy",
+                   own->scattering, own->extinction);
 }
 
 ty_march_octaves ty_octaves_of(const ty_octaves_def* def) {

@@ -2,7 +2,8 @@
 #include "base/constants.h"
 #include "base/context.h"
 #include "direct/media/coverage.h"
-#include "method/pop/job.h"
+#include "direct/single/source_field.h"
+#include "method/pop/solution.h"
 #include "scene/check.h"
 
 #include <math.h>

@@ -1,13 +1,12 @@
 /* Entry points of the method: solve, view, render, importance. */
 #include "base/context.h"
-#include "base/isa.h"
-#include "image/march.h"
 #include "method/pop/job.h"
+#include "method/volume_method.h"
 
 #include <string.h>
 
-/* Progress after each stage, as a fraction of the solve, and the solve's fraction of a render. */
-static const double medium_until = 0.15, fine_until = 0.3, ordinates_until = 0.7, solve_fraction = 0.5;
+/* Progress after each stage, as a fraction of the solve. */
+static const double medium_until = 0.15, fine_until = 0.3, ordinates_until = 0.7;
 
 /* ---- solving ---- */
 
@@ -49,41 +48,18 @@ static void get_eye(const ty_scene* scene, float eye[3]) {
     for (int a = 0; a < 3; ++a) eye[a] = (float)camera.position[a];
 }
 
-/* fraction: the solve's fraction of the caller's progress. */
-static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double fraction, ty_pop** out,
-                       ty_pop_stats* stats) {
-    ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_scene_check_media(scene, "pop");
-    if (result != TY_OK) return result;
-    ty_pop_job job = {.context = context, .scene = scene, .def = def};
-    job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
-    job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
-    if (job.light == NULL) return TY_ERROR_MEMORY;
-    job.light->context = context;
-    job.light->def = *def;
-    get_eye(scene, job.light->eye);
-    result = run_stages(&job, fraction);
-    job.stats.seconds = ty_wall_seconds() - job.progress.begun;
-    job.stats.isa = ty_isa_name(ty_best_isa());
+static ty_result solve(ty_volume_call* call) {
+    ty_pop_job job = {.context = call->context,
+                      .scene = call->scene,
+                      .def = call->def,
+                      .progress = call->progress,
+                      .light = call->light};
+    job.light->context = call->context;
+    job.light->def = *job.def;
+    get_eye(call->scene, job.light->eye);
+    const ty_result result = run_stages(&job, call->fraction);
+    memcpy(call->stats, &job.stats, sizeof job.stats);
     end_job(&job);
-    if (result != TY_OK) {
-        ty_pop_destroy(job.light);
-        return result;
-    }
-    *stats = job.stats;
-    *out = job.light;
-    return TY_OK;
-}
-
-ty_result ty_pop_solve(const ty_scene* scene, const ty_pop_def* def, ty_pop** out, ty_pop_stats* stats) {
-    *out = NULL;
-    ty_pop_def known;
-    ty_pop_stats own;
-    ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK)
-        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_pop_stats", &own, sizeof own);
-    if (result == TY_OK) result = solve(scene, def, 1, out, &own);
-    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
     return result;
 }
 
@@ -173,37 +149,26 @@ static ty_result make_fields(const ty_pop* light, bool surfaces, fields* f) {
     return result == TY_OK && light->diffuse == NULL ? make_incident(light, f) : result;
 }
 
-static ty_result march(const ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_part_progress progress,
-                       ty_image** out, ty_pop_stats* stats) {
-    const double begun = ty_wall_seconds();
+static ty_result march(const ty_pop* light, ty_volume_call* call, ty_image** out) {
     fields f = {.outgoing = {.term_count = 0}};
-    const ty_image_options options = ty_pop_image_options(def);
-    ty_march_def march = ty_march_def_of(scene, &options);
+    const bool split = light->def.mode == TY_POP_MODE_SPLIT;
+    ty_march_def march = ty_volume_march_def(call);
     march.light_box = light->fine_box;
     march.lights = light->lights;
     march.light_count = light->light_count;
     march.reduced = true;
-    march.bilateral_sigma =
-        light->def.mode == TY_POP_MODE_SPLIT ? 0 : march.bilateral_sigma; /* otherwise Sec. 4.4 (Elek 2014) */
-    march.preserve_means = light->def.mode == TY_POP_MODE_SPLIT;
-    march.unscattered = def->unscattered;
-    march.progress = ty_part_report;
-    march.progress_user = &progress;
+    march.bilateral_sigma = split ? 0 : march.bilateral_sigma; /* otherwise Sec. 4.4 (Elek 2014) */
+    march.preserve_means = split;
     march.field = &f.outgoing;
     march.surface_field = &f.surfaces;
-    ty_result result = make_fields(light, ty_scene_get_view(scene)->mesh != NULL, &f);
-    if (result == TY_OK) result = ty_march(scene, &march, out, NULL);
+    ty_result result = make_fields(light, ty_scene_get_view(call->scene)->mesh != NULL, &f);
+    if (result == TY_OK) result = ty_march(call->scene, &march, out, NULL);
     free_fields(light, &f);
-    if (result == TY_OK) {
-        stats->march_seconds = ty_wall_seconds() - begun;
-        stats->seconds += stats->march_seconds;
-    }
     return result;
 }
 
 /* Renders from another camera position than the solve's. */
-static ty_result view_from(const ty_pop* light, const float eye[3], const ty_scene* scene, const ty_pop_def* def,
-                           ty_part_progress progress, ty_image** out, ty_pop_stats* stats) {
+static ty_result march_from(const ty_pop* light, const float eye[3], ty_volume_call* call, ty_image** out) {
     if (!light->def.keep_lobes)
         return ty_fail(
             light->context, TY_ERROR_ARGUMENT,
@@ -212,61 +177,38 @@ static ty_result view_from(const ty_pop* light, const float eye[3], const ty_sce
             (double)eye[2]);
     ty_pop moved;
     ty_result result = ty_pop_move_eye(light, eye, &moved);
-    if (result == TY_OK) result = march(&moved, scene, def, progress, out, stats);
+    if (result == TY_OK) result = march(&moved, call, out);
     ty_pop_end_view(light, &moved);
     return result;
 }
 
-ty_result ty_pop_view(const ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
-                      ty_pop_stats* stats) {
-    *out = NULL;
-    ty_pop_def known;
-    ty_pop_stats own;
-    ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK)
-        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_pop_stats", &own, sizeof own);
-    if (result != TY_OK) return result;
-    const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
+static ty_result view(ty_volume_call* call, ty_image** out) {
+    const ty_pop* light = call->light;
     float eye[3];
-    get_eye(scene, eye);
+    get_eye(call->scene, eye);
     const bool same = memcmp(eye, light->eye, sizeof eye) == 0 || light->count == 0;
-    result =
-        same ? march(light, scene, def, progress, out, &own) : view_from(light, eye, scene, def, progress, out, &own);
-    if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
-    return result;
+    return same ? march(light, call, out) : march_from(light, eye, call, out);
 }
 
-ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image** out, ty_pop_stats* stats) {
-    *out = NULL;
-    ty_pop* light = NULL;
-    ty_pop_stats own;
-    const double begun = ty_wall_seconds();
-    ty_pop_def known;
-    ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
-    if (result == TY_OK)
-        result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_pop_stats", &own, sizeof own);
-    if (result == TY_OK) result = solve(scene, def, solve_fraction, &light, &own);
-    if (result != TY_OK) return result;
-    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_fraction, 1 - solve_fraction);
-    progress.begun = begun;
-    result = march(light, scene, def, progress, out, &own);
-    ty_pop_destroy(light);
-    ty_give_stats(&own, sizeof own, stats);
-    return result;
-}
+/* ---- calls ---- */
+
+/* ty_pop_solve, ty_pop_view and ty_pop_render. */
+TY_DEFINE_VOLUME_CALLS(pop);
+
+const ty_volume_method ty_volume_pop = {TY_VOLUME_METHOD(pop), .solve_fraction = 0.5, .solve = solve, .view = view};
 
 /* ---- importance ---- */
 
 ty_result ty_pop_importance(const ty_scene* scene, const ty_pop_def* def, float* map) {
     ty_context* context = ty_scene_context(scene);
     ty_pop_def known;
-    ty_result result = ty_pop_take_def(context, &def, &known);
+    ty_result result = ty_volume_take_def(&ty_volume_pop, context, def, &known);
     if (result != TY_OK) return result;
     ty_pop light = {.context = context, .def = known};
-    ty_pop_job job = {.context = context, .scene = scene, .def = def, .light = &light};
+    ty_pop_job job = {.context = context, .scene = scene, .def = &known, .light = &light};
     result = ty_scene_check_media(scene, "pop");
     if (result == TY_OK) result = ty_pop_sample_media(&job);
-    if (result == TY_OK) result = ty_pop_importance_find(scene, def, light.medium, map);
+    if (result == TY_OK) result = ty_pop_importance_find(scene, &known, light.medium, map);
     ty_grid_medium_destroy(light.medium);
     ty_free_array(context, light.guide, light.cells, sizeof(float));
     end_job(&job);

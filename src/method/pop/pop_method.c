@@ -1,11 +1,7 @@
 /* Principal-ordinates propagation as a method; surfaces are path traced through the media. */
-#include "image/march.h"
-#include "method/method.h"
 #include "method/pop/job.h"
 
 #include <stdio.h>
-
-_Static_assert(sizeof(ty_pop_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");
 
 static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_pop_stats, ordinates), TY_STAT_INT},
@@ -27,23 +23,12 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_pop_stats, residuum_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_pop_stats, merge_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_pop_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
-    {.name = "bytes", .offset = offsetof(ty_pop_stats, memory_bytes), TY_STAT_NUMBER},
+    {TY_STAT_FIELD(ty_pop_stats, bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_pop_stats, isa), TY_STAT_TEXT},
 };
 
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    ty_pop_stats* pop = ty_method_stats(run, sizeof *pop);
-    ty_image* surfaces = NULL;
-    ty_pop_def def = ty_default_pop_def();
-    ty_result result = ty_method_options(scene, "pop", &def);
-    TY_TAKE_REQUEST(&def, request);
-    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
-    def.unscattered = surfaces;
-    if (result == TY_OK) result = ty_pop_render(scene, &def, out, pop);
-    run->own_seconds = pop->seconds;
-    run->path.seconds += run->own_seconds;
-    ty_image_destroy(surfaces);
-    return result;
+    return ty_volume_method_render(&ty_volume_pop, NULL, scene, request, out, run);
 }
 
 static void describe(const ty_method_run* run, char* text, size_t size) {

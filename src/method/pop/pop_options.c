@@ -1,5 +1,5 @@
 /* Options of principal-ordinates propagation. */
-#include "image/march.h"
+#include "image/options.h"
 #include "method/pop/job.h"
 
 static const char* const modes[] = {"split", "published", "collided", NULL};
@@ -16,7 +16,7 @@ static const ty_option options[] = {
      .flags = TY_OPTION_AUTO, .unit = "cells",
      .doc = "Cells of the grid that ordinates are brought together in, along the longest side; auto is one and a half "
             "of resolution, but at most 48 or resolution, and twice resolution in the modes published and collided."},
-    {TY_OPTION_KEY(ty_pop_def, fine_lights, "sharp"), .type = TY_OPTION_BOOL, .preset = 1,
+    {TY_OPTION_FIELD(ty_pop_def, fine_lights), .formerly = "sharp", .type = TY_OPTION_BOOL, .preset = 1,
      .doc = "Puts the first eight directional, point and spot lights through cells as fine as the medium's instead of "
             "grids of their own; mode split alone."},
     {TY_OPTION_FIELD(ty_pop_def, direct), .type = TY_OPTION_INT, .min = 4, .max = 1024, .preset = TY_AUTO,
@@ -64,16 +64,4 @@ const ty_option_table ty_pop_options = TY_OPTION_TABLE("pop", ty_pop_def, "ty_de
 
 void ty_init_pop_def(void* def, size_t bytes) {
     ty_options_init(&ty_pop_options, def, bytes);
-}
-
-ty_image_options ty_pop_image_options(const ty_pop_def* def) {
-    return (ty_image_options){def->width, def->height, def->spp, def->seed, def->step, def->aovs};
-}
-
-ty_result ty_pop_take_def(ty_context* context, const ty_pop_def** def, ty_pop_def* own) {
-    const ty_result result = ty_options_take(context, &ty_pop_options, *def, own);
-    if (result != TY_OK) return result;
-    *def = own;
-    const ty_image_options image = ty_pop_image_options(own);
-    return ty_check_image(context, "pop", &image, TY_MARCH_AOVS);
 }

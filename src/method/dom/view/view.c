@@ -1,7 +1,6 @@
 /* Images: radiance that cells scatter towards an eye. */
 #include "base/context.h"
 #include "base/sh.k.h"
-#include "image/march.h"
 #include "method/dom/solution.h"
 #include "method/dom/sources/environment.h"
 #include "method/dom/sources/sources.h"
@@ -224,14 +223,12 @@ static ty_result make_fields(const ty_dom* light, const ty_scene* scene, const d
     return result;
 }
 
-ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_part_progress progress,
-                       ty_image** out, ty_dom_stats* stats) {
-    const ty_camera_def camera = ty_scene_camera(scene);
-    const ty_image_options options = ty_dom_image_options(def);
-    const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
-    const double begun = ty_wall_seconds();
+ty_result ty_dom_march(ty_volume_call* call, ty_image** out) {
+    const ty_dom* light = call->light;
+    const ty_camera_def camera = ty_scene_camera(call->scene);
+    const bool surfaces = ty_scene_get_view(call->scene)->mesh != NULL;
     fields f = {.fine_cells = 0};
-    ty_march_def march = ty_march_def_of(scene, &options);
+    ty_march_def march = ty_volume_march_def(call);
     march.light_box = light->fine_box;
     march.lights = f.lights;
     march.light_count = light->fluence_count;
@@ -241,19 +238,10 @@ ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_
     march.surface_field = surfaces ? &f.surfaces : NULL;
     march.bilateral_sigma = 0;
     march.preserve_means = true;
-    march.unscattered = def->unscattered;
-    march.progress = ty_part_report;
-    march.progress_user = &progress;
-    ty_march_stats marched = {0};
-    ty_result result = make_fields(light, scene, camera.position, &f);
+    ty_result result = make_fields(light, call->scene, camera.position, &f);
     march.cuts = f.cuts;
     march.blurred = f.blurred;
-    if (result == TY_OK) result = ty_march(scene, &march, out, &marched);
+    if (result == TY_OK) result = ty_march(call->scene, &march, out, NULL);
     free_fields(light, &f);
-    if (result == TY_OK) {
-        stats->march_seconds = ty_wall_seconds() - begun;
-        stats->seconds += stats->march_seconds;
-        stats->isa = marched.isa;
-    }
     return result;
 }

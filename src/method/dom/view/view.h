@@ -20,8 +20,7 @@ void ty_dom_fill_hidden(const ty_dom* light, const ty_cuts* cuts, const uint8_t*
  * give the faces' irradiance. */
 void ty_dom_match_wall_irradiance(const ty_dom* light, int32_t channel, float* const terms[TY_FIELD_TERMS]);
 
-/* Image of the scene's camera. stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED. */
-ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_part_progress progress,
-                       ty_image** out, ty_dom_stats* stats);
+/* Image of the scene's camera. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED. */
+ty_result ty_dom_march(ty_volume_call* call, ty_image** out);
 
 #endif

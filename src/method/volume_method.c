@@ -1,0 +1,148 @@
+#include "method/volume_method.h"
+
+#include "base/context.h"
+#include "base/isa.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+/* ---- defs ---- */
+
+static ty_volume_options options_of(const ty_volume_method* method, const void* def) {
+    ty_volume_options options;
+    memcpy(&options, (const char*)def + method->options_at, sizeof options);
+    return options;
+}
+
+static ty_image_options image_options(const ty_volume_options* o) {
+    return (ty_image_options){o->width, o->height, o->spp, o->seed, o->step, o->aovs};
+}
+
+ty_result ty_volume_take_def(const ty_volume_method* method, ty_context* context, const void* def, void* own) {
+    ty_result result = ty_options_take(context, method->table, def, own);
+    if (result == TY_OK && method->check != NULL) result = method->check(context, own);
+    if (result != TY_OK) return result;
+    const ty_volume_options options = options_of(method, own);
+    const ty_image_options image = image_options(&options);
+    return ty_check_image(context, method->name, &image, TY_MARCH_AOVS);
+}
+
+/* ---- solving and viewing ---- */
+
+static double* seconds_at(void* stats, size_t offset) {
+    return (double*)(void*)((char*)stats + offset);
+}
+
+static void set_isa(const ty_volume_method* method, void* stats) {
+    const char* isa = ty_isa_name(ty_best_isa());
+    memcpy((char*)stats + method->isa, &isa, sizeof isa);
+}
+
+/* own: TY_VOLUME_DEF_MAX bytes. stats: the caller's, or NULL. totals: the call's, TY_METHOD_STATS_MAX bytes. */
+static ty_result begin_call(const ty_volume_method* method, const ty_scene* scene, const void* def, void* own,
+                            const void* stats, void* totals, ty_volume_call* call) {
+    ty_context* context = ty_scene_context(scene);
+    ty_result result = ty_volume_take_def(method, context, def, own);
+    if (result == TY_OK) result = ty_take_stats(context, stats, method->stats_function, totals, method->stats_bytes);
+    *call = (ty_volume_call){.context = context, .scene = scene, .def = own, .fraction = 1, .stats = totals};
+    if (result == TY_OK) call->options = options_of(method, own);
+    return result;
+}
+
+static ty_result solve(const ty_volume_method* method, ty_volume_call* call) {
+    ty_result result = ty_scene_check_media(call->scene, method->name);
+    if (result != TY_OK) return result;
+    call->progress = ty_part_begin(call->options.progress, call->options.progress_user, 0, 0);
+    call->light = ty_alloc_array(call->context, 1, method->light_bytes, true);
+    if (call->light == NULL) return TY_ERROR_MEMORY;
+    const double begun = call->progress.begun;
+    result = method->solve(call);
+    *seconds_at(call->stats, method->seconds) = ty_wall_seconds() - begun;
+    set_isa(method, call->stats);
+    if (result == TY_OK) return TY_OK;
+    method->destroy(call->light);
+    call->light = NULL;
+    return result;
+}
+
+static ty_result view(const ty_volume_method* method, ty_volume_call* call, ty_image** out) {
+    const double begun = ty_wall_seconds();
+    const ty_result result = method->view(call, out);
+    const double seconds = ty_wall_seconds() - begun;
+    if (result != TY_OK) return result;
+    *seconds_at(call->stats, method->march_seconds) = seconds;
+    *seconds_at(call->stats, method->seconds) += seconds;
+    set_isa(method, call->stats);
+    return TY_OK;
+}
+
+ty_result ty_volume_solve(const ty_volume_method* method, const ty_scene* scene, const void* def, void** out,
+                          void* stats) {
+    _Alignas(16) char own[TY_VOLUME_DEF_MAX], totals[TY_METHOD_STATS_MAX];
+    ty_volume_call call;
+    ty_result result = begin_call(method, scene, def, own, stats, totals, &call);
+    if (result == TY_OK) result = solve(method, &call);
+    *out = call.light;
+    if (result == TY_OK) ty_give_stats(totals, method->stats_bytes, stats);
+    return result;
+}
+
+ty_result ty_volume_view(const ty_volume_method* method, const void* light, const ty_scene* scene, const void* def,
+                         ty_image** out, void* stats) {
+    _Alignas(16) char own[TY_VOLUME_DEF_MAX], totals[TY_METHOD_STATS_MAX];
+    ty_volume_call call;
+    *out = NULL;
+    ty_result result = begin_call(method, scene, def, own, stats, totals, &call);
+    if (result != TY_OK) return result;
+    call.light = (void*)(uintptr_t)light; /* views leave it as it is */
+    call.progress = ty_part_begin(call.options.progress, call.options.progress_user, 0, 1);
+    result = view(method, &call, out);
+    if (result == TY_OK) ty_give_stats(totals, method->stats_bytes, stats);
+    return result;
+}
+
+ty_result ty_volume_render(const ty_volume_method* method, const ty_scene* scene, const void* def, ty_image** out,
+                           void* stats) {
+    _Alignas(16) char own[TY_VOLUME_DEF_MAX], totals[TY_METHOD_STATS_MAX];
+    const double begun = ty_wall_seconds(), fraction = method->solve_fraction;
+    ty_volume_call call;
+    *out = NULL;
+    ty_result result = begin_call(method, scene, def, own, stats, totals, &call);
+    call.fraction = fraction;
+    if (result == TY_OK) result = solve(method, &call);
+    if (result != TY_OK) return result;
+    call.progress = ty_part_begin(call.options.progress, call.options.progress_user, fraction, 1 - fraction);
+    call.progress.begun = begun;
+    result = view(method, &call, out);
+    method->destroy(call.light);
+    ty_give_stats(totals, method->stats_bytes, stats);
+    return result;
+}
+
+ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)(void* def), const ty_scene* scene,
+                                  const ty_render_request* request, ty_image** out, ty_method_run* run) {
+    _Alignas(16) char def[TY_VOLUME_DEF_MAX];
+    ty_image* surfaces = NULL;
+    ty_options_init(method->table, def, method->table->bytes);
+    ty_result result = ty_method_options(scene, method->name, def);
+    ty_volume_options options = options_of(method, def);
+    TY_TAKE_REQUEST(&options, request);
+    if (change != NULL) change(def);
+    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
+    options.unscattered = surfaces;
+    memcpy(def + method->options_at, &options, sizeof options);
+    if (result == TY_OK) result = ty_volume_render(method, scene, def, out, ty_method_stats(run, method->stats_bytes));
+    run->own_seconds = *seconds_at(run->stats, method->seconds);
+    run->path.seconds += run->own_seconds;
+    ty_image_destroy(surfaces);
+    return result;
+}
+
+ty_march_def ty_volume_march_def(ty_volume_call* call) {
+    const ty_image_options image = image_options(&call->options);
+    ty_march_def march = ty_march_def_of(call->scene, &image);
+    march.unscattered = call->options.unscattered;
+    march.progress = ty_part_report;
+    march.progress_user = &call->progress;
+    return march;
+}

@@ -1,0 +1,105 @@
+/* Methods whose light is solved once and rendered from any camera: the parts of ty_NAME_solve, ty_NAME_view,
+ * ty_NAME_render and of the registry's render that are the same in all of them. */
+#ifndef TY_METHOD_VOLUME_METHOD_H
+#define TY_METHOD_VOLUME_METHOD_H
+
+#include "base/progress.h"
+#include "image/march.h"
+#include "method/method.h"
+
+/* Fields that the defs of these methods have in this order, from `seed` to `progress_user`. */
+typedef struct ty_volume_options {
+    uint64_t seed;
+    int32_t width, height, spp;
+    double step;
+    uint32_t aovs;
+    const ty_image* unscattered;
+    ty_progress_fn progress;
+    void* progress_user;
+} ty_volume_options;
+
+/* One call in progress. */
+typedef struct ty_volume_call {
+    ty_context* context;
+    const ty_scene* scene;
+    const void* def; /* checked copy of the caller's */
+    ty_volume_options options;
+    ty_part_progress progress;
+    double fraction; /* the solve's fraction of the caller's progress */
+    void* light;     /* the method's; all zero when a solve begins */
+    void* stats;     /* the method's */
+} ty_volume_call;
+
+typedef struct ty_volume_method {
+    const char* name;
+    const ty_option_table* table;
+    size_t options_at;                                        /* offset of ty_volume_options in the def */
+    size_t light_bytes;                                       /* size of the light */
+    const char* stats_function;                               /* name of the function that makes the stats */
+    size_t stats_bytes, seconds, march_seconds, isa;          /* size of the stats, and offsets of their fields */
+    double solve_fraction;                                    /* the solve's fraction of a render's progress */
+    ty_result (*check)(ty_context* context, const void* def); /* beyond ranges; NULL: nothing */
+    ty_result (*solve)(ty_volume_call* call);
+    ty_result (*view)(ty_volume_call* call, ty_image** out);
+    void (*destroy)(void* light);
+} ty_volume_method;
+
+/* The fields of a ty_volume_method that follow from the method's name. */
+#define TY_VOLUME_METHOD(method)                                                                                       \
+    .name = #method, .table = &ty_##method##_options, .options_at = offsetof(ty_##method##_def, seed),                 \
+    .light_bytes = sizeof(ty_##method), .stats_function = "ty_default_" #method "_stats",                              \
+    .stats_bytes = sizeof(ty_##method##_stats), .seconds = offsetof(ty_##method##_stats, seconds),                     \
+    .march_seconds = offsetof(ty_##method##_stats, march_seconds), .isa = offsetof(ty_##method##_stats, isa),          \
+    .destroy = destroy_volume
+
+enum { TY_VOLUME_DEF_MAX = 512 };
+
+/* Copies a caller's def to own, of the library's size, with all ranges checked. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_volume_take_def(const ty_volume_method* method, ty_context* context, const void* def, void* own);
+
+/* ty_NAME_solve, ty_NAME_view and ty_NAME_render without their types. stats may be NULL, and is written on success
+ * (by ty_volume_render, once the light is solved). */
+ty_result ty_volume_solve(const ty_volume_method* method, const ty_scene* scene, const void* def, void** out,
+                          void* stats);
+ty_result ty_volume_view(const ty_volume_method* method, const void* light, const ty_scene* scene, const void* def,
+                         ty_image** out, void* stats);
+ty_result ty_volume_render(const ty_volume_method* method, const ty_scene* scene, const void* def, ty_image** out,
+                           void* stats);
+/* ty_method.render: path-traced surfaces under the light of media. change: alters the def; NULL: nothing. */
+ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)(void* def), const ty_scene* scene,
+                                  const ty_render_request* request, ty_image** out, ty_method_run* run);
+
+/* Defines ty_NAME_solve, ty_NAME_view and ty_NAME_render of a method whose ty_volume_method is ty_volume_NAME, and
+ * checks what TY_VOLUME_METHOD assumes of its def and stats. */
+#define TY_DEFINE_VOLUME_CALLS(method)                                                                                 \
+    ty_result ty_##method##_solve(const ty_scene* scene, const ty_##method##_def* def, ty_##method** out,              \
+                                  ty_##method##_stats* stats) {                                                        \
+        void* light;                                                                                                   \
+        const ty_result result = ty_volume_solve(&ty_volume_##method, scene, def, &light, stats);                      \
+        *out = light;                                                                                                  \
+        return result;                                                                                                 \
+    }                                                                                                                  \
+    ty_result ty_##method##_view(const ty_##method* light, const ty_scene* scene, const ty_##method##_def* def,        \
+                                 ty_image** out, ty_##method##_stats* stats) {                                         \
+        return ty_volume_view(&ty_volume_##method, light, scene, def, out, stats);                                     \
+    }                                                                                                                  \
+    ty_result ty_##method##_render(const ty_scene* scene, const ty_##method##_def* def, ty_image** out,                \
+                                   ty_##method##_stats* stats) {                                                       \
+        return ty_volume_render(&ty_volume_##method, scene, def, out, stats);                                          \
+    }                                                                                                                  \
+    static void destroy_volume(void* light) {                                                                          \
+        ty_##method##_destroy(light);                                                                                  \
+    }                                                                                                                  \
+    _Static_assert(sizeof(ty_##method##_def) <= TY_VOLUME_DEF_MAX, "a call holds the def");                            \
+    _Static_assert(sizeof(ty_##method##_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");               \
+    _Static_assert(offsetof(ty_##method##_def, unscattered) - offsetof(ty_##method##_def, seed) ==                     \
+                       offsetof(ty_volume_options, unscattered),                                                       \
+                   "the order of ty_volume_options");                                                                  \
+    _Static_assert(offsetof(ty_##method##_def, progress_user) - offsetof(ty_##method##_def, seed) ==                   \
+                       offsetof(ty_volume_options, progress_user),                                                     \
+                   "the order of ty_volume_options")
+
+/* The marcher's def with the camera, channels, surfaces and progress of a call. */
+ty_march_def ty_volume_march_def(ty_volume_call* call);
+
+#endif
