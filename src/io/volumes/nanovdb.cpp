@@ -1,6 +1,8 @@
 /* The only file that includes NanoVDB's C++ library, for writing. No exception leaves it. */
 #include "io/volumes/nanovdb.h"
 
+#include "io/output_buffer.hpp"
+
 extern "C" {
 #include "base/context.h"
 }
@@ -9,7 +11,7 @@ extern "C" {
 #include <nanovdb/util/GridBuilder.h>
 #include <nanovdb/util/IO.h>
 
-#include <fstream>
+#include <ostream>
 #include <new>
 
 namespace {
@@ -34,29 +36,28 @@ nanovdb::Map make_map(const ty_affine& map) {
 }
 
 /* A voxel is active if it differs from the background. */
-void write_grid(const ty_grid* grid, const char* name, bool zip, const char* temporary) {
+void write_grid(const ty_grid* grid, const char* name, bool zip, ty_output* output) {
     const ty_grid_info info = ty_grid_get_info(grid);
     nanovdb::GridBuilder<float> builder(info.background);
     builder(
         [&](const nanovdb::Coord& at) { return ty_grid_voxel(grid, at[0], at[1], at[2]); },
         nanovdb::CoordBBox(nanovdb::Coord(0), nanovdb::Coord(info.size[0] - 1, info.size[1] - 1, info.size[2] - 1)));
     const auto handle = builder.getHandle<>(make_map(info.index_to_local), name);
-    std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-    stream.exceptions(std::ios::failbit | std::ios::badbit);
+    ty_output_buffer buffer(output);
+    std::ostream stream(&buffer);
     nanovdb::io::writeGrid(stream, handle, zip ? nanovdb::io::Codec::ZIP : nanovdb::io::Codec::NONE);
-    stream.close();
 }
 
 } /* namespace */
 
-ty_result ty_nanovdb_build(ty_context* context, const ty_grid* grid, const char* name, bool zip, const char* path,
-                           const char* temporary) {
+ty_result ty_nanovdb_build(ty_context* context, const ty_grid* grid, const char* name, bool zip, ty_output* output) {
     try {
-        write_grid(grid, name, zip, temporary);
+        write_grid(grid, name, zip, output);
         return TY_OK;
     } catch (const std::bad_alloc&) {
-        return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory", path);
+        return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory", output->path);
     } catch (const std::exception& error) {
-        return ty_fail(context, TY_ERROR_FILE, "%s: %s", path, error.what());
+        if (output->error != 0) return TY_OK;
+        return ty_fail(context, TY_ERROR_FILE, "%s: %s", output->path, error.what());
     }
 }

@@ -155,7 +155,7 @@ ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const char* gri
     ty_output output;
     ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    result = ty_openvdb_write(context, grid, grid_name, codec, path, output.temporary);
+    result = ty_openvdb_write(context, grid, grid_name, codec, &output);
     if (result == TY_OK) return ty_output_commit(context, &output);
     ty_output_discard(context, &output);
     return result;

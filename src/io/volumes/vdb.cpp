@@ -1,6 +1,8 @@
 /* The only file that includes OpenVDB, for blosc decompression and writing. No exception leaves it. */
 #include "io/volumes/vdb.h"
 
+#include "io/output_buffer.hpp"
+
 extern "C" {
 #include "base/context.h"
 }
@@ -14,7 +16,6 @@ extern "C" {
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <new>
 #include <sstream>
 #include <vector>
@@ -91,12 +92,12 @@ bool ty_openvdb_unpack_blosc(const void* block, size_t size, void* to, size_t ra
 }
 
 ty_result ty_openvdb_write(ty_context* context, const ty_grid* grid, const char* name, const char* codec,
-                           const char* path, const char* temporary) {
-    return guarded(context, path, TY_ERROR_FILE, [&] {
+                           ty_output* output) {
+    return guarded(context, output->path, TY_ERROR_FILE, [&] {
         openvdb::initialize();
         const bool blosc = std::strcmp(codec, "blosc") == 0, zip = std::strcmp(codec, "zip") == 0;
         if (blosc && !openvdb::io::Archive::hasBloscCompression())
-            return ty_fail(context, TY_ERROR_UNSUPPORTED, "%s: OpenVDB was built without blosc", path);
+            return ty_fail(context, TY_ERROR_UNSUPPORTED, "%s: OpenVDB was built without blosc", output->path);
         const ty_grid_info info = ty_grid_get_info(grid);
         const openvdb::FloatGrid::Ptr made = openvdb::FloatGrid::create(info.background);
         made->setName(name);
@@ -108,10 +109,9 @@ ty_result ty_openvdb_write(ty_context* context, const ty_grid* grid, const char*
         archive.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK | (blosc ? openvdb::io::COMPRESS_BLOSC
                                                                     : zip ? openvdb::io::COMPRESS_ZIP
                                                                           : openvdb::io::COMPRESS_NONE));
-        std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-        stream.exceptions(std::ios::failbit | std::ios::badbit);
+        ty_output_buffer buffer(output);
+        std::ostream stream(&buffer);
         archive.write_grid(stream, made);
-        stream.close();
         return TY_OK;
     });
 }

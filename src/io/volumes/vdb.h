@@ -3,6 +3,7 @@
 #ifndef TY_IO_VDB_H
 #define TY_IO_VDB_H
 
+#include "io/file.h"
 #include "io/volumes/sparse.h"
 
 #include <tyndall/io.h>
@@ -59,9 +60,9 @@ ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, in
 
 /* OpenVDB's part. True if a blosc block of `size` bytes, its byte count included, decompresses to `raw` bytes. */
 bool ty_openvdb_unpack_blosc(const void* block, size_t size, void* to, size_t raw);
-/* Writes to the existing file `temporary`; path is for messages. */
+/* Write errors are left to the output's commit. */
 ty_result ty_openvdb_write(ty_context* context, const ty_grid* grid, const char* name, const char* codec,
-                           const char* path, const char* temporary);
+                           ty_output* output);
 
 #ifdef __cplusplus
 }
