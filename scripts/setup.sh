@@ -4,8 +4,8 @@
 set -euo pipefail
 
 # a|b: either will do; the first is installed when neither is there.
-build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopenexr-dev libimath-dev libopenvdb-dev
-  libnanovdb-dev "libboost-dev|libboost1.74-dev" libtbb-dev libpng-dev libjpeg-dev zlib1g-dev libjansson-dev
+build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopenexr-dev libimath-dev libblosc-dev
+  libopenvdb-dev libnanovdb-dev "libboost-dev|libboost1.74-dev" libtbb-dev libpng-dev libjpeg-dev zlib1g-dev libjansson-dev
   libcairo2-dev fonts-dejavu-core libcmocka-dev)
 fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)

@@ -161,8 +161,12 @@ bool ty_output_write(ty_output* output, const void* bytes, size_t size) {
     return true;
 }
 
+uint64_t ty_output_position(const ty_output* output) {
+    return output->offset + output->buffered;
+}
+
 bool ty_output_write_at(ty_output* output, const void* bytes, size_t size, uint64_t offset) {
-    if (offset != output->offset + output->buffered) {
+    if (offset != ty_output_position(output)) {
         if (!flush_buffer(output)) return false;
         output->offset = offset;
     }

@@ -6,10 +6,6 @@
 
 #include <stdio.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Opens a regular file for reading; *size is its length. The caller closes it. NULL on failure, with the cause in
  * errno (0: not a regular file). */
 FILE* ty_open_regular(const char* path, uint64_t* size);
@@ -39,6 +35,8 @@ ty_result ty_output_open(ty_context* context, const char* path, ty_output* outpu
 bool ty_output_write(ty_output* output, const void* bytes, size_t size);
 /* Writes bytes at an offset from the file's begin. */
 bool ty_output_write_at(ty_output* output, const void* bytes, size_t size, uint64_t offset);
+/* Offset of the byte after those that were written last. */
+uint64_t ty_output_position(const ty_output* output);
 ty_result ty_output_commit(ty_context* context, ty_output* output);
 void ty_output_discard(ty_context* context, ty_output* output);
 
@@ -57,7 +55,4 @@ char* ty_join_path(ty_context* context, const char* folder, const char* relative
 /* Folder part of a path: "" for a bare name, "/" for a name in the root. */
 char* ty_folder_of(ty_context* context, const char* path);
 
-#ifdef __cplusplus
-}
-#endif
 #endif
