@@ -45,7 +45,8 @@ typedef struct ty_path_def {
                             ///< NULL. It takes 56 bytes a pixel, 216 with aovs other than variance and samples, and the
                             ///< work itself takes the same.
     void* state_user;       ///< Passed on to `state`; default NULL.
-    double state_seconds;   ///< Time between two states, s; default 60.
+    double state_seconds;   ///< Time between two states, s, 0..1e9. TY_AUTO (default): 2, or 50 times the time that a
+                            ///< state takes from the threads, if that is longer, so that states take at most 2% of it.
     const void* resume;     ///< Images: a state to go on from; default NULL. A resumed render gives the same image, bit
                         ///< for bit, as an uninterrupted one, if spp, seed, size, crop, aovs, max_depth, ignore_media,
                         ///< unscattered, the scene and the instruction set (ty_path_stats.isa) are the same; spp may

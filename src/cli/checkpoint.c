@@ -2,9 +2,35 @@
 #define _GNU_SOURCE
 #include "cli/checkpoint.h"
 
+#include <dirent.h>
 #include <errno.h>
+#include <signal.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
+
+/* True for STATE.PID-N.tmp, the name under which a process writes a state, if no such process runs. */
+static bool is_left_behind(const char* name, const char* state) {
+    const size_t length = strlen(state);
+    long process = 0;
+    int number = 0, end = 0;
+    if (strncmp(name, state, length) != 0) return false;
+    if (sscanf(name + length, ".%ld-%d.tmp%n", &process, &number, &end) != 2 || end == 0) return false;
+    return name[length + (size_t)end] == '\0' && process > 0 && kill((pid_t)process, 0) != 0 && errno == ESRCH;
+}
+
+/* States are large, and each kill while one is written leaves one. */
+static void remove_left_behind(const char* path) {
+    const char* slash = strrchr(path, '/');
+    char* folder = slash == NULL ? strdup(".") : strndup(path, (size_t)(slash - path) + 1);
+    DIR* directory = folder != NULL ? opendir(folder) : NULL;
+    const struct dirent* entry;
+    while (directory != NULL && (entry = readdir(directory)) != NULL)
+        if (is_left_behind(entry->d_name, slash == NULL ? path : slash + 1))
+            unlinkat(dirfd(directory), entry->d_name, 0);
+    if (directory != NULL) closedir(directory);
+    free(folder);
+}
 
 int cli_checkpoint_open(cli_checkpoint* checkpoint, cli_session* session, const char* output) {
     *checkpoint = (cli_checkpoint){.session = session};
@@ -12,8 +38,10 @@ int cli_checkpoint_open(cli_checkpoint* checkpoint, cli_session* session, const 
         checkpoint->path = NULL;
         return cli_fail(CLI_FAILED, "not enough memory");
     }
-    const int status = cli_check_output(session->command, checkpoint->path);
+    int status = cli_check_output(session->command, checkpoint->path);
+    if (status == CLI_GO) status = cli_lock_take(&checkpoint->lock, session, checkpoint->path);
     if (status != CLI_GO) return status;
+    remove_left_behind(checkpoint->path);
     if (access(checkpoint->path, F_OK) != 0 && errno == ENOENT) return CLI_GO;
     const ty_result result =
         ty_bytes_read(session->context, checkpoint->path, PTRDIFF_MAX, &checkpoint->bytes, &checkpoint->size);
@@ -22,6 +50,7 @@ int cli_checkpoint_open(cli_checkpoint* checkpoint, cli_session* session, const 
 
 void cli_checkpoint_close(cli_checkpoint* checkpoint) {
     ty_bytes_destroy(checkpoint->session->context, checkpoint->bytes, checkpoint->size);
+    cli_lock_release(&checkpoint->lock);
     free(checkpoint->path);
 }
 

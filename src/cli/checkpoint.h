@@ -2,18 +2,20 @@
 #ifndef TY_CLI_CHECKPOINT_H
 #define TY_CLI_CHECKPOINT_H
 
-#include "cli/session.h"
+#include "cli/lock.h"
 
 typedef struct cli_checkpoint {
     cli_session* session;
     char* path;     /* OUTPUT.state */
+    cli_lock lock;  /* held while the checkpoint is open */
     uint8_t* bytes; /* state of an earlier run; NULL: none */
     size_t size;
     bool warned;
 } cli_checkpoint;
 
-/* Reads OUTPUT.state if it exists: CLI_GO, or an exit status after a message. Either way the caller closes the
- * checkpoint. */
+/* Takes the lock of OUTPUT.state, so that no other process writes it, removes temporary files that killed processes
+ * left of it, and reads it if it exists: CLI_GO, or an exit status after a message. Either way the caller closes the
+ * checkpoint, which frees the lock. */
 int cli_checkpoint_open(cli_checkpoint* checkpoint, cli_session* session, const char* output);
 void cli_checkpoint_close(cli_checkpoint* checkpoint);
 

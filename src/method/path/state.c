@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { STATE_VERSION = 2, BYTE_ORDER_MARK = 0x01020304 };
+enum { STATE_VERSION = 3, BYTE_ORDER_MARK = 0x01020304 };
 
 static const char state_magic[8] = "tyndstat";
 
@@ -32,16 +32,25 @@ size_t ty_path_state_size(const ty_path_run* run) {
     return sizeof(state_header) + (size_t)run->item_count * (sizeof *run->items + aov_sums_size(run));
 }
 
-/* Checksum over 8-byte words: states are large, and threads wait for it. size is a multiple of 8. */
+enum { LANES = 4 };
+
+static uint64_t hash_word(uint64_t hash, const uint8_t* bytes) {
+    uint64_t word;
+    memcpy(&word, bytes, sizeof word);
+    hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+    return hash ^ hash >> 29;
+}
+
+/* Checksum over 8-byte words, in independent lanes, because states are large and a single chain of multiplications
+ * waits for each of them. size is a multiple of 8. */
 static uint64_t checksum(const uint8_t* bytes, size_t size) {
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (size_t i = 0; i < size; i += sizeof hash) {
-        uint64_t word;
-        memcpy(&word, bytes + i, sizeof word);
-        hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 29;
-    }
-    return hash;
+    uint64_t lanes[LANES] = {0xcbf29ce484222325u, 1, 2, 3};
+    size_t i = 0;
+    for (; i + LANES * sizeof *lanes <= size; i += LANES * sizeof *lanes)
+        for (int k = 0; k < LANES; ++k) lanes[k] = hash_word(lanes[k], bytes + i + (size_t)k * sizeof *lanes);
+    for (; i < size; i += sizeof *lanes) lanes[0] = hash_word(lanes[0], bytes + i);
+    for (int k = 1; k < LANES; ++k) lanes[0] = hash_word(lanes[0], (const uint8_t*)&lanes[k]);
+    return lanes[0];
 }
 
 static const size_t checked_from = offsetof(state_header, library);
@@ -73,13 +82,25 @@ static state_header make_header(const ty_path_run* run, const ty_path_stats* sta
     return header;
 }
 
+/* Number of samples that `state` has of the item at an address of the state. */
+static uint32_t count_in(const uint8_t* item) {
+    uint32_t count;
+    memcpy(&count, item + offsetof(ty_path_item, count), sizeof count);
+    return count;
+}
+
 void ty_path_state_copy(const ty_path_run* run, const ty_path_stats* stats, uint8_t* state) {
     const state_header header = make_header(run, stats);
-    const size_t count = (size_t)run->item_count;
+    const size_t count = (size_t)run->item_count, item_size = sizeof *run->items, aov_size = aov_sums_size(run);
+    uint8_t* items = state + sizeof header;
+    uint8_t* aov_sums = items + count * item_size;
     memcpy(state, &header, sizeof header);
-    memcpy(state + sizeof header, run->items, count * sizeof *run->items);
-    if (run->aov_sums != NULL)
-        memcpy(state + sizeof header + count * sizeof *run->items, run->aov_sums, count * sizeof *run->aov_sums);
+    for (size_t i = 0; i < count; i += TY_PATH_BLOCK) {
+        if (run->items[i].count == count_in(items + i * item_size)) continue;
+        const size_t block = count - i < TY_PATH_BLOCK ? count - i : TY_PATH_BLOCK;
+        memcpy(items + i * item_size, run->items + i, block * item_size);
+        if (aov_size > 0) memcpy(aov_sums + i * aov_size, run->aov_sums + i, block * aov_size);
+    }
 }
 
 void ty_path_state_seal(uint8_t* state, size_t size) {

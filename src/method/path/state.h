@@ -7,8 +7,9 @@
 /* Bytes of the state of a run with allocated items. */
 size_t ty_path_state_size(const ty_path_run* run);
 
-/* Copies the run's items and statistics to `state`; sealing adds a checksum. They are separate calls because no
- * block may be merged during the copy, which must be short. Bytes of an invalid size are not sealed. */
+/* Copies to `state` the run's statistics and those of its items that have more samples than `state` has; the first time
+ * `state` is zeroed. Sealing adds a checksum. They are separate calls because no block may be merged during the copy,
+ * which must be short. Bytes of an invalid size are not sealed. */
 void ty_path_state_copy(const ty_path_run* run, const ty_path_stats* stats, uint8_t* state);
 void ty_path_state_seal(uint8_t* state, size_t size);
 
