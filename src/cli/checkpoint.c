@@ -4,9 +4,11 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* True for STATE.PID-N.tmp, the name under which a process writes a state, if no such process runs. */
@@ -54,12 +56,54 @@ void cli_checkpoint_close(cli_checkpoint* checkpoint) {
     free(checkpoint->path);
 }
 
-bool cli_checkpoint_write(void* user, const void* state, size_t size) {
-    cli_checkpoint* checkpoint = user;
+static void warn_once(cli_checkpoint* checkpoint, const char* message) {
     cli_session* session = checkpoint->session;
-    if (ty_bytes_write(session->context, checkpoint->path, state, size) == TY_OK) return true;
-    const char* message = ty_take_error(session->context);
     if (!checkpoint->warned && !session->common.quiet) cli_progress_warn(&session->progress, message);
     checkpoint->warned = true;
+}
+
+bool cli_checkpoint_write(void* user, const void* state, size_t size) {
+    cli_checkpoint* checkpoint = user;
+    if (ty_bytes_write(checkpoint->session->context, checkpoint->path, state, size) == TY_OK)
+        checkpoint->written = size;
+    else
+        warn_once(checkpoint, ty_take_error(checkpoint->session->context));
     return true;
+}
+
+/* Appends to a file that still has the size that this process gave it; sets errno on failure. */
+static bool append(const char* path, uint64_t size, const uint8_t* bytes, size_t count) {
+    struct stat status;
+    const int descriptor = open(path, O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) return false;
+    bool good = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && (uint64_t)status.st_size == size;
+    int reason = good ? 0 : ESTALE;
+    while (good && count > 0) {
+        const ssize_t done = write(descriptor, bytes, count);
+        if (done < 0 && errno == EINTR) continue;
+        good = done > 0;
+        if (!good) reason = done < 0 ? errno : EIO;
+        if (good) bytes += done;
+        if (good) count -= (size_t)done;
+    }
+    if (close(descriptor) != 0 && good) {
+        good = false;
+        reason = errno;
+    }
+    errno = reason;
+    return good;
+}
+
+bool cli_checkpoint_append(void* user, const void* changes, size_t size) {
+    cli_checkpoint* checkpoint = user;
+    if (checkpoint->written == 0) return false;
+    if (append(checkpoint->path, checkpoint->written, changes, size)) {
+        checkpoint->written += size;
+        return true;
+    }
+    char message[512];
+    snprintf(message, sizeof message, "cannot write %.400s: %s", checkpoint->path, strerror(errno));
+    checkpoint->written = 0;
+    warn_once(checkpoint, message);
+    return false;
 }

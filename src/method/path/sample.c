@@ -16,10 +16,10 @@ enum { PASS_MAX = 16, STRIDE_FIRST = 16, STRIDE_MAX = TY_PATH_BLOCK * PASS_MAX }
 /* Target duration of a thread's work between two checks for an early stop, seconds. */
 static const double stride_seconds = 2e-3;
 
-/* Saved states, where the caller leaves their time to us: seconds between two of them, the largest fraction of all
- * threads' time that they may take, and the target duration of samples that are not in a state yet because their block
- * is not merged. */
-static const double state_seconds_auto = 2, state_fraction = 0.02, merge_seconds = 0.5;
+/* Saved states with TY_AUTO: seconds between two of them, at most those where changes are handed out, the largest
+ * fraction of all threads' time that they should take, and the target duration of samples that are in no state yet
+ * because their block is not merged. */
+static const double state_seconds_auto = 2, change_seconds_max = 3, state_fraction = 0.02, merge_seconds = 0.5;
 
 typedef struct sampling {
     ty_path_run* run;
@@ -31,9 +31,11 @@ typedef struct sampling {
     double reported;
     pthread_rwlock_t items; /* read-locked while blocks are merged concurrently, write-locked while a state is copied */
     uint8_t* state;         /* NULL: no state is saved */
-    size_t state_size;
-    double saved;                /* time of the last saved state */
-    double state_period;         /* seconds until the next one */
+    uint32_t* saved_counts; /* samples of each block in the saved state */
+    bool whole_due;         /* the next state is a whole one */
+    size_t changes_size;    /* bytes of changes since the last whole state */
+    double saved;           /* time of the last saved state */
+    double state_period;    /* seconds until the next one */
     _Atomic int64_t blocks_done; /* blocks of this pass */
     _Atomic uint64_t vertices, paths;
     _Atomic uint32_t stride; /* paths that take about stride_seconds */
@@ -97,27 +99,44 @@ static ty_path_stats totals(sampling* pass) {
 }
 
 /* Time between two states such that they take at most state_fraction of the threads' time: all of them wait while a
- * state is copied, and one seals it and hands it out. */
+ * state is copied, and one seals it and hands it out. Changes need time by their samples and not by their number, so
+ * that longer periods would save little. */
 static double next_state_period(const sampling* pass, double copying, double rest) {
-    const double wanted = pass->run->def->state_seconds;
-    if (wanted != TY_AUTO) return wanted;
+    const ty_path_def* def = pass->run->def;
+    if (def->state_seconds != TY_AUTO) return def->state_seconds;
     const double cost = copying + rest / ty_context_threads(pass->run->context);
-    return fmax(state_seconds_auto, cost / state_fraction);
+    const double period = fmax(state_seconds_auto, cost / state_fraction);
+    return def->state_change != NULL ? fmin(period, change_seconds_max) : period;
+}
+
+/* Hands out a whole state, or changes; returns false if it is a whole state and the caller cancels. */
+static bool hand_out(sampling* pass, bool whole, size_t size) {
+    const ty_path_def* def = pass->run->def;
+    if (whole) {
+        pass->changes_size = 0;
+        pass->whole_due = def->state_change == NULL;
+        return def->state(def->state_user, pass->state, size);
+    }
+    pass->changes_size += size;
+    const bool kept = def->state_change(def->state_user, pass->state, size);
+    pass->whole_due = !kept || pass->changes_size >= ty_path_state_room(pass->run);
+    return true;
 }
 
 /* Saves the state if due. Other threads wait only while it is copied. */
 static void save(sampling* pass, bool always) {
-    const ty_path_def* def = pass->run->def;
     if (pass->state == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
     const double begun = ty_wall_seconds();
     if (always || begun - pass->saved >= pass->state_period) {
+        const bool whole = always || pass->whole_due;
         pthread_rwlock_wrlock(&pass->items);
         const ty_path_stats stats = totals(pass);
-        ty_path_state_copy(pass->run, &stats, pass->state);
+        if (whole) memset(pass->saved_counts, 0, ty_path_state_blocks(pass->run) * sizeof *pass->saved_counts);
+        const size_t size = ty_path_state_copy(pass->run, &stats, pass->saved_counts, pass->state);
         pthread_rwlock_unlock(&pass->items);
         const double copied = ty_wall_seconds();
-        ty_path_state_seal(pass->state, pass->state_size);
-        if (!def->state(def->state_user, pass->state, pass->state_size)) atomic_store(&pass->cancelled, true);
+        ty_path_state_seal(pass->state, size);
+        if (!hand_out(pass, whole, size)) atomic_store(&pass->cancelled, true);
         pass->saved = ty_wall_seconds();
         pass->state_period = next_state_period(pass, copied - begun, pass->saved - copied);
     }
@@ -261,14 +280,21 @@ ty_result ty_path_sample(ty_path_run* run) {
     pass.begun = pass.reported - run->stats.seconds;
     pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds;
     pass.saved = ty_wall_seconds();
-    pass.state_period = run->def->state_seconds == TY_AUTO ? state_seconds_auto : run->def->state_seconds;
+    pass.state_period = run->def->state_seconds == TY_AUTO ? 0.5 * state_seconds_auto : run->def->state_seconds;
     atomic_init(&pass.paths, run->stats.paths);
     atomic_init(&pass.vertices, run->stats.vertices);
     atomic_init(&pass.stride, STRIDE_FIRST);
-    if (run->def->state != NULL && run->request.kind == TY_PATH_PIXELS) {
-        pass.state_size = ty_path_state_size(run);
-        pass.state = ty_alloc_array(run->context, pass.state_size, 1, true);
-        if (pass.state == NULL) return TY_ERROR_MEMORY;
+    const bool saves = run->def->state != NULL && run->request.kind == TY_PATH_PIXELS;
+    const size_t room = saves ? ty_path_state_room(run) : 0, blocks = saves ? ty_path_state_blocks(run) : 0;
+    if (saves) {
+        pass.state = ty_alloc_array(run->context, room, 1, false);
+        pass.saved_counts = ty_alloc_array(run->context, blocks, sizeof *pass.saved_counts, true);
+        pass.whole_due = true;
+    }
+    if (saves && (pass.state == NULL || pass.saved_counts == NULL)) {
+        ty_free_array(run->context, pass.state, room, 1);
+        ty_free_array(run->context, pass.saved_counts, blocks, sizeof *pass.saved_counts);
+        return TY_ERROR_MEMORY;
     }
     pthread_mutex_init(&pass.lock, NULL);
     pthread_rwlock_init(&pass.items, NULL);
@@ -280,6 +306,7 @@ ty_result ty_path_sample(ty_path_run* run) {
     save(&pass, true);
     pthread_mutex_destroy(&pass.lock);
     pthread_rwlock_destroy(&pass.items);
-    ty_free_array(run->context, pass.state, pass.state_size, 1);
+    ty_free_array(run->context, pass.state, room, 1);
+    ty_free_array(run->context, pass.saved_counts, blocks, sizeof *pass.saved_counts);
     return cancelled ? TY_CANCELLED : TY_OK;
 }
