@@ -323,6 +323,8 @@ int cli_info(int count, char** arguments) {
     if (status == CLI_GO) status = cli_session_open(&session, "info", &given.common);
     if (status != CLI_GO) return status;
     const char* subject = given.positional[0];
+    cli_end_on_interrupt(true);
     status = media ? cli_info_media(&session, subject, json) : info_of_file(&session, subject, &overrides, &raw, json);
+    cli_end_on_interrupt(false);
     return cli_session_close(&session, status);
 }

@@ -5,6 +5,7 @@
 #include "cli/text_file.h"
 
 #include <errno.h>
+#include <poll.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,8 +75,8 @@ int cli_session_close(cli_session* session, int status) {
     cli_progress_clear(&session->progress);
     if (session->common.stats != NULL && session->context != NULL &&
         (status == CLI_DONE || status == CLI_INTERRUPTED)) {
-        const ty_result written = cli_write_text_file(session->context, session->common.stats, print_stats, session);
-        if (written != TY_OK) status = cli_fail_running(session, written);
+        const ty_result result = cli_write_text_file(session->context, session->common.stats, print_stats, session);
+        if (result != TY_OK) status = cli_fail_running(session, result);
     }
     ty_context_destroy(session->context);
     return status;
@@ -96,9 +97,26 @@ const char* cli_last_message(void) {
     return last_message;
 }
 
+static int fail_interrupted(void) {
+    return cli_fail(CLI_INTERRUPTED, "interrupted by %s", cli_interrupt_name());
+}
+
+/* True if stdout is a pipe that nobody reads any more. */
+static bool reader_is_gone(void) {
+    struct pollfd output = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+}
+
 int cli_finish(int status) {
-    if (fflush(stdout) == 0 || status != CLI_DONE) return status;
-    return cli_fail(CLI_FAILED, "the result cannot be printed: %s", strerror(errno));
+    static const char said[] = "interrupted";
+    if (status == CLI_INTERRUPTED && strncmp(last_message, said, sizeof said - 1) != 0) fail_interrupted();
+    errno = 0;
+    const bool printed = fflush(stdout) == 0 && !ferror(stdout);
+    const int reason = errno != 0 ? errno : EIO;
+    if (status == CLI_INTERRUPTED) return cli_interrupt_status();
+    if (printed || status != CLI_DONE) return status;
+    if (reader_is_gone()) return CLI_NO_READER;
+    return cli_fail(CLI_FAILED, "the result cannot be printed: %s", strerror(reason));
 }
 
 static int fail_with_message(cli_session* session, ty_result result, int file_status) {
@@ -106,7 +124,7 @@ static int fail_with_message(cli_session* session, ty_result result, int file_st
     const char* message = ty_take_error(session->context);
     if (message[0] == '\0') message = ty_result_text(result);
     switch (result) {
-    case TY_CANCELLED: return cli_fail(CLI_INTERRUPTED, "interrupted");
+    case TY_CANCELLED: return fail_interrupted();
     case TY_ERROR_ARGUMENT:
     case TY_ERROR_INPUT:
     case TY_ERROR_UNSUPPORTED: return cli_fail(CLI_USAGE, "%s", message);

@@ -235,5 +235,6 @@ static int make(int count, char** arguments) {
 }
 
 int main(int count, char** arguments) {
+    cli_start_program();
     return cli_finish(make(count - 1, arguments + 1));
 }

@@ -164,6 +164,8 @@ static int bake_scene(bake_run* run) {
         return CLI_DONE;
     }
     status = cli_make_folder("bake", options->folder);
+    if (status == CLI_GO) status = bake_lock(run);
+    if (status != CLI_GO) return status;
     run->copies = bake_list_copies(run, &run->copy_count);
     if (status == CLI_GO && run->copies == NULL) status = cli_fail_running(session, TY_ERROR_MEMORY);
     if (status == CLI_GO) status = bake_check_copies(run);
@@ -184,8 +186,11 @@ static int bake_scene(bake_run* run) {
 
 static int load_and_bake(cli_session* session, const bake_options* options) {
     bake_run run = {.session = session, .options = options};
+    cli_end_on_interrupt(true);
     const ty_result result = load_scene(session, options, &run.scene);
+    cli_end_on_interrupt(false);
     const int status = result == TY_OK ? bake_scene(&run) : cli_fail_reading(session, result);
+    cli_lock_release(&run.lock);
     bake_count_totals(&run);
     bake_free_plan(session, &run.plan);
     free(run.copies);
@@ -272,7 +277,8 @@ int cli_bake(int count, char** arguments) {
         "SCENE is a scene file, builtin:NAME, or a mesh file by itself. Unless told otherwise, meshes with a second "
         "set\n"
         "of texture coordinates (UV2) get lightmaps, the others light at their vertices. DIR/bake.json says what was\n"
-        "written, in which units. Interrupting (Ctrl-C) keeps what is finished and exits with 130.",
+        "written, in which units. Interrupting (Ctrl-C) keeps what is finished and exits with 130.\n"
+        "One process at a time may write to DIR; a kill costs the mesh, or the probes, under way.",
         table,
         sizeof table / sizeof table[0],
         1,
