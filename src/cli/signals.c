@@ -1,6 +1,8 @@
 /* Signals and standard streams: interruption by the user, closed streams, and what a terminal or shell sends. */
 #define _GNU_SOURCE
 #include "cli/signals.h"
+#include "cli/terminate.h"
+#include "io/file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -32,6 +34,7 @@ static void end_at_once(int number) {
     const char* path = atomic_load(&remove_path);
     const char* const parts[] = {"tyndall: interrupted by ", name_of(number), "\n"};
     if (path != NULL) unlink(path);
+    ty_remove_unfinished_outputs();
     for (int i = 0; i < 3; ++i)
         if (write(STDERR_FILENO, parts[i], strlen(parts[i])) < 0) break;
     _exit(STATUS_BASE + number);
@@ -56,6 +59,7 @@ static void open_closed_streams(void) {
 void cli_start_program(void) {
     const struct sigaction ignore = {.sa_handler = SIG_IGN};
     open_closed_streams();
+    cli_catch_termination();
     sigaction(SIGPIPE, &ignore, NULL);
     sigaction(SIGXFSZ, &ignore, NULL);
 }

@@ -6,12 +6,16 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <tyndall/io.h>
 #include <unistd.h>
 
-enum { HASH_CHUNK = 1 << 16, OUTPUT_BUFFER = 1 << 16, NAME_TRIES = 1000 };
+enum { HASH_CHUNK = 1 << 16, OUTPUT_BUFFER = 1 << 16, NAME_TRIES = 1000, OPEN_OUTPUTS_MAX = 64 };
+
+/* Names of the temporary files of open outputs. */
+static _Atomic(const char*) unfinished[OPEN_OUTPUTS_MAX];
 
 /* Opening may wait, on network file systems, and then be interrupted. */
 static int open_uninterrupted(const char* path, int flags, mode_t mode) {
@@ -80,11 +84,31 @@ void ty_free_file(ty_context* context, uint8_t* bytes, size_t size) {
     ty_free_array(context, bytes, size + 1, 1);
 }
 
+static int list_unfinished(const char* temporary) {
+    for (int slot = 0; slot < OPEN_OUTPUTS_MAX; ++slot) {
+        const char* none = NULL;
+        if (atomic_compare_exchange_strong(&unfinished[slot], &none, temporary)) return slot;
+    }
+    return -1;
+}
+
+static void unlist(int slot) {
+    if (slot >= 0) atomic_store(&unfinished[slot], NULL);
+}
+
+void ty_remove_unfinished_outputs(void) {
+    for (int slot = 0; slot < OPEN_OUTPUTS_MAX; ++slot) {
+        const char* temporary = atomic_load(&unfinished[slot]);
+        if (temporary != NULL) unlink(temporary);
+    }
+}
+
 static void free_output(ty_context* context, ty_output* output) {
+    unlist(output->slot);
     ty_free_text(context, output->path);
     ty_free_text(context, output->temporary);
     ty_free_array(context, output->buffer, OUTPUT_BUFFER, 1);
-    *output = (ty_output){.descriptor = -1};
+    *output = (ty_output){.descriptor = -1, .slot = -1};
 }
 
 static char* temporary_name(ty_context* context, const char* path, int number) {
@@ -120,12 +144,15 @@ ty_result ty_output_open(ty_context* context, const char* path, ty_output* outpu
     struct stat status;
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
         return ty_fail(context, TY_ERROR_FILE, "cannot write %s: not a regular file", path);
-    *output = (ty_output){.path = ty_copy_text(context, path), .descriptor = -1};
+    *output = (ty_output){.path = ty_copy_text(context, path), .descriptor = -1, .slot = -1};
     output->buffer = output->path == NULL ? NULL : ty_alloc_array(context, OUTPUT_BUFFER, 1, false);
     ty_result result = TY_ERROR_MEMORY;
     if (output->buffer != NULL) {
         output->descriptor = create_temporary(context, output);
-        if (output->descriptor >= 0) return TY_OK;
+        if (output->descriptor >= 0) {
+            output->slot = list_unfinished(output->temporary);
+            return TY_OK;
+        }
         if (errno != 0) result = ty_fail(context, TY_ERROR_FILE, "cannot write %s: %s", path, strerror(errno));
     }
     free_output(context, output);

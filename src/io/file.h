@@ -28,6 +28,7 @@ typedef struct ty_output {
     uint8_t* buffer;
     size_t buffered; /* bytes in buffer */
     uint64_t offset; /* of the buffer's first byte in the file */
+    int slot;        /* in the list of open outputs; -1: the list was full */
 } ty_output;
 
 ty_result ty_output_open(ty_context* context, const char* path, ty_output* output);
@@ -39,6 +40,8 @@ bool ty_output_write_at(ty_output* output, const void* bytes, size_t size, uint6
 uint64_t ty_output_position(const ty_output* output);
 ty_result ty_output_commit(ty_context* context, ty_output* output);
 void ty_output_discard(ty_context* context, ty_output* output);
+/* Removes the temporary files of all open outputs, for a process that ends at once: also a signal handler may do it. */
+void ty_remove_unfinished_outputs(void);
 
 /* Open, write and commit for content in memory. */
 ty_result ty_write_file(ty_context* context, const char* path, const void* bytes, size_t size);
