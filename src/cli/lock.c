@@ -23,6 +23,7 @@ static bool is_named(int descriptor, const char* path) {
 static int open_locked(const char* path) {
     for (;;) {
         const int descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+        if (descriptor < 0 && errno == EINTR) continue;
         if (descriptor < 0) return -1;
         if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
             const int reason = errno;

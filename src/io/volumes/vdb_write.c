@@ -40,6 +40,7 @@ typedef struct writer {
     ty_grid_info info;
     uint32_t compression;
     bool half;
+    bool failed;       /* memory was short for a compressor */
     int32_t blocks[3]; /* leaves along each side of the grid */
     slot* slots;       /* of every leaf, x slowest */
     int64_t active;    /* active voxels */
@@ -169,13 +170,15 @@ static slot node_slot(const writer* w, const int32_t block[3], unsigned log2, in
 static size_t pack(writer* w, size_t raw) {
     if ((w->compression & TY_VDB_ZIP) != 0) {
         uLongf length = PACKED_MAX;
-        if (compress2(w->packed, &length, w->raw, raw, Z_DEFAULT_COMPRESSION) != Z_OK) return 0;
-        return length < raw ? length : 0;
+        const int code = compress2(w->packed, &length, w->raw, raw, Z_DEFAULT_COMPRESSION);
+        w->failed |= code == Z_MEM_ERROR;
+        return code == Z_OK && length < raw ? length : 0;
     }
     if (raw < BLOSC_SIZE_MIN) return 0;
     const size_t value_size = w->half ? sizeof(uint16_t) : sizeof(float);
     const int length = blosc_compress_ctx(BLOSC_LEVEL, BLOSC_SHUFFLE, value_size, raw, w->raw, w->packed, PACKED_MAX,
                                           BLOSC_LZ4_COMPNAME, 0, 1);
+    w->failed |= length < 0;
     return length > 0 && (size_t)length < raw ? (size_t)length : 0;
 }
 
@@ -375,6 +378,7 @@ ty_result ty_vdb_write_file(ty_context* context, const ty_grid* grid, const char
     if (result == TY_OK) {
         classify_leaves(w);
         put_file(w, name);
+        if (w->failed) result = ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory to compress", output->path);
     }
     ty_free_array(context, w->slots, count, sizeof *w->slots);
     ty_free_array(context, w, 1, sizeof *w);
