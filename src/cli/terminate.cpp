@@ -1,3 +1,4 @@
+/* The end of a program by std::terminate: one line instead of an abort. */
 #include "cli/terminate.h"
 
 extern "C" {

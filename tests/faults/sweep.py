@@ -11,7 +11,7 @@ else the first ones and then steps. Of each run it is checked that
 - each file is as before, or the complete new one; with 0 all are new but for those that a warning names;
 - no other file is left;
 - interrupted calls (EINTR) and short writes make no difference.
-A table of group x command is printed, and every run that failed a check with the command that repeats it."""
+Tables of fault x command, and of their sums, are printed, and every run that failed a check with the command that repeats it."""
 import argparse
 import collections
 import concurrent.futures
@@ -325,16 +325,25 @@ class Sweep:
         list(pool.map(lambda job: self.run(*job), jobs))
         return len(jobs)
 
-    def print_table(self):
-        print("\n| fault | command | runs | exit 0 | exit 1 | exit 2 | " + " | ".join(PROBLEMS) + " |")
-        print("|---" * (6 + len(PROBLEMS)) + "|")
-        total = collections.Counter()
-        for (fault, name), row in self.rows.items():
-            words = f"{fault.group} {fault.error}{' from there on' if fault.forever else ''}"
-            columns = ["runs", "exit 0", "exit 1", "exit 2"] + PROBLEMS
-            total.update(row)
-            print(f"| {words} | {name} | " + " | ".join(str(row[c]) for c in columns) + " |")
-        print("| all | all | " + " | ".join(str(total[c]) for c in ["runs", "exit 0", "exit 1", "exit 2"] + PROBLEMS) + " |")
+    def print_table(self, heads, names_of):
+        """Sums of the rows that have the same names."""
+        columns = ["runs", "exit 0", "exit 1", "exit 2"] + PROBLEMS
+        sums = collections.defaultdict(collections.Counter)
+        for (fault, command), row in self.rows.items():
+            words = f"{fault.group} {fault.error}{', and all later' if fault.forever else ''}"
+            sums[names_of(words, command)].update(row)
+            sums[("all",) * len(heads)].update(row)
+        sums[("all",) * len(heads)] = sums.pop(("all",) * len(heads))
+        print("\n| " + " | ".join(heads + columns) + " |\n" + "|---" * len(heads + columns) + "|")
+        for names, row in sums.items():
+            print("| " + " | ".join(list(names) + [str(row[column]) for column in columns]) + " |")
+
+    def print_tables(self):
+        if not self.rows:
+            return
+        self.print_table(["fault", "command"], lambda fault, command: (fault, command))
+        self.print_table(["fault"], lambda fault, command: (fault,))
+        self.print_table(["command"], lambda fault, command: (command,))
 
 
 def main():
@@ -356,7 +365,7 @@ def main():
     sweep = Sweep(options)
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         count = sweep.sweep(pool)
-    sweep.print_table()
+    sweep.print_tables()
     for failure in sweep.failures:
         print("FAILED:", failure)
     print(f"{count} runs, {len(sweep.failures)} failed")
