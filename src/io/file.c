@@ -46,7 +46,7 @@ ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uin
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "a file name is NULL");
     *stream = ty_open_regular(path, size);
     if (*stream != NULL) return TY_OK;
-    return ty_fail(context, TY_ERROR_FILE, "cannot open %s: %s", path,
+    return ty_fail(context, errno == ENOMEM ? TY_ERROR_MEMORY : TY_ERROR_FILE, "cannot open %s: %s", path,
                    errno != 0 ? strerror(errno) : "not a regular file");
 }
 

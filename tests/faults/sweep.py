@@ -142,7 +142,8 @@ def without_numbers(name, content):
 class Reference:
     """The files of runs without faults; bytes in which such runs differ (times, identifiers) do not count."""
 
-    def __init__(self, runs):
+    def __init__(self, runs, printed):
+        self.printed = printed
         self.files = {}
         for name in runs[0]:
             contents = [without_numbers(name, run[name]) for run in runs]
@@ -218,27 +219,27 @@ class Sweep:
                 "TYNDALL_FAULT_REPORT": str(folder) + ".report"}
 
     def execute(self, case, folder, settings):
-        """Exit status (None: it hung), stderr, numbers of the report."""
+        """Exit status (None: it hung), stdout, stderr, numbers of the report."""
         environment = {**self.environment, **settings}
         process = subprocess.Popen(self.command(case), cwd=folder, env=environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
         try:
-            _, errors = process.communicate(timeout=TIME_LIMIT)
+            printed, errors = process.communicate(timeout=TIME_LIMIT)
             status = process.returncode
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
-            _, errors = process.communicate()
+            printed, errors = process.communicate()
             status = None
         report = pathlib.Path(str(folder) + ".report")
         numbers = struct.unpack(f"<{1 + len(GROUPS)}q", report.read_bytes())
         report.unlink()
-        return status, errors.decode(errors="replace"), numbers
+        return status, printed, errors.decode(errors="replace"), numbers
 
     def reference(self, case):
         runs, calls = [], None
         for _ in range(3):
             folder = self.prepare(case, [])
-            status, errors, numbers = self.execute(case, folder, self.settings(Fault("none", "EIO", False), 0, folder))
+            status, printed, errors, numbers = self.execute(case, folder, self.settings(Fault("none", "EIO", False), 0, folder))
             if status != 0:
                 sys.exit(f"{case.name}: exit status {status} without a fault: {errors}")
             runs.append(files_below(folder))
@@ -248,9 +249,10 @@ class Sweep:
             if not any(name == o or name.startswith(o + "/") for o in case.outputs):
                 for run in runs:
                     run.pop(name, None)
-        return Reference(runs), calls
+        # What a command prints that writes no file: numbers of the images.
+        return Reference(runs, None if case.outputs else printed), calls
 
-    def problem(self, case, fault, reference, earlier, folder, status, errors, failed):
+    def problem(self, fault, reference, earlier, folder, status, errors, failed):
         """The first check that the run fails, and the words to say so; (None, "")."""
         if status is None:
             return "hang", f"no end within {TIME_LIMIT} s"
@@ -282,9 +284,11 @@ class Sweep:
         folder = self.prepare(case, reference.files)
         earlier = files_below(folder)
         settings = self.settings(fault, at, folder)
-        status, errors, numbers = self.execute(case, folder, settings)
+        status, printed, errors, numbers = self.execute(case, folder, settings)
         failed = numbers[0] > 0
-        kind, words = self.problem(case, fault, reference, earlier, folder, status, errors, failed)
+        kind, words = self.problem(fault, reference, earlier, folder, status, errors, failed)
+        if kind is None and status == 0 and reference.printed not in (None, printed):
+            kind, words = "status", f"exit status 0, and it printed {printed[:200]}"
         row = self.rows[(fault, case.name)]
         row["runs"] += 1
         row[f"exit {status}"] += 1

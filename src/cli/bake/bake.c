@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "cli/bake/bake.h"
 #include "cli/commands.h"
+#include "cli/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,23 +22,21 @@ static bool is_mesh_file(const char* path) {
 static ty_result load_mesh_file(cli_session* session, const bake_options* options, ty_scene** out) {
     const char* slash = strrchr(options->scene, '/');
     const size_t folder_length = slash == NULL ? 0 : (size_t)(slash - options->scene) + 1;
-    char *text = NULL, *folder = strndup(options->scene, folder_length);
-    size_t size = 0;
-    FILE* file = open_memstream(&text, &size);
+    cli_text memory;
+    if (!cli_text_open(&memory)) return TY_ERROR_MEMORY;
+    json_writer json = json_begin(memory.file);
+    json_open_object(&json, NULL);
+    json_int(&json, "tyndall", 1);
+    json_open_array(&json, "geometry");
+    json_open_object(&json, NULL);
+    json_text(&json, "file", options->scene + folder_length);
+    json_close_object(&json);
+    json_close_array(&json);
+    json_close_object(&json);
+    char *text = cli_text_close(&memory), *folder = strndup(options->scene, folder_length);
     ty_result result = TY_ERROR_MEMORY;
-    if (file != NULL && folder != NULL) {
-        json_writer json = json_begin(file);
-        json_open_object(&json, NULL);
-        json_int(&json, "tyndall", 1);
-        json_open_array(&json, "geometry");
-        json_open_object(&json, NULL);
-        json_text(&json, "file", options->scene + folder_length);
-        json_close_object(&json);
-        json_close_array(&json);
-        json_close_object(&json);
-    }
-    if (file != NULL && fclose(file) == 0 && folder != NULL)
-        result = ty_scene_parse(session->context, text, size, options->scene, folder, options->overrides.items,
+    if (text != NULL && folder != NULL)
+        result = ty_scene_parse(session->context, text, memory.size, options->scene, folder, options->overrides.items,
                                 options->overrides.count, out);
     free(text);
     free(folder);

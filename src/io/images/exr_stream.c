@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Stream of the calling thread's file. Writing calls the error handler with the context's lock held, which
@@ -41,11 +42,20 @@ static int64_t write_bytes(exr_const_context_t exr, void* user, const void* buff
     return -1;
 }
 
+/* Without memory the library may skip an attribute of a header, such as the data window, and go on. */
+static void* allocate(size_t size) {
+    void* block = malloc(size);
+    if (block == NULL && current_stream != NULL) current_stream->out_of_memory = true;
+    return block;
+}
+
 exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream) {
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     current_stream = stream;
     setup.error_handler_fn = store_message;
     setup.user_data = stream;
+    setup.alloc_fn = allocate;
+    setup.free_fn = free;
     setup.read_fn = read_bytes;
     setup.size_fn = byte_count;
     setup.write_fn = write_bytes;
@@ -61,7 +71,7 @@ void ty_exr_stream_end(void) {
 
 ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, const ty_exr_stream* stream,
                       exr_result_t code) {
-    if (code == EXR_ERR_OUT_OF_MEMORY)
+    if (code == EXR_ERR_OUT_OF_MEMORY || stream->out_of_memory)
         return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory for OpenEXR", path);
     return ty_fail(context, result, "%s: %s", path,
                    stream->message[0] != '\0' ? stream->message : exr_get_default_error_message(code));

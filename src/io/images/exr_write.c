@@ -98,6 +98,7 @@ ty_result ty_image_write_exr(ty_context* context, const ty_image* image, const c
         if (code == EXR_ERR_SUCCESS) code = finished;
     }
     ty_exr_stream_end();
+    if (code == EXR_ERR_SUCCESS && s.out_of_memory) code = EXR_ERR_OUT_OF_MEMORY;
     if (code == EXR_ERR_SUCCESS || output.error != 0) return ty_output_commit(context, &output);
     ty_output_discard(context, &output);
     return ty_exr_fail(context, TY_ERROR_FILE, path, &s, code);

@@ -6,6 +6,7 @@
 #include "base/half.h"
 
 #include <blosc.h>
+#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -93,6 +94,16 @@ static bool check_blosc(const uint8_t* packed, size_t size, size_t raw) {
     return head[1] == raw && head[2] != 0 && head[3] == size;
 }
 
+/* Blosc does not check its allocation of three blocks, so whether there is memory is tried first. */
+static bool unpack_blosc(const uint8_t* packed, void* to, size_t raw) {
+    uint32_t head[4];
+    memcpy(head, packed, sizeof head);
+    void* volatile trial = malloc(3 * (size_t)head[2] + BLOSC_HEAD);
+    if (trial == NULL) return false;
+    free(trial);
+    return blosc_decompress_ctx(packed, to, raw, 1) == (int)raw;
+}
+
 /* Reads the values as one block: plain, or a byte count (negative: uncompressed, positive: compressed) and the
  * bytes. */
 static bool read_block(tree_cursor* w, node_values* values) {
@@ -162,7 +173,7 @@ static bool unpack(const tree* t, const node_values* values, uint8_t* to, const 
     const size_t raw = values->stored_count * t->stored_size;
     *plain = values->packed_size == 0 ? values->stored : to;
     if (values->packed_size == 0) return true;
-    if ((t->compression & TY_VDB_BLOSC) != 0) return blosc_decompress_ctx(values->stored, to, raw, 1) == (int)raw;
+    if ((t->compression & TY_VDB_BLOSC) != 0) return unpack_blosc(values->stored, to, raw);
     uLongf length = raw;
     return uncompress(to, &length, values->stored, values->packed_size) == Z_OK && length == raw;
 }
