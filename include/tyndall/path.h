@@ -60,7 +60,7 @@ typedef struct ty_path_def {
     ty_path_state_fn state_change; ///< Images: receives the changes since the last call of `state` or of itself, in
                                    ///< place of most states, which it is cheaper to keep; default NULL. A state
                                    ///< followed by all its changes is a state. A return value of false asks for a whole
-                                   ///< state next, as comes by itself once changes are as large as one, and at the end.
+                                   ///< state next, as comes by itself once changes are twice as large as one, and at the end.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.

@@ -203,7 +203,7 @@ int cli_render(int count, char** arguments) {
         {"aov", 0, CLI_TEXT, "NAME,...", "also write these channels to the EXR (see above)", &options.aov, 0, 0, NULL},
         {"resume", 0, CLI_FLAG, NULL, "go on from FILE.state if it is there, and keep it up to date", &options.resume,
          0, 0, NULL},
-        {"checkpoint", 0, CLI_REAL, "SECONDS", "how often --resume writes FILE.state (default: see above)",
+        {"checkpoint", 0, CLI_REAL, "SECONDS", "time between two states of --resume (default: 2 or 3, see above)",
          &options.checkpoint, 0.05, 1e6, &options.checkpoint_given},
     };
     const cli_syntax syntax = {
@@ -217,11 +217,11 @@ int cli_render(int count, char** arguments) {
         "it chose and why. --time, --error, --resume and --crop ask for path, which alone can do that; so does --spp,\n"
         "but for --method auto: other methods take it for surfaces.\n\n"
         "With --resume the same command goes on where the last one was interrupted, also by a crash, and ends with\n"
-        "the same image; the seconds of all runs count for --time, and --spp may be larger than before. FILE.state is\n"
-        "written every 2 seconds, so that a kill or a crash costs at most 5 seconds of work, or, where writing it "
-        "takes\n"
-        "more than 2% of that time (large images on few threads, slow disks), that much less often. One process at a\n"
-        "time may use it.\n\n"
+        "the same image; the seconds of all runs count for --time, and --spp may be larger than before. What changed "
+        "is\n"
+        "added to FILE.state every 2 or 3 seconds, so that a kill costs at most 5 seconds of work, as long as the "
+        "disk\n"
+        "takes it within one. One process at a time may use FILE.state.\n\n"
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
         "media\n"
         "scattered once, and otherwise), albedo (fraction that media scatter), normal, variance (of the pixels),\n"

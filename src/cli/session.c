@@ -141,6 +141,16 @@ int cli_fail_running(cli_session* session, ty_result result) {
     return fail_with_message(session, result, CLI_FAILED);
 }
 
+/* True for links of the system like /dev/stdout: an output would take their place, for all programs. */
+static bool is_system_link(const char* folder, const char* path) {
+    struct stat status;
+    if (lstat(path, &status) != 0 || !S_ISLNK(status.st_mode)) return false;
+    char* real = realpath(folder, NULL);
+    const bool system = real != NULL && (strcmp(real, "/dev") == 0 || strncmp(real, "/proc/", 6) == 0);
+    free(real);
+    return system;
+}
+
 int cli_check_output(const char* command, const char* path) {
     const char* slash = strrchr(path, '/');
     char* folder = slash == NULL ? strdup(".") : slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
@@ -155,7 +165,7 @@ int cli_check_output(const char* command, const char* path) {
         result = cli_usage_error(command, "%s: %s is not a folder", path, folder);
     else if (access(folder, W_OK | X_OK) != 0)
         result = cli_usage_error(command, "%s: the folder %s cannot be written to: %s", path, folder, strerror(errno));
-    else if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+    else if ((stat(path, &status) == 0 && !S_ISREG(status.st_mode)) || is_system_link(folder, path))
         result = cli_usage_error(command, "%s: is there already and is not a file", path);
     free(folder);
     return result;

@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -114,7 +115,11 @@ static void free_output(ty_context* context, ty_output* output) {
 static char* temporary_name(ty_context* context, const char* path, int number) {
     char suffix[48];
     snprintf(suffix, sizeof suffix, ".%ld-%d.tmp", (long)getpid(), number);
-    const size_t length = strlen(path), suffix_length = strlen(suffix);
+    const char* slash = strrchr(path, '/');
+    const size_t start = slash == NULL ? 0 : (size_t)(slash - path) + 1, suffix_length = strlen(suffix);
+    size_t length = strlen(path);
+    /* The longest names lose their end, so that there is room for the suffix. */
+    if (length - start > NAME_MAX - suffix_length) length = start + NAME_MAX - suffix_length;
     char* name = ty_alloc_array(context, length + suffix_length + 1, 1, false);
     if (name == NULL) return NULL;
     memcpy(name, path, length);

@@ -119,7 +119,7 @@ static bool hand_out(sampling* pass, bool whole, size_t size) {
     }
     pass->changes_size += size;
     const bool kept = def->state_change(def->state_user, pass->state, size);
-    pass->whole_due = !kept || pass->changes_size >= ty_path_state_room(pass->run);
+    pass->whole_due = !kept || pass->changes_size >= 2 * ty_path_state_room(pass->run);
     return true;
 }
 
