@@ -9,8 +9,11 @@ packages=$(realpath "${1:-build/package}")
 command -v debootstrap > /dev/null || apt-get install -y -qq --no-install-recommends debootstrap > /dev/null
 ls "$packages"/*.deb > /dev/null 2>&1 || { echo "try_package: no packages in $packages; make package" >&2; exit 2; }
 
-root=$(mktemp -d)
-trap 'rm -rf --one-file-system "$root"' EXIT
+work=$(mktemp -d)
+root=$work/root
+trap 'rm -rf --one-file-system "$work"' EXIT
+mkdir "$work/packages"
+cp "$packages"/*.deb "$work/packages/"
 inside() {
   chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"
 }
@@ -19,20 +22,20 @@ step() {
 }
 # quietly COMMAND...: its output is shown when it fails.
 quietly() {
-  "$@" > "$root/step.log" 2>&1 || { cat "$root/step.log" >&2; echo "try_package: failed: $*" >&2; exit 1; }
+  "$@" > "$work/step.log" 2>&1 || { cat "$work/step.log" >&2; echo "try_package: failed: $*" >&2; exit 1; }
 }
 get() {
   quietly inside apt-get install -y --no-install-recommends "$@"
 }
 files() { # but for apt's and dpkg's own records
   (cd "$root" && find . -xdev \( -path ./var/lib/dpkg -o -path ./var/lib/apt -o -path ./var/cache -o -path ./var/log \
-    -o -path ./proc -o -path ./packages -o -path ./trial -o -path ./step.log \) -prune -o -print | sort)
+    -o -path ./proc -o -path ./packages -o -path ./trial \) -prune -o -print | sort)
 }
 
 step "a bare system by debootstrap"
 quietly debootstrap --variant=minbase bookworm "$root" "${DEBIAN_MIRROR:-http://deb.debian.org/debian}"
-mkdir "$root/packages" "$root/trial"
-cp "$packages"/*.deb "$root/packages/"
+mkdir "$root/trial"
+cp -r "$work/packages" "$root/packages"
 cp -r examples "$root/trial/"
 files > "$root/trial/before.txt"
 
