@@ -11,7 +11,11 @@ ls "$packages"/*.deb > /dev/null 2>&1 || { echo "try_package: no packages in $pa
 
 work=$(mktemp -d)
 root=$work/root
-trap 'rm -rf --one-file-system "$work"' EXIT
+clean_up() {
+  ! mountpoint -q "$root/proc" || umount "$root/proc"
+  rm -rf --one-file-system "$work"
+}
+trap clean_up EXIT
 mkdir "$work/packages"
 cp "$packages"/*.deb "$work/packages/"
 inside() {
@@ -34,6 +38,7 @@ files() { # but for apt's and dpkg's own records
 
 step "a bare system by debootstrap"
 quietly debootstrap --variant=minbase bookworm "$root" "${DEBIAN_MIRROR:-http://deb.debian.org/debian}"
+mount -t proc proc "$root/proc" # by which the tool finds its programs
 mkdir "$root/trial"
 cp -r "$work/packages" "$root/packages"
 cp -r examples "$root/trial/"
