@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what the build needs, if anything is missing (Debian 12 and its relatives).
-# usage: scripts/setup.sh [build|fuzz|format|docs|page]...   (default: build)
+# usage: scripts/setup.sh [build|fuzz|format|tidy|docs|page|package]...   (default: build)
 set -euo pipefail
 
 # a|b: either will do; the first is installed when neither is there.
@@ -11,6 +11,7 @@ fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)
 tidy=(clang-tidy python3)
 docs=(doxygen)
+package=(dpkg-dev file)
 page=("chromium|chromium-browser|google-chrome-stable" python3) # tests of compare's report.html
 
 needed=()
@@ -22,7 +23,8 @@ for group in "${@:-build}"; do
     tidy) needed+=("${tidy[@]}") ;;
     docs) needed+=("${docs[@]}") ;;
     page) needed+=("${page[@]}") ;;
-    *) echo "setup: unknown group '$group'; known: build, fuzz, format, tidy, docs, page" >&2; exit 2 ;;
+    package) needed+=("${package[@]}") ;;
+    *) echo "setup: unknown group '$group'; known: build, fuzz, format, tidy, docs, page, package" >&2; exit 2 ;;
   esac
 done
 
