@@ -218,7 +218,8 @@ int cli_write_page(const char* path, cli_print_fn print, const void* user) {
     }
     ty_result result = ty_context_create(&def, &context);
     if (result == TY_OK) result = cli_write_text_file(context, path, print, user);
-    if (result != TY_OK) cli_print_message(ty_take_error(context));
+    const char* message = ty_take_error(context);
+    if (result != TY_OK) cli_print_message(message[0] != '\0' ? message : ty_result_text(result));
     ty_context_destroy(context);
     return result == TY_OK ? CLI_DONE : CLI_FAILED;
 }
