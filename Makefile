@@ -1,5 +1,5 @@
 # The few things one wants without knowing the build. Everything below is CMake (CMakePresets.json).
-.PHONY: all demo test validate docs figures performance fuzz tsan tidy format format-check clean
+.PHONY: all demo test validate docs figures performance fuzz tsan tidy format format-check package clean
 .DEFAULT_GOAL := all
 
 sources = $(shell find include src tools tests examples -name '*.[ch]' -o -name '*.cpp')
@@ -83,6 +83,11 @@ format:
 format-check:
 	@scripts/setup.sh format
 	@clang-format --dry-run --Werror $(sources)
+
+# Debian packages, build/package/*.deb; scripts/try_package.sh tries them in a bare system.
+package:
+	@scripts/setup.sh build package
+	@scripts/package.sh
 
 clean:
 	rm -rf build out

@@ -8,18 +8,12 @@ find_package(JPEG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
 
-if(NOT TARGET PkgConfig::JANSSON)
-  pkg_check_modules(JANSSON REQUIRED IMPORTED_TARGET GLOBAL jansson)
-endif()
+foreach(library jansson blosc)
+  string(TOUPPER ${library} name)
+  if(NOT TARGET PkgConfig::${name})
+    pkg_check_modules(${name} REQUIRED IMPORTED_TARGET GLOBAL ${library})
+  endif()
+endforeach()
 
-find_library(TYNDALL_OPENVDB_LIBRARY openvdb REQUIRED)
-find_path(TYNDALL_OPENVDB_INCLUDE_DIR openvdb/openvdb.h REQUIRED)
 find_path(TYNDALL_NANOVDB_INCLUDE_DIR nanovdb/PNanoVDB.h REQUIRED) # headers only
-mark_as_advanced(TYNDALL_OPENVDB_LIBRARY TYNDALL_OPENVDB_INCLUDE_DIR TYNDALL_NANOVDB_INCLUDE_DIR)
-if(NOT TARGET tyndall::openvdb)
-  add_library(tyndall::openvdb UNKNOWN IMPORTED GLOBAL)
-  set_target_properties(tyndall::openvdb PROPERTIES
-    IMPORTED_LOCATION "${TYNDALL_OPENVDB_LIBRARY}"
-    INTERFACE_INCLUDE_DIRECTORIES "${TYNDALL_OPENVDB_INCLUDE_DIR};${TYNDALL_NANOVDB_INCLUDE_DIR}"
-    INTERFACE_LINK_LIBRARIES "TBB::tbb;Imath::Imath")
-endif()
+mark_as_advanced(TYNDALL_NANOVDB_INCLUDE_DIR)

@@ -1,18 +1,21 @@
-# What `cmake --install` puts where: library, headers, tool, pkg-config file, CMake package.
+# What `cmake --install` puts where: library, headers, tool, pkg-config file, CMake package. Its components (tool, library,
+# development) are the packages of tyndallPackage.cmake.
 include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/tyndall")
 install(TARGETS tyndall EXPORT tyndallTargets
-  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development
+  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library NAMELINK_COMPONENT development)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/tyndall" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
-  FILES_MATCHING PATTERN "*.h")
+  COMPONENT development FILES_MATCHING PATTERN "*.h")
 if(TYNDALL_CLI)
-  install(TARGETS tyndall_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(TARGETS tyndall_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT tool)
 endif()
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+if(NOT TYNDALL_PACKAGE) # packages have a file of Debian's form in its place
+  install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT tool)
+endif()
 
-install(EXPORT tyndallTargets NAMESPACE tyndall:: DESTINATION "${package_dir}")
+install(EXPORT tyndallTargets NAMESPACE tyndall:: DESTINATION "${package_dir}" COMPONENT development)
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/tyndallConfig.cmake.in"
   "${PROJECT_BINARY_DIR}/package/tyndallConfig.cmake" INSTALL_DESTINATION "${package_dir}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/package/tyndallConfigVersion.cmake"
@@ -21,17 +24,18 @@ install(FILES
   "${PROJECT_BINARY_DIR}/package/tyndallConfig.cmake"
   "${PROJECT_BINARY_DIR}/package/tyndallConfigVersion.cmake"
   "${PROJECT_SOURCE_DIR}/cmake/tyndallDependencies.cmake"
-  DESTINATION "${package_dir}")
+  DESTINATION "${package_dir}" COMPONENT development)
 
 # A static library's users link what it is made of; a shared one brings it along.
 set(TYNDALL_PC_REQUIRES "")
 set(TYNDALL_PC_LIBS "")
 if(NOT BUILD_SHARED_LIBS)
-  set(TYNDALL_PC_REQUIRES "jansson libpng libjpeg zlib")
-  set(TYNDALL_PC_LIBS " -lembree3 -lOpenEXR -lIex -lOpenEXRCore -lopenvdb -ltbb -lImath -lstdc++ -lm -pthread")
+  set(TYNDALL_PC_REQUIRES "jansson libpng libjpeg zlib blosc")
+  set(TYNDALL_PC_LIBS " -lembree3 -lOpenEXR -lIex -lOpenEXRCore -lImath -lstdc++ -lm -pthread")
 endif()
 file(RELATIVE_PATH TYNDALL_PC_UP "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
 file(RELATIVE_PATH TYNDALL_PC_LIBDIR "${CMAKE_INSTALL_PREFIX}" "${CMAKE_INSTALL_FULL_LIBDIR}")
 file(RELATIVE_PATH TYNDALL_PC_INCLUDEDIR "${CMAKE_INSTALL_PREFIX}" "${CMAKE_INSTALL_FULL_INCLUDEDIR}")
 configure_file("${PROJECT_SOURCE_DIR}/cmake/tyndall.pc.in" "${PROJECT_BINARY_DIR}/package/tyndall.pc" @ONLY)
-install(FILES "${PROJECT_BINARY_DIR}/package/tyndall.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+install(FILES "${PROJECT_BINARY_DIR}/package/tyndall.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+  COMPONENT development)

@@ -9,12 +9,13 @@ if(NOT tyndall_sanitizers AND NOT CMAKE_CROSSCOMPILING)
   add_custom_command(OUTPUT "${PROJECT_BINARY_DIR}/man1/tyndall.1"
     COMMAND tyndall_cli help --man "${PROJECT_BINARY_DIR}/man1" DEPENDS ${manual_programs} VERBATIM)
   add_custom_target(tyndall_man ALL DEPENDS "${PROJECT_BINARY_DIR}/man1/tyndall.1")
-  install(DIRECTORY "${PROJECT_BINARY_DIR}/man1" DESTINATION "${CMAKE_INSTALL_MANDIR}" FILES_MATCHING PATTERN "*.1")
+  install(DIRECTORY "${PROJECT_BINARY_DIR}/man1" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT tool
+    FILES_MATCHING PATTERN "*.1")
   file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/completion")
   add_custom_command(OUTPUT "${PROJECT_BINARY_DIR}/completion/tyndall"
     COMMAND tyndall_cli help --completion bash > "${PROJECT_BINARY_DIR}/completion/tyndall"
     DEPENDS ${manual_programs} VERBATIM)
   add_custom_target(tyndall_completion ALL DEPENDS "${PROJECT_BINARY_DIR}/completion/tyndall")
   install(DIRECTORY "${PROJECT_BINARY_DIR}/completion/"
-    DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
+    DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" COMPONENT tool)
 endif()

@@ -6,7 +6,7 @@ enum { KEPT_MAX = 64 };
 /* Keeps what is handed out; stops the work after so many states. */
 typedef struct keeper {
     uint8_t* bytes[KEPT_MAX];
-    size_t size;
+    size_t sizes[KEPT_MAX];
     int calls, every, kept, stop_at; /* stop_at 0: never */
 } keeper;
 
@@ -16,9 +16,9 @@ static bool keep(void* user, const void* state, size_t size) {
     if (k->every > 0 && k->calls % k->every == 0 && k->kept < KEPT_MAX) {
         k->bytes[k->kept] = malloc(size);
         assert_non_null(k->bytes[k->kept]);
-        memcpy(k->bytes[k->kept++], state, size);
+        memcpy(k->bytes[k->kept], state, size);
+        k->sizes[k->kept++] = size;
     }
-    k->size = size;
     return k->calls != k->stop_at;
 }
 
@@ -52,7 +52,7 @@ static uint8_t* stopped_state(const ty_scene* scene, const ty_path_def* wanted, 
     ty_image_destroy(image);
     assert_true(k.kept > 0);
     uint8_t* last = k.bytes[--k.kept];
-    *size = k.size;
+    *size = k.sizes[k.kept];
     forget(&k);
     return last;
 }
@@ -81,7 +81,7 @@ static void any_state_leads_to_the_same_image(void** state) {
     for (int i = 0; i < k.kept; ++i) {
         ty_path_def again = kept_def(40, &nobody);
         again.resume = k.bytes[i];
-        again.resume_size = k.size;
+        again.resume_size = k.sizes[i];
         ty_path_stats stats = ty_default_path_stats();
         ty_image* image = render(scene, &again, &stats);
         assert_true(same_images(image, plain));
@@ -117,7 +117,7 @@ static void renders_survive_many_interruptions(void** state) {
         assert_true(k.kept > 0);
         free(last);
         last = k.bytes[--k.kept];
-        size = k.size;
+        size = k.sizes[k.kept];
         forget(&k);
         assert_true(runs < 1000);
     }
@@ -139,7 +139,7 @@ static void more_samples_may_follow(void** state) {
     ty_path_def more = kept_def(30, &nobody);
     ty_image* plain = render(scene, &more, NULL);
     more.resume = k.bytes[0];
-    more.resume_size = k.size;
+    more.resume_size = k.sizes[0];
     ty_image* image = render(scene, &more, NULL);
     assert_true(same_images(image, plain));
     more.spp = 6;
@@ -188,7 +188,7 @@ static void time_bounds_survive_interruptions(void** state) {
     ty_path_stats first = ty_default_path_stats(), second = ty_default_path_stats();
     ty_image_destroy(render(scene, &def, &first));
     def.resume = k.bytes[0];
-    def.resume_size = k.size;
+    def.resume_size = k.sizes[0];
     ty_image* image = render(scene, &def, &second);
     assert_true(second.paths == first.paths && second.seconds >= first.seconds);
     ty_image_destroy(image);
@@ -204,6 +204,92 @@ static void refuse(ty_context* context, const ty_scene* scene, ty_path_def def, 
     assert_int_equal(ty_path_render(scene, &def, &image, NULL), TY_ERROR_INPUT);
     assert_error(context, words);
     assert_null(image);
+}
+
+/* The bytes of a state and its changes, as a command keeps them in a file. */
+typedef struct journal {
+    uint8_t bytes[1 << 18], before[1 << 18]; /* before: the longest up to a whole state */
+    size_t first, size, before_first, before_size;
+    int changes, refuse_at; /* refuse_at: the number of the change that is not kept; 0: none */
+} journal;
+
+static bool begin_journal(void* user, const void* state, size_t size) {
+    journal* j = user;
+    assert_true(size <= sizeof j->bytes);
+    if (j->size >= j->before_size) {
+        memcpy(j->before, j->bytes, j->size);
+        j->before_first = j->first;
+        j->before_size = j->size;
+    }
+    memcpy(j->bytes, state, size);
+    j->first = j->size = size;
+    return true;
+}
+
+static bool extend_journal(void* user, const void* changes, size_t size) {
+    journal* j = user;
+    assert_true(j->size > 0 && j->size + size < sizeof j->bytes);
+    /* What follows a change that was not kept is a whole state, and then the next change. */
+    assert_true(j->refuse_at == 0 || j->changes != j->refuse_at || j->before_size > 0);
+    if (++j->changes == j->refuse_at) return false;
+    memcpy(j->bytes + j->size, changes, size);
+    j->size += size;
+    return true;
+}
+
+static ty_path_def journal_def(journal* j) {
+    ty_path_def def = kept_def(6, NULL);
+    def.state = begin_journal;
+    def.state_change = extend_journal;
+    def.state_user = j;
+    return def;
+}
+
+/* Cut anywhere, as by a kill, it leads to the same image, unless nothing of the first state is left. */
+static void changes_lead_to_the_same_image(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    journal* j = calloc(1, sizeof *j);
+    assert_non_null(j);
+    ty_path_def def = journal_def(j);
+    ty_path_stats plain_stats, stats;
+    ty_image* plain = render(scene, &def, &plain_stats);
+    assert_true(j->changes > 2 && j->before_size > j->before_first + 997);
+    def = kept_def(6, NULL);
+    def.state = NULL;
+    def.resume = j->before;
+    for (size_t cut = j->before_first; cut < j->before_size + 997; cut += 997) {
+        def.resume_size = cut < j->before_size ? cut : j->before_size;
+        ty_image* image = render(scene, &def, &stats);
+        assert_true(same_images(image, plain));
+        assert_int_equal(stats.paths, plain_stats.paths);
+        assert_int_equal(stats.vertices, plain_stats.vertices);
+        ty_image_destroy(image);
+    }
+    refuse(*state, scene, def, j->before, j->before_first - 1, "cut short");
+    j->before[j->before_size] = 'x';
+    refuse(*state, scene, def, j->before, j->before_size + 1, "cut short");
+    j->before[j->before_size - 5] ^= 1; /* as after a crash of the machine: the last change does not count */
+    def.resume_size = j->before_size;
+    ty_image* image = render(scene, &def, &stats);
+    assert_true(same_images(image, plain));
+    ty_image_destroy(image);
+    free(j);
+    ty_image_destroy(plain);
+    ty_scene_destroy(scene);
+}
+
+static void a_change_that_is_not_kept_brings_a_whole_state(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    journal* j = calloc(1, sizeof *j);
+    assert_non_null(j);
+    ty_path_def def = journal_def(j);
+    ty_image_destroy(render(scene, &def, NULL));
+    assert_true(j->changes > 3);
+    *j = (journal){.refuse_at = 1};
+    ty_image_destroy(render(scene, &def, NULL));
+    assert_true(j->changes > 1);
+    free(j);
+    ty_scene_destroy(scene);
 }
 
 static void states_of_other_renders_are_refused(void** state) {
@@ -258,10 +344,16 @@ static void damaged_states_are_refused(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(states_come_in_time_and_at_the_end),  cmocka_unit_test(any_state_leads_to_the_same_image),
-        cmocka_unit_test(renders_survive_many_interruptions),  cmocka_unit_test(more_samples_may_follow),
-        cmocka_unit_test(error_bounds_survive_interruptions),  cmocka_unit_test(time_bounds_survive_interruptions),
-        cmocka_unit_test(states_of_other_renders_are_refused), cmocka_unit_test(damaged_states_are_refused),
+        cmocka_unit_test(states_come_in_time_and_at_the_end),
+        cmocka_unit_test(any_state_leads_to_the_same_image),
+        cmocka_unit_test(renders_survive_many_interruptions),
+        cmocka_unit_test(more_samples_may_follow),
+        cmocka_unit_test(error_bounds_survive_interruptions),
+        cmocka_unit_test(time_bounds_survive_interruptions),
+        cmocka_unit_test(changes_lead_to_the_same_image),
+        cmocka_unit_test(a_change_that_is_not_kept_brings_a_whole_state),
+        cmocka_unit_test(states_of_other_renders_are_refused),
+        cmocka_unit_test(damaged_states_are_refused),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -45,15 +45,22 @@ typedef struct ty_path_def {
                             ///< NULL. It takes 56 bytes a pixel, 216 with aovs other than variance and samples, and the
                             ///< work itself takes the same.
     void* state_user;       ///< Passed on to `state`; default NULL.
-    double state_seconds;   ///< Time between two states, s; default 60.
-    const void* resume;     ///< Images: a state to go on from; default NULL. A resumed render gives the same image, bit
-                        ///< for bit, as an uninterrupted one, if spp, seed, size, crop, aovs, max_depth, ignore_media,
-                        ///< unscattered, the scene and the instruction set (ty_path_stats.isa) are the same; spp may
-                        ///< also be larger. The time of earlier runs counts for `seconds` and in ty_path_stats.
-                        ///< TY_ERROR_INPUT: the state is damaged, or belongs to another render.
-    size_t resume_size;      ///< Size of `resume`, bytes; default 0.
-    ty_progress_fn progress; ///< Default NULL.
-    void* progress_user;     ///< Passed on to `progress`; default NULL.
+    double state_seconds;   ///< Time between two states, s, 0..1e9. TY_AUTO (default): 2, or 50 times the time that a
+                            ///< state takes from the threads, if that is longer, so that states take at most 2% of it;
+                            ///< with `state_change` at most 3.
+    const void*
+        resume; ///< Images: a state to go on from, with any changes of it behind it; default NULL. A resumed render
+                ///< gives the same image, bit for bit, as an uninterrupted one, if spp, seed, size, crop, aovs,
+                ///< max_depth, ignore_media, unscattered, the scene and the instruction set (ty_path_stats.isa) are the
+                ///< same; spp may also be larger. The time of earlier runs counts for `seconds` and in ty_path_stats.
+                ///< TY_ERROR_INPUT: the state is damaged, or belongs to another render.
+    size_t resume_size;            ///< Size of `resume`, bytes; default 0.
+    ty_progress_fn progress;       ///< Default NULL.
+    void* progress_user;           ///< Passed on to `progress`; default NULL.
+    ty_path_state_fn state_change; ///< Images: receives the changes since the last call of `state` or of itself, in
+                                   ///< place of most states, which it is cheaper to keep; default NULL. A state
+                                   ///< followed by all its changes is a state. A return value of false asks for a whole
+                                   ///< state next, as comes by itself once changes are twice as large as one, and at the end.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.

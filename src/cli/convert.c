@@ -52,6 +52,7 @@ static int convert_volume(cli_session* session, const ty_volume_def* def, const 
     ty_grid* grid = NULL;
     ty_result result = ty_volume_read(session->context, input, def, &grid);
     if (result != TY_OK) return cli_fail_reading(session, result);
+    cli_end_on_interrupt(false);
     result = write_volume(session->context, grid, def->grid, codec, output);
     ty_grid_release(grid);
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
@@ -59,6 +60,7 @@ static int convert_volume(cli_session* session, const ty_volume_def* def, const 
 
 static int convert(cli_session* session, const ty_volume_def* def, const char* codec,
                    const convert_image_options* image, const char* const paths[2]) {
+    cli_end_on_interrupt(true);
     if (is_image(paths[0])) return cli_convert_image(session, image, paths[0], paths[1]);
     return convert_volume(session, def, codec, paths[0], paths[1]);
 }

@@ -52,6 +52,7 @@ int cli_convert_image(cli_session* session, const convert_image_options* options
     ty_image* image = NULL;
     const ty_result result = read_image(session, options, input, &image);
     if (result != TY_OK) return cli_fail_reading(session, result);
+    cli_end_on_interrupt(false);
     const int written = write_image(session, image, options, output);
     ty_image_destroy(image);
     return written;

@@ -33,12 +33,14 @@ static int diff_images(cli_session* session, const char* const paths[2], ty_imag
         print_difference_json(&difference);
     else
         print_difference(&difference);
+    cli_end_on_interrupt(false);
     const ty_result written = png == NULL ? TY_OK : cli_write_heat_map(session->context, a, b, png);
     return written == TY_OK ? CLI_DONE : cli_fail_running(session, written);
 }
 
 static int diff_files(cli_session* session, const char* const paths[2], int32_t block, bool json, const char* png) {
     ty_image* images[2] = {NULL, NULL};
+    cli_end_on_interrupt(true);
     ty_result result = ty_image_read(session->context, paths[0], &images[0]);
     if (result == TY_OK) result = ty_image_read(session->context, paths[1], &images[1]);
     const int status =

@@ -22,8 +22,8 @@ static ty_result print_overview(ty_context* context, FILE* file, const void* use
     fputs("\noptions of all commands:\n", file);
     cli_print_common_options(file, CLI_HELP_TEXT);
     fputs("\nTo begin: 'tyndall render builtin:demo -o demo.png'. 'tyndall help COMMAND' tells more.\n"
-          "Exit status: 0 done, 1 failed while running, 2 wrong usage or input, 130 interrupted (a valid\n"
-          "partial result was written).\n",
+          "Exit status: 0 done, 1 failed while running, 2 wrong usage or input, 128 + N interrupted\n"
+          "by signal N, 130 by Ctrl-C (a valid partial result was written).\n",
           file);
     return TY_OK;
 }

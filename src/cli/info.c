@@ -3,13 +3,13 @@
 #include "cli/commands.h"
 #include "cli/raw_options.h"
 #include "cli/text.h"
+#include "io/file.h"
 
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* Memory of one component of a grid read densely; 0 for types that are not read. */
 static double dense_bytes(const ty_vdb_entry* entry) {
@@ -251,10 +251,9 @@ enum { HEAD_SIZE = 256 };
 /* Reads the first bytes of a regular file: CLI_GO, or a status after a message. A pipe is refused because reading could
  * block. */
 static int read_head(const char* path, unsigned char head[HEAD_SIZE], size_t* size) {
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
-        return cli_fail(CLI_USAGE, "%s: not a regular file", path);
-    FILE* file = fopen(path, "rb");
+    uint64_t length = 0;
+    FILE* file = ty_open_regular(path, &length);
+    if (file == NULL && errno == 0) return cli_fail(CLI_USAGE, "%s: not a regular file", path);
     if (file == NULL) return cli_fail(CLI_USAGE, "cannot open %s: %s", path, strerror(errno));
     *size = fread(head, 1, HEAD_SIZE, file);
     const bool failed = ferror(file) != 0;
@@ -323,6 +322,8 @@ int cli_info(int count, char** arguments) {
     if (status == CLI_GO) status = cli_session_open(&session, "info", &given.common);
     if (status != CLI_GO) return status;
     const char* subject = given.positional[0];
+    cli_end_on_interrupt(true);
     status = media ? cli_info_media(&session, subject, json) : info_of_file(&session, subject, &overrides, &raw, json);
+    cli_end_on_interrupt(false);
     return cli_session_close(&session, status);
 }

@@ -24,5 +24,6 @@ static int run(int count, char** arguments) {
 }
 
 int main(int count, char** arguments) {
+    cli_start_program();
     return cli_finish(run(count, arguments));
 }

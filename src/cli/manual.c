@@ -8,8 +8,9 @@
 #include <tyndall/base.h>
 
 const char* const cli_exit_statuses =
-    "0: done. 1: failed while running. 2: wrong usage or input. 130: interrupted; a valid partial result was written "
-    "where there can be one.";
+    "0: done. 1: failed while running. 2: wrong usage or input. "
+    "128 + N: interrupted by signal N (130: Ctrl-C, 143: SIGTERM, 129: SIGHUP); a valid partial result was written "
+    "where there can be one, and a second signal ends at once. 141: nobody reads the output any more.";
 
 /* Escapes text for roff: a dash stays the ASCII dash that options are typed with. */
 static void print_roff(FILE* file, const char* text) {
@@ -217,7 +218,8 @@ int cli_write_page(const char* path, cli_print_fn print, const void* user) {
     }
     ty_result result = ty_context_create(&def, &context);
     if (result == TY_OK) result = cli_write_text_file(context, path, print, user);
-    if (result != TY_OK) cli_print_message(ty_take_error(context));
+    const char* message = ty_take_error(context);
+    if (result != TY_OK) cli_print_message(message[0] != '\0' ? message : ty_result_text(result));
     ty_context_destroy(context);
     return result == TY_OK ? CLI_DONE : CLI_FAILED;
 }

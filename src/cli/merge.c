@@ -4,6 +4,7 @@
 #include "cli/session.h"
 
 static int write_merged(cli_session* session, const ty_image* image, const char* output, double exposure, int count) {
+    cli_end_on_interrupt(false);
     const ty_result result = cli_has_extension(output, ".png")
                                  ? ty_image_write_png(session->context, image, exposure, TY_TONE_FILMIC, output)
                                  : ty_image_write_exr(session->context, image, output);
@@ -28,6 +29,7 @@ static int merge_files(cli_session* session, const cli_arguments* given, const c
     cli_piece pieces[CLI_POSITIONAL_MAX];
     ty_image* images[CLI_POSITIONAL_MAX];
     int read = 0;
+    cli_end_on_interrupt(true);
     int status = CLI_GO;
     while (read < given->positional_count && status == CLI_GO) {
         const ty_result result = ty_image_read(session->context, given->positional[read], &images[read]);

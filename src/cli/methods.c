@@ -50,6 +50,7 @@ static ty_render_request to_library(cli_session* session, const cli_request* req
     memcpy(out.crop, request->crop, sizeof out.crop);
     if (request->checkpoint == NULL) return out;
     out.state = cli_checkpoint_write;
+    out.state_change = cli_checkpoint_append;
     out.state_user = request->checkpoint;
     out.state_seconds = request->checkpoint_seconds;
     out.resume = request->checkpoint->bytes;

@@ -7,8 +7,9 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* Exit statuses. cli_parse returns one of them, or CLI_GO when the command should run. */
-enum { CLI_GO = -1, CLI_DONE = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INTERRUPTED = 130 };
+/* Exit statuses; CLI_INTERRUPTED stands for that of the signal. cli_parse returns one of them, or CLI_GO when the
+ * command should run. */
+enum { CLI_GO = -1, CLI_DONE = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INTERRUPTED = 130, CLI_NO_READER = 141 };
 
 enum { CLI_LIST_MAX = 256, CLI_POSITIONAL_MAX = 256 };
 

@@ -1,32 +1,13 @@
-/* Display of progress, and interruption by the user. */
+/* Display of progress. */
 #define _GNU_SOURCE
 #include "cli/progress.h"
+#include "cli/signals.h"
 #include "cli/text.h"
 
 #include <inttypes.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-static volatile sig_atomic_t interrupts;
-
-static void on_interrupt(int number) {
-    (void)number;
-    if (interrupts) _exit(CLI_INTERRUPTED);
-    interrupts = 1;
-}
-
-void cli_catch_interrupts(void) {
-    struct sigaction action = {.sa_handler = on_interrupt, .sa_flags = SA_RESTART};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
-
-bool cli_interrupted(void) {
-    return interrupts != 0;
-}
 
 cli_progress cli_progress_begin(const cli_common* common) {
     cli_progress progress = {.mode = (cli_progress_mode)common->progress};

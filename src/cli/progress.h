@@ -26,9 +26,4 @@ void cli_progress_clear(cli_progress* progress);
 /* Prints a warning of the library as a separate line. */
 void cli_progress_warn(cli_progress* progress, const char* text);
 
-/* Installs handlers: SIGINT and SIGTERM cancel the running work; a second signal ends the program at once with status
- * 130. */
-void cli_catch_interrupts(void);
-bool cli_interrupted(void);
-
 #endif

@@ -133,8 +133,10 @@ static int load_and_render(cli_session* session, const char* path, const render_
     ty_scene* scene = NULL;
     int status = options->resume ? cli_checkpoint_open(&checkpoint, session, options->output) : CLI_GO;
     if (status == CLI_GO) {
+        cli_end_on_interrupt(true);
         const ty_result result =
             ty_scene_load(session->context, path, options->overrides.items, options->overrides.count, &scene);
+        cli_end_on_interrupt(false);
         if (result != TY_OK) status = cli_fail_reading(session, result);
     }
     if (status == CLI_GO) {
@@ -178,7 +180,7 @@ static bool print_words(FILE* file, const char* option) {
 }
 
 int cli_render(int count, char** arguments) {
-    render_options options = {.checkpoint = 60};
+    render_options options = {.checkpoint = TY_AUTO};
     char methods[160];
     cli_name_methods_in("(default: that of the scene, or auto)", methods, sizeof methods);
     const cli_option table[] = {
@@ -201,20 +203,25 @@ int cli_render(int count, char** arguments) {
         {"aov", 0, CLI_TEXT, "NAME,...", "also write these channels to the EXR (see above)", &options.aov, 0, 0, NULL},
         {"resume", 0, CLI_FLAG, NULL, "go on from FILE.state if it is there, and keep it up to date", &options.resume,
          0, 0, NULL},
-        {"checkpoint", 0, CLI_REAL, "SECONDS", "how often --resume writes FILE.state (default 60)", &options.checkpoint,
-         0.05, 1e6, &options.checkpoint_given},
+        {"checkpoint", 0, CLI_REAL, "SECONDS", "time between two states of --resume (default: 2 or 3, see above)",
+         &options.checkpoint, 0.05, 1e6, &options.checkpoint_given},
     };
     const cli_syntax syntax = {
         "render",
         "SCENE -o OUT.exr|OUT.png [options]",
         "Renders a scene to an image.",
-        "SCENE is a JSON file, or builtin:NAME. Interrupting (Ctrl-C) writes what there is and exits with 130.\n"
+        "SCENE is a JSON file, or builtin:NAME. Interrupting (Ctrl-C) writes what there is and exits with 130, SIGTERM "
+        "with\n143 and SIGHUP with 129.\n"
         "-D render.METHOD.KEY=VALUE sets an option of a method; 'tyndall help --options METHOD' lists them.\n\n"
         "Method auto, which scenes have that name none, looks at media, lights and surfaces, and says on stderr what\n"
         "it chose and why. --time, --error, --resume and --crop ask for path, which alone can do that; so does --spp,\n"
         "but for --method auto: other methods take it for surfaces.\n\n"
         "With --resume the same command goes on where the last one was interrupted, also by a crash, and ends with\n"
-        "the same image; the seconds of all runs count for --time, and --spp may be larger than before.\n\n"
+        "the same image; the seconds of all runs count for --time, and --spp may be larger than before. What changed "
+        "is\n"
+        "added to FILE.state every 2 or 3 seconds, so that a kill costs at most 5 seconds of work, as long as the "
+        "disk\n"
+        "takes it within one. One process at a time may use FILE.state.\n\n"
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
         "media\n"
         "scattered once, and otherwise), albedo (fraction that media scatter), normal, variance (of the pixels),\n"

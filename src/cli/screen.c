@@ -79,12 +79,14 @@ static int load_and_apply(cli_session* session, const screen_options* options, c
     ty_screen_def def;
     ty_medium_def medium = ty_default_medium_def();
     screen_report report = {.options = options, .input = &input, .def = &def, .stats = ty_default_screen_stats()};
+    cli_end_on_interrupt(true);
     const ty_result result = ty_medium_parse(session->context, options->medium, &medium);
     int status = result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
     if (status == CLI_GO)
         status = screen_open_input(session, options, given->positional[0],
                                    given->positional_count > 1 ? given->positional[1] : NULL, &input);
     if (status == CLI_GO) status = make_def(session, options, &input, &medium, &def);
+    cli_end_on_interrupt(false);
     if (status == CLI_GO) {
         session->stats = screen_report_stats;
         session->stats_user = &report;

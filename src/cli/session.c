@@ -2,8 +2,10 @@
 #define _GNU_SOURCE
 #include "cli/session.h"
 #include "cli/text.h"
+#include "cli/text_file.h"
 
 #include <errno.h>
+#include <poll.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,45 +54,29 @@ static double timeval_seconds(struct timeval time) {
     return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
 }
 
-static bool write_stats_file(const cli_session* session, const char* path) {
-    FILE* file = fopen(path, "w");
-    if (file == NULL) return false;
+static ty_result print_stats(ty_context* context, FILE* file, const void* user) {
+    const cli_session* session = user;
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_text(&json, "version", ty_version());
     json_text(&json, "command", session->command);
-    json_int(&json, "threads", ty_context_threads(session->context));
+    json_int(&json, "threads", ty_context_threads(context));
     if (session->stats != NULL) session->stats(&json, session->stats_user);
     json_number(&json, "seconds", cli_wall_seconds() - session->started);
     json_number(&json, "cpu_seconds", timeval_seconds(usage.ru_utime) + timeval_seconds(usage.ru_stime));
     json_int(&json, "peak_memory_bytes", 1024 * (int64_t)usage.ru_maxrss);
     json_close_object(&json);
-    const bool written = !ferror(file);
-    return fclose(file) == 0 && written;
-}
-
-/* Atomic write: a temporary file is renamed to its final name. */
-static int write_stats(const cli_session* session) {
-    const char* path = session->common.stats;
-    char* temporary = NULL;
-    if (asprintf(&temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) return cli_fail(CLI_FAILED, "not enough memory");
-    int status = CLI_GO;
-    if (!write_stats_file(session, temporary) || rename(temporary, path) != 0) {
-        status = cli_fail(CLI_FAILED, "cannot write %s: %s", path, strerror(errno));
-        unlink(temporary);
-    }
-    free(temporary);
-    return status;
+    return TY_OK;
 }
 
 int cli_session_close(cli_session* session, int status) {
     cli_progress_clear(&session->progress);
     if (session->common.stats != NULL && session->context != NULL &&
         (status == CLI_DONE || status == CLI_INTERRUPTED)) {
-        const int written = write_stats(session);
-        if (written != CLI_GO) status = written;
+        const ty_result result = cli_write_text_file(session->context, session->common.stats, print_stats, session);
+        if (result != TY_OK) status = cli_fail_running(session, result);
     }
     ty_context_destroy(session->context);
     return status;
@@ -111,9 +97,26 @@ const char* cli_last_message(void) {
     return last_message;
 }
 
+static int fail_interrupted(void) {
+    return cli_fail(CLI_INTERRUPTED, "interrupted by %s", cli_interrupt_name());
+}
+
+/* True if stdout is a pipe that nobody reads any more. */
+static bool reader_is_gone(void) {
+    struct pollfd output = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+}
+
 int cli_finish(int status) {
-    if (fflush(stdout) == 0 || status != CLI_DONE) return status;
-    return cli_fail(CLI_FAILED, "the result cannot be printed: %s", strerror(errno));
+    static const char said[] = "interrupted";
+    if (status == CLI_INTERRUPTED && strncmp(last_message, said, sizeof said - 1) != 0) fail_interrupted();
+    errno = 0;
+    const bool printed = fflush(stdout) == 0 && !ferror(stdout);
+    const int reason = errno != 0 ? errno : EIO;
+    if (status == CLI_INTERRUPTED) return cli_interrupt_status();
+    if (printed || status != CLI_DONE) return status;
+    if (reader_is_gone()) return CLI_NO_READER;
+    return cli_fail(CLI_FAILED, "the result cannot be printed: %s", strerror(reason));
 }
 
 static int fail_with_message(cli_session* session, ty_result result, int file_status) {
@@ -121,7 +124,7 @@ static int fail_with_message(cli_session* session, ty_result result, int file_st
     const char* message = ty_take_error(session->context);
     if (message[0] == '\0') message = ty_result_text(result);
     switch (result) {
-    case TY_CANCELLED: return cli_fail(CLI_INTERRUPTED, "interrupted");
+    case TY_CANCELLED: return fail_interrupted();
     case TY_ERROR_ARGUMENT:
     case TY_ERROR_INPUT:
     case TY_ERROR_UNSUPPORTED: return cli_fail(CLI_USAGE, "%s", message);
@@ -138,6 +141,16 @@ int cli_fail_running(cli_session* session, ty_result result) {
     return fail_with_message(session, result, CLI_FAILED);
 }
 
+/* True for links of the system like /dev/stdout: an output would take their place, for all programs. */
+static bool is_system_link(const char* folder, const char* path) {
+    struct stat status;
+    if (lstat(path, &status) != 0 || !S_ISLNK(status.st_mode)) return false;
+    char* real = realpath(folder, NULL);
+    const bool system = real != NULL && (strcmp(real, "/dev") == 0 || strncmp(real, "/proc/", 6) == 0);
+    free(real);
+    return system;
+}
+
 int cli_check_output(const char* command, const char* path) {
     const char* slash = strrchr(path, '/');
     char* folder = slash == NULL ? strdup(".") : slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
@@ -152,7 +165,7 @@ int cli_check_output(const char* command, const char* path) {
         result = cli_usage_error(command, "%s: %s is not a folder", path, folder);
     else if (access(folder, W_OK | X_OK) != 0)
         result = cli_usage_error(command, "%s: the folder %s cannot be written to: %s", path, folder, strerror(errno));
-    else if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+    else if ((stat(path, &status) == 0 && !S_ISREG(status.st_mode)) || is_system_link(folder, path))
         result = cli_usage_error(command, "%s: is there already and is not a file", path);
     free(folder);
     return result;

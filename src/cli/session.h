@@ -5,6 +5,7 @@
 #include "cli/json.h"
 #include "cli/options.h"
 #include "cli/progress.h"
+#include "cli/signals.h"
 
 #include <tyndall/tyndall.h>
 
@@ -23,7 +24,8 @@ int cli_session_open(cli_session* session, const char* command, const cli_common
 /* Writes --stats unless status is an error, frees the context, returns the exit status. */
 int cli_session_close(cli_session* session, int status);
 
-/* Ends a program: a write error of stdout becomes a failure. Returns the exit status. */
+/* Ends a program: a write error of stdout becomes a failure, but for a reader that is gone, which gives the status 141
+ * that a shell shows for SIGPIPE. Interruptions become the status of their signal. Returns the exit status. */
 int cli_finish(int status);
 
 /* Prints "tyndall: " and the context's message, and returns the exit status of the result: 2 (usage) for wrong

@@ -6,16 +6,29 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <tyndall/io.h>
 #include <unistd.h>
 
-enum { HASH_CHUNK = 1 << 16, NAME_TRIES = 1000 };
+enum { HASH_CHUNK = 1 << 16, OUTPUT_BUFFER = 1 << 16, NAME_TRIES = 1000, OPEN_OUTPUTS_MAX = 64 };
+
+/* Names of the temporary files of open outputs. */
+static _Atomic(const char*) unfinished[OPEN_OUTPUTS_MAX];
+
+/* Opening may wait, on network file systems, and then be interrupted. */
+static int open_uninterrupted(const char* path, int flags, mode_t mode) {
+    int descriptor;
+    do descriptor = open(path, flags, mode);
+    while (descriptor < 0 && errno == EINTR);
+    return descriptor;
+}
 
 /* O_NONBLOCK: opening a pipe for reading would block until it has a writer. It has no effect on regular files. */
 FILE* ty_open_regular(const char* path, uint64_t* size) {
-    const int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    const int descriptor = open_uninterrupted(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC, 0);
     if (descriptor < 0) return NULL;
     struct stat status;
     const bool known = fstat(descriptor, &status) == 0;
@@ -34,7 +47,7 @@ ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uin
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "a file name is NULL");
     *stream = ty_open_regular(path, size);
     if (*stream != NULL) return TY_OK;
-    return ty_fail(context, TY_ERROR_FILE, "cannot open %s: %s", path,
+    return ty_fail(context, errno == ENOMEM ? TY_ERROR_MEMORY : TY_ERROR_FILE, "cannot open %s: %s", path,
                    errno != 0 ? strerror(errno) : "not a regular file");
 }
 
@@ -72,21 +85,62 @@ void ty_free_file(ty_context* context, uint8_t* bytes, size_t size) {
     ty_free_array(context, bytes, size + 1, 1);
 }
 
-static void free_names(ty_context* context, ty_output* output) {
+static int list_unfinished(const char* temporary) {
+    for (int slot = 0; slot < OPEN_OUTPUTS_MAX; ++slot) {
+        const char* none = NULL;
+        if (atomic_compare_exchange_strong(&unfinished[slot], &none, temporary)) return slot;
+    }
+    return -1;
+}
+
+static void unlist(int slot) {
+    if (slot >= 0) atomic_store(&unfinished[slot], NULL);
+}
+
+void ty_remove_unfinished_outputs(void) {
+    for (int slot = 0; slot < OPEN_OUTPUTS_MAX; ++slot) {
+        const char* temporary = atomic_load(&unfinished[slot]);
+        if (temporary != NULL) unlink(temporary);
+    }
+}
+
+static void free_output(ty_context* context, ty_output* output) {
+    unlist(output->slot);
     ty_free_text(context, output->path);
     ty_free_text(context, output->temporary);
-    *output = (ty_output){0};
+    ty_free_array(context, output->buffer, OUTPUT_BUFFER, 1);
+    *output = (ty_output){.descriptor = -1, .slot = -1};
 }
 
 static char* temporary_name(ty_context* context, const char* path, int number) {
     char suffix[48];
     snprintf(suffix, sizeof suffix, ".%ld-%d.tmp", (long)getpid(), number);
-    const size_t length = strlen(path), suffix_length = strlen(suffix);
+    const char* slash = strrchr(path, '/');
+    const size_t start = slash == NULL ? 0 : (size_t)(slash - path) + 1, suffix_length = strlen(suffix);
+    size_t length = strlen(path);
+    /* The longest names lose their end, so that there is room for the suffix. */
+    if (length - start > NAME_MAX - suffix_length) length = start + NAME_MAX - suffix_length;
     char* name = ty_alloc_array(context, length + suffix_length + 1, 1, false);
     if (name == NULL) return NULL;
     memcpy(name, path, length);
     memcpy(name + length, suffix, suffix_length + 1);
     return name;
+}
+
+/* Creates the temporary file: its descriptor, or -1 with the cause in errno (0: a message was stored). */
+static int create_temporary(ty_context* context, ty_output* output) {
+    for (int number = 0; number < NAME_TRIES; ++number) {
+        output->temporary = temporary_name(context, output->path, number);
+        if (output->temporary == NULL) {
+            errno = 0;
+            return -1;
+        }
+        const int descriptor = open_uninterrupted(output->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor >= 0 || errno != EEXIST) return descriptor;
+        ty_free_text(context, output->temporary);
+        output->temporary = NULL;
+    }
+    return -1;
 }
 
 ty_result ty_output_open(ty_context* context, const char* path, ty_output* output) {
@@ -95,68 +149,102 @@ ty_result ty_output_open(ty_context* context, const char* path, ty_output* outpu
     struct stat status;
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
         return ty_fail(context, TY_ERROR_FILE, "cannot write %s: not a regular file", path);
-    ty_output made = {.path = ty_copy_text(context, path)};
-    if (made.path == NULL) return TY_ERROR_MEMORY;
-    int descriptor = -1;
-    for (int number = 0; number < NAME_TRIES; ++number) {
-        made.temporary = temporary_name(context, path, number);
-        if (made.temporary == NULL) {
-            free_names(context, &made);
-            return TY_ERROR_MEMORY;
+    *output = (ty_output){.path = ty_copy_text(context, path), .descriptor = -1, .slot = -1};
+    output->buffer = output->path == NULL ? NULL : ty_alloc_array(context, OUTPUT_BUFFER, 1, false);
+    ty_result result = TY_ERROR_MEMORY;
+    if (output->buffer != NULL) {
+        output->descriptor = create_temporary(context, output);
+        if (output->descriptor >= 0) {
+            output->slot = list_unfinished(output->temporary);
+            return TY_OK;
         }
-        descriptor = open(made.temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor >= 0 || errno != EEXIST) break;
-        ty_free_text(context, made.temporary);
-        made.temporary = NULL;
+        if (errno != 0) result = ty_fail(context, TY_ERROR_FILE, "cannot write %s: %s", path, strerror(errno));
     }
-    if (descriptor >= 0) made.stream = fdopen(descriptor, "w+b");
-    if (made.stream == NULL) {
-        const ty_result result = ty_fail(context, TY_ERROR_FILE, "cannot write %s: %s", path, strerror(errno));
-        if (descriptor >= 0) {
-            close(descriptor);
-            remove(made.temporary);
+    free_output(context, output);
+    return result;
+}
+
+static bool write_all(ty_output* output, const uint8_t* bytes, size_t size) {
+    while (size > 0 && output->error == 0) {
+        const ssize_t written = pwrite(output->descriptor, bytes, size, (off_t)output->offset);
+        if (written > 0) {
+            bytes += written;
+            size -= (size_t)written;
+            output->offset += (uint64_t)written;
+        } else if (written == 0 || errno != EINTR) {
+            output->error = written == 0 ? ENOSPC : errno;
         }
-        free_names(context, &made);
-        return result;
     }
-    *output = made;
-    return TY_OK;
+    return output->error == 0;
+}
+
+static bool flush_buffer(ty_output* output) {
+    const size_t size = output->buffered;
+    output->buffered = 0;
+    return write_all(output, output->buffer, size);
+}
+
+bool ty_output_write(ty_output* output, const void* bytes, size_t size) {
+    if (output->error != 0) return false;
+    if (size > OUTPUT_BUFFER - output->buffered && !flush_buffer(output)) return false;
+    if (size > OUTPUT_BUFFER) return write_all(output, bytes, size);
+    if (size > 0) memcpy(output->buffer + output->buffered, bytes, size);
+    output->buffered += size;
+    return true;
+}
+
+uint64_t ty_output_position(const ty_output* output) {
+    return output->offset + output->buffered;
+}
+
+bool ty_output_write_at(ty_output* output, const void* bytes, size_t size, uint64_t offset) {
+    if (offset != ty_output_position(output)) {
+        if (!flush_buffer(output)) return false;
+        output->offset = offset;
+    }
+    return ty_output_write(output, bytes, size);
+}
+
+/* Some file systems cannot be told to write back, and say so by EINVAL or ENOTSUP. */
+static void make_durable(ty_output* output) {
+    while (output->error == 0 && fsync(output->descriptor) != 0) {
+        if (errno == EINVAL || errno == ENOTSUP) return;
+        if (errno != EINTR) output->error = errno;
+    }
+}
+
+/* Linux closes a descriptor in an interrupted call, too. */
+static void close_output(ty_output* output) {
+    if (close(output->descriptor) != 0 && errno != EINTR && output->error == 0) output->error = errno;
+    output->descriptor = -1;
 }
 
 ty_result ty_output_commit(ty_context* context, ty_output* output) {
-    errno = 0;
-    bool good = fflush(output->stream) == 0 && !ferror(output->stream);
-    int reason = errno;
-    if (fclose(output->stream) != 0 && good) {
-        good = false;
-        reason = errno;
-    }
-    if (good && rename(output->temporary, output->path) != 0) {
-        good = false;
-        reason = errno;
-    }
+    flush_buffer(output);
+    make_durable(output);
+    close_output(output);
+    while (output->error == 0 && rename(output->temporary, output->path) != 0)
+        if (errno != EINTR) output->error = errno;
     ty_result result = TY_OK;
-    if (!good) {
+    if (output->error != 0) {
         remove(output->temporary);
-        result = ty_fail(context, TY_ERROR_FILE, "cannot write %s: %s", output->path,
-                         reason != 0 ? strerror(reason) : "writing failed");
+        result = ty_fail(context, TY_ERROR_FILE, "cannot write %s: %s", output->path, strerror(output->error));
     }
-    free_names(context, output);
+    free_output(context, output);
     return result;
 }
 
 void ty_output_discard(ty_context* context, ty_output* output) {
-    fclose(output->stream);
+    close_output(output);
     remove(output->temporary);
-    free_names(context, output);
+    free_output(context, output);
 }
 
 ty_result ty_write_file(ty_context* context, const char* path, const void* bytes, size_t size) {
     ty_output output;
     const ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    /* A short write sets the stream's error flag, which the commit checks. */
-    if (size > 0) fwrite(bytes, 1, size, output.stream);
+    ty_output_write(&output, bytes, size);
     return ty_output_commit(context, &output);
 }
 

@@ -16,17 +16,32 @@ ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uin
 ty_result ty_read_file(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size);
 void ty_free_file(ty_context* context, uint8_t* bytes, size_t size);
 
-/* A file written under a temporary name beside its target. A successful open is followed by exactly one commit or
- * discard. The target changes only in a commit that returns TY_OK; both remove the temporary file. */
+/* The one way to write a file: under a temporary name beside its target, which is made durable and renamed. A
+ * successful open is followed by exactly one commit or discard. The target changes only in a commit that returns TY_OK;
+ * both remove the temporary file. Interrupted calls and short writes are continued. The first failed write is kept in
+ * `error`, later ones do nothing, and the commit reports it: encoders need no messages of their own. */
 typedef struct ty_output {
-    FILE* stream;    /* open for writing */
     char* path;      /* target */
-    char* temporary; /* file that stream writes */
+    char* temporary; /* file that descriptor writes */
+    int descriptor;
+    int error; /* errno of the first failed write, or 0 */
+    uint8_t* buffer;
+    size_t buffered; /* bytes in buffer */
+    uint64_t offset; /* of the buffer's first byte in the file */
+    int slot;        /* in the list of open outputs; -1: the list was full */
 } ty_output;
 
 ty_result ty_output_open(ty_context* context, const char* path, ty_output* output);
+/* Appends bytes after those that were written last; false after the first error. */
+bool ty_output_write(ty_output* output, const void* bytes, size_t size);
+/* Writes bytes at an offset from the file's begin. */
+bool ty_output_write_at(ty_output* output, const void* bytes, size_t size, uint64_t offset);
+/* Offset of the byte after those that were written last. */
+uint64_t ty_output_position(const ty_output* output);
 ty_result ty_output_commit(ty_context* context, ty_output* output);
 void ty_output_discard(ty_context* context, ty_output* output);
+/* Removes the temporary files of all open outputs, for a process that ends at once: also a signal handler may do it. */
+void ty_remove_unfinished_outputs(void);
 
 /* Open, write and commit for content in memory. */
 ty_result ty_write_file(ty_context* context, const char* path, const void* bytes, size_t size);

@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "io/file.h"
+#include "io/json_parse.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -46,11 +47,9 @@ static ty_result read_points(ty_context* context, const char* path, const json_t
 
 ty_result ty_points_parse(ty_context* context, const char* path, const uint8_t* text, size_t size, float** out,
                           int64_t* count) {
-    json_error_t error;
-    json_t* root = json_loadb((const char*)text, size, JSON_REJECT_DUPLICATES, &error);
-    if (root == NULL)
-        return ty_fail(context, TY_ERROR_INPUT, "%s:%d: %s", path, error.line < 1 ? 1 : error.line, error.text);
-    const ty_result result = read_points(context, path, root, out, count);
+    json_t* root = NULL;
+    ty_result result = ty_json_parse(context, path, (const char*)text, size, &root);
+    if (result == TY_OK) result = read_points(context, path, root, out, count);
     json_decref(root);
     return result;
 }

@@ -20,6 +20,7 @@ typedef struct ty_render_request {
     void* progress_user;
     ty_path_state_fn state; /* method path, as in ty_path_def */
     void* state_user;
+    ty_path_state_fn state_change;
     double state_seconds;
     const void* resume;
     size_t resume_size;

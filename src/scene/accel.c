@@ -198,7 +198,10 @@ static ty_result begin_accel(ty_context* context, ty_accel** out) {
     if (mesh == NULL) return TY_ERROR_MEMORY;
     mesh->context = context;
     char config[64];
-    snprintf(config, sizeof config, "threads=%d,start_threads=0,set_affinity=0", (int)ty_context_threads(context));
+    /* All of TBB's slots are for threads of the context, which join the build, so that TBB starts none of its own: it
+     * ends the process when the system has no thread to give. */
+    const int threads = (int)ty_context_threads(context);
+    snprintf(config, sizeof config, "threads=%d,user_threads=%d,start_threads=0,set_affinity=0", threads, threads);
     mesh->device = rtcNewDevice(config);
     if (mesh->device == NULL) {
         const ty_result result = fail(mesh, "starting Embree");
@@ -213,10 +216,17 @@ static ty_result begin_accel(ty_context* context, ty_accel** out) {
     return TY_OK;
 }
 
+static void join_build(void* user, int64_t index, int32_t worker) {
+    (void)index;
+    (void)worker;
+    ty_accel* mesh = user;
+    rtcJoinCommitScene(mesh->scene);
+}
+
 /* Builds the scene, or destroys everything if adding geometry failed. */
 static ty_result finish_accel(ty_accel* mesh, ty_result result, ty_accel** out) {
     if (result == TY_OK) {
-        rtcCommitScene(mesh->scene);
+        ty_parallel_for(mesh->context, ty_context_threads(mesh->context), join_build, mesh);
         if (rtcGetDeviceError(mesh->device) != RTC_ERROR_NONE) result = fail(mesh, "building");
     }
     if (result == TY_OK)

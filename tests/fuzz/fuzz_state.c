@@ -81,6 +81,23 @@ static void resume_changed(const ty_scene* scene, const uint8_t* bytes, size_t s
     free(state.bytes);
 }
 
+/* Changes behind a true state: what is no whole record is left out or refused, what is one is checked by itself. */
+static void resume_with_changes(const ty_scene* scene, const uint8_t* bytes, size_t size, uint32_t aovs) {
+    true_state state = make_state(scene, aovs);
+    uint8_t* both = malloc(2 * state.size + size);
+    if (both == NULL) abort();
+    memcpy(both, state.bytes, state.size);
+    memcpy(both + state.size, bytes, size);
+    resume(scene, both, state.size + size, aovs);
+    memcpy(both + state.size, state.bytes, state.size);
+    for (size_t i = 0; i < size && i < state.size; ++i) both[state.size + i] ^= bytes[i];
+    resume(scene, both, 2 * state.size, aovs);
+    ty_path_state_seal(both + state.size, state.size);
+    resume(scene, both, 2 * state.size, aovs);
+    free(both);
+    free(state.bytes);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     static const uint32_t aovs[] = {TY_AOV_VARIANCE, TY_AOV_ALL};
     size_t used = 0;
@@ -89,6 +106,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     for (int i = 0; i < 2; ++i) {
         resume(scene, bytes, size, aovs[i]);
         resume_changed(scene, bytes, size, aovs[i]);
+        resume_with_changes(scene, bytes, size, aovs[i]);
     }
     ty_scene_destroy(scene);
     fuzz_finish(context, &used);

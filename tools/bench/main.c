@@ -288,5 +288,6 @@ static int measure(int count, char** arguments) {
 }
 
 int main(int count, char** arguments) {
+    cli_start_program();
     return cli_finish(measure(count - 1, arguments + 1));
 }

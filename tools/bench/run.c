@@ -1,6 +1,7 @@
 /* Running benches. */
 #define _GNU_SOURCE
 #include "bench/run.h"
+#include "cli/text_file.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,18 +37,15 @@ static void record_failure(cli_session* session, int status, bench_result* resul
 /* Output is buffered in memory, so that a failed bench leaves no partial output. */
 static int run_into_memory(cli_session* session, const bench_options* options, const bench_entry* entry,
                            bench_result* result) {
-    char* text = NULL;
-    size_t size = 0;
-    FILE* file = open_memstream(&text, &size);
-    if (file == NULL) return cli_fail(CLI_FAILED, "not enough memory");
-    json_writer writer = json_begin(file);
+    cli_text memory;
+    if (!cli_text_open(&memory)) return cli_fail(CLI_FAILED, "not enough memory");
+    json_writer writer = json_begin(memory.file);
     const bench_session bench = {session, options, &writer};
     json_open_object(&writer, NULL);
     int status = entry->run(&bench);
     if (status == CLI_DONE) json_close_object(&writer);
-    const bool written = ferror(file) == 0;
-    const bool closed = fclose(file) == 0;
-    if (status == CLI_DONE && !(written && closed && bench_add_round(result, text, size) == TY_OK))
+    char* text = cli_text_close(&memory);
+    if (status == CLI_DONE && !(text != NULL && bench_add_round(result, text, memory.size) == TY_OK))
         status = cli_fail(CLI_FAILED, "not enough memory");
     free(text);
     return status;

@@ -4,6 +4,7 @@
 #include "figures/output.h"
 #include "figures/summary.h"
 #include "cli/text.h"
+#include "cli/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -164,10 +165,9 @@ static int make_figures(cli_session* session, const figure_options* options, con
 
 /* The text of --help about figures; the caller frees it. NULL: no memory. */
 static char* list_figures(void) {
-    char* details = NULL;
-    size_t size;
-    FILE* text = open_memstream(&details, &size);
-    if (text == NULL) return NULL;
+    cli_text details;
+    if (!cli_text_open(&details)) return NULL;
+    FILE* text = details.file;
     fputs(
         "Writes DIR/NAME.png, and what was measured and, where it is known, expected as DIR/NAME.csv and .json.\n"
         "'all' makes all, the first word of a name those of a paper, and 'list' lists them. More than one get\n"
@@ -181,9 +181,7 @@ static char* list_figures(void) {
         figure_full_title(&figure_entries[i], title);
         fprintf(text, "\n  %-18s %s", figure_entries[i].name, title);
     }
-    if (fclose(text) == 0) return details;
-    free(details);
-    return NULL;
+    return cli_text_close(&details);
 }
 
 static int run(const figure_options* options, const cli_arguments* given) {
@@ -235,5 +233,6 @@ static int make(int count, char** arguments) {
 }
 
 int main(int count, char** arguments) {
+    cli_start_program();
     return cli_finish(make(count - 1, arguments + 1));
 }

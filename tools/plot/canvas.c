@@ -154,7 +154,7 @@ static ty_result write_surface(ty_context* context, cairo_surface_t* surface, co
     FILE* stream = open_memstream(&bytes, &size);
     if (stream == NULL) return TY_ERROR_MEMORY;
     const cairo_status_t status = cairo_surface_write_to_png_stream(surface, append_bytes, stream);
-    ty_result result = fclose(stream) == 0 && status == CAIRO_STATUS_SUCCESS ? TY_OK : TY_ERROR_MEMORY;
+    ty_result result = fclose(stream) == 0 && status == CAIRO_STATUS_SUCCESS && bytes != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK) result = ty_bytes_write(context, path, bytes, size);
     free(bytes);
     return result;

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "cli/bake/bake.h"
 #include "cli/commands.h"
+#include "cli/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,23 +22,21 @@ static bool is_mesh_file(const char* path) {
 static ty_result load_mesh_file(cli_session* session, const bake_options* options, ty_scene** out) {
     const char* slash = strrchr(options->scene, '/');
     const size_t folder_length = slash == NULL ? 0 : (size_t)(slash - options->scene) + 1;
-    char *text = NULL, *folder = strndup(options->scene, folder_length);
-    size_t size = 0;
-    FILE* file = open_memstream(&text, &size);
+    cli_text memory;
+    if (!cli_text_open(&memory)) return TY_ERROR_MEMORY;
+    json_writer json = json_begin(memory.file);
+    json_open_object(&json, NULL);
+    json_int(&json, "tyndall", 1);
+    json_open_array(&json, "geometry");
+    json_open_object(&json, NULL);
+    json_text(&json, "file", options->scene + folder_length);
+    json_close_object(&json);
+    json_close_array(&json);
+    json_close_object(&json);
+    char *text = cli_text_close(&memory), *folder = strndup(options->scene, folder_length);
     ty_result result = TY_ERROR_MEMORY;
-    if (file != NULL && folder != NULL) {
-        json_writer json = json_begin(file);
-        json_open_object(&json, NULL);
-        json_int(&json, "tyndall", 1);
-        json_open_array(&json, "geometry");
-        json_open_object(&json, NULL);
-        json_text(&json, "file", options->scene + folder_length);
-        json_close_object(&json);
-        json_close_array(&json);
-        json_close_object(&json);
-    }
-    if (file != NULL && fclose(file) == 0 && folder != NULL)
-        result = ty_scene_parse(session->context, text, size, options->scene, folder, options->overrides.items,
+    if (text != NULL && folder != NULL)
+        result = ty_scene_parse(session->context, text, memory.size, options->scene, folder, options->overrides.items,
                                 options->overrides.count, out);
     free(text);
     free(folder);
@@ -164,6 +163,8 @@ static int bake_scene(bake_run* run) {
         return CLI_DONE;
     }
     status = cli_make_folder("bake", options->folder);
+    if (status == CLI_GO) status = bake_lock(run);
+    if (status != CLI_GO) return status;
     run->copies = bake_list_copies(run, &run->copy_count);
     if (status == CLI_GO && run->copies == NULL) status = cli_fail_running(session, TY_ERROR_MEMORY);
     if (status == CLI_GO) status = bake_check_copies(run);
@@ -184,8 +185,11 @@ static int bake_scene(bake_run* run) {
 
 static int load_and_bake(cli_session* session, const bake_options* options) {
     bake_run run = {.session = session, .options = options};
+    cli_end_on_interrupt(true);
     const ty_result result = load_scene(session, options, &run.scene);
+    cli_end_on_interrupt(false);
     const int status = result == TY_OK ? bake_scene(&run) : cli_fail_reading(session, result);
+    cli_lock_release(&run.lock);
     bake_count_totals(&run);
     bake_free_plan(session, &run.plan);
     free(run.copies);
@@ -272,7 +276,8 @@ int cli_bake(int count, char** arguments) {
         "SCENE is a scene file, builtin:NAME, or a mesh file by itself. Unless told otherwise, meshes with a second "
         "set\n"
         "of texture coordinates (UV2) get lightmaps, the others light at their vertices. DIR/bake.json says what was\n"
-        "written, in which units. Interrupting (Ctrl-C) keeps what is finished and exits with 130.",
+        "written, in which units. Interrupting (Ctrl-C) keeps what is finished and exits with 130.\n"
+        "One process at a time may write to DIR; a kill costs the mesh, or the probes, under way.",
         table,
         sizeof table / sizeof table[0],
         1,

@@ -2,7 +2,7 @@
 #ifndef TY_CLI_BAKE_H
 #define TY_CLI_BAKE_H
 
-#include "cli/session.h"
+#include "cli/lock.h"
 
 #include <tyndall/bake.h>
 
@@ -80,6 +80,7 @@ typedef struct bake_run {
     double table_seconds, cache_seconds, started;
     double receivers_done, receivers_skipped; /* skipped: units that an earlier run finished */
     bool complete;
+    cli_lock lock; /* of the state, so that two bakes do not mix in one folder */
     bake_totals totals;
 } bake_run;
 
@@ -121,6 +122,8 @@ int bake_write_colors(bake_run* run);
 
 /* ---- state.c ---- */
 
+/* Takes the lock of the folder's state: CLI_GO, or an exit status after a message. */
+int bake_lock(bake_run* run);
 /* --resume: marks units that an earlier run finished. CLI_GO, or an exit status after a message. */
 int bake_read_state(bake_run* run);
 ty_result bake_write_state(const bake_run* run);

@@ -34,6 +34,12 @@ static void state_path(const bake_run* run, char path[BAKE_PATH_SIZE]) {
     snprintf(path, BAKE_PATH_SIZE, "%s/bake.state", run->options->folder);
 }
 
+int bake_lock(bake_run* run) {
+    char path[BAKE_PATH_SIZE];
+    state_path(run, path);
+    return cli_lock_take(&run->lock, run->session, path);
+}
+
 static ty_result print_state(ty_context* context, FILE* file, const void* user) {
     (void)context;
     const bake_run* run = user;

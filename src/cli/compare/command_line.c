@@ -1,6 +1,7 @@
 /* Command lines that reproduce the images of a comparison. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/compare/command_line.h"
+#include "cli/text_file.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -39,12 +40,8 @@ static void print_command(FILE* file, const cli_comparison* comparison, const cl
 }
 
 char* cli_render_command(const cli_comparison* comparison, const cli_compared* entry, uint64_t seed) {
-    char* text = NULL;
-    size_t size = 0;
-    FILE* file = open_memstream(&text, &size);
-    if (file == NULL) return NULL;
-    print_command(file, comparison, entry, seed);
-    if (fclose(file) == 0) return text;
-    free(text);
-    return NULL;
+    cli_text text;
+    if (!cli_text_open(&text)) return NULL;
+    print_command(text.file, comparison, entry, seed);
+    return cli_text_close(&text);
 }

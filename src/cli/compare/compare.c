@@ -62,8 +62,10 @@ static char* read_scene_text(cli_session* session, const char* path) {
 static int load_and_compare(cli_session* session, cli_comparison* comparison, const char* path,
                             const compare_options* options) {
     ty_scene* scene = NULL;
+    cli_end_on_interrupt(true);
     const ty_result result =
         ty_scene_load(session->context, path, options->overrides.items, options->overrides.count, &scene);
+    cli_end_on_interrupt(false);
     if (result != TY_OK) return cli_fail_reading(session, result);
     comparison->subject = path;
     comparison->overrides = &options->overrides;

@@ -73,10 +73,11 @@ static int write_side_by_side(cli_session* session, const cli_comparison* compar
     enum { LABEL_SIZE = CLI_COMPARE_NAME + 24 };
     const size_t count = (size_t)comparison->count + 1;
     char* path = cli_comparison_path(comparison->folder, "", "side", ".png");
+    if (path == NULL) return CLI_FAILED;
     cli_panel* panels = calloc(count, sizeof *panels);
     char* labels = calloc(count, LABEL_SIZE);
     ty_result result = TY_ERROR_MEMORY;
-    if (path != NULL && panels != NULL && labels != NULL) {
+    if (panels != NULL && labels != NULL) {
         panels[0] = (cli_panel){comparison->reference.image, "reference"};
         for (int i = 0; i < comparison->count; ++i) {
             char* label = labels + (size_t)i * LABEL_SIZE;

@@ -3,6 +3,7 @@
 #include "cli/compare/page.h"
 #include "cli/compare/files.h"
 #include "cli/compare/page_pixels.h"
+#include "cli/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -41,21 +42,20 @@ static void print_data(FILE* file, const cli_comparison* comparison, int shrink)
 /* The members of errors.json and the frame. A < would end the element; in JSON it occurs in strings only, where it is
  * escaped. */
 static ty_result write_data(FILE* file, const cli_comparison* comparison, int shrink) {
-    char* text = NULL;
-    size_t size = 0;
-    FILE* memory = open_memstream(&text, &size);
-    if (memory == NULL) return TY_ERROR_MEMORY;
-    print_data(memory, comparison, shrink);
-    const bool complete = fclose(memory) == 0;
+    cli_text memory;
+    if (!cli_text_open(&memory)) return TY_ERROR_MEMORY;
+    print_data(memory.file, comparison, shrink);
+    char* text = cli_text_close(&memory);
+    if (text == NULL) return TY_ERROR_MEMORY;
     fputs("<script type=\"application/json\" id=\"comparison\">\n", file);
-    for (size_t i = 0; complete && i < size; ++i)
+    for (size_t i = 0; i < memory.size; ++i)
         if (text[i] == '<')
             fputs("\\u003c", file);
         else
             fputc(text[i], file);
     fputs("</script>\n", file);
     free(text);
-    return complete ? TY_OK : TY_ERROR_MEMORY;
+    return TY_OK;
 }
 
 static ty_result write_all_data(ty_context* context, FILE* file, const cli_comparison* comparison) {

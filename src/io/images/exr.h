@@ -3,9 +3,9 @@
 #define TY_IO_EXR_H
 
 #include "image/image.h"
+#include "io/file.h"
 
 #include <openexr.h>
-#include <stdio.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,7 +17,8 @@ enum { TY_EXR_MESSAGE_SIZE = 256 };
 typedef struct ty_exr_stream {
     const uint8_t* bytes; /* reading */
     size_t size;
-    FILE* file; /* writing */
+    ty_output* output;  /* writing */
+    bool out_of_memory; /* an allocation failed, of which the library does not always tell */
     char message[TY_EXR_MESSAGE_SIZE];
 } ty_exr_stream;
 

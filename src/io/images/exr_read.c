@@ -254,10 +254,11 @@ ty_result ty_read_exr(ty_context* context, const char* path, const uint8_t* byte
         ty_exr_stream_end();
         return fail(&r, code);
     }
-    ty_result result = inspect(&r);
+    ty_result result = r.stream.out_of_memory ? fail(&r, EXR_ERR_OUT_OF_MEMORY) : inspect(&r);
     if (result == TY_OK) result = create_image(&r);
     for (size_t i = 0; result == TY_OK && i < r.part_count; ++i) result = read_part(&r, &r.parts[i]);
     if (result == TY_OK) result = read_metadata(&r);
+    if (result == TY_OK && r.stream.out_of_memory) result = fail(&r, EXR_ERR_OUT_OF_MEMORY);
     ty_free_array(context, r.parts, r.part_count, sizeof *r.parts);
     exr_finish(&r.exr);
     ty_exr_stream_end();

@@ -1,12 +1,10 @@
 /* Stream callbacks of OpenEXR's core C library: bytes in memory for reading, a file for writing. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/images/exr.h"
 
 #include "base/context.h"
 
-#include <errno.h>
+#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Stream of the calling thread's file. Writing calls the error handler with the context's lock held, which
  * exr_get_user_data would wait for: the handler must find the stream without the context. */
@@ -39,18 +37,16 @@ static int64_t byte_count(exr_const_context_t exr, void* user) {
 static int64_t write_bytes(exr_const_context_t exr, void* user, const void* buffer, uint64_t size, uint64_t offset,
                            exr_stream_error_func_ptr_t fail) {
     const ty_exr_stream* s = user;
-    uint64_t done = 0;
-    while (done < size) {
-        const ssize_t wrote =
-            pwrite(fileno(s->file), (const uint8_t*)buffer + done, size - done, (off_t)(offset + done));
-        if (wrote < 0 && errno == EINTR) continue;
-        if (wrote <= 0) {
-            fail(exr, EXR_ERR_WRITE_IO, "the disk is full or failed");
-            return -1;
-        }
-        done += (uint64_t)wrote;
-    }
-    return (int64_t)size;
+    if (ty_output_write_at(s->output, buffer, size, offset)) return (int64_t)size;
+    fail(exr, EXR_ERR_WRITE_IO, strerror(s->output->error));
+    return -1;
+}
+
+/* Without memory the library may skip an attribute of a header, such as the data window, and go on. */
+static void* allocate(size_t size) {
+    void* block = malloc(size);
+    if (block == NULL && current_stream != NULL) current_stream->out_of_memory = true;
+    return block;
 }
 
 exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream) {
@@ -58,6 +54,8 @@ exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream) {
     current_stream = stream;
     setup.error_handler_fn = store_message;
     setup.user_data = stream;
+    setup.alloc_fn = allocate;
+    setup.free_fn = free;
     setup.read_fn = read_bytes;
     setup.size_fn = byte_count;
     setup.write_fn = write_bytes;
@@ -73,7 +71,7 @@ void ty_exr_stream_end(void) {
 
 ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, const ty_exr_stream* stream,
                       exr_result_t code) {
-    if (code == EXR_ERR_OUT_OF_MEMORY)
+    if (code == EXR_ERR_OUT_OF_MEMORY || stream->out_of_memory)
         return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory for OpenEXR", path);
     return ty_fail(context, result, "%s: %s", path,
                    stream->message[0] != '\0' ? stream->message : exr_get_default_error_message(code));

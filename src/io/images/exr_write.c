@@ -2,7 +2,6 @@
 #include "io/images/exr.h"
 
 #include "base/context.h"
-#include "io/file.h"
 
 #include <string.h>
 #include <tyndall/io.h>
@@ -88,7 +87,7 @@ ty_result ty_image_write_exr(ty_context* context, const ty_image* image, const c
     ty_output output;
     const ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    ty_exr_stream s = {.file = output.stream};
+    ty_exr_stream s = {.output = &output};
     const exr_context_initializer_t setup = ty_exr_initializer(&s);
     exr_context_t exr = NULL;
     exr_result_t code = exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &setup);
@@ -99,7 +98,8 @@ ty_result ty_image_write_exr(ty_context* context, const ty_image* image, const c
         if (code == EXR_ERR_SUCCESS) code = finished;
     }
     ty_exr_stream_end();
-    if (code == EXR_ERR_SUCCESS) return ty_output_commit(context, &output);
+    if (code == EXR_ERR_SUCCESS && s.out_of_memory) code = EXR_ERR_OUT_OF_MEMORY;
+    if (code == EXR_ERR_SUCCESS || output.error != 0) return ty_output_commit(context, &output);
     ty_output_discard(context, &output);
     return ty_exr_fail(context, TY_ERROR_FILE, path, &s, code);
 }

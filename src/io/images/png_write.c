@@ -21,6 +21,16 @@ static void ignore_warning(png_structp png, png_const_charp text) {
     (void)text;
 }
 
+/* The commit reports a failed write; the text here is never seen. */
+static void write_bytes(png_structp png, png_bytep bytes, size_t size) {
+    if (!ty_output_write(png_get_io_ptr(png), bytes, size)) png_error(png, "write error");
+}
+
+/* ty_output writes back by itself. */
+static void flush_nothing(png_structp png) {
+    (void)png;
+}
+
 /* Rows without padding. */
 typedef struct raster {
     const void* rows;
@@ -30,9 +40,9 @@ typedef struct raster {
 } raster;
 
 /* libpng leaves by longjmp: no variable here changes between setjmp and longjmp. */
-static bool encode(png_structp png, png_infop info, FILE* stream, const raster* image) {
+static bool encode(png_structp png, png_infop info, ty_output* output, const raster* image) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;
-    png_init_io(png, stream);
+    png_set_write_fn(png, output, write_bytes, flush_nothing);
     png_set_IHDR(png, info, image->width, image->height, image->depth, image->colour, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (image->depth == 8) png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
@@ -54,7 +64,7 @@ static ty_result write_png(ty_context* context, const raster* image, const char*
     ty_result result = info == NULL ? ty_fail(context, TY_ERROR_MEMORY, "not enough memory to write %s", path) : TY_OK;
     if (result == TY_OK) result = ty_output_open(context, path, &output);
     if (result == TY_OK) {
-        if (encode(png, info, output.stream, image)) {
+        if (encode(png, info, &output, image) || output.error != 0) {
             result = ty_output_commit(context, &output);
         } else {
             ty_output_discard(context, &output);

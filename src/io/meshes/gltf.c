@@ -2,6 +2,7 @@
 #include "io/meshes/gltf.h"
 
 #include "base/context.h"
+#include "io/json_parse.h"
 #include "io/schema_text.h"
 
 #include <string.h>
@@ -48,11 +49,8 @@ static ty_result parse_json(ty_gltf* gltf, const uint8_t* text, size_t length) {
         text += 3;
         length -= 3;
     }
-    json_error_t error;
-    gltf->root = json_loadb((const char*)text, length, JSON_REJECT_DUPLICATES, &error);
-    if (gltf->root == NULL)
-        return ty_fail(gltf->context, TY_ERROR_INPUT, "%s:%d: %s", gltf->path, error.line < 1 ? 1 : error.line,
-                       error.text);
+    const ty_result result = ty_json_parse(gltf->context, gltf->path, (const char*)text, length, &gltf->root);
+    if (result != TY_OK) return result;
     const char* version = json_string_value(json_object_get(json_object_get(gltf->root, "asset"), "version"));
     if (version == NULL)
         return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: not a glTF file: asset.version is missing", gltf->path);

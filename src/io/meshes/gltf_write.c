@@ -301,14 +301,14 @@ static void put_u32(uint8_t* at, size_t value) {
     for (size_t b = 0; b < 4; ++b) at[b] = (uint8_t)(value >> (8 * b));
 }
 
-static bool write_chunk(FILE* stream, uint32_t type, const void* bytes, size_t size, char filler) {
+static void write_chunk(ty_output* output, uint32_t type, const void* bytes, size_t size, char filler) {
     uint8_t head[CHUNK_HEAD];
     const size_t rest = (4 - size % 4) % 4;
     put_u32(head, size + rest);
     put_u32(head + 4, type);
-    bool done = fwrite(head, 1, sizeof head, stream) == sizeof head && fwrite(bytes, 1, size, stream) == size;
-    for (size_t i = 0; i < rest; ++i) done = fputc(filler, stream) != EOF && done;
-    return done;
+    ty_output_write(output, head, sizeof head);
+    ty_output_write(output, bytes, size);
+    for (size_t i = 0; i < rest; ++i) ty_output_write(output, &filler, 1);
 }
 
 static ty_result write_glb(writer* w, const char* path) {
@@ -324,9 +324,9 @@ static ty_result write_glb(writer* w, const char* path) {
         uint8_t head[GLB_HEAD] = {'g', 'l', 'T', 'F', 2};
         put_u32(head + 8, total);
         /* The commit reports write errors. */
-        if (fwrite(head, 1, sizeof head, output.stream) == sizeof head &&
-            write_chunk(output.stream, CHUNK_JSON, text, length, ' '))
-            write_chunk(output.stream, CHUNK_BIN, w->body, w->size, '\0');
+        ty_output_write(&output, head, sizeof head);
+        write_chunk(&output, CHUNK_JSON, text, length, ' ');
+        write_chunk(&output, CHUNK_BIN, w->body, w->size, '\0');
         result = ty_output_commit(w->gltf.context, &output);
     }
     free(text);

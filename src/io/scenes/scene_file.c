@@ -3,6 +3,7 @@
 #include "base/number.h"
 #include "io/scenes/builtin.h"
 #include "io/file.h"
+#include "io/json_parse.h"
 #include "io/scenes/scene_reader.h"
 #include "io/scenes/scene_schema.h"
 #include "io/scenes/schema.h"
@@ -26,12 +27,7 @@ ty_result ty_reader_parse(ty_scene_reader* reader) {
         reader->text += 3;
         reader->length -= 3;
     }
-    json_error_t error;
-    reader->root = json_loadb(reader->text, reader->length, JSON_REJECT_DUPLICATES, &error);
-    if (reader->root == NULL)
-        return ty_fail(reader->context, TY_ERROR_INPUT, "%s:%d: %s", reader->name, error.line < 1 ? 1 : error.line,
-                       error.text);
-    return TY_OK;
+    return ty_json_parse(reader->context, reader->name, reader->text, reader->length, &reader->root);
 }
 
 ty_result ty_reader_check(const ty_scene_reader* reader, const char* part) {

@@ -349,7 +349,7 @@ ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, const char*
     ty_output output;
     ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    result = ty_nanovdb_build(context, grid, grid_name, strcmp(codec, "zip") == 0, path, output.temporary);
+    result = ty_nanovdb_build(context, grid, grid_name, strcmp(codec, "zip") == 0, &output);
     if (result == TY_OK) return ty_output_commit(context, &output);
     ty_output_discard(context, &output);
     return result;

@@ -4,6 +4,8 @@
 #ifndef TY_IO_NANOVDB_H
 #define TY_IO_NANOVDB_H
 
+#include "io/file.h"
+
 #include <tyndall/io.h>
 
 #ifdef __cplusplus
@@ -39,9 +41,8 @@ void ty_nanovdb_close(ty_nanovdb_file* file);
 ty_result ty_nanovdb_load(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid, uint8_t** bytes);
 ty_result ty_nanovdb_damaged(const ty_nanovdb_file* file, const char* what);
 
-/* C++ part: writes to the existing file `temporary`; path is for messages. */
-ty_result ty_nanovdb_build(ty_context* context, const ty_grid* grid, const char* name, bool zip, const char* path,
-                           const char* temporary);
+/* C++ part. Write errors are left to the output's commit. */
+ty_result ty_nanovdb_build(ty_context* context, const ty_grid* grid, const char* name, bool zip, ty_output* output);
 
 #ifdef __cplusplus
 }

@@ -54,8 +54,10 @@ ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def
     if (result == TY_OK) result = ty_read_file(context, path, file_size_max, &bytes, &size);
     if (result != TY_OK) return result;
     result = find_start(context, path, def, size, voxels * ty_sample_size(type), &start);
-    const ty_samples samples = {bytes + start, type, def->raw_big_endian, 0, 1};
-    if (result == TY_OK) result = ty_samples_make_grid(context, &samples, &grid, out);
+    if (result == TY_OK) { /* or start may lie past the end */
+        const ty_samples samples = {bytes + start, type, def->raw_big_endian, 0, 1};
+        result = ty_samples_make_grid(context, &samples, &grid, out);
+    }
     ty_free_file(context, bytes, size);
     return result;
 }

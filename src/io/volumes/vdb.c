@@ -149,13 +149,15 @@ ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const char* gri
     if (grid == NULL || grid_name == NULL || grid_name[0] == '\0' || strlen(grid_name) >= TY_VDB_NAME_SIZE)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_vdb_write: the grid is NULL or its name not 1..%d characters",
                        (int)TY_VDB_NAME_SIZE - 1);
-    if (codec == NULL || (strcmp(codec, "none") != 0 && strcmp(codec, "zip") != 0 && strcmp(codec, "blosc") != 0))
+    const bool zip = codec != NULL && strcmp(codec, "zip") == 0, blosc = codec != NULL && strcmp(codec, "blosc") == 0;
+    if (codec == NULL || (strcmp(codec, "none") != 0 && !zip && !blosc))
         return ty_fail(context, TY_ERROR_ARGUMENT, "the VDB codec is \"%s\", not none, zip or blosc",
                        codec == NULL ? "" : codec);
     ty_output output;
     ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    result = ty_openvdb_write(context, grid, grid_name, codec, path, output.temporary);
+    const uint32_t compression = zip ? TY_VDB_ZIP : blosc ? TY_VDB_BLOSC : 0;
+    result = ty_vdb_write_file(context, grid, grid_name, compression, &output);
     if (result == TY_OK) return ty_output_commit(context, &output);
     ty_output_discard(context, &output);
     return result;

@@ -1,17 +1,25 @@
 /* OpenVDB files in three parts: vdb_file.c reads the container (grids, statistics, transforms), vdb_tree.c reads
- * trees and validates every count and length, and vdb.cpp contains OpenVDB, which decompresses blosc and writes. */
+ * trees and validates every count and length, and vdb_write.c writes. */
 #ifndef TY_IO_VDB_H
 #define TY_IO_VDB_H
 
+#include "io/file.h"
 #include "io/volumes/sparse.h"
 
 #include <tyndall/io.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include <stdio.h>
 
-enum { TY_VDB_NAME_SIZE = 128 };
+#define TY_VDB_MAGIC 0x56444220
+
+enum {
+    TY_VDB_NAME_SIZE = 128,
+    TY_VDB_UUID_SIZE = 36,
+    TY_VDB_NODE_SLOTS_MAX = 32768, /* of an upper inner node */
+};
+
+/* Bits of a grid's compression. */
+enum { TY_VDB_ZIP = 1, TY_VDB_ACTIVE_MASK = 2, TY_VDB_BLOSC = 4 };
 
 typedef struct ty_vdb_grid {
     char name[TY_VDB_NAME_SIZE];   /* "density", or "density[1]" for the second grid of that name */
@@ -30,7 +38,7 @@ typedef struct ty_vdb_grid {
 typedef struct ty_vdb_file {
     ty_context* context;
     const char* path;
-    void* stream; /* a FILE */
+    FILE* stream;
     uint64_t size;
     uint32_t version, library[2];
     ty_vdb_grid* grids;
@@ -57,13 +65,8 @@ ty_result ty_vdb_measure(const ty_vdb_file* file, const ty_vdb_grid* owner, ty_v
 ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, int32_t component,
                            const ty_affine* index_to_world, ty_grid** out);
 
-/* OpenVDB's part. True if a blosc block of `size` bytes, its byte count included, decompresses to `raw` bytes. */
-bool ty_openvdb_unpack_blosc(const void* block, size_t size, void* to, size_t raw);
-/* Writes to the existing file `temporary`; path is for messages. */
-ty_result ty_openvdb_write(ty_context* context, const ty_grid* grid, const char* name, const char* codec,
-                           const char* path, const char* temporary);
+/* Writes a file of one grid; codec is 0, TY_VDB_ZIP or TY_VDB_BLOSC. Write errors are left to the output's commit. */
+ty_result ty_vdb_write_file(ty_context* context, const ty_grid* grid, const char* name, uint32_t codec,
+                            ty_output* output);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,17 +5,13 @@
 #include "base/context.h"
 #include "io/file.h"
 
-#include <stdio.h>
 #include <string.h>
 
 enum {
     VERSION_OLDEST = 222, /* first version with the node layout and compression described here */
     VERSION_NEWEST = 224,
-    UUID_SIZE = 36,
     DESCRIPTOR_SIZE_MIN = 36
 };
-
-static const uint64_t magic = 0x56444220;
 
 /* A position in the file. The first read past the end, or of an invalid value, sets `bad`, and all later reads fail. */
 typedef struct cursor {
@@ -161,7 +157,7 @@ ty_result ty_vdb_damaged(const ty_vdb_file* file, const char* what) {
 
 static ty_result read_header(ty_vdb_file* file, cursor* c) {
     uint64_t found = 0;
-    if (!read_bytes(c, &found, sizeof found) || found != magic)
+    if (!read_bytes(c, &found, sizeof found) || found != TY_VDB_MAGIC)
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: not an OpenVDB file", file->path);
     file->version = read_u32(c);
     if (!c->bad && (file->version < VERSION_OLDEST || file->version > VERSION_NEWEST))
@@ -171,7 +167,7 @@ static ty_result read_header(ty_vdb_file* file, cursor* c) {
     file->library[1] = read_u32(c);
     uint8_t has_offsets = 0;
     read_bytes(c, &has_offsets, 1);
-    skip(c, UUID_SIZE);
+    skip(c, TY_VDB_UUID_SIZE);
     if (!read_metadata(c, NULL)) return ty_vdb_damaged(file, "header");
     if (has_offsets == 0)
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: written as a stream, without the offsets of its grids",

@@ -5,16 +5,14 @@
 #include "base/context.h"
 #include "base/half.h"
 
+#include <blosc.h>
+#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
 enum {
-    NODE_SLOTS_MAX = 32768,
     VALUE_SIZE_MAX = 12, /* three floats */
-    BLOSC_HEAD = 16,
-    COMPRESS_ZIP = 1,
-    COMPRESS_MASK = 2,
-    COMPRESS_BLOSC = 4
+    BLOSC_HEAD = 16
 };
 
 /* A tree in memory. */
@@ -96,6 +94,16 @@ static bool check_blosc(const uint8_t* packed, size_t size, size_t raw) {
     return head[1] == raw && head[2] != 0 && head[3] == size;
 }
 
+/* Blosc does not check its allocation of three blocks, so whether there is memory is tried first. */
+static bool unpack_blosc(const uint8_t* packed, void* to, size_t raw) {
+    uint32_t head[4];
+    memcpy(head, packed, sizeof head);
+    void* volatile trial = malloc(3 * (size_t)head[2] + BLOSC_HEAD);
+    if (trial == NULL) return false;
+    free(trial);
+    return blosc_decompress_ctx(packed, to, raw, 1) == (int)raw;
+}
+
 /* Reads the values as one block: plain, or a byte count (negative: uncompressed, positive: compressed) and the
  * bytes. */
 static bool read_block(tree_cursor* w, node_values* values) {
@@ -104,7 +112,7 @@ static bool read_block(tree_cursor* w, node_values* values) {
     values->stored = t->bytes;
     if (t->half && values->stored_count == 0) return true; /* an empty block is omitted */
     int64_t stored = -(int64_t)raw;
-    if ((t->compression & (COMPRESS_BLOSC | COMPRESS_ZIP)) != 0) {
+    if ((t->compression & (TY_VDB_BLOSC | TY_VDB_ZIP)) != 0) {
         const uint8_t* count = read_bytes(w, sizeof stored);
         if (count == NULL) return false;
         memcpy(&stored, count, sizeof stored);
@@ -117,7 +125,7 @@ static bool read_block(tree_cursor* w, node_values* values) {
     if ((uint64_t)stored > packed_size_max(raw)) w->bad = true;
     values->packed_size = (size_t)stored;
     values->stored = read_bytes(w, (size_t)stored);
-    if (values->stored != NULL && (t->compression & COMPRESS_BLOSC) != 0 &&
+    if (values->stored != NULL && (t->compression & TY_VDB_BLOSC) != 0 &&
         !check_blosc(values->stored, values->packed_size, raw))
         w->bad = true;
     return !w->bad;
@@ -156,7 +164,7 @@ static bool read_values(tree_cursor* w, size_t slots, const uint8_t* active, nod
         values->inactive[i] = component_of(t, value, t->value.bytes);
     }
     if (*coding >= 3 && *coding <= 5) values->choice = read_bytes(w, slots / 8);
-    values->sparse = (t->compression & COMPRESS_MASK) != 0 && *coding != 6;
+    values->sparse = (t->compression & TY_VDB_ACTIVE_MASK) != 0 && *coding != 6;
     values->stored_count = values->sparse ? count_bits(active, slots / 8) : slots;
     return read_block(w, values);
 }
@@ -165,9 +173,7 @@ static bool unpack(const tree* t, const node_values* values, uint8_t* to, const 
     const size_t raw = values->stored_count * t->stored_size;
     *plain = values->packed_size == 0 ? values->stored : to;
     if (values->packed_size == 0) return true;
-    if ((t->compression & COMPRESS_BLOSC) != 0)
-        return ty_openvdb_unpack_blosc(values->stored - sizeof(int64_t), values->packed_size + sizeof(int64_t), to,
-                                       raw);
+    if ((t->compression & TY_VDB_BLOSC) != 0) return unpack_blosc(values->stored, to, raw);
     uLongf length = raw;
     return uncompress(to, &length, values->stored, values->packed_size) == Z_OK && length == raw;
 }
@@ -326,12 +332,12 @@ static ty_result read_topology(const ty_vdb_file* file, const ty_vdb_grid* owner
                                ty_sparse* sparse) {
     tree_cursor w = {.tree = t,
                      .sparse = sparse,
-                     .unpacked = ty_alloc_array(file->context, NODE_SLOTS_MAX, VALUE_SIZE_MAX, false),
-                     .values = ty_alloc_array(file->context, NODE_SLOTS_MAX, sizeof(float), false)};
+                     .unpacked = ty_alloc_array(file->context, TY_VDB_NODE_SLOTS_MAX, VALUE_SIZE_MAX, false),
+                     .values = ty_alloc_array(file->context, TY_VDB_NODE_SLOTS_MAX, sizeof(float), false)};
     const bool allocated = w.unpacked != NULL && w.values != NULL;
     if (allocated && read_root(&w, t) && leaves) locate_leaves(&w);
-    ty_free_array(file->context, w.unpacked, NODE_SLOTS_MAX, VALUE_SIZE_MAX);
-    ty_free_array(file->context, w.values, NODE_SLOTS_MAX, sizeof(float));
+    ty_free_array(file->context, w.unpacked, TY_VDB_NODE_SLOTS_MAX, VALUE_SIZE_MAX);
+    ty_free_array(file->context, w.values, TY_VDB_NODE_SLOTS_MAX, sizeof(float));
     if (!allocated || w.no_memory) return TY_ERROR_MEMORY;
     return w.bad ? ty_vdb_damaged(file, owner->name) : TY_OK;
 }

@@ -18,6 +18,7 @@ ty_result ty_request_path_def(const ty_scene* scene, const ty_render_request* re
     def->progress = request->progress;
     def->progress_user = request->progress_user;
     def->state = request->state;
+    def->state_change = request->state_change;
     def->state_user = request->state_user;
     if (request->state != NULL) def->state_seconds = request->state_seconds;
     def->resume = request->resume;

@@ -14,8 +14,10 @@ static const ty_option options[] = {
      .doc = "Relative error at which sampling stops; 0 means no bound."},
     {TY_OPTION_FIELD(ty_path_def, aovs), .type = TY_OPTION_INT, .min = 0, .max = TY_AOV_ALL, .preset = TY_AOV_VARIANCE,
      .flags = TY_OPTION_CALLS_ONLY, .doc = "Channels of images, TY_AOV_... together."},
-    {TY_OPTION_FIELD(ty_path_def, state_seconds), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .preset = 60,
-     .unit = "s", .flags = TY_OPTION_CALLS_ONLY, .doc = "Time between two states that are handed out."},
+    {TY_OPTION_FIELD(ty_path_def, state_seconds), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .preset = TY_AUTO,
+     .unit = "s", .flags = TY_OPTION_AUTO | TY_OPTION_CALLS_ONLY,
+     .doc = "Time between two states that are handed out; automatic means 2 s, or longer where that took more than 2 % "
+            "of the time."},
 };
 
 const ty_option_table ty_path_options = TY_OPTION_TABLE("path", ty_path_def, "ty_default_path_def", options);

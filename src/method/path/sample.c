@@ -16,6 +16,11 @@ enum { PASS_MAX = 16, STRIDE_FIRST = 16, STRIDE_MAX = TY_PATH_BLOCK * PASS_MAX }
 /* Target duration of a thread's work between two checks for an early stop, seconds. */
 static const double stride_seconds = 2e-3;
 
+/* Saved states with TY_AUTO: seconds between two of them, at most those where changes are handed out, the largest
+ * fraction of all threads' time that they should take, and the target duration of samples that are in no state yet
+ * because their block is not merged. */
+static const double state_seconds_auto = 2, change_seconds_max = 3, state_fraction = 0.02, merge_seconds = 0.5;
+
 typedef struct sampling {
     ty_path_run* run;
     uint32_t last;        /* samples of each item after this pass */
@@ -26,8 +31,11 @@ typedef struct sampling {
     double reported;
     pthread_rwlock_t items; /* read-locked while blocks are merged concurrently, write-locked while a state is copied */
     uint8_t* state;         /* NULL: no state is saved */
-    size_t state_size;
-    double saved;                /* time of the last saved state */
+    uint32_t* saved_counts; /* samples of each block in the saved state */
+    bool whole_due;         /* the next state is a whole one */
+    size_t changes_size;    /* bytes of changes since the last whole state */
+    double saved;           /* time of the last saved state */
+    double state_period;    /* seconds until the next one */
     _Atomic int64_t blocks_done; /* blocks of this pass */
     _Atomic uint64_t vertices, paths;
     _Atomic uint32_t stride; /* paths that take about stride_seconds */
@@ -90,18 +98,47 @@ static ty_path_stats totals(sampling* pass) {
     return stats;
 }
 
+/* Time between two states such that they take at most state_fraction of the threads' time: all of them wait while a
+ * state is copied, and one seals it and hands it out. Changes need time by their samples and not by their number, so
+ * that longer periods would save little. */
+static double next_state_period(const sampling* pass, double copying, double rest) {
+    const ty_path_def* def = pass->run->def;
+    if (def->state_seconds != TY_AUTO) return def->state_seconds;
+    const double cost = copying + rest / ty_context_threads(pass->run->context);
+    const double period = fmax(state_seconds_auto, cost / state_fraction);
+    return def->state_change != NULL ? fmin(period, change_seconds_max) : period;
+}
+
+/* Hands out a whole state, or changes; returns false if it is a whole state and the caller cancels. */
+static bool hand_out(sampling* pass, bool whole, size_t size) {
+    const ty_path_def* def = pass->run->def;
+    if (whole) {
+        pass->changes_size = 0;
+        pass->whole_due = def->state_change == NULL;
+        return def->state(def->state_user, pass->state, size);
+    }
+    pass->changes_size += size;
+    const bool kept = def->state_change(def->state_user, pass->state, size);
+    pass->whole_due = !kept || pass->changes_size >= 2 * ty_path_state_room(pass->run);
+    return true;
+}
+
 /* Saves the state if due. Other threads wait only while it is copied. */
 static void save(sampling* pass, bool always) {
-    const ty_path_def* def = pass->run->def;
     if (pass->state == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
-    if (always || ty_wall_seconds() - pass->saved >= def->state_seconds) {
+    const double begun = ty_wall_seconds();
+    if (always || begun - pass->saved >= pass->state_period) {
+        const bool whole = always || pass->whole_due;
         pthread_rwlock_wrlock(&pass->items);
         const ty_path_stats stats = totals(pass);
-        ty_path_state_copy(pass->run, &stats, pass->state);
+        if (whole) memset(pass->saved_counts, 0, ty_path_state_blocks(pass->run) * sizeof *pass->saved_counts);
+        const size_t size = ty_path_state_copy(pass->run, &stats, pass->saved_counts, pass->state);
         pthread_rwlock_unlock(&pass->items);
-        ty_path_state_seal(pass->state, pass->state_size);
-        if (!def->state(def->state_user, pass->state, pass->state_size)) atomic_store(&pass->cancelled, true);
+        const double copied = ty_wall_seconds();
+        ty_path_state_seal(pass->state, size);
+        if (!hand_out(pass, whole, size)) atomic_store(&pass->cancelled, true);
         pass->saved = ty_wall_seconds();
+        pass->state_period = next_state_period(pass, copied - begun, pass->saved - copied);
     }
     pthread_mutex_unlock(&pass->lock);
 }
@@ -149,6 +186,30 @@ static bool sample_in_strides(sampling* pass, block_work* work) {
     return true;
 }
 
+/* Samples per item of a block until they are merged: as many as take about merge_seconds, judged by the stride. A
+ * stride of one path may take any time longer than a stride should, and then the fewest are merged. */
+static uint32_t samples_to_merge(const sampling* pass, uint32_t left) {
+    const uint32_t stride = atomic_load_explicit(&pass->stride, memory_order_relaxed);
+    const double samples = stride * (merge_seconds / stride_seconds) / TY_PATH_BLOCK;
+    const uint32_t count = stride <= 1 || samples < 1 ? 1 : (uint32_t)samples;
+    return count < left ? count : left;
+}
+
+/* Adds the samples of a block to the run's items. */
+static void merge(sampling* pass, const block_work* work) {
+    ty_path_run* run = pass->run;
+    const size_t size = (size_t)(work->end - work->begin);
+    pthread_rwlock_rdlock(&pass->items);
+    for (size_t i = 0; i < size; ++i) {
+        run->items[(size_t)work->begin + i].sums = work->sums[i];
+        run->items[(size_t)work->begin + i].count = work->first + work->count;
+    }
+    if (run->aov_sums != NULL) memcpy(run->aov_sums + work->begin, work->aov_sums, size * sizeof *run->aov_sums);
+    atomic_fetch_add(&pass->vertices, work->vertices);
+    atomic_fetch_add(&pass->paths, (uint64_t)size * work->count);
+    pthread_rwlock_unlock(&pass->items);
+}
+
 static void sample_block(void* user, int64_t block, int32_t worker) {
     (void)worker;
     sampling* pass = user;
@@ -157,21 +218,15 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
     block_work work = {.begin = block * TY_PATH_BLOCK};
     work.end = work.begin + TY_PATH_BLOCK < run->item_count ? work.begin + TY_PATH_BLOCK : run->item_count;
     work.first = run->items[work.begin].count;
-    if (work.first < pass->last) {
-        const size_t size = (size_t)(work.end - work.begin);
-        work.count = pass->last - work.first;
-        for (size_t i = 0; i < size; ++i) work.sums[i] = run->items[(size_t)work.begin + i].sums;
-        if (run->aov_sums != NULL) memcpy(work.aov_sums, run->aov_sums + work.begin, size * sizeof *run->aov_sums);
+    const size_t size = (size_t)(work.end - work.begin);
+    for (size_t i = 0; i < size; ++i) work.sums[i] = run->items[(size_t)work.begin + i].sums;
+    if (run->aov_sums != NULL) memcpy(work.aov_sums, run->aov_sums + work.begin, size * sizeof *run->aov_sums);
+    for (; work.first < pass->last; work.first += work.count) {
+        work.count = samples_to_merge(pass, pass->last - work.first);
+        work.vertices = 0;
         if (!sample_in_strides(pass, &work)) return;
-        pthread_rwlock_rdlock(&pass->items);
-        for (size_t i = 0; i < size; ++i) {
-            run->items[(size_t)work.begin + i].sums = work.sums[i];
-            run->items[(size_t)work.begin + i].count = pass->last;
-        }
-        if (run->aov_sums != NULL) memcpy(run->aov_sums + work.begin, work.aov_sums, size * sizeof *run->aov_sums);
-        atomic_fetch_add(&pass->vertices, work.vertices);
-        atomic_fetch_add(&pass->paths, (uint64_t)size * work.count);
-        pthread_rwlock_unlock(&pass->items);
+        merge(pass, &work);
+        if (work.first + work.count < pass->last) save(pass, false);
     }
     atomic_fetch_add(&pass->blocks_done, 1);
     save(pass, false);
@@ -225,13 +280,21 @@ ty_result ty_path_sample(ty_path_run* run) {
     pass.begun = pass.reported - run->stats.seconds;
     pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds;
     pass.saved = ty_wall_seconds();
+    pass.state_period = run->def->state_seconds == TY_AUTO ? 0.5 * state_seconds_auto : run->def->state_seconds;
     atomic_init(&pass.paths, run->stats.paths);
     atomic_init(&pass.vertices, run->stats.vertices);
     atomic_init(&pass.stride, STRIDE_FIRST);
-    if (run->def->state != NULL && run->request.kind == TY_PATH_PIXELS) {
-        pass.state_size = ty_path_state_size(run);
-        pass.state = ty_alloc_array(run->context, pass.state_size, 1, false);
-        if (pass.state == NULL) return TY_ERROR_MEMORY;
+    const bool saves = run->def->state != NULL && run->request.kind == TY_PATH_PIXELS;
+    const size_t room = saves ? ty_path_state_room(run) : 0, blocks = saves ? ty_path_state_blocks(run) : 0;
+    if (saves) {
+        pass.state = ty_alloc_array(run->context, room, 1, false);
+        pass.saved_counts = ty_alloc_array(run->context, blocks, sizeof *pass.saved_counts, true);
+        pass.whole_due = true;
+    }
+    if (saves && (pass.state == NULL || pass.saved_counts == NULL)) {
+        ty_free_array(run->context, pass.state, room, 1);
+        ty_free_array(run->context, pass.saved_counts, blocks, sizeof *pass.saved_counts);
+        return TY_ERROR_MEMORY;
     }
     pthread_mutex_init(&pass.lock, NULL);
     pthread_rwlock_init(&pass.items, NULL);
@@ -243,6 +306,7 @@ ty_result ty_path_sample(ty_path_run* run) {
     save(&pass, true);
     pthread_mutex_destroy(&pass.lock);
     pthread_rwlock_destroy(&pass.items);
-    ty_free_array(run->context, pass.state, pass.state_size, 1);
+    ty_free_array(run->context, pass.state, room, 1);
+    ty_free_array(run->context, pass.saved_counts, blocks, sizeof *pass.saved_counts);
     return cancelled ? TY_CANCELLED : TY_OK;
 }
