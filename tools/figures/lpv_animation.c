@@ -1,5 +1,5 @@
 /* Temporal stability of the lattice: light and camera move in small steps. */
-#include "figures/lpv_view.h"
+#include "figures/view.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -43,7 +43,8 @@ static ty_result render_frame(figure_run* run, int motion, int f, frame* out) {
     figure_view_size(run, WIDTH, HEIGHT, pixels);
     ty_result result = figure_load_scene(run, lpv_scene_files[LPV_ATRIUM], overrides, 1, &scene);
     if (result != TY_OK) return result;
-    ty_lpv_def def = lpv_scene_def(scene);
+    ty_lpv_def def;
+    figure_method_def(scene, &ty_method_lpv, NULL, &def);
     if (motion == CAMERA) {
         def.place = TY_LPV_PLACE_CAMERA;
         def.extent = camera_extent;

@@ -1,5 +1,5 @@
 /* Thin to dense media: fluence around a point light in a cube of fog by both modes, against path tracing. */
-#include "figures/lpv_view.h"
+#include "figures/view.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -32,8 +32,10 @@ static ty_result find_truth(figure_run* run, const ty_scene* scene, double fluen
 static ty_result find_fluence(figure_run* run, const ty_scene* scene, const char* mode, double fluence[ALONG]) {
     ty_lpv* light = NULL;
     double all[ALONG][3];
-    const lpv_variant variant = {.mode = mode, .parts = "all"};
-    ty_lpv_def def = lpv_variant_def(scene, &variant);
+    char options[32];
+    ty_lpv_def def;
+    snprintf(options, sizeof options, "mode=%s", mode);
+    figure_method_def(scene, &ty_method_lpv, options, &def);
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
     ty_result result = ty_lpv_solve(scene, &def, &light, NULL);

@@ -1,6 +1,6 @@
 /* Energy balance per iteration: in the lattice, escaped, absorbed, blocked; and the balance of in-scattering as printed
  * in the paper. */
-#include "figures/lpv_view.h"
+#include "figures/view.h"
 #include "method/lpv/propagate/transfer.h"
 
 #include <math.h>
@@ -18,8 +18,10 @@ static const double cell = 0.5;                          /* m */
 static ty_result solve(figure_run* run, const ty_scene* scene, int mode, uint32_t parts, int32_t iterations,
                        ty_lpv_stats* stats) {
     ty_lpv* light = NULL;
-    const lpv_variant variant = {.mode = mode_names[mode], .parts = "all", .iterations = iterations};
-    ty_lpv_def def = lpv_variant_def(scene, &variant);
+    char options[64];
+    ty_lpv_def def;
+    snprintf(options, sizeof options, "mode=%s iterations=%d", mode_names[mode], (int)iterations);
+    figure_method_def(scene, &ty_method_lpv, options, &def);
     def.parts = parts;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;

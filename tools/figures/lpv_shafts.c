@@ -1,5 +1,5 @@
 /* Single scattering with sharp shadows, against the path tracer's channel of single scattering. */
-#include "figures/lpv_view.h"
+#include "figures/view.h"
 
 #include <math.h>
 #include <string.h>

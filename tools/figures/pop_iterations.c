@@ -9,7 +9,7 @@ enum { STEPS = 6, SAMPLES = 8192, ALONG = 16 };
 static const int32_t steps[STEPS] = {1, 4, 16, 64, 256, 1024};
 
 /* A central column of cells along the beam. */
-static const pop_box column = {{-0.0625, -0.0625, -0.5}, {0.0625, 0.0625, 0.5}, {1, 1, ALONG}};
+static const fluence_box column = {{-0.0625, -0.0625, -0.5}, {0.0625, 0.0625, 0.5}, {1, 1, ALONG}};
 
 static void add_series(plot_chart* chart, const char* name, const double (*fluence)[3], plot_style style) {
     plot_series* series = &chart->series[chart->series_count++];
@@ -19,17 +19,18 @@ static void add_series(plot_chart* chart, const char* name, const double (*fluen
 }
 
 /* Scattered fluence along the column. def NULL: by path tracing. */
-static ty_result find_fluence(figure_run* run, const ty_scene* scene, const ty_pop_def* def, pop_truth* out,
+static ty_result find_fluence(figure_run* run, const ty_scene* scene, const ty_pop_def* def, fluence_truth* out,
                               ty_pop_stats* stats) {
     ty_pop* light = NULL;
-    if (def == NULL) return pop_path_fluence(run, scene, &column, SAMPLES, out);
+    if (def == NULL) return path_fluence(run, scene, &column, SAMPLES, out);
     ty_result result = ty_pop_solve(scene, def, &light, stats);
-    if (result == TY_OK) result = pop_scattered_fluence(light, &column, out->scattered);
+    if (result == TY_OK) result = pop_fluence(light, &column, out->scattered);
     ty_pop_destroy(light);
     return result;
 }
 
-static ty_result run_step(figure_run* run, const ty_scene* scene, int step, pop_truth* fluence, plot_chart charts[2]) {
+static ty_result run_step(figure_run* run, const ty_scene* scene, int step, fluence_truth* fluence,
+                          plot_chart charts[2]) {
     char item[FIGURE_NAME_SIZE];
     ty_pop_stats stats;
     ty_pop_def def = pop_cube_def(run, TY_POP_MODE_PUBLISHED);
@@ -45,7 +46,7 @@ static ty_result run_step(figure_run* run, const ty_scene* scene, int step, pop_
     return TY_OK;
 }
 
-static ty_result fill_charts(figure_run* run, pop_truth* fluence, plot_chart charts[2]) {
+static ty_result fill_charts(figure_run* run, fluence_truth* fluence, plot_chart charts[2]) {
     ty_scene* scene = NULL;
     const ty_pop_def split = pop_cube_def(run, TY_POP_MODE_SPLIT);
     ty_pop_stats stats;
@@ -61,7 +62,7 @@ static ty_result fill_charts(figure_run* run, pop_truth* fluence, plot_chart cha
 
 ty_result figure_pop_iterations(figure_run* run) {
     plot_chart* charts = calloc(2, sizeof *charts);
-    pop_truth* fluence = calloc(1, sizeof *fluence);
+    fluence_truth* fluence = calloc(1, sizeof *fluence);
     ty_result result = charts != NULL && fluence != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK) {
         charts[0] = (plot_chart){.title = "light that has scattered, along the middle",

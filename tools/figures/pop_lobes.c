@@ -93,7 +93,7 @@ static ty_result note_shape(figure_run* run, const char* item, const float* valu
     return result;
 }
 
-static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, int mode, const pop_truth* truth,
+static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, int mode, const fluence_truth* truth,
                           double (*fluence)[3], slice* out, plot_table* table) {
     char item[FIGURE_NAME_SIZE], error[16];
     ty_pop* light = NULL;
@@ -103,12 +103,12 @@ static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, in
     def.iterations = modes[mode].iterations > 0 ? modes[mode].iterations : TY_AUTO;
     if (def.iterations > 0) def.residuum = 0;
     ty_result result = ty_pop_solve(scene, &def, &light, &stats);
-    if (result == TY_OK) result = pop_scattered_fluence(light, &pop_cube_cells, fluence);
+    if (result == TY_OK) result = pop_fluence(light, &pop_cube_cells, fluence);
     if (result == TY_OK && mode + 1 < SHOWN) result = see_slice(run, scene, light, out->values[1 + mode]);
     if (result == TY_OK && mode + 1 < SHOWN) result = note_shape(run, item, out->values[1 + mode], out->values[0]);
     ty_pop_destroy(light);
     if (result != TY_OK) return result;
-    const figure_errors errors = pop_compare_fluence(&pop_cube_cells, (const double(*)[3])fluence, truth);
+    const figure_errors errors = fluence_compare(&pop_cube_cells, (const double(*)[3])fluence, truth);
     const bool ours = modes[mode].mode == TY_POP_MODE_SPLIT;
     figure_format_error(errors.relative_rmse, error);
     plot_set_cell(table, 2 + mode, 1 + 2 * column, "%.3f", errors.mean_ratio);
@@ -123,11 +123,11 @@ static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, in
     return result;
 }
 
-static ty_result run_column(figure_run* run, int column, pop_truth* truth, double (*fluence)[3], slice* out,
+static ty_result run_column(figure_run* run, int column, fluence_truth* truth, double (*fluence)[3], slice* out,
                             plot_table* table) {
     ty_scene* scene = NULL;
     ty_result result = pop_load_cube(run, cosines[column], &scene);
-    if (result == TY_OK) result = pop_path_fluence(run, scene, &pop_cube_cells, FLUENCE_SAMPLES, truth);
+    if (result == TY_OK) result = path_fluence(run, scene, &pop_cube_cells, FLUENCE_SAMPLES, truth);
     if (result == TY_OK) result = see_slice(run, scene, NULL, out->values[0]);
     for (int mode = 0; mode < MODES && result == TY_OK; ++mode)
         result = run_mode(run, scene, column, mode, truth, fluence, out, table);
@@ -177,8 +177,8 @@ static void begin_table(plot_table* table) {
 ty_result figure_pop_lobes(figure_run* run) {
     plot_lobes lobes[COSINES];
     plot_table table = {0};
-    pop_truth* truth = calloc(1, sizeof *truth);
-    double(*fluence)[3] = calloc(POP_CELLS_MAX, sizeof *fluence);
+    fluence_truth* truth = calloc(1, sizeof *truth);
+    double(*fluence)[3] = calloc(FLUENCE_CELLS_MAX, sizeof *fluence);
     slice* slices = calloc(COSINES, sizeof *slices);
     const bool allocated = truth != NULL && fluence != NULL && slices != NULL;
     ty_result result = allocated ? plot_create_table(2 + MODES, 1 + 2 * COSINES, 2, &table) : TY_ERROR_MEMORY;
