@@ -154,14 +154,9 @@ static void print_solved(const bench_session* bench, int index, const solved* s)
     json_text(bench->json, "case", cases[index].name);
     json_int(bench->json, "side", s->side);
     json_bool(bench->json, "converged", s->converged);
-    json_int(bench->json, "iterations", s->iterations);
-    json_int(bench->json, "cycles", s->cycles);
-    json_number(bench->json, "work", s->work);
-    json_number(bench->json, "residual", s->residual);
-    json_number(bench->json, "seconds", s->seconds);
-    json_number(bench->json, "mcells_per_second", 1e-6 * cells / s->seconds);
-    json_number(bench->json, "mcells_per_core_second", 1e-6 * cells / s->cpu_seconds);
-    json_number(bench->json, "floats_per_cell", s->floats);
+    bench_numbers(bench->json, {"iterations", s->iterations}, {"cycles", s->cycles}, {"work", s->work},
+                  {"residual", s->residual}, {"seconds", s->seconds}, {"mcells_per_second", 1e-6 * cells / s->seconds},
+                  {"mcells_per_core_second", 1e-6 * cells / s->cpu_seconds}, {"floats_per_cell", s->floats});
     json_close_object(bench->json);
 }
 
@@ -249,10 +244,8 @@ static void print_timed(const bench_session* bench, const char* name, const time
         for (int i = 0; i < 4; ++i) json_number(bench->json, parts[i], t->parts[m][i]);
         json_close_object(bench->json);
     }
-    json_number(bench->json, "path_seconds_at_1000_spp", t->path);
-    json_number(bench->json, "path_over_fld", t->path / t->seconds[0]);
-    json_number(bench->json, "fld_over_cda", t->seconds[0] / t->seconds[1]);
-    json_number(bench->json, "floats_per_cell", t->floats);
+    bench_numbers(bench->json, {"path_seconds_at_1000_spp", t->path}, {"path_over_fld", t->path / t->seconds[0]},
+                  {"fld_over_cda", t->seconds[0] / t->seconds[1]}, {"floats_per_cell", t->floats});
     json_numbers(bench->json, "diffusion_size", (const double[]){coarse[0], coarse[1], coarse[2]}, 3);
     json_close_object(bench->json);
 }

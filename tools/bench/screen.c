@@ -228,10 +228,8 @@ static double stream_ratio(const size_result* size, int index) {
 
 static void print_size(json_writer* json, const size_result* size) {
     json_open_object(json, NULL);
-    json_int(json, "width", size->width);
-    json_int(json, "height", size->height);
-    json_number(json, "copy_gb_per_second", 1e-9 * size->copy);
-    json_number(json, "triad_gb_per_second", 1e-9 * size->triad);
+    bench_numbers(json, {"width", size->width}, {"height", size->height}, {"copy_gb_per_second", 1e-9 * size->copy},
+                  {"triad_gb_per_second", 1e-9 * size->triad});
     json_open_array(json, "cases");
     for (int i = 0; i < CASES; ++i) {
         const case_result* c = &size->cases[i];
@@ -239,11 +237,9 @@ static void print_size(json_writer* json, const size_result* size) {
         json_text(json, "name", cases[i].name);
         json_number(json, "seconds", c->seconds);
         json_numbers(json, "step_seconds", c->steps, 3);
-        json_int(json, "levels", c->levels);
-        json_number(json, "bytes", c->bytes);
-        json_number(json, "times_stream", stream_ratio(size, i));
-        json_number(json, "times_naive", c->seconds / size->cases[NAIVE].seconds);
-        json_number(json, "ns_per_pixel", 1e9 * c->seconds / pixels_of(size));
+        bench_numbers(json, {"levels", c->levels}, {"bytes", c->bytes}, {"times_stream", stream_ratio(size, i)},
+                      {"times_naive", c->seconds / size->cases[NAIVE].seconds},
+                      {"ns_per_pixel", 1e9 * c->seconds / pixels_of(size)});
         json_close_object(json);
     }
     json_close_array(json);
@@ -255,11 +251,9 @@ static void print_reference(const bench_session* bench, const size_result* size,
     const bool full = bench->options->full;
 
     json_open_object(bench->json, "reference");
-    json_int(bench->json, "window", WINDOW);
-    json_number(bench->json, "pixels", pixels_of(size));
+    bench_numbers(bench->json, {"window", WINDOW}, {"pixels", pixels_of(size)});
     json_bool(bench->json, "full", full);
-    json_number(bench->json, "seconds", seconds);
-    json_number(bench->json, "times_scatter", ratio);
+    bench_numbers(bench->json, {"seconds", seconds}, {"times_scatter", ratio});
     json_close_object(bench->json);
 }
 
