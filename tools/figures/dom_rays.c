@@ -106,9 +106,10 @@ static ty_result fill_cell(figure_run* run, const char* item, const ty_scene* sc
     snprintf(cell->lines[0], PLOT_LABEL_SIZE, "mean ratio %.3f, rel. RMSE %s", errors.mean_ratio, error);
     const double off = mean_error(s);
     snprintf(cell->lines[1], PLOT_LABEL_SIZE, "cells are off by %.1f %% on average", 100 * off);
-    result = figure_note(run, own, "mean ratio", "1", errors.mean_ratio);
-    if (result == TY_OK) result = figure_note(run, own, "mean of cells' relative errors, with noise", "1", off);
-    return result == TY_OK ? figure_note(run, own, "relative RMSE", "1", errors.relative_rmse) : result;
+    figure_notes(run, own, {"mean ratio", "1", errors.mean_ratio},
+                 {"mean of cells' relative errors, with noise", "1", off},
+                 {"relative RMSE", "1", errors.relative_rmse});
+    return TY_OK;
 }
 
 static ty_result fill_sheet(figure_run* run, const char* item, const ty_scene* scene, slice* s, plot_sheet* sheet) {

@@ -81,15 +81,13 @@ static void choose_solver(fld_box* box, int omega) {
     if (omega >= 0) box->def.relaxation = omegas[omega];
 }
 
-static ty_result note_solve(figure_run* run, int omega, int32_t edge, const ty_diffusion_stats* stats) {
+static void note_solve(figure_run* run, int omega, int32_t edge, const ty_diffusion_stats* stats) {
     char name[NAME_SIZE], item[FIGURE_NAME_SIZE];
     name_solver(omega, name);
     snprintf(item, sizeof item, "%s, %d^3 cells", name, (int)edge);
-    ty_result result = figure_note(run, item, "converged", "1", stats->converged ? 1 : 0);
-    if (result == TY_OK) result = figure_note(run, item, "iterations", "1", stats->iterations);
-    if (result == TY_OK) result = figure_note(run, item, "work, passes over all cells", "1", stats->work);
-    if (result == TY_OK) result = figure_note(run, item, "residual", "1", stats->residual);
-    return result == TY_OK ? figure_note(run, item, "time", "s", stats->seconds) : result;
+    figure_notes(run, item, {"converged", "1", stats->converged ? 1 : 0}, {"iterations", "1", stats->iterations},
+                 {"work, passes over all cells", "1", stats->work}, {"residual", "1", stats->residual},
+                 {"time", "s", stats->seconds});
 }
 
 /* ---- (a) ---- */
@@ -108,7 +106,8 @@ static ty_result follow_sor(figure_run* run, fld_box* box, int omega, plot_serie
         last = pass;
     }
     free(history);
-    return result == TY_OK ? note_solve(run, omega, box->edge, &stats) : result;
+    if (result == TY_OK) note_solve(run, omega, box->edge, &stats);
+    return result;
 }
 
 /* Residuals of multigrid over its work, each from a separate solve. */
@@ -124,7 +123,8 @@ static ty_result follow_multigrid(figure_run* run, fld_box* box, plot_series* se
         result = solve(run, box, NULL, &partial);
         if (result == TY_OK) plot_add_point(series, partial.work, partial.residual, 0);
     }
-    return result == TY_OK ? note_solve(run, -1, box->edge, &complete) : result;
+    if (result == TY_OK) note_solve(run, -1, box->edge, &complete);
+    return result;
 }
 
 static ty_result fill_histories(figure_run* run, const ty_grid* noise, plot_chart* chart) {
@@ -153,7 +153,7 @@ static ty_result solve_size(figure_run* run, const ty_grid* noise, int size, int
     choose_solver(&box, omega);
     result = solve(run, &box, NULL, &stats);
     fld_free_box(run->session->context, &box);
-    if (result == TY_OK) result = note_solve(run, omega, sizes[size], &stats);
+    if (result == TY_OK) note_solve(run, omega, sizes[size], &stats);
     if (result != TY_OK || !stats.converged) return result;
     const int series = omega < 0 ? 0 : 1 + omega - OMEGA_FIRST;
     plot_add_point(&charts[0].series[series], sizes[size], stats.iterations, 0);
@@ -211,11 +211,10 @@ static ty_result solve_nebula(figure_run* run, const ty_scene* scene, int setup,
     ty_fld_destroy(light);
     if (result != TY_OK) return result;
     snprintf(item, sizeof item, "nebulae, %s, sigma_eps L %g", setups[setup].name, min_extinctions[index]);
-    result = figure_note(run, item, "converged", "1", stats.converged ? 1 : 0);
-    if (result == TY_OK) result = figure_note(run, item, "iterations, green", "1", stats.iterations[1]);
-    if (result == TY_OK) result = figure_note(run, item, "time", "s", stats.solve_seconds);
+    figure_notes(run, item, {"converged", "1", stats.converged ? 1 : 0},
+                 {"iterations, green", "1", stats.iterations[1]}, {"time", "s", stats.solve_seconds});
     if (stats.converged) plot_add_point(series, min_extinctions[index], stats.iterations[1], 0);
-    return result;
+    return TY_OK;
 }
 
 static ty_result fill_least(figure_run* run, plot_chart* chart) {

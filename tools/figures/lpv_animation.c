@@ -94,7 +94,7 @@ static changes compare_images(const ty_image* before, const ty_image* now, const
     return (changes){sum / total, largest * 3.0 * (double)count / total};
 }
 
-static ty_result note_changes(figure_run* run, int motion, const char* what, const changes* all, int count) {
+static void note_changes(figure_run* run, int motion, const char* what, const changes* all, int count) {
     changes maximum = {0, 0};
     double sum = 0;
     char item[FIGURE_NAME_SIZE];
@@ -104,12 +104,9 @@ static ty_result note_changes(figure_run* run, int motion, const char* what, con
         maximum.mean = fmax(maximum.mean, all[i].mean);
         maximum.largest = fmax(maximum.largest, all[i].largest);
     }
-    ty_result result = figure_note(run, item, "mean change", "1", sum);
-    if (result == TY_OK) result = figure_note(run, item, "largest change", "1", maximum.largest);
+    figure_notes(run, item, {"mean change", "1", sum}, {"largest change", "1", maximum.largest});
     /* A jump changes a frame by a multiple of the others' change; a lattice that follows the camera moves in steps. */
-    if (result == TY_OK && motion == SUN)
-        result = figure_note(run, item, "mean change, largest frame over mean", "1", maximum.mean / sum);
-    return result;
+    if (motion == SUN) figure_note(run, item, "mean change, largest frame over mean", "1", maximum.mean / sum);
 }
 
 static void add_series(plot_chart* chart, const char* name, const changes* all, int count, bool largest) {
@@ -135,9 +132,9 @@ static ty_result run_motion(figure_run* run, int motion, frame* frames, plot_she
     add_series(chart, "marched pixels, largest", fog, FRAMES - 1, true);
     add_series(chart, "pixels, mean", images, FRAMES - 1, false);
     add_series(chart, "pixels, largest", images, FRAMES - 1, true);
-    result = note_changes(run, motion, "fluence", fluence, FRAMES - 1);
-    if (result == TY_OK) result = note_changes(run, motion, "marched pixels", fog, FRAMES - 1);
-    if (result == TY_OK) result = note_changes(run, motion, "pixels", images, FRAMES - 1);
+    note_changes(run, motion, "fluence", fluence, FRAMES - 1);
+    note_changes(run, motion, "marched pixels", fog, FRAMES - 1);
+    note_changes(run, motion, "pixels", images, FRAMES - 1);
     for (int i = 0; i < 2 && result == TY_OK; ++i)
         result = plot_picture_of_image(run->session->context, frames[i * (FRAMES - 1)].image, 0,
                                        &plot_sheet_cell(sheet, 0, 2 * motion + i)->picture);

@@ -25,7 +25,7 @@ static ty_result show(figure_run* run, ty_scene* scene, int mode, int index, con
     if (result == TY_OK) {
         const double mean = figure_mean(picture.image);
         snprintf(cell->lines[1], PLOT_LABEL_SIZE, "mean %.3g W m⁻² sr⁻¹", mean);
-        result = figure_note(run, item, "mean", "W m^-2 sr^-1", mean);
+        figure_note(run, item, "mean", "W m^-2 sr^-1", mean);
     }
     figure_free_picture(&picture);
     return result;

@@ -96,10 +96,9 @@ static ty_result compare_shadow(figure_run* run, const char* item, const figure_
         out->mean_ratio = sums.picture / sums.truth;
         out->relative_rmse = bench_without_noise(sqrt(sums.squares / count), sqrt(sums.noise / count)) / mean;
     }
-    ty_result result = figure_note(run, item, "blocks in shadow", "1", (double)sums.blocks);
-    if (result == TY_OK) result = figure_note(run, item, "mean ratio in shadow", "1", out->mean_ratio);
-    if (result == TY_OK) result = figure_note(run, item, "relative RMSE in shadow", "1", out->relative_rmse);
-    return result;
+    figure_notes(run, item, {"blocks in shadow", "1", (double)sums.blocks},
+                 {"mean ratio in shadow", "1", out->mean_ratio}, {"relative RMSE in shadow", "1", out->relative_rmse});
+    return TY_OK;
 }
 
 /* The scene by shadow maps alone: black where surfaces are in shadow. */
@@ -142,14 +141,12 @@ static ty_result show_variant(figure_run* run, const char* name, ty_scene* scene
 /* Criteria: means within 20 %, and half of the error of the simpler combinations. */
 static ty_result expect(figure_run* run, const char* name, const comparison* compared) {
     const figure_errors* all = compared->all;
-    ty_result result = figure_expect(run, name, "mean ratio of full", "1", all[FULL].mean_ratio, 1, 0.2);
-    if (result == TY_OK)
-        result = figure_expect(run, name, "relative RMSE of full over that of both added", "1",
-                               all[FULL].relative_rmse / all[BOTH].relative_rmse, 0, 0.5);
-    if (result == TY_OK)
-        result = figure_expect(run, name, "relative RMSE of full over that of plain, marched", "1",
-                               all[FULL].relative_rmse / all[MARCHED].relative_rmse, 0, 0.5);
-    return result;
+    figure_expect(run, name, "mean ratio of full", "1", all[FULL].mean_ratio, 1, 0.2);
+    figure_expect(run, name, "relative RMSE of full over that of both added", "1",
+                  all[FULL].relative_rmse / all[BOTH].relative_rmse, 0, 0.5);
+    figure_expect(run, name, "relative RMSE of full over that of plain, marched", "1",
+                  all[FULL].relative_rmse / all[MARCHED].relative_rmse, 0, 0.5);
+    return TY_OK;
 }
 
 static ty_result show_scene(figure_run* run, ty_scene* scene, int s, plot_sheet* sheet) {

@@ -51,6 +51,7 @@ static void make_figure(cli_session* session, const figure_options* options, fig
     figure_run run = {.session = session, .options = options, .name = entry->name};
     ty_result result = plot_create_page(session->context, &run.page);
     if (result == TY_OK) result = entry->make(&run);
+    if (result == TY_OK && run.incomplete) result = TY_ERROR_MEMORY;
     cli_progress_clear(&session->progress);
     const double seconds = cli_wall_seconds() - started;
     int status = result != TY_OK ? cli_fail_running(session, result) : CLI_DONE;

@@ -39,9 +39,9 @@ static ty_result compare_frames(figure_run* run, int frame, const figure_matrix*
         plot_set_cell(table, line, 1 + row, "%s", change);
         plot_set_cell(table, line, 3 + row, "%+.2f %%", 100 * (means[row] - 1));
     }
-    ty_result result = figure_expect(run, item, "change of the mean", "1", means[1], means[0], 0.01);
-    if (result == TY_OK) result = figure_expect(run, item, "change, relative RMSE", "1", changes[1], changes[0], NAN);
-    return result;
+    figure_expect(run, item, "change of the mean", "1", means[1], means[0], 0.01);
+    figure_expect(run, item, "change, relative RMSE", "1", changes[1], changes[0], NAN);
+    return TY_OK;
 }
 
 static ty_result fill_table(figure_run* run, const figure_matrix* matrix, plot_table* table) {
@@ -52,7 +52,7 @@ static ty_result fill_table(figure_run* run, const figure_matrix* matrix, plot_t
     for (int frame = 0; frame < FRAMES && result == TY_OK; ++frame) {
         char item[FIGURE_NAME_SIZE];
         snprintf(item, sizeof item, "%s, split", scenes[frame].title);
-        result = figure_expect(run, item, "mean ratio of split", "1", matrix->errors[frame][1].mean_ratio, 1, 0.1);
+        figure_expect(run, item, "mean ratio of split", "1", matrix->errors[frame][1].mean_ratio, 1, 0.1);
     }
     for (int frame = FIRST_SMOOTH + 1; frame < FRAMES && result == TY_OK; ++frame)
         result = compare_frames(run, frame, matrix, table);

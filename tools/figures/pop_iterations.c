@@ -38,8 +38,9 @@ static ty_result run_step(figure_run* run, const ty_scene* scene, int step, flue
     def.residuum = 0;
     snprintf(item, sizeof item, "%d iteration%s", (int)steps[step], steps[step] == 1 ? "" : "s");
     ty_result result = find_fluence(run, scene, &def, fluence, &stats);
-    if (result == TY_OK) result = figure_note(run, item, "light not yet propagated", "1", stats.left);
-    if (result == TY_OK) result = figure_note(run, item, "time of propagation", "s", stats.propagation_seconds);
+    if (result == TY_OK)
+        figure_notes(run, item, {"light not yet propagated", "1", stats.left},
+                     {"time of propagation", "s", stats.propagation_seconds});
     if (result != TY_OK) return result;
     add_series(&charts[0], item, (const double(*)[3])fluence->scattered, PLOT_LINE_AND_DOTS);
     plot_add_point(&charts[1].series[0], steps[step], stats.left, 0);

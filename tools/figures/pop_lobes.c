@@ -87,10 +87,9 @@ static ty_result note_shape(figure_run* run, const char* item, const float* valu
         squares += pow((double)values[i] * expected / sum - (double)truth[i], 2);
         weight += pow((double)truth[i], 2);
     }
-    ty_result result = figure_note(run, item, "mean ratio of radiance in the slice", "1", sum / expected);
-    if (result == TY_OK)
-        result = figure_note(run, item, "RMSE of its shape, over the truth's rms", "1", sqrt(squares / weight));
-    return result;
+    figure_notes(run, item, {"mean ratio of radiance in the slice", "1", sum / expected},
+                 {"RMSE of its shape, over the truth's rms", "1", sqrt(squares / weight)});
+    return TY_OK;
 }
 
 static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, int mode, const fluence_truth* truth,
@@ -113,14 +112,11 @@ static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, in
     figure_format_error(errors.relative_rmse, error);
     plot_set_cell(table, 2 + mode, 1 + 2 * column, "%.3f", errors.mean_ratio);
     plot_set_cell(table, 2 + mode, 2 + 2 * column, "%s", error);
-    result = figure_note(run, item, "time", "s", stats.seconds);
-    if (result == TY_OK)
-        result = figure_expect(run, item, "mean ratio of fluence", "1", errors.mean_ratio, modes[mode].ratio[column],
-                               modes[mode].tolerance);
-    if (result == TY_OK)
-        result = figure_expect(run, item, "relative RMSE of fluence", "1", errors.relative_rmse, ours ? 0 : NAN,
-                               ours ? 0.2 : NAN);
-    return result;
+    figure_note(run, item, "time", "s", stats.seconds);
+    figure_expect(run, item, "mean ratio of fluence", "1", errors.mean_ratio, modes[mode].ratio[column],
+                  modes[mode].tolerance);
+    figure_expect(run, item, "relative RMSE of fluence", "1", errors.relative_rmse, ours ? 0 : NAN, ours ? 0.2 : NAN);
+    return TY_OK;
 }
 
 static ty_result run_column(figure_run* run, int column, fluence_truth* truth, double (*fluence)[3], slice* out,

@@ -32,7 +32,7 @@ ty_result figure_render(figure_run* run, const char* item, const ty_scene* scene
     *report = (cli_report){0};
     ty_result result = cli_render_method(run->session, scene, method, &request, &picture.image, report);
     picture.seconds = report->run.own_seconds;
-    if (result == TY_OK) result = figure_note(run, item, "time", "s", picture.seconds);
+    if (result == TY_OK) figure_note(run, item, "time", "s", picture.seconds);
     if (result == TY_OK)
         *out = picture;
     else
@@ -60,12 +60,11 @@ ty_result figure_compare(figure_run* run, const char* item, const figure_picture
     out->mean_ratio = difference.mean_ratio[3];
     out->rel_mse = difference.rel_mse[3];
     out->relative_rmse = bench_without_noise(difference.rmse[3], noise[3]) / mean;
-    result = figure_note(run, item, "mean ratio", "1", out->mean_ratio);
-    if (result == TY_OK) result = figure_note(run, item, "relative RMSE", "1", out->relative_rmse);
-    if (result == TY_OK) result = figure_note(run, item, "relMSE, with noise", "1", out->rel_mse);
+    figure_notes(run, item, {"mean ratio", "1", out->mean_ratio}, {"relative RMSE", "1", out->relative_rmse},
+                 {"relMSE, with noise", "1", out->rel_mse});
     if (result != TY_OK) return result;
-    return figure_note(run, item, "times faster than 1000 paths a pixel", "1",
-                       figure_paper_seconds(truth) / picture->seconds);
+    figure_note(run, item, "times faster than 1000 paths a pixel", "1", figure_paper_seconds(truth) / picture->seconds);
+    return TY_OK;
 }
 
 void figure_format_error(double error, char out[16]) {
@@ -128,25 +127,23 @@ ty_result figure_method_def(const ty_scene* scene, const ty_method* method, cons
 }
 
 /* Records what a method tells of its solve. */
-static ty_result note_solve(figure_run* run, const char* item, const ty_method* method, const void* stats) {
+static void note_solve(figure_run* run, const char* item, const ty_method* method, const void* stats) {
     const ty_pop_stats* pop = stats;
     const ty_dom_stats* dom = stats;
     const ty_fld_stats* fld = stats;
-    ty_result result = TY_OK;
     if (method == &ty_method_pop)
-        result = figure_note(run, item, "time before the march", "s", pop->seconds - pop->march_seconds);
+        figure_note(run, item, "time before the march", "s", pop->seconds - pop->march_seconds);
     if (method == &ty_method_dom) {
         int32_t sweeps = 0;
         for (int32_t plane = 0; plane < dom->planes; ++plane) sweeps += dom->sweeps[plane];
-        result = figure_note(run, item, "time before the march", "s", dom->seconds - dom->march_seconds);
-        if (result == TY_OK) result = figure_note(run, item, "sweeps", "1", sweeps);
-        if (result == TY_OK) result = figure_expect(run, item, "converged", "1", dom->converged ? 1 : 0, 1, 0);
+        figure_notes(run, item, {"time before the march", "s", dom->seconds - dom->march_seconds},
+                     {"sweeps", "1", sweeps});
+        figure_expect(run, item, "converged", "1", dom->converged ? 1 : 0, 1, 0);
     }
     if (method == &ty_method_fld || method == &ty_method_cda) {
-        result = figure_note(run, item, "time of the solve", "s", fld->solve_seconds);
-        if (result == TY_OK) result = figure_expect(run, item, "converged", "1", fld->converged ? 1 : 0, 1, 0);
+        figure_note(run, item, "time of the solve", "s", fld->solve_seconds);
+        figure_expect(run, item, "converged", "1", fld->converged ? 1 : 0, 1, 0);
     }
-    return result;
 }
 
 ty_result figure_render_variant(figure_run* run, const char* item, ty_scene* scene, const figure_variant* variant,
@@ -163,7 +160,7 @@ ty_result figure_render_variant(figure_run* run, const char* item, ty_scene* sce
         if (result == TY_OK) result = ty_method_set_options(scene, method->options->name, def);
     }
     if (result == TY_OK) result = figure_render(run, item, scene, method, size, out, report);
-    if (result == TY_OK) result = note_solve(run, item, method, report->run.stats);
+    if (result == TY_OK) note_solve(run, item, method, report->run.stats);
     if (result == TY_OK && variant->options != NULL)
         result = ty_method_set_options(scene, method->options->name, before);
     return result;
