@@ -43,7 +43,7 @@ static double octant_bytes(int32_t bands) {
 /* ---- solves ---- */
 
 static const int32_t sides[SIDES] = {32, 64};
-static const double max_ms[SIDES] = {100, 1000}; /* the bounds */
+static const double max_ms[SIDES] = {100, 1000}; /* aims */
 
 /* Smoke with different extinctions and albedos per channel. */
 /* Medians of a solve; seconds: total, medium, uncollided light, sources, iterations, sweeps within iterations. */

@@ -75,7 +75,7 @@ static void print_bench(FILE* file, const char* bench, const json_t* timings, co
     const char* name;
     json_t* value;
     if (json_object_size(timings) == 0) return;
-    fprintf(file, "\n### %s\n\n| what | median |%s%s\n|---|---|%s%s\n", bench, spread ? " least to most |" : "",
+    fprintf(file, "\n### %s\n\n| what | median |%s%s\n|---|---|%s%s\n", bench, spread ? " range |" : "",
             compared ? " times as slow as before |" : "", spread ? "---|" : "", compared ? "---|" : "");
     json_object_foreach((json_t*)timings, name, value) {
         const bench_timing timing = bench_get_timing(timings, name);

@@ -50,12 +50,12 @@ static void name_series(plot_series* series, const solve_setting* setting) {
 
 static void note_solve(figure_run* run, const solve_setting* setting, const ty_ordinates_stats* stats) {
     char item[FIGURE_NAME_SIZE];
-    const bool judged = setting->accelerated && !run->options->quick;
+    const bool checked = setting->accelerated && !run->options->quick;
     snprintf(item, sizeof item, "%s, thickness %g, %s", ordinates_box_names[setting->kind], setting->thickness,
              setting->accelerated ? "diffusion" : "source iteration");
     figure_expect(run, item, "converged", "1", stats->converged ? 1 : 0, setting->accelerated ? 1 : NAN,
                   setting->accelerated ? 0 : NAN);
-    figure_expect(run, item, "sweeps", "1", stats->sweeps, judged ? 10 : NAN, judged ? 10 : NAN);
+    figure_expect(run, item, "sweeps", "1", stats->sweeps, checked ? 10 : NAN, checked ? 10 : NAN);
     figure_note(run, item, "time", "s", stats->seconds);
 }
 

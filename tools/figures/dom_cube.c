@@ -8,10 +8,10 @@ enum { COSINES = 4, SETTINGS = 5, SAMPLES = 4096 };
 
 static const double cosines[COSINES] = {0, 0.5, 0.7, 0.96};
 
-/* judged: by the bounds. */
+/* checked: with tolerances. */
 static const struct {
     int32_t directions, resolution;
-    bool judged, shown;
+    bool checked, shown;
 } settings[SETTINGS] = {
     {48, 32, false, true}, {96, 16, true, false}, {96, 32, true, true}, {96, 64, true, false}, {400, 32, false, true}};
 
@@ -23,18 +23,18 @@ static void format_setting(int setting, char out[PLOT_LABEL_SIZE]) {
 static ty_result note_errors(figure_run* run, int column, int setting, const figure_errors* errors,
                              const ty_dom_stats* stats) {
     char item[FIGURE_NAME_SIZE];
-    const bool judged = settings[setting].judged && !run->options->quick, forward = cosines[column] > 0.9;
+    const bool checked = settings[setting].checked && !run->options->quick, forward = cosines[column] > 0.9;
     snprintf(item, sizeof item, "g %g, %d directions, %d^3", cosines[column], (int)settings[setting].directions,
              (int)settings[setting].resolution);
     ty_result result = TY_OK;
     figure_notes(run, item, {"time", "s", stats->seconds}, {"sweeps", "1", stats->sweeps[0]},
                  {"bands", "1", stats->bands});
     figure_expect(run, item, "converged", "1", stats->converged ? 1 : 0, 1, 0);
-    figure_expect(run, item, "mean ratio", "1", errors->mean_ratio, judged ? 1 : NAN,
-                  judged ? (forward ? 0.03 : 0.015) : NAN);
+    figure_expect(run, item, "mean ratio", "1", errors->mean_ratio, checked ? 1 : NAN,
+                  checked ? (forward ? 0.03 : 0.015) : NAN);
     if (result != TY_OK) return result;
-    figure_expect(run, item, "relative RMSE", "1", errors->relative_rmse, judged ? 0 : NAN,
-                  judged ? (forward ? 0.06 : 0.03) : NAN);
+    figure_expect(run, item, "relative RMSE", "1", errors->relative_rmse, checked ? 0 : NAN,
+                  checked ? (forward ? 0.06 : 0.03) : NAN);
     return TY_OK;
 }
 
@@ -113,7 +113,7 @@ static ty_result run_column(figure_run* run, int column, fluence_truth* truth, d
     static const char* const titles[COSINES] = {"g = 0", "g = 0.5", "g = 0.7", "g = 0.96"};
     ty_scene* scene = NULL;
     *chart = (plot_chart){.title = titles[column],
-                          .x_label = "height along the middle, m (the beam comes from above)",
+                          .x_label = "height along the axis, m (the beam comes from above)",
                           .y_label = "scattered fluence, W/m²",
                           .series_count = 1};
     snprintf(chart->series[0].name, PLOT_LABEL_SIZE, "path tracing");

@@ -20,7 +20,7 @@ static const figure_scene scenes[] = {
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
-/* The bounds. */
+/* DOM must be near path tracing, and nearer than the other methods. */
 static ty_result expect_errors(figure_run* run, const char* item, const figure_errors errors[METHODS]) {
     ty_result result = TY_OK;
     figure_expect(run, item, "mean ratio of DOM", "1", errors[DOM].mean_ratio, 1, 0.03);

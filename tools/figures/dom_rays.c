@@ -168,7 +168,7 @@ ty_result figure_dom_rays(figure_run* run) {
                    "Boxes of 4 m, all isotropic: a lamp in thin air (σs = 0.05/m) beside a blob of 20/m; a beam 6° "
                    "wide in fog of 0.7/m; a spot light through smoke of noise. By path tracing and by 24, 96, 96 with "
                    "a last sweep of 400, and 400 directions through %d³ cells: pictures, and the fluence of light that "
-                   "has scattered in a slice through the middle. Errors of pictures are of means over %d × %d pixels, "
+                   "has scattered in a slice through the center. Errors of pictures are of means over %d × %d pixels, "
                    "relative RMSEs without the truth's own noise.",
                    RESOLUTION, FIGURE_BLOCK, FIGURE_BLOCK);
     return result;

@@ -19,7 +19,7 @@ enum {
     NOISE = 64
 };
 
-/* Over-relaxation factors: all for Fig. 4a, the middle two against resolution. */
+/* Over-relaxation factors: all for Fig. 4a, the third and fourth against resolution. */
 static const double omegas[OMEGAS] = {1, 1.3, 1.6, 1.8, 1.9};
 enum { OMEGA_FIRST = 2, OMEGA_LAST = 3 };
 static const int32_t sizes[SIZES] = {16, 24, 32, 48, 64, 96, 128};
@@ -184,8 +184,8 @@ static ty_result fill_sizes(figure_run* run, const ty_grid* noise, plot_chart ch
 /* ---- (c) ---- */
 
 /* Minimum extinctions per box length, and the solvers that use them. */
-enum { LEAST = 6, SETUPS = 3, VOXELS = 100, VOXELS_QUICK = 32, RATIO = 4 };
-static const double min_extinctions[LEAST] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5};
+enum { MIN_EXTINCTIONS = 6, SETUPS = 3, VOXELS = 100, VOXELS_QUICK = 32, RATIO = 4 };
+static const double min_extinctions[MIN_EXTINCTIONS] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5};
 static const struct {
     const char* name;
     ty_fld_solver solver;
@@ -217,7 +217,7 @@ static ty_result solve_nebula(figure_run* run, const ty_scene* scene, int setup,
     return TY_OK;
 }
 
-static ty_result fill_least(figure_run* run, plot_chart* chart) {
+static ty_result fill_min_extinctions(figure_run* run, plot_chart* chart) {
     char voxels[64];
     const char* const overrides[1] = {voxels};
     ty_scene* scene = NULL;
@@ -227,7 +227,7 @@ static ty_result fill_least(figure_run* run, plot_chart* chart) {
     chart->series_count = SETUPS;
     for (int setup = 0; setup < SETUPS && result == TY_OK; ++setup) {
         snprintf(chart->series[setup].name, PLOT_LABEL_SIZE, "%s", setups[setup].name);
-        for (int index = 0; index < LEAST && result == TY_OK; ++index)
+        for (int index = 0; index < MIN_EXTINCTIONS && result == TY_OK; ++index)
             result = solve_nebula(run, scene, setup, index, &chart->series[setup]);
     }
     ty_scene_destroy(scene);
@@ -244,7 +244,7 @@ static void begin_charts(plot_chart charts[CHARTS]) {
     charts[1] = (plot_chart){.title = "4b  until 10⁻⁶", .x_label = "cells along an edge", .y_label = "iterations"};
     charts[2] = (plot_chart){.title = "time until 10⁻⁶", .x_label = "cells along an edge", .y_label = "s"};
     charts[3] =
-        (plot_chart){.title = "4c  nebulae, until 10⁻⁴", .x_label = "least extinction, 1/m", .y_label = "iterations"};
+        (plot_chart){.title = "4c  nebulae, until 10⁻⁴", .x_label = "minimum extinction, 1/m", .y_label = "iterations"};
     for (int chart = 0; chart < CHARTS; ++chart) charts[chart].x_logarithmic = charts[chart].y_logarithmic = true;
 }
 
@@ -256,7 +256,7 @@ ty_result figure_fld_convergence(figure_run* run) {
     ty_result result = make_noise(run, &noise);
     if (result == TY_OK) result = fill_histories(run, noise, &charts[0]);
     if (result == TY_OK) result = fill_sizes(run, noise, charts + 1);
-    if (result == TY_OK) result = fill_least(run, &charts[3]);
+    if (result == TY_OK) result = fill_min_extinctions(run, &charts[3]);
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
     if (result == TY_OK) plot_page_charts(&run->page, charts + 2, 2);
     ty_grid_release(noise);

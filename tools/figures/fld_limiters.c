@@ -81,7 +81,7 @@ static void note_curve(figure_run* run, int curve) {
     if (curve == TY_LIMITER_NONE) return;
     double max_flux = 0;
     for (double r = 1e-6; r < 1e12; r *= 1.1) max_flux = fmax(max_flux, r * value_of(curve, r));
-    figure_expect(run, item, "most of R F(R)", "1", max_flux, 1, 1e-5);
+    figure_expect(run, item, "maximum of R F(R)", "1", max_flux, 1, 1e-5);
 }
 
 static ty_result fill_table(figure_run* run) {

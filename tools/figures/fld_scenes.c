@@ -120,11 +120,11 @@ static const struct {
 static ty_result compare_grids(figure_run* run, int grid, const figure_picture* picture, const figure_picture* full,
                                plot_cell* cell) {
     ty_difference difference;
-    const bool judged = grid == GRIDS - 1 && !run->options->quick;
+    const bool checked = grid == GRIDS - 1 && !run->options->quick;
     ty_result result = ty_image_compare(run->session->context, picture->image, full->image, 1, &difference);
     if (result == TY_OK)
-        figure_expect(run, grids[grid].name, "relative RMSE", "1", difference.relative_rmse[3], judged ? 0 : NAN,
-                      judged ? 0.03 : NAN);
+        figure_expect(run, grids[grid].name, "relative RMSE", "1", difference.relative_rmse[3], checked ? 0 : NAN,
+                      checked ? 0.03 : NAN);
     if (result == TY_OK) figure_note(run, grids[grid].name, "mean ratio", "1", difference.mean_ratio[3]);
     if (result == TY_OK) result = figure_error_map(run, picture->image, full->image, 1, &cell->picture);
     if (result != TY_OK) return result;

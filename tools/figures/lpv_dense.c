@@ -98,7 +98,7 @@ ty_result figure_lpv_dense(figure_run* run) {
     }
     if (result == TY_OK) plot_page_charts(&run->page, charts, MODES);
     free(charts);
-    figure_caption(run, "A lamp in the middle of a cube of fog of albedo 1, 17³ cells, whose optical thickness goes "
+    figure_caption(run, "A lamp at the center of a cube of fog of albedo 1, 17³ cells, whose optical thickness goes "
                         "from thin to dense: fluence of light that has scattered, from beside the lamp to a face.");
     return result;
 }

@@ -66,7 +66,7 @@ ty_result figure_pop_iterations(figure_run* run) {
     fluence_truth* fluence = calloc(1, sizeof *fluence);
     ty_result result = charts != NULL && fluence != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK) {
-        charts[0] = (plot_chart){.title = "light that has scattered, along the middle",
+        charts[0] = (plot_chart){.title = "light that has scattered, along the axis",
                                  .x_label = "depth, m",
                                  .y_label = "fluence, W/m²",
                                  .y_logarithmic = true,

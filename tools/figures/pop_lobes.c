@@ -194,7 +194,7 @@ ty_result figure_pop_lobes(figure_run* run) {
     free(truth);
     figure_caption(
         run, "A cube of 1 m, σs = 4/m, nothing absorbed, light from above, 16³ cells. Radiance by direction of light "
-             "that has scattered, in the slice through the middle; lengths are its cube root, and the published mode's "
+             "that has scattered, in the slice through the center; lengths are its cube root, and the published mode's "
              "are made as bright as path tracing's. Below: fluence of such light in all cells; relative RMSEs are "
              "without the truth's own noise. As published light counts once for every cell that it came through "
              "(collided mends that), and moves one cell a step, as if it scattered in each.");

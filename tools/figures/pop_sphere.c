@@ -122,7 +122,7 @@ ty_result figure_pop_sphere(figure_run* run) {
     if (result == TY_OK) plot_page_charts(&run->page, charts, COSINES);
     figure_free_matrix(&matrix);
     figure_caption(run,
-                   "A point light in the middle of a sphere of radius 2.5 m, σs = {0.8, 1, 1.3}/m, nothing absorbed, "
+                   "A point light at the center of a sphere of radius 2.5 m, σs = {0.8, 1, 1.3}/m, nothing absorbed, "
                    "on %d³ cells of a radial grid. As published light is far too bright (it counts once for every cell "
                    "that it came through, and is trapped); these pictures are made as bright as path tracing's. Errors "
                    "of pictures are of means over %d × %d pixels; relative RMSEs are without the truth's own noise.",

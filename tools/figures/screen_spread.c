@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DISTANCES = 12, SHAPES = 3, SIDE = 97, MIDDLE = SIDE / 2, VARIANTS = 3, CURVE_POINTS = 60, SHAPE_POINTS = 37 };
+enum { DISTANCES = 12, SHAPES = 3, SIDE = 97, CENTER = SIDE / 2, VARIANTS = 3, CURVE_POINTS = 60, SHAPE_POINTS = 37 };
 
 /* The paper's medium. */
 static const double absorption = 0.1, scattering = 0.3, mean_cosine = 0.9; /* 1/m, 1/m, 1 */
@@ -54,7 +54,7 @@ static bool open_dot(double distance, dot* d) {
         opened = opened && d->color[c] != NULL && d->out[c] != NULL && d->attenuated[c] != NULL;
     }
     for (int i = 0; i < SIDE * SIDE && opened; ++i) d->distance[i] = (float)distance;
-    for (int c = 0; c < 3 && opened; ++c) d->color[c][MIDDLE * SIDE + MIDDLE] = 1000;
+    for (int c = 0; c < 3 && opened; ++c) d->color[c][CENTER * SIDE + CENTER] = 1000;
     return opened;
 }
 
@@ -105,7 +105,7 @@ static double measure_width(const dot* d, double s) {
         for (int x = 0; x < SIDE; ++x) {
             const double light = (double)d->out[0][y * SIDE + x];
             sum += light;
-            squares += light * (x - MIDDLE) * (x - MIDDLE);
+            squares += light * (x - CENTER) * (x - CENTER);
         }
     return sqrt(squares / sum) * s / focal_for(s);
 }
@@ -158,12 +158,12 @@ static ty_result fill_shape(figure_run* run, int shape, plot_series* law, plot_s
     law->style = PLOT_LINE;
     measured->style = PLOT_DOTS;
     measured->color = 1 + 2 * shape;
-    for (int i = -MIDDLE; i <= MIDDLE && result == TY_OK; ++i) sum += (double)d.out[0][MIDDLE * SIDE + MIDDLE + i];
+    for (int i = -CENTER; i <= CENTER && result == TY_OK; ++i) sum += (double)d.out[0][CENTER * SIDE + CENTER + i];
     for (int i = 0; i < SHAPE_POINTS && result == TY_OK; ++i) {
         const int at = 2 * (i - SHAPE_POINTS / 2);
         const double x = at * pixel;
         plot_add_point(law, x, exp(-0.5 * x * x / (width * width)) / (width * sqrt(2 * 3.14159265358979)), 0);
-        if (i % 2 == 0) plot_add_point(measured, x, (double)d.out[0][MIDDLE * SIDE + MIDDLE + at] / sum / pixel, 0);
+        if (i % 2 == 0) plot_add_point(measured, x, (double)d.out[0][CENTER * SIDE + CENTER + at] / sum / pixel, 0);
     }
     close_dot(&d);
     return result;

@@ -63,7 +63,7 @@ static ty_result show_spread(figure_run* run, const screen_view* view, const spl
     }
     const plot_scale scale = {PLOT_SEQUENTIAL, min_log, fmax(max_log, min_log + 1e-3), ""};
     ty_result result = TY_OK;
-    figure_notes(run, "split", {"least half-light radius", "pixel", pow(10, min_log)},
+    figure_notes(run, "split", {"smallest half-light radius", "pixel", pow(10, min_log)},
                  {"largest half-light radius", "pixel", pow(10, max_log)});
     if (result != TY_OK) return result;
     return plot_picture_of_values(run->session->context, s->spread[1], view->width, view->height, &scale, out);
