@@ -115,8 +115,7 @@ static ty_result fill_charts(figure_run* run, plot_chart charts[CHARTS]) {
 }
 
 ty_result figure_dom_convergence(figure_run* run) {
-    plot_chart* charts = calloc(CHARTS, sizeof *charts);
-    if (charts == NULL) return TY_ERROR_MEMORY;
+    static plot_chart charts[CHARTS];
     charts[0] = (plot_chart){.title = "sweeps until 10⁻³ is to come",
                              .x_label = "optical thickness",
                              .y_label = "sweeps",
@@ -129,7 +128,6 @@ ty_result figure_dom_convergence(figure_run* run) {
                              .y_logarithmic = true};
     const ty_result result = fill_charts(run, charts);
     if (result == TY_OK) plot_page_charts(&run->page, charts, CHARTS);
-    free(charts);
     figure_caption(
         run,
         "%d³ cells, %d directions, isotropic. Even: a cube that scatters and glows, nothing absorbed. Cloud: a lumpy "

@@ -2,7 +2,6 @@
 #include "figures/pop_cube.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { COSINES = 4, SETTINGS = 5, SAMPLES = 4096 };
 
@@ -145,23 +144,19 @@ static void begin_table(plot_table* table) {
 
 ty_result figure_dom_cube(figure_run* run) {
     plot_table table = {0};
-    fluence_truth* truth = calloc(1, sizeof *truth);
-    double(*fluence)[3] = calloc(FLUENCE_CELLS_MAX, sizeof *fluence);
-    plot_chart* charts = calloc(COSINES, sizeof *charts);
-    const bool allocated = truth != NULL && fluence != NULL && charts != NULL;
-    ty_result result = allocated ? plot_create_table(2 + SETTINGS, 1 + 3 * COSINES, 2, &table) : TY_ERROR_MEMORY;
+    static fluence_truth truth;
+    static double fluence[FLUENCE_CELLS_MAX][3];
+    static plot_chart charts[COSINES];
+    ty_result result = plot_create_table(2 + SETTINGS, 1 + 3 * COSINES, 2, &table);
     if (result == TY_OK) begin_table(&table);
     for (int column = 0; column < COSINES && result == TY_OK; ++column)
-        result = run_column(run, column, truth, fluence, &charts[column], &table);
+        result = run_column(run, column, &truth, fluence, &charts[column], &table);
     if (result == TY_OK) {
         plot_page_charts(&run->page, charts, 2);
         plot_page_charts(&run->page, charts + 2, 2);
         plot_page_table(&run->page, &table);
     }
     plot_free_table(&table);
-    free(charts);
-    free(fluence);
-    free(truth);
     figure_caption(
         run,
         "A cube of 1 m, σs = 4/m, nothing absorbed, light from above. Fluence of light that has scattered at least "

@@ -250,8 +250,7 @@ static void begin_charts(plot_chart charts[CHARTS]) {
 
 ty_result figure_fld_convergence(figure_run* run) {
     ty_grid* noise = NULL;
-    plot_chart* charts = calloc(CHARTS, sizeof *charts);
-    if (charts == NULL) return TY_ERROR_MEMORY;
+    static plot_chart charts[CHARTS];
     begin_charts(charts);
     ty_result result = make_noise(run, &noise);
     if (result == TY_OK) result = fill_histories(run, noise, &charts[0]);
@@ -260,7 +259,6 @@ ty_result figure_fld_convergence(figure_run* run) {
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
     if (result == TY_OK) plot_page_charts(&run->page, charts + 2, 2);
     ty_grid_release(noise);
-    free(charts);
     figure_caption(run,
                    "(a), (b): a ball of extinction %g/m and albedo %g in vacuum, its emission noise, no fluence on the "
                    "faces of its cube of 1 m; %d³ cells in (a). Over-relaxation is Algorithm 1 in double precision, "

@@ -5,7 +5,6 @@
 #include "figures/point_transport.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { ALBEDOS = 7, CELLS = 127, CELLS_QUICK = 31, DOTS = 13, LINE_POINTS = 48, FIRST_CELL = 4 };
 
@@ -190,20 +189,18 @@ static void write_caption(figure_run* run) {
 }
 
 ty_result figure_fld_point(figure_run* run) {
-    plot_chart* charts = calloc(PANELS, sizeof *charts);
-    point_profile* profile = malloc(sizeof *profile);
+    static plot_chart charts[PANELS];
+    static point_profile profile;
     point_row rows[ALBEDOS] = {0};
-    ty_result result = charts != NULL && profile != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK) begin_charts(charts);
+    ty_result result = TY_OK;
+    begin_charts(charts);
     for (int albedo = 0; albedo < ALBEDOS && result == TY_OK; ++albedo)
-        result = run_albedo(run, albedo, profile, charts, &rows[albedo]);
+        result = run_albedo(run, albedo, &profile, charts, &rows[albedo]);
     if (result == TY_OK) {
         plot_page_charts(&run->page, charts, 3);
         plot_page_charts(&run->page, charts + CDA_KNOWN, 3);
         result = fill_table(run, rows);
     }
     write_caption(run);
-    free(profile);
-    free(charts);
     return result;
 }

@@ -2,7 +2,6 @@
 #include "figures/view.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { FRAMES = 12, SUN = 0, CAMERA = 1, WAYS = 2, PICTURE_WIDTH = 300, WIDTH = 256, HEIGHT = 144 };
@@ -144,8 +143,8 @@ static ty_result run_motion(figure_run* run, int motion, frame* frames, plot_she
 static ty_result fill_page(figure_run* run, plot_sheet* sheet, plot_chart* charts) {
     ty_result result = TY_OK;
     for (int motion = 0; motion < WAYS && result == TY_OK; ++motion) {
-        frame* frames = calloc(FRAMES, sizeof *frames);
-        if (frames == NULL) return TY_ERROR_MEMORY;
+        static frame frames[FRAMES];
+        memset(frames, 0, sizeof frames);
         charts[motion] = (plot_chart){
             .title = motion_names[motion], .x_label = "frame", .y_label = "change, of the mean", .y_logarithmic = true};
         snprintf(sheet->column_titles[2 * motion], PLOT_LABEL_SIZE, "%s, first frame",
@@ -153,15 +152,14 @@ static ty_result fill_page(figure_run* run, plot_sheet* sheet, plot_chart* chart
         snprintf(sheet->column_titles[2 * motion + 1], PLOT_LABEL_SIZE, "last frame");
         result = run_motion(run, motion, frames, sheet, &charts[motion]);
         for (int f = 0; f < FRAMES; ++f) ty_image_destroy(frames[f].image);
-        free(frames);
     }
     return result;
 }
 
 ty_result figure_lpv_animation(figure_run* run) {
     plot_sheet sheet;
-    plot_chart* charts = calloc(WAYS, sizeof *charts);
-    ty_result result = charts != NULL ? plot_create_sheet(1, 2 * WAYS, PICTURE_WIDTH, &sheet) : TY_ERROR_MEMORY;
+    static plot_chart charts[WAYS];
+    ty_result result = plot_create_sheet(1, 2 * WAYS, PICTURE_WIDTH, &sheet);
     if (result == TY_OK) {
         result = fill_page(run, &sheet, charts);
         if (result == TY_OK) {
@@ -170,7 +168,6 @@ ty_result figure_lpv_animation(figure_run* run) {
         }
         plot_free_sheet(&sheet);
     }
-    free(charts);
     figure_caption(run, "The built-in atrium, each frame solved anew. Fluence is that of the lattice in cells of the "
                         "court, 1.5 m wide, and does not depend on the camera but by where the lattice lies; marched "
                         "pixels are light that fog scatters from the lattice; pixels are of the whole picture, where "

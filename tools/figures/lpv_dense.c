@@ -79,9 +79,9 @@ static ty_result run_depth(figure_run* run, const ty_scene* scene, int depth, pl
 }
 
 ty_result figure_lpv_dense(figure_run* run) {
-    plot_chart* charts = calloc(MODES, sizeof *charts);
-    ty_result result = charts != NULL ? TY_OK : TY_ERROR_MEMORY;
-    for (int mode = 0; mode < MODES && result == TY_OK; ++mode)
+    static plot_chart charts[MODES];
+    ty_result result = TY_OK;
+    for (int mode = 0; mode < MODES; ++mode)
         charts[mode] = (plot_chart){.title = modes[mode],
                                     .x_label = "distance from the lamp, m",
                                     .y_label = "fluence of scattered light, W/m²",
@@ -97,7 +97,6 @@ ty_result figure_lpv_dense(figure_run* run) {
         ty_scene_destroy(scene);
     }
     if (result == TY_OK) plot_page_charts(&run->page, charts, MODES);
-    free(charts);
     figure_caption(run, "A lamp at the center of a cube of fog of albedo 1, 17³ cells, whose optical thickness goes "
                         "from thin to dense: fluence of light that has scattered, from beside the lamp to a face.");
     return result;

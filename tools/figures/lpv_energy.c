@@ -122,8 +122,7 @@ static ty_result fill_charts(figure_run* run, plot_chart* charts) {
 }
 
 ty_result figure_lpv_energy(figure_run* run) {
-    plot_chart* charts = calloc(CHARTS, sizeof *charts);
-    if (charts == NULL) return TY_ERROR_MEMORY;
+    static plot_chart charts[CHARTS];
     charts[0] = (plot_chart){.title = "in the lattice, gone out or absorbed, of what came in",
                              .x_label = "iterations",
                              .y_label = "fraction",
@@ -138,7 +137,6 @@ ty_result figure_lpv_energy(figure_run* run) {
                              .height = 330};
     const ty_result result = fill_charts(run, charts);
     if (result == TY_OK) plot_page_charts(&run->page, charts, CHARTS);
-    free(charts);
     figure_caption(run, "A lamp and a tile in fog of albedo 1 on 16³ cells, for optical thicknesses of a cell from 0 "
                         "to 10. Right: what would be left in a lattice without end if light were scattered in with "
                         "gamma as the paper prints it, which gives back less than scattering out takes away.");

@@ -2,7 +2,6 @@
 #include "figures/pop_cube.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { STEPS = 6, SAMPLES = 8192, ALONG = 16 };
 
@@ -62,27 +61,22 @@ static ty_result fill_charts(figure_run* run, fluence_truth* fluence, plot_chart
 }
 
 ty_result figure_pop_iterations(figure_run* run) {
-    plot_chart* charts = calloc(2, sizeof *charts);
-    fluence_truth* fluence = calloc(1, sizeof *fluence);
-    ty_result result = charts != NULL && fluence != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK) {
-        charts[0] = (plot_chart){.title = "light that has scattered, along the axis",
-                                 .x_label = "depth, m",
-                                 .y_label = "fluence, W/m²",
-                                 .y_logarithmic = true,
-                                 .height = 330};
-        charts[1] = (plot_chart){.title = "light not yet propagated, of what came in",
-                                 .x_label = "iterations",
-                                 .y_label = "fraction",
-                                 .x_logarithmic = true,
-                                 .y_logarithmic = true,
-                                 .height = 330,
-                                 .series_count = 1};
-        result = fill_charts(run, fluence, charts);
-    }
+    static plot_chart charts[2];
+    static fluence_truth fluence;
+    charts[0] = (plot_chart){.title = "light that has scattered, along the axis",
+                             .x_label = "depth, m",
+                             .y_label = "fluence, W/m²",
+                             .y_logarithmic = true,
+                             .height = 330};
+    charts[1] = (plot_chart){.title = "light not yet propagated, of what came in",
+                             .x_label = "iterations",
+                             .y_label = "fraction",
+                             .x_logarithmic = true,
+                             .y_logarithmic = true,
+                             .height = 330,
+                             .series_count = 1};
+    const ty_result result = fill_charts(run, &fluence, charts);
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
-    free(fluence);
-    free(charts);
     figure_caption(run, "The cube of Fig. 12 with g = 0.7: iterations of the published propagation on 16³ cells, "
                         "without the isotropic residuum. Their limit is many times path tracing's fluence: light "
                         "counts once for every cell that it came through, and is trapped by moving one cell a step.");

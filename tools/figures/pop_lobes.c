@@ -2,7 +2,6 @@
 #include "figures/pop_cube.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { COSINES = 3, MODES = 4, LATTICE = 8, DIRECTIONS = 72, SAMPLES = 256, FLUENCE_SAMPLES = 512, SHOWN = 3 };
 
@@ -61,17 +60,11 @@ static ty_result trace_slice(figure_run* run, const ty_scene* scene, const doubl
 
 /* The slice's green radiance, by path tracing where no solution is given. */
 static ty_result see_slice(figure_run* run, const ty_scene* scene, const ty_pop* light, float* out) {
-    double(*rays)[6] = calloc(RAYS, sizeof *rays);
-    double(*radiance)[3] = calloc(RAYS, sizeof *radiance);
-    ty_result result = rays != NULL && radiance != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK) {
-        make_rays(rays);
-        result = light != NULL ? ty_pop_radiance(light, rays[0], RAYS, radiance[0])
-                               : trace_slice(run, scene, rays[0], radiance[0]);
-    }
+    static double rays[RAYS][6], radiance[RAYS][3];
+    make_rays(rays);
+    const ty_result result = light != NULL ? ty_pop_radiance(light, rays[0], RAYS, radiance[0])
+                                           : trace_slice(run, scene, rays[0], radiance[0]);
     for (int i = 0; i < RAYS && result == TY_OK; ++i) out[i] = (float)radiance[i][1];
-    free(rays);
-    free(radiance);
     return result;
 }
 
@@ -173,14 +166,13 @@ static void begin_table(plot_table* table) {
 ty_result figure_pop_lobes(figure_run* run) {
     plot_lobes lobes[COSINES];
     plot_table table = {0};
-    fluence_truth* truth = calloc(1, sizeof *truth);
-    double(*fluence)[3] = calloc(FLUENCE_CELLS_MAX, sizeof *fluence);
-    slice* slices = calloc(COSINES, sizeof *slices);
-    const bool allocated = truth != NULL && fluence != NULL && slices != NULL;
-    ty_result result = allocated ? plot_create_table(2 + MODES, 1 + 2 * COSINES, 2, &table) : TY_ERROR_MEMORY;
+    static fluence_truth truth;
+    static double fluence[FLUENCE_CELLS_MAX][3];
+    static slice slices[COSINES];
+    ty_result result = plot_create_table(2 + MODES, 1 + 2 * COSINES, 2, &table);
     if (result == TY_OK) begin_table(&table);
     for (int column = 0; column < COSINES && result == TY_OK; ++column) {
-        result = run_column(run, column, truth, fluence, &slices[column], &table);
+        result = run_column(run, column, &truth, fluence, &slices[column], &table);
         set_radii(&slices[column]);
         show_slice(column, &slices[column], &lobes[column]);
     }
@@ -189,9 +181,6 @@ ty_result figure_pop_lobes(figure_run* run) {
         plot_page_table(&run->page, &table);
     }
     plot_free_table(&table);
-    free(slices);
-    free(fluence);
-    free(truth);
     figure_caption(
         run, "A cube of 1 m, σs = 4/m, nothing absorbed, light from above, 16³ cells. Radiance by direction of light "
              "that has scattered, in the slice through the center; lengths are its cube root, and the published mode's "

@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-#include <stdlib.h>
-
 enum {
     COSINES = 3,
     VARIANTS = 2,
@@ -66,10 +64,9 @@ static ty_result compare_fluence(figure_run* run, const ty_scene* scene, int var
 }
 
 static ty_result fill_chart(figure_run* run, const ty_scene* scene, const char* item, plot_chart* chart) {
-    fluence_truth* truths = calloc(2, sizeof *truths);
-    double(*fluence)[3] = calloc(FLUENCE_CELLS_MAX, sizeof *fluence);
-    ty_result result = truths != NULL && fluence != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK) result = path_fluence(run, scene, &cube, SAMPLES, &truths[0]);
+    static fluence_truth truths[2];
+    static double fluence[FLUENCE_CELLS_MAX][3];
+    ty_result result = path_fluence(run, scene, &cube, SAMPLES, &truths[0]);
     if (result == TY_OK) result = path_fluence(run, scene, &line, 256 * SAMPLES, &truths[1]);
     if (result == TY_OK) add_series(chart, "path tracing", (const double(*)[3])truths[1].scattered, PLOT_DOTS);
     for (int v = 0; v < VARIANTS && result == TY_OK; ++v) {
@@ -77,8 +74,6 @@ static ty_result fill_chart(figure_run* run, const ty_scene* scene, const char* 
         snprintf(own, sizeof own, "%s, %s", item, mode_names[v]);
         result = compare_fluence(run, scene, v, own, &truths[0], fluence, chart);
     }
-    free(fluence);
-    free(truths);
     return result;
 }
 

@@ -181,11 +181,10 @@ static ty_result fill_shapes(figure_run* run, plot_chart* chart) {
 }
 
 ty_result figure_screen_spread(figure_run* run) {
-    plot_chart* charts = calloc(2, sizeof *charts);
-    ty_result result = charts != NULL ? fill_widths(run, &charts[0]) : TY_ERROR_MEMORY;
+    static plot_chart charts[2];
+    ty_result result = fill_widths(run, &charts[0]);
     if (result == TY_OK) result = fill_shapes(run, &charts[1]);
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
-    free(charts);
     figure_caption(run,
                    "Absorption %g/m, scattering %g/m, g = %g. Lines: the paper's Eq. 2. Dots in (a): how far one "
                    "bright pixel is spread by the exact function and by both filters; in (b) by the exact function.",
