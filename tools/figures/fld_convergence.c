@@ -1,6 +1,6 @@
 /* Fig. 4 of the paper: convergence of the solvers. */
 #include "figures/figure.h"
-#include "figures/fld_box.h"
+#include "bench/fld_box.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -43,7 +43,7 @@ static ty_result render_frame(figure_run* run, int motion, int f, frame* out) {
     ty_result result = figure_load_scene(run, lpv_scene_files[LPV_ATRIUM], overrides, 1, &scene);
     if (result != TY_OK) return result;
     ty_lpv_def def;
-    figure_method_def(scene, &ty_method_lpv, NULL, &def);
+    result = figure_method_def(scene, &ty_method_lpv, NULL, &def);
     if (motion == CAMERA) {
         def.place = TY_LPV_PLACE_CAMERA;
         def.extent = camera_extent;
@@ -52,7 +52,7 @@ static ty_result render_frame(figure_run* run, int motion, int f, frame* out) {
     def.width = pixels[0];
     def.height = pixels[1];
     def.aovs = TY_AOV_MULTIPLE;
-    result = ty_lpv_solve(scene, &def, &light, NULL);
+    if (result == TY_OK) result = ty_lpv_solve(scene, &def, &light, NULL);
     if (result == TY_OK) result = ty_lpv_fluence(light, lower, upper, size, out->fluence[0]);
     if (result == TY_OK) result = ty_lpv_view(light, scene, &def, &out->image, NULL);
     ty_lpv_destroy(light);

@@ -35,10 +35,10 @@ static ty_result find_fluence(figure_run* run, const ty_scene* scene, const char
     char options[32];
     ty_lpv_def def;
     snprintf(options, sizeof options, "mode=%s", mode);
-    figure_method_def(scene, &ty_method_lpv, options, &def);
+    ty_result result = figure_method_def(scene, &ty_method_lpv, options, &def);
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
-    ty_result result = ty_lpv_solve(scene, &def, &light, NULL);
+    if (result == TY_OK) result = ty_lpv_solve(scene, &def, &light, NULL);
     if (result == TY_OK) result = ty_lpv_fluence(light, lower, upper, size, all[0]);
     for (int i = 0; i < ALONG && result == TY_OK; ++i) fluence[i] = all[i][1];
     ty_lpv_destroy(light);

@@ -21,11 +21,11 @@ static ty_result solve(figure_run* run, const ty_scene* scene, int mode, uint32_
     char options[64];
     ty_lpv_def def;
     snprintf(options, sizeof options, "mode=%s iterations=%d", mode_names[mode], (int)iterations);
-    figure_method_def(scene, &ty_method_lpv, options, &def);
+    ty_result result = figure_method_def(scene, &ty_method_lpv, options, &def);
     def.parts = parts;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
-    const ty_result result = ty_lpv_solve(scene, &def, &light, stats);
+    if (result == TY_OK) result = ty_lpv_solve(scene, &def, &light, stats);
     ty_lpv_destroy(light);
     return result;
 }

@@ -117,12 +117,14 @@ ty_result figure_load(figure_run* run, const figure_scene* from, ty_scene** out)
 
 ty_result figure_method_def(const ty_scene* scene, const ty_method* method, const char* options, void* def) {
     char key[32], value[32];
-    int length = 0;
+    const char* at = options != NULL ? options : "";
     ty_options_init(method->options, def, method->options->bytes);
     ty_result result = ty_method_options(scene, method->options->name, def);
-    for (const char* at = options != NULL ? options : "";
-         result == TY_OK && sscanf(at, " %31[^= ]=%31s%n", key, value, &length) == 2; at += length)
+    for (int length = 0; result == TY_OK && *at != '\0'; at += length) {
+        if (sscanf(at, "%31[^= ]=%31s%n", key, value, &length) != 2) return TY_ERROR_INTERNAL;
+        length += at[length] == ' ' ? 1 : 0;
         result = ty_options_set(ty_scene_context(scene), method->options, def, key, value);
+    }
     return result;
 }
 
