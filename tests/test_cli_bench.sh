@@ -50,6 +50,11 @@ test_baseline() {
   valid_json out.txt
   said out.txt '"times_as_slow": [0-9.]+'
   said err.txt '^  slower '
+  # What a comparison wrote is read again without it.
+  expect 0 bench load --from now.json --baseline fast.json -o compared.json
+  said compared.json '"baseline": \{$'
+  expect 0 bench load --from compared.json -o again.json
+  unsaid again.json '"baseline"'
   # A measurement against it, too.
   expect 0 bench load --side 12 --runs 1 --baseline slow.json
   unsaid err.txt warning
@@ -79,6 +84,8 @@ test_refusals() {
   usage_error 'order.json: its benches are not' bench load --baseline order.json --json
   sed 's/"load": {/"lo\\u001bad": {/' now.json > odd.json
   usage_error 'odd.json: its benches are not' bench load --baseline odd.json --json
+  sed 's/"isa": "/"isa": "\\u001b/' now.json > strange.json
+  usage_error 'strange.json: its isa is not' bench load --baseline strange.json --json
   usage_error 'nothing of bench fld' bench fld --from now.json
   usage_error "did you mean 'load'" bench path,laod
   usage_error '--baseline' bench load --fail-slower 5

@@ -20,7 +20,7 @@ static error measure(const ty_scene* scene, bool fine_lights, const truth* expec
     ty_context* context = ty_scene_context(scene);
     double* fluence = new_numbers(3 * CELLS);
     ty_pop* light = NULL;
-    ty_pop_stats stats;
+    ty_pop_stats stats = ty_default_pop_stats();
     ty_pop_def def = ty_default_pop_def();
     def.resolution = COARSE;
     def.fine_lights = fine_lights;

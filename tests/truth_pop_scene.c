@@ -135,7 +135,7 @@ static void free_images(images* i) {
 static bool is_near(ty_context* context, const scene_case* c, const char* what, const measured* m) {
     ty_scene* scene = read_case(context, c);
     ty_pop_def def = pop_def(c->width, c->height);
-    ty_pop_stats stats;
+    ty_pop_stats stats = ty_default_pop_stats();
     def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
     images whole = {path_image(scene, c, 0), pop_image(scene, &def, &stats), fld_image(scene, c)};
     images scattered = {scattered_part(context, whole.truth), scattered_part(context, whole.pop),
@@ -208,7 +208,7 @@ static void more_ordinates_are_better(void** state) {
     for (int i = 0; i < (in_full() ? 3 : 2); ++i) {
         char name[32];
         ty_pop_def def = pop_def(c.width, c.height);
-        ty_pop_stats stats;
+        ty_pop_stats stats = ty_default_pop_stats();
         def.ordinates = counts[i];
         ty_image* image = pop_image(scene, &def, &stats);
         snprintf(name, sizeof name, "%d ordinates", (int)counts[i]);
@@ -261,7 +261,7 @@ static bool is_white(ty_context* context, const char* name, const ty_medium_def*
     ty_scene* scene = new_scene(context);
     const ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 1);
     ty_pop_def def = pop_def(48, 48);
-    ty_pop_stats stats;
+    ty_pop_stats stats = ty_default_pop_stats();
     double least = INFINITY, most = 0;
     add_medium(scene, medium);
     add_light(scene, &light);
@@ -307,7 +307,7 @@ static void nothing_comes_from_nothing(void** state) {
         const ty_medium_def fog = medium_cube(1, 3, lights == 0 ? 0 : 1, 0.7);
         const ty_light_def sky = light_of(TY_LIGHT_ENVIRONMENT, 0), lamp = light_of(TY_LIGHT_POINT, 0);
         ty_pop_def def = pop_def(12, 12);
-        ty_pop_stats stats;
+        ty_pop_stats stats = ty_default_pop_stats();
         add_medium(scene, &fog);
         if (lights > 0) add_light(scene, &sky);
         if (lights > 1) add_light(scene, &lamp);

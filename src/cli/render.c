@@ -85,7 +85,7 @@ static cli_request make_request(const render_options* options, const cli_session
 static int fail_rendering(cli_session* session, ty_result result, const cli_checkpoint* checkpoint) {
     if (result != TY_ERROR_INPUT || checkpoint->bytes == NULL) return cli_fail_running(session, result);
     cli_progress_clear(&session->progress);
-    return cli_fail(CLI_USAGE, "%s: %s; remove it to begin anew", checkpoint->path, ty_take_error(session->context));
+    return cli_fail(CLI_USAGE, "%s: %s; remove it to start again", checkpoint->path, ty_take_error(session->context));
 }
 
 /* Writes a finished or partial image; returns the exit status. */

@@ -147,7 +147,7 @@ static void note_oversized(cli_session* session, const screen_report* report) {
     if (needed <= max_levels)
         snprintf(advice, sizeof advice, "--levels %.0f would hold them", needed);
     else if (stats->levels < max_levels)
-        snprintf(advice, sizeof advice, "--levels %.0f would hold the most", max_levels);
+        snprintf(advice, sizeof advice, "--levels %.0f, the maximum, would hold more", max_levels);
     note(session, "%" PRId64 " pixels spread up to %.3g pixels wide, more than %d levels hold, and are cut to that; %s",
          stats->oversized, stats->spread, stats->levels, advice);
 }
@@ -157,7 +157,7 @@ void screen_print_notes(cli_session* session, const screen_report* report) {
     const ty_screen_stats* stats = &report->stats;
     note_distances(session, report);
     if (stats->nonfinite_fixed > 0)
-        note(session, "%s: %" PRId64 " pixels were negative or not finite, and are mended", input->image_path,
+        note(session, "%s: %" PRId64 " pixels were negative or not finite, and are replaced", input->image_path,
              stats->nonfinite_fixed);
     if (stats->oversized > 0 && stats->levels > 0) note_oversized(session, report);
     if (cli_has_extension(report->options->output, ".png") && ty_image_find_channel(input->image, "A") >= 0)

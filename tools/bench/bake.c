@@ -132,15 +132,12 @@ static void print_quality(const bench_session* bench, int q, double filling, con
     const double surfaces = t[SURFACES].seconds;
 
     json_open_object(bench->json, qualities[q].name);
-    json_int(bench->json, "spp", qualities[q].spp);
-    json_number(bench->json, "surfaces_seconds", surfaces);
-    json_number(bench->json, "attenuation_seconds", t[ATTENUATION].seconds);
-    json_number(bench->json, "cache_seconds", t[CACHE].seconds);
-    json_number(bench->json, "cache_overhead", t[CACHE].seconds / surfaces - 1);
-    json_number(bench->json, "cache_overhead_with_filling", (t[CACHE].seconds + filling) / surfaces - 1);
-    json_number(bench->json, "impulse_seconds", t[IMPULSE].seconds);
-    json_number(bench->json, "overhead", t[IMPULSE].seconds / surfaces - 1);
-    json_number(bench->json, "paper_overhead", qualities[q].paper);
+    bench_numbers(bench->json, {"spp", qualities[q].spp}, {"surfaces_seconds", surfaces},
+                  {"attenuation_seconds", t[ATTENUATION].seconds}, {"cache_seconds", t[CACHE].seconds},
+                  {"cache_overhead", t[CACHE].seconds / surfaces - 1},
+                  {"cache_overhead_with_filling", (t[CACHE].seconds + filling) / surfaces - 1},
+                  {"impulse_seconds", t[IMPULSE].seconds}, {"overhead", t[IMPULSE].seconds / surfaces - 1},
+                  {"paper_overhead", qualities[q].paper});
     json_close_object(bench->json);
 }
 
@@ -228,12 +225,9 @@ static void print_cost(const bench_session* bench, int m, int32_t spp, const cos
         const double paths = path_seconds(path, component, e->error), own_seconds = is->seconds[component];
 
         json_open_object(bench->json, component_names[component]);
-        json_number(bench->json, "relative_error", e->error);
-        json_number(bench->json, "noise", e->noise);
-        json_number(bench->json, "seconds", own_seconds);
-        json_number(bench->json, "path_seconds", paths);
-        json_number(bench->json, "over_path", paths / own_seconds);
-        json_number(bench->json, "over_path_with_filling", paths / (own_seconds + is->filling));
+        bench_numbers(bench->json, {"relative_error", e->error}, {"noise", e->noise}, {"seconds", own_seconds},
+                      {"path_seconds", paths}, {"over_path", paths / own_seconds},
+                      {"over_path_with_filling", paths / (own_seconds + is->filling)});
         json_close_object(bench->json);
     }
     json_close_object(bench->json);
@@ -321,8 +315,7 @@ static double measure_embree(const bench_session* bench, ty_context* context, co
 
 static void print_rays(const bench_session* bench, double own_seconds, double embree) {
 
-    json_number(bench->json, "mrays_per_second", own_seconds);
-    json_number(bench->json, "embree_robust_mrays_per_second", embree);
+    bench_numbers(bench->json, {"mrays_per_second", own_seconds}, {"embree_robust_mrays_per_second", embree});
 }
 
 static ty_result measure_rays(const bench_session* bench, ty_context* context, const ty_scene* scene) {

@@ -22,6 +22,17 @@ typedef struct bench_session {
     json_writer* json; /* measurements as JSON or YAML; inside an open object of the bench */
 } bench_session;
 
+/* Writes numbers as members of the open object: bench_numbers(json, {"cells", cells}, {"seconds", seconds}). */
+typedef struct bench_member {
+    const char* name;
+    double value;
+} bench_member;
+
+void bench_write_numbers(json_writer* json, const bench_member* members, size_t count);
+#define bench_numbers(json, ...)                                                                                       \
+    bench_write_numbers(json, (const bench_member[]){__VA_ARGS__},                                                     \
+                        sizeof((const bench_member[]){__VA_ARGS__}) / sizeof(bench_member))
+
 /* Each returns CLI_DONE or an exit status after a message. */
 int bench_machine(const bench_session* bench);
 int bench_path(const bench_session* bench);

@@ -4,209 +4,145 @@
 #include "bench/bench.h"
 #include "cli/text.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- matching ---- */
-
-static size_t count_timings(const bench_results* results) {
-    size_t count = 0;
-    for (int i = 0; i < results->count; ++i) count += results->benches[i].timing_count;
-    return count;
+static const char* text_of(const json_t* object, const char* key) {
+    return json_string_value(json_object_get(object, key));
 }
 
-static bench_change make_change(const bench_result* bench, const bench_timing* now, const bench_timing* before) {
-    const double ratio = now->median / before->median;
-    return (bench_change){.bench = bench,
-                          .now = now,
-                          .before = before,
-                          .slower = bench_is_rate(now->name) ? 1 / ratio : ratio,
-                          .disjoint = now->min > before->max || now->max < before->min};
+static int int_of(const json_t* object, const char* key) {
+    return (int)json_integer_value(json_object_get(object, key));
 }
 
-/* Benches in only one of the results are not compared; their timings do not count as missing. */
-ty_result bench_compare(const bench_results* now, const bench_results* before, bench_comparison* out) {
-    *out = (bench_comparison){.now = now, .before = before};
-    out->changes = calloc(count_timings(now) + 1, sizeof *out->changes);
-    if (out->changes == NULL) return TY_ERROR_MEMORY;
-    for (int i = 0; i < now->count; ++i) {
-        const bench_result* bench = &now->benches[i];
-        const bench_result* earlier = bench_find_result(before, bench->name);
-        if (earlier == NULL || earlier->timing_count == 0 || bench->timing_count == 0) continue;
-        const size_t found = out->count;
-        for (size_t t = 0; t < bench->timing_count; ++t) {
-            const bench_timing* timing = bench_find_timing(earlier, bench->timings[t].name);
-            if (timing == NULL)
-                ++out->only_now;
-            else
-                out->changes[out->count++] = make_change(bench, &bench->timings[t], timing);
-        }
-        out->only_before += earlier->timing_count - (out->count - found);
+/* ---- comparing ---- */
+
+double bench_times_as_slow(const char* timing_name, bench_timing now, bench_timing before) {
+    if (!(before.median > 0)) return 0;
+    return bench_is_rate(timing_name) ? before.median / now.median : now.median / before.median;
+}
+
+/* Compares one bench; the timings of a bench without earlier ones do not count as new. */
+static void compare_bench(const char* bench, const json_t* now, const json_t* before, double threshold, json_t* out) {
+    const size_t count = json_object_size(now), earlier = json_object_size(before);
+    double* ratios = calloc(count + 1, sizeof *ratios);
+    const char* name;
+    json_t* value;
+    int compared = 0;
+    if (ratios == NULL || count == 0 || earlier == 0) {
+        free(ratios);
+        return;
     }
-    return TY_OK;
-}
-
-void bench_free_comparison(bench_comparison* comparison) {
-    free(comparison->changes);
-    *comparison = (bench_comparison){0};
-}
-
-const bench_change* bench_find_change(const bench_comparison* comparison, const bench_timing* now) {
-    for (size_t i = 0; i < comparison->count; ++i)
-        if (comparison->changes[i].now == now) return &comparison->changes[i];
-    return NULL;
-}
-
-bool bench_is_slower(const bench_change* change, double threshold) {
-    return change->disjoint && change->slower > 1 + threshold;
-}
-
-bool bench_is_faster(const bench_change* change, double threshold) {
-    return change->disjoint && 1 / change->slower > 1 + threshold;
-}
-
-size_t bench_count_slower(const bench_comparison* comparison, double threshold) {
-    size_t count = 0;
-    for (size_t i = 0; i < comparison->count; ++i) count += bench_is_slower(&comparison->changes[i], threshold) ? 1 : 0;
-    return count;
-}
-
-/* Ratios of one bench: median and quartiles. */
-typedef struct summary {
-    size_t count, slower, faster;
-    double median, lower, upper;
-} summary;
-
-static summary summarize(const bench_comparison* comparison, const bench_result* bench, double threshold,
-                         double* ratios) {
-    summary s = {0};
-    for (size_t i = 0; i < comparison->count; ++i) {
-        const bench_change* change = &comparison->changes[i];
-        if (change->bench != bench) continue;
-        ratios[s.count++] = change->slower;
-        s.slower += bench_is_slower(change, threshold) ? 1 : 0;
-        s.faster += bench_is_faster(change, threshold) ? 1 : 0;
+    json_object_foreach((json_t*)now, name, value) {
+        const bench_timing a = bench_get_timing(now, name), b = bench_get_timing(before, name);
+        const double slower = bench_times_as_slow(name, a, b);
+        if (slower == 0) continue;
+        ratios[compared++] = slower;
+        if (a.min <= b.max && a.max >= b.min) continue;
+        if (slower <= 1 + threshold && 1 / slower <= 1 + threshold) continue;
+        json_array_append_new(json_object_get(out, slower > 1 ? "slower" : "faster"),
+                              json_pack("{s:s, s:s, s:f, s:f, s:f}", "bench", bench, "timing", name, "times_as_slow",
+                                        slower, "now", a.median, "before", b.median));
     }
-    if (s.count == 0) return s;
-    s.median = bench_median(ratios, (int)s.count);
-    s.lower = ratios[s.count / 4];
-    s.upper = ratios[s.count - 1 - s.count / 4];
-    return s;
+    if (compared > 0) {
+        const double median = bench_median(ratios, compared);
+        json_object_set_new(json_object_get(out, "times_as_slow"), bench,
+                            json_pack("[f, f, f]", median, ratios[compared / 4], ratios[compared - 1 - compared / 4]));
+    }
+    free(ratios);
+    json_object_set_new(json_object_get(out, "compared"), bench, json_integer(compared));
+    json_object_set_new(out, "new", json_integer(int_of(out, "new") + (int)count - compared));
+    json_object_set_new(out, "gone", json_integer(int_of(out, "gone") + (int)earlier - compared));
+}
+
+json_t* bench_compare(const json_t* now, const json_t* before, const char* path, double threshold) {
+    json_t* out = json_pack("{s:s, s:s, s:s, s:f, s:i, s:i, s:{}, s:{}, s:[], s:[]}", "file", path, "version",
+                            text_of(before, "version"), "date", text_of(before, "date"), "threshold", threshold, "new",
+                            0, "gone", 0, "compared", "times_as_slow", "slower", "faster");
+    const char* name;
+    json_t* bench;
+    json_object_foreach(json_object_get(now, "benches"), name, bench) {
+        const json_t* earlier = json_object_get(json_object_get(before, "benches"), name);
+        compare_bench(name, json_object_get(bench, "timings"), json_object_get(earlier, "timings"), threshold, out);
+    }
+    return out;
 }
 
 /* ---- printing ---- */
 
-void bench_warn_differences(cli_session* session, const bench_comparison* comparison, const char* path) {
-    const bench_results *now = comparison->now, *before = comparison->before;
+/* True if a member of both is the same. */
+static bool is_same(const json_t* a, const json_t* b, const char* key) {
+    return json_equal(json_object_get(a, key), json_object_get(b, key)) != 0;
+}
+
+void bench_warn_differences(cli_session* session, const json_t* now, const json_t* before, const char* path) {
     char text[512];
     if (session->common.quiet) return;
-    if (strcmp(now->version, before->version) != 0) {
+    if (!is_same(now, before, "version")) {
         snprintf(text, sizeof text, "%s is of version %s, and this is %s: they are compared all the same", path,
-                 before->version, now->version);
+                 text_of(before, "version"), text_of(now, "version"));
         cli_progress_warn(&session->progress, text);
     }
-    if (now->threads != before->threads || now->processors != before->processors ||
-        strcmp(now->isa, before->isa) != 0) {
+    if (!is_same(now, before, "threads") || !is_same(now, before, "processors") || !is_same(now, before, "isa")) {
         snprintf(text, sizeof text, "%s is of another machine: %d threads on %d processors of %s, not %d on %d of %s",
-                 path, before->threads, before->processors, before->isa, now->threads, now->processors, now->isa);
+                 path, int_of(before, "threads"), int_of(before, "processors"), text_of(before, "isa"),
+                 int_of(now, "threads"), int_of(now, "processors"), text_of(now, "isa"));
         cli_progress_warn(&session->progress, text);
     }
-    if (now->quick != before->quick || now->spp != before->spp || now->side != before->side ||
-        now->size[0] != before->size[0] || now->size[1] != before->size[1]) {
+    if (!is_same(now, before, "quick") || !is_same(now, before, "spp") || !is_same(now, before, "side") ||
+        !is_same(now, before, "size")) {
         snprintf(text, sizeof text,
                  "%s was measured with other options (--spp %d, --side %d, %s size%s): some times mean other things",
-                 path, before->spp, before->side, before->size[0] > 0 ? "a given" : "no given",
-                 before->quick ? ", --quick" : "");
+                 path, int_of(before, "spp"), int_of(before, "side"),
+                 json_integer_value(json_array_get(json_object_get(before, "size"), 0)) > 0 ? "a given" : "no given",
+                 json_is_true(json_object_get(before, "quick")) ? ", --quick" : "");
         cli_progress_warn(&session->progress, text);
     }
 }
 
-void bench_format_timing(const char* name, double value, char out[40]) {
-    static const char* const units[] = {"s", "ms", "us", "ns"};
-    const char* unit = bench_timing_unit(name);
-    int smaller = strcmp(unit, "ns") == 0 ? 3 : 0;
-    if (strcmp(unit, "s") == 0)
-        for (; smaller < 3 && value < 0.9995; ++smaller) value *= 1000;
-    const bool time = smaller > 0 || strcmp(unit, "s") == 0;
-    if (time) unit = units[smaller];
-    snprintf(out, 40, value >= 1000 && value < 1e6 ? "%.0f%s%s" : "%.3g%s%s", value, unit[0] != '\0' ? " " : "", unit);
-}
-
-static void print_changes(FILE* file, const bench_comparison* comparison, double threshold, bool slower) {
-    for (size_t i = 0; i < comparison->count; ++i) {
-        const bench_change* change = &comparison->changes[i];
+static void print_changes(FILE* file, const json_t* comparison, const char* list) {
+    size_t i;
+    json_t* change;
+    json_array_foreach(json_object_get(comparison, list), i, change) {
+        const char* timing = text_of(change, "timing");
+        const double slower = bench_number(change, "times_as_slow");
         char before[40], now[40];
-        if (!(slower ? bench_is_slower(change, threshold) : bench_is_faster(change, threshold))) continue;
-        bench_format_timing(change->now->name, change->before->median, before);
-        bench_format_timing(change->now->name, change->now->median, now);
-        fprintf(file, "  %-7s %5.2f  ", slower ? "slower" : "faster", slower ? change->slower : 1 / change->slower);
-        cli_print_text(file, change->bench->name, 0);
-        fputs("/", file);
-        cli_print_text(file, change->now->name, 0);
+        bench_format_timing(timing, bench_number(change, "before"), before);
+        bench_format_timing(timing, bench_number(change, "now"), now);
+        fprintf(file, "  %-7s %5.2f  %s/", list, slower > 1 ? slower : 1 / slower, text_of(change, "bench"));
+        cli_print_text(file, timing, 0);
         fprintf(file, ": %s, before %s\n", now, before);
     }
 }
 
-void bench_print_comparison(FILE* file, const bench_comparison* comparison, const char* path, double threshold) {
-    double* ratios = malloc((comparison->count + 1) * sizeof *ratios);
+static int count_changes(const json_t* comparison, const char* list, const char* bench) {
+    size_t i;
+    json_t* change;
+    int count = 0;
+    json_array_foreach(json_object_get(comparison, list), i, change) count +=
+        strcmp(text_of(change, "bench"), bench) == 0 ? 1 : 0;
+    return count;
+}
+
+void bench_print_comparison(FILE* file, const json_t* comparison) {
+    const json_t* counts = json_object_get(comparison, "compared");
+    const char* bench;
+    json_t* ratios;
+    int compared = 0;
+    json_object_foreach(json_object_get(comparison, "times_as_slow"), bench, ratios) compared += int_of(counts, bench);
     fputs("against ", file);
-    cli_print_text(file, path, 0);
-    fputs(" (", file);
-    cli_print_text(file, comparison->before->version, 0);
-    fputs(", ", file);
-    cli_print_text(file, comparison->before->date, 0);
-    fprintf(file, "): %zu times and rates, %zu new, %zu gone\n", comparison->count, comparison->only_now,
-            comparison->only_before);
-    if (ratios == NULL) return;
+    cli_print_text(file, text_of(comparison, "file"), 0);
+    fprintf(file, " (%s, %s): %d times and rates, %d new, %d gone\n", text_of(comparison, "version"),
+            text_of(comparison, "date"), compared, int_of(comparison, "new"), int_of(comparison, "gone"));
     fprintf(file, "%-10s %8s %18s %18s %8s %8s\n", "bench", "timings", "times as long", "half of them", "slower",
             "faster");
-    for (int i = 0; i < comparison->now->count; ++i) {
-        const bench_result* bench = &comparison->now->benches[i];
-        const summary s = summarize(comparison, bench, threshold, ratios);
-        if (s.count == 0) continue;
-        cli_print_text(file, bench->name, 10);
-        fprintf(file, " %8zu %18.2f %10.2f to %4.2f %8zu %8zu\n", s.count, s.median, s.lower, s.upper, s.slower,
-                s.faster);
-    }
-    free(ratios);
-    fprintf(file, "by more than %.3g %%, and by more than rounds differ:\n", 100 * threshold);
-    print_changes(file, comparison, threshold, true);
-    print_changes(file, comparison, threshold, false);
-}
-
-static void write_change(json_writer* json, const bench_change* change) {
-    json_open_object(json, NULL);
-    json_text(json, "bench", change->bench->name);
-    json_text(json, "timing", change->now->name);
-    json_number(json, "times_as_slow", change->slower);
-    json_number(json, "now", change->now->median);
-    json_number(json, "before", change->before->median);
-    json_close_object(json);
-}
-
-void bench_write_comparison(json_writer* json, const bench_comparison* comparison, const char* path, double threshold) {
-    double* ratios = malloc((comparison->count + 1) * sizeof *ratios);
-    json_open_object(json, "baseline");
-    json_text(json, "file", path);
-    json_text(json, "version", comparison->before->version);
-    json_text(json, "date", comparison->before->date);
-    json_number(json, "threshold", threshold);
-    json_open_object(json, "times_as_slow");
-    for (int i = 0; i < comparison->now->count && ratios != NULL; ++i) {
-        const bench_result* bench = &comparison->now->benches[i];
-        const summary s = summarize(comparison, bench, threshold, ratios);
-        if (s.count > 0) json_numbers(json, bench->name, (const double[]){s.median, s.lower, s.upper}, 3);
-    }
-    json_close_object(json);
-    free(ratios);
-    json_open_array(json, "slower");
-    for (size_t i = 0; i < comparison->count; ++i)
-        if (bench_is_slower(&comparison->changes[i], threshold)) write_change(json, &comparison->changes[i]);
-    json_close_array(json);
-    json_open_array(json, "faster");
-    for (size_t i = 0; i < comparison->count; ++i)
-        if (bench_is_faster(&comparison->changes[i], threshold)) write_change(json, &comparison->changes[i]);
-    json_close_array(json);
-    json_close_object(json);
+    json_object_foreach(json_object_get(comparison, "times_as_slow"), bench, ratios)
+        fprintf(file, "%-10s %8d %18.2f %10.2f to %4.2f %8d %8d\n", bench, int_of(counts, bench),
+                json_number_value(json_array_get(ratios, 0)), json_number_value(json_array_get(ratios, 1)),
+                json_number_value(json_array_get(ratios, 2)), count_changes(comparison, "slower", bench),
+                count_changes(comparison, "faster", bench));
+    fprintf(file, "by more than %.3g %%, and by more than rounds differ:\n",
+            100 * bench_number(comparison, "threshold"));
+    print_changes(file, comparison, "slower");
+    print_changes(file, comparison, "faster");
 }

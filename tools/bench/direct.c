@@ -143,8 +143,7 @@ static double nanoseconds(double seconds, int32_t side, int32_t sources) {
 
 static void print_size(json_writer* json, int32_t side, const measured* m) {
     json_open_object(json, NULL);
-    json_int(json, "side", side);
-    json_number(json, "sampling_seconds", m->medium);
+    bench_numbers(json, {"side", side}, {"sampling_seconds", m->medium});
     json_open_array(json, "cases");
     for (int i = 0; i < CASES; ++i) {
         json_open_object(json, NULL);
@@ -152,9 +151,8 @@ static void print_size(json_writer* json, int32_t side, const measured* m) {
         json_bool(json, "chromatic", cases[i].chromatic);
         json_bool(json, "flux", cases[i].flux);
         json_bool(json, "shadows", cases[i].surfaces);
-        json_int(json, "sources", m[i].sources);
-        json_number(json, "seconds", m[i].light);
-        json_number(json, "ns_per_cell_and_source", nanoseconds(m[i].light, side, m[i].sources));
+        bench_numbers(json, {"sources", m[i].sources}, {"seconds", m[i].light},
+                      {"ns_per_cell_and_source", nanoseconds(m[i].light, side, m[i].sources)});
         json_close_object(json);
     }
     json_close_array(json);

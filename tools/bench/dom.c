@@ -43,7 +43,7 @@ static double octant_bytes(int32_t bands) {
 /* ---- solves ---- */
 
 static const int32_t sides[SIDES] = {32, 64};
-static const double max_ms[SIDES] = {100, 1000}; /* the bounds */
+static const double max_ms[SIDES] = {100, 1000}; /* aims */
 
 /* Smoke with different extinctions and albedos per channel. */
 /* Medians of a solve; seconds: total, medium, uncollided light, sources, iterations, sweeps within iterations. */
@@ -92,8 +92,7 @@ static void print_solve_json(const bench_session* bench, int index, const solved
     json_writer* json = bench->json;
     json_open_object(json, NULL);
     json_numbers(json, "size", (const double[]){s->stats.size[0], s->stats.size[1], s->stats.size[2]}, 3);
-    json_int(json, "directions", s->stats.directions);
-    json_int(json, "bands", s->stats.bands);
+    bench_numbers(json, {"directions", s->stats.directions}, {"bands", s->stats.bands});
     json_bool(json, "converged", s->stats.converged);
     json_numbers(json, "sweeps", (const double[]){s->stats.sweeps[0], s->stats.sweeps[1], s->stats.sweeps[2]}, 3);
     for (int stage = 0; stage < PARTS; ++stage) {
@@ -101,13 +100,9 @@ static void print_solve_json(const bench_session* bench, int index, const solved
         snprintf(key, sizeof key, "%s_seconds", part_names[stage]);
         json_number(json, key, s->seconds[stage]);
     }
-    json_number(json, "cpu_seconds", s->cpu);
-    json_number(json, "aim_ms", max_ms[index]);
-    json_number(json, "bytes", s->stats.memory_bytes);
-    json_number(json, "cells_directions_sweeps_per_second", rate);
-    json_number(json, "gflops", flops);
-    json_number(json, "fraction_of_fma_peak", flops / peak->gflops);
-    json_number(json, "fraction_of_bandwidth", bytes / peak->bandwidth);
+    bench_numbers(json, {"cpu_seconds", s->cpu}, {"aim_ms", max_ms[index]}, {"bytes", s->stats.memory_bytes},
+                  {"cells_directions_sweeps_per_second", rate}, {"gflops", flops},
+                  {"fraction_of_fma_peak", flops / peak->gflops}, {"fraction_of_bandwidth", bytes / peak->bandwidth});
     json_close_object(json);
 }
 
@@ -143,9 +138,7 @@ enum { EDGE = 32, THICKNESSES = 5, SWEEPS = 400 };
 static void print_sweeps(const bench_session* bench, const char* key, const ty_ordinates_stats* stats) {
     json_open_object(bench->json, key);
     json_bool(bench->json, "converged", stats->converged);
-    json_int(bench->json, "sweeps", stats->sweeps);
-    json_int(bench->json, "cycles", stats->cycles);
-    json_number(bench->json, "seconds", stats->seconds);
+    bench_numbers(bench->json, {"sweeps", stats->sweeps}, {"cycles", stats->cycles}, {"seconds", stats->seconds});
     json_close_object(bench->json);
 }
 
@@ -264,14 +257,10 @@ static ty_result find_equal(const bench_session* bench, const pair* p, int32_t b
 
 static void print_equal(const bench_session* bench, const pair* p, int32_t block, const equal_error* e) {
     json_open_object(bench->json, NULL);
-    json_int(bench->json, "block", block);
-    json_number(bench->json, "mean_ratio", e->mean_ratio);
-    json_number(bench->json, "path_noise", e->noise);
+    bench_numbers(bench->json, {"block", block}, {"mean_ratio", e->mean_ratio}, {"path_noise", e->noise});
     if (!isnan(e->error)) {
-        json_number(bench->json, "relative_rmse", e->error);
-        json_number(bench->json, "path_spp_at_equal_error", e->more * p->path.spp);
-        json_number(bench->json, "path_over_dom", e->faster[0]);
-        json_number(bench->json, "path_over_dom_cpu", e->faster[1]);
+        bench_numbers(bench->json, {"relative_rmse", e->error}, {"path_spp_at_equal_error", e->more * p->path.spp},
+                      {"path_over_dom", e->faster[0]}, {"path_over_dom_cpu", e->faster[1]});
     }
     json_close_object(bench->json);
 }
@@ -282,10 +271,9 @@ static void print_pair(const bench_session* bench, const char* name, const ty_sc
     const int32_t* full = camera.resolution;
     json_text(bench->json, "scene", name);
     json_numbers(bench->json, "size", (const double[]){full[0], full[1]}, 2);
-    json_number(bench->json, "dom_seconds", dom->seconds);
-    json_number(bench->json, "dom_before_march_seconds", dom->seconds - dom->march_seconds);
-    json_number(bench->json, "path_seconds", p->larger * p->path.seconds);
-    json_number(bench->json, "path_spp", p->path.spp);
+    bench_numbers(bench->json, {"dom_seconds", dom->seconds},
+                  {"dom_before_march_seconds", dom->seconds - dom->march_seconds},
+                  {"path_seconds", p->larger * p->path.seconds}, {"path_spp", p->path.spp});
 }
 
 static ty_result bench_images(const bench_session* bench) {

@@ -1,8 +1,7 @@
 /* tyndall bench fld: the diffusion solvers over sizes of grids, and complete images compared with classical diffusion
  * and path tracing. */
 #include "bench/bench.h"
-
-#include "solve/diffusion/diffusion.h"
+#include "bench/fld_box.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,25 +14,8 @@ static const double tolerance = 1e-6;
 
 /* ---- test problems ---- */
 
-/* A cube of edge 1 m on side^3 cells. */
-typedef struct problem {
-    int32_t side;
-    float *extinction, *absorption, *source, *fluence;
-} problem;
-
-static float* plane(const problem* p) {
-    return calloc((size_t)p->side * (size_t)p->side * (size_t)p->side, sizeof(float));
-}
-
-static void close_problem(problem* p) {
-    free(p->extinction);
-    free(p->absorption);
-    free(p->source);
-    free(p->fluence);
-}
-
 /* Isotropic fog lit from above: extinction 4/m, albedo 1. */
-static void fill_beam(const problem* p, size_t at, double x, double y, double z) {
+static void fill_beam(const fld_box* p, size_t at, double x, double y, double z) {
     (void)x;
     (void)z;
     p->extinction[at] = 4;
@@ -41,7 +23,7 @@ static void fill_beam(const problem* p, size_t at, double x, double y, double z)
 }
 
 /* An inhomogeneous emissive ball in vacuum, albedo 0.999. */
-static void fill_cloud(const problem* p, size_t at, double x, double y, double z) {
+static void fill_cloud(const fld_box* p, size_t at, double x, double y, double z) {
     const double r = sqrt((x - 0.5) * (x - 0.5) + (y - 0.5) * (y - 0.5) + (z - 0.5) * (z - 0.5));
     const double lumps = sin(23 * x) * sin(19 * y + 1) * sin(21 * z + 2);
     if (r > 0.35 + 0.05 * lumps) return;
@@ -50,21 +32,17 @@ static void fill_cloud(const problem* p, size_t at, double x, double y, double z
     p->source[at] = (float)fmax(0, 1 + lumps - 2 * r);
 }
 
-typedef void (*fill_fn)(const problem* p, size_t at, double x, double y, double z);
+typedef void (*fill_fn)(const fld_box* p, size_t at, double x, double y, double z);
 
-static bool open_problem(int32_t side, fill_fn fill, problem* out) {
-    *out = (problem){.side = side};
-    out->extinction = plane(out);
-    out->absorption = plane(out);
-    out->source = plane(out);
-    out->fluence = plane(out);
-    if (out->extinction == NULL || out->absorption == NULL || out->source == NULL || out->fluence == NULL) return false;
+/* A cube of edge 1 m on side^3 cells. */
+static ty_result open_problem(const bench_session* bench, int32_t side, fill_fn fill, fld_box* out) {
+    const ty_result result = fld_make_box(bench->session->context, side, 1, out);
     size_t at = 0;
-    for (int32_t k = 0; k < side; ++k)
+    for (int32_t k = 0; k < side && result == TY_OK; ++k)
         for (int32_t j = 0; j < side; ++j)
             for (int32_t i = 0; i < side; ++i, ++at)
                 fill(out, at, (i + 0.5) / side, (j + 0.5) / side, (k + 0.5) / side);
-    return true;
+    return result;
 }
 
 /* ---- solvers ---- */
@@ -93,15 +71,9 @@ typedef struct solved {
     bool converged;
 } solved;
 
-static ty_diffusion_def make_def(int index, const problem* p) {
-    ty_diffusion_def def = ty_default_diffusion_def();
-    for (int a = 0; a < 3; ++a) {
-        def.size[a] = p->side;
-        def.cell[a] = 1.0 / p->side;
-    }
-    def.extinction = p->extinction;
-    def.absorption = p->absorption;
-    def.source = p->source;
+static ty_diffusion_def make_def(int index, const fld_box* p) {
+    ty_diffusion_def def = p->def;
+    for (int side = 0; side < 6; ++side) def.boundary[side] = ty_default_diffusion_def().boundary[side];
     def.limiter = cases[index].limiter;
     def.streaming = cases[index].streaming;
     def.solver = cases[index].solver;
@@ -111,17 +83,18 @@ static ty_diffusion_def make_def(int index, const problem* p) {
 }
 
 static ty_result run_case(const bench_session* bench, int index, int32_t side, solved* out) {
-    problem p;
-    const bool opened = open_problem(side, cases[index].fill, &p);
+    fld_box p = {0};
+    ty_result result = open_problem(bench, side, cases[index].fill, &p);
+    if (result != TY_OK) return result;
     ty_diffusion_def def = make_def(index, &p);
     const ty_diffusion_out fluence = {.fluence = p.fluence};
     const size_t bytes = ty_diffusion_memory(&def);
     def.memory = aligned_alloc(64, (bytes + 63) / 64 * 64);
-    ty_result result = opened && def.memory != NULL ? TY_OK : TY_ERROR_MEMORY;
+    result = def.memory != NULL ? TY_OK : TY_ERROR_MEMORY;
     const int runs = cases[index].solver == TY_DIFFUSION_SOR ? 1 : bench->options->runs;
     double seconds[RUNS_MAX], cpu_seconds[RUNS_MAX];
     for (int run = 0; run < runs && result == TY_OK; ++run) {
-        ty_diffusion_stats stats;
+        ty_diffusion_stats stats = ty_default_diffusion_stats();
         const double cpu = cli_cpu_seconds();
         result = ty_diffusion_solve(bench->session->context, &def, &fluence, &stats);
         cpu_seconds[run] = cli_cpu_seconds() - cpu;
@@ -138,7 +111,7 @@ static ty_result run_case(const bench_session* bench, int index, int32_t side, s
         out->cpu_seconds = bench_median(cpu_seconds, runs);
         out->floats = (double)bytes / sizeof(float) / pow(side, 3);
     }
-    close_problem(&p);
+    fld_free_box(bench->session->context, &p);
     free(def.memory);
     return result;
 }
@@ -154,14 +127,9 @@ static void print_solved(const bench_session* bench, int index, const solved* s)
     json_text(bench->json, "case", cases[index].name);
     json_int(bench->json, "side", s->side);
     json_bool(bench->json, "converged", s->converged);
-    json_int(bench->json, "iterations", s->iterations);
-    json_int(bench->json, "cycles", s->cycles);
-    json_number(bench->json, "work", s->work);
-    json_number(bench->json, "residual", s->residual);
-    json_number(bench->json, "seconds", s->seconds);
-    json_number(bench->json, "mcells_per_second", 1e-6 * cells / s->seconds);
-    json_number(bench->json, "mcells_per_core_second", 1e-6 * cells / s->cpu_seconds);
-    json_number(bench->json, "floats_per_cell", s->floats);
+    bench_numbers(bench->json, {"iterations", s->iterations}, {"cycles", s->cycles}, {"work", s->work},
+                  {"residual", s->residual}, {"seconds", s->seconds}, {"mcells_per_second", 1e-6 * cells / s->seconds},
+                  {"mcells_per_core_second", 1e-6 * cells / s->cpu_seconds}, {"floats_per_cell", s->floats});
     json_close_object(bench->json);
 }
 
@@ -249,10 +217,8 @@ static void print_timed(const bench_session* bench, const char* name, const time
         for (int i = 0; i < 4; ++i) json_number(bench->json, parts[i], t->parts[m][i]);
         json_close_object(bench->json);
     }
-    json_number(bench->json, "path_seconds_at_1000_spp", t->path);
-    json_number(bench->json, "path_over_fld", t->path / t->seconds[0]);
-    json_number(bench->json, "fld_over_cda", t->seconds[0] / t->seconds[1]);
-    json_number(bench->json, "floats_per_cell", t->floats);
+    bench_numbers(bench->json, {"path_seconds_at_1000_spp", t->path}, {"path_over_fld", t->path / t->seconds[0]},
+                  {"fld_over_cda", t->seconds[0] / t->seconds[1]}, {"floats_per_cell", t->floats});
     json_numbers(bench->json, "diffusion_size", (const double[]){coarse[0], coarse[1], coarse[2]}, 3);
     json_close_object(bench->json);
 }

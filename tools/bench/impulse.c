@@ -112,8 +112,7 @@ static ty_result measure(const bench_session* bench, const char* folder, measure
 }
 
 static void print_measured(const bench_session* bench, const measured* m) {
-    json_number(bench->json, "build_seconds", m->build);
-    json_number(bench->json, "load_seconds", m->load);
+    bench_numbers(bench->json, {"build_seconds", m->build}, {"load_seconds", m->load});
     json_open_object(bench->json, "lookup_ns");
     for (int i = 0; i < CASES; ++i) json_number(bench->json, cases[i].name, 1e9 * m->lookup[i]);
     json_close_object(bench->json);

@@ -90,9 +90,8 @@ static double file_bytes(const char* path) {
 
 static void print_result(const bench_session* bench, const load_case* load, const load_result* result) {
     json_open_object(bench->json, load->name);
-    json_number(bench->json, "seconds", result->seconds);
-    json_number(bench->json, "mvoxels_per_second", result->mvoxels);
-    json_number(bench->json, "file_bytes", result->file_bytes);
+    bench_numbers(bench->json, {"seconds", result->seconds}, {"mvoxels_per_second", result->mvoxels},
+                  {"file_bytes", result->file_bytes});
     json_close_object(bench->json);
 }
 

@@ -140,10 +140,8 @@ static void print_table(const bench_session* bench, const char* name, const time
         json_text(json, "mode", mode_names[i / SIZES]);
         json_numbers(json, "size", (const double[]){size[0], size[1], size[2]}, 3);
         for (int s = 0; s < STAGES; ++s) json_number(json, stages[s].key, t->seconds[s]);
-        json_number(json, "seconds", t->total);
-        json_number(json, "propagate_gflops", propagation_gflops(t));
-        json_number(json, "fraction_of_peak", propagation_gflops(t) / peak);
-        json_number(json, "mrays", mrays(&t->stats));
+        bench_numbers(json, {"seconds", t->total}, {"propagate_gflops", propagation_gflops(t)},
+                      {"fraction_of_peak", propagation_gflops(t) / peak}, {"mrays", mrays(&t->stats)});
         json_close_object(json);
     }
     json_close_array(json);

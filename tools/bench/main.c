@@ -1,4 +1,5 @@
 /* tyndall-bench: common options of benches, and output of their results. */
+#include "bench/compare.h"
 #include "bench/markdown.h"
 #include "bench/run.h"
 #include "cli/text_file.h"
@@ -23,153 +24,12 @@ typedef struct bench_keeping {
     bool fails;                                      /* fail_slower was given */
 } bench_keeping;
 
-/* True if a list such as "fld,pop" contains the name. */
-static bool is_wanted(const char* list, const char* name) {
-    const size_t length = strlen(name);
-    if (strcmp(list, "all") == 0) return true;
-    for (const char* at = list; at != NULL; at = strchr(at, ','), at += at != NULL ? 1 : 0)
-        if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\0')) return true;
-    return false;
-}
-
-static bool names_several(const char* list) {
-    return strcmp(list, "all") == 0 || strchr(list, ',') != NULL;
-}
-
-/* ---- benches with immediate output ---- */
-
-static int print_benches(cli_session* session, const bench_options* options, const char* name) {
-    int worst = CLI_DONE;
-    for (int i = 0; i < BENCH_COUNT && !cli_interrupted(); ++i) {
-        if (!is_wanted(name, bench_entries[i].name)) continue;
-        json_writer text = json_begin_plain(stdout);
-        const bench_session bench = {session, options, &text};
-        json_open_object(&text, NULL);
-        json_open_object(&text, bench_entries[i].name);
-        const int status = bench_entries[i].run(&bench);
-        json_close_object(&text);
-        json_close_object(&text);
-        if (!names_several(name)) return status;
-        if (status != CLI_DONE && !cli_interrupted()) cli_fail(status, "bench %s was left out", bench_entries[i].name);
-        if (status == CLI_FAILED) worst = CLI_FAILED;
-    }
-    return cli_interrupted() ? CLI_INTERRUPTED : worst;
-}
-
-/* ---- benches with stored results ---- */
-
-/* The exit status over all benches: a skipped bench is no failure unless all were skipped. */
-static int result_status(const bench_keeping* keeping, const bench_results* results) {
-    int worst = CLI_DONE, done = 0;
-    for (int i = 0; i < results->count; ++i) {
-        const int status = results->benches[i].status;
-        done += status == CLI_DONE ? 1 : 0;
-        if (status == CLI_FAILED) worst = CLI_FAILED;
-    }
-    if (keeping->from == NULL && !results->complete) return CLI_INTERRUPTED;
-    return worst == CLI_DONE && done == 0 ? CLI_USAGE : worst;
-}
-
-/* Selects the requested benches. */
-static int choose_results(const bench_keeping* keeping, const char* name, bench_results* results) {
-    int count = 0;
-    for (int i = 0; i < results->count; ++i) {
-        if (is_wanted(name, results->benches[i].name)) {
-            ++count;
-        } else {
-            results->benches[i].status = CLI_GO;
-            results->benches[i].timing_count = 0;
-        }
-    }
-    return count > 0 ? CLI_GO : cli_fail(CLI_USAGE, "%s: there is nothing of bench %s in it", keeping->from, name);
-}
-
-static int get_results(cli_session* session, const bench_options* options, const bench_keeping* keeping,
-                       const char* name, bench_results* out) {
-    const bench_entry* wanted[BENCH_COUNT];
-    int count = 0;
-    if (keeping->from != NULL) {
-        const int status = bench_read_results(session, keeping->from, out);
-        return status == CLI_GO ? choose_results(keeping, name, out) : status;
-    }
-    for (int i = 0; i < BENCH_COUNT; ++i)
-        if (is_wanted(name, bench_entries[i].name)) wanted[count++] = &bench_entries[i];
-    return bench_run_all(session, options, wanted, count, keeping->rounds, out);
-}
-
-/* Output to a file or to stdout. */
-typedef struct result_output {
-    const bench_keeping* keeping;
-    const bench_results* results;
-    const bench_comparison* comparison; /* or NULL */
-} result_output;
-
-static ty_result print_json(ty_context* context, FILE* file, const void* user) {
-    (void)context;
-    const result_output* k = user;
-    json_writer json = json_begin(file);
-    json_open_object(&json, NULL);
-    bench_write_results(&json, k->results);
-    if (k->comparison != NULL)
-        bench_write_comparison(&json, k->comparison, k->keeping->baseline, 0.01 * k->keeping->threshold);
-    json_close_object(&json);
-    return TY_OK;
-}
-
-static int write_output(cli_session* session, const bench_options* options, const result_output* k) {
-    const bench_keeping* keeping = k->keeping;
-    const bench_tables tables = {k->results, k->comparison};
-    ty_result result = TY_OK;
-    if (options->json) print_json(session->context, stdout, k);
-    if (keeping->output != NULL) result = cli_write_text_file(session->context, keeping->output, print_json, k);
-    if (result == TY_OK && keeping->markdown != NULL)
-        result = cli_write_text_file(session->context, keeping->markdown, bench_print_markdown, &tables);
-    return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
-}
-
-/* Writes and prints the results; before NULL: no comparison. */
-static int output_results(cli_session* session, const bench_options* options, const bench_keeping* keeping,
-                          const bench_results* results, const bench_results* before) {
-    bench_comparison comparison = {0};
-    const result_output k = {keeping, results, before != NULL ? &comparison : NULL};
-    if (before != NULL && bench_compare(results, before, &comparison) != TY_OK)
-        return cli_fail(CLI_FAILED, "not enough memory");
-    int status = write_output(session, options, &k);
-    if (before != NULL) {
-        bench_warn_differences(session, &comparison, keeping->baseline);
-        bench_print_comparison(options->json ? stderr : stdout, &comparison, keeping->baseline,
-                               0.01 * keeping->threshold);
-    }
-    const size_t slower = keeping->fails ? bench_count_slower(&comparison, 0.01 * keeping->fail_slower) : 0;
-    bench_free_comparison(&comparison);
-    if (status == CLI_DONE) status = result_status(keeping, results);
-    if (status == CLI_DONE && slower > 0)
-        status = cli_fail(CLI_FAILED, "%zu times and rates are by more than %g %% worse than in %s", slower,
-                          keeping->fail_slower, keeping->baseline);
-    return status;
-}
-
-/* The baseline is read first, so that an invalid one is refused before any measurement. */
-static int record_benches(cli_session* session, const bench_options* options, const bench_keeping* keeping,
-                          const char* name) {
-    bench_results results = {0}, before = {0};
-    int status = keeping->baseline != NULL ? bench_read_results(session, keeping->baseline, &before) : CLI_GO;
-    if (status == CLI_GO) status = get_results(session, options, keeping, name, &results);
-    if (status == CLI_GO)
-        status = output_results(session, options, keeping, &results, keeping->baseline != NULL ? &before : NULL);
-    bench_free_results(&results);
-    bench_free_results(&before);
-    return status;
-}
-
-static int run_benches(cli_session* session, const bench_options* options, const bench_keeping* keeping,
-                       const char* name) {
-    const bool kept_somewhere = options->json || keeping->output != NULL || keeping->from != NULL ||
-                                keeping->baseline != NULL || keeping->markdown != NULL;
-    return kept_somewhere ? record_benches(session, options, keeping, name) : print_benches(session, options, name);
-}
-
-/* ---- the command ---- */
+/* The requested benches. */
+typedef struct bench_choice {
+    const char* list; /* "fld,pop", or "all" */
+    const bench_entry* entries[BENCH_COUNT];
+    int count;
+} bench_choice;
 
 static int unknown_bench(const char* name) {
     const char* names[BENCH_COUNT + 1];
@@ -186,11 +46,22 @@ static int unknown_bench(const char* name) {
     return cli_usage_error("bench", "unknown bench '%s'; there are: %sall", name, list);
 }
 
-/* Checks that every name of a list is a bench: CLI_GO, or CLI_USAGE after a message. */
-static int check_names(const char* list) {
+/* True if a name is in the list. */
+static bool is_listed(const char* list, const char* name) {
+    const size_t length = strlen(name);
+    for (const char* at = list; at != NULL; at = strchr(at, ','), at += at != NULL ? 1 : 0)
+        if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\0')) return true;
+    return false;
+}
+
+/* CLI_GO, or CLI_USAGE after a message. */
+static int choose_benches(const char* list, bench_choice* out) {
     char name[64];
-    if (strcmp(list, "all") == 0) return CLI_GO;
-    for (const char* at = list; at != NULL; at = strchr(at, ','), at += at != NULL ? 1 : 0) {
+    const bool all = strcmp(list, "all") == 0;
+    *out = (bench_choice){.list = list};
+    for (int i = 0; i < BENCH_COUNT; ++i)
+        if (all || is_listed(list, bench_entries[i].name)) out->entries[out->count++] = &bench_entries[i];
+    for (const char* at = list; at != NULL && !all; at = strchr(at, ','), at += at != NULL ? 1 : 0) {
         bool found = false;
         snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
         for (int i = 0; i < BENCH_COUNT; ++i) found = found || strcmp(name, bench_entries[i].name) == 0;
@@ -198,6 +69,135 @@ static int check_names(const char* list) {
     }
     return CLI_GO;
 }
+
+/* ---- benches with immediate output ---- */
+
+static int print_benches(cli_session* session, const bench_options* options, const bench_choice* choice) {
+    const bool several = strcmp(choice->list, "all") == 0 || choice->count > 1;
+    int worst = CLI_DONE;
+    for (int i = 0; i < choice->count && !cli_interrupted(); ++i) {
+        json_writer text = json_begin_plain(stdout);
+        const bench_session bench = {session, options, &text};
+        json_open_object(&text, NULL);
+        json_open_object(&text, choice->entries[i]->name);
+        const int status = choice->entries[i]->run(&bench);
+        json_close_object(&text);
+        json_close_object(&text);
+        if (!several) return status;
+        if (status != CLI_DONE && !cli_interrupted())
+            cli_fail(status, "bench %s was left out", choice->entries[i]->name);
+        if (status == CLI_FAILED) worst = CLI_FAILED;
+    }
+    return cli_interrupted() ? CLI_INTERRUPTED : worst;
+}
+
+/* ---- benches with stored results ---- */
+
+/* The exit status over all benches: a skipped bench is no failure unless all were skipped. */
+static int result_status(const bench_keeping* keeping, const json_t* results) {
+    const char* name;
+    json_t* bench;
+    int worst = CLI_DONE, done = 0;
+    json_object_foreach(json_object_get(results, "benches"), name, bench) {
+        done += json_object_get(bench, "timings") != NULL ? 1 : 0;
+        if (json_object_get(bench, "failed") != NULL) worst = CLI_FAILED;
+    }
+    if (keeping->from == NULL && !json_is_true(json_object_get(results, "complete"))) return CLI_INTERRUPTED;
+    return worst == CLI_DONE && done == 0 ? CLI_USAGE : worst;
+}
+
+/* Reads results without their comparison and the benches that are not requested. */
+static int read_chosen(cli_session* session, const char* path, const bench_choice* choice, json_t** out) {
+    const char* name;
+    json_t* bench;
+    void* next;
+    const int status = bench_read_results(session, path, out);
+    if (status != CLI_GO) return status;
+    json_t* benches = json_object_get(*out, "benches");
+    json_object_del(*out, "baseline");
+    json_object_foreach_safe(benches, next, name,
+                             bench) if (strcmp(choice->list, "all") != 0 && !is_listed(choice->list, name))
+        json_object_del(benches, name);
+    if (json_object_size(benches) > 0) return CLI_GO;
+    return cli_fail(CLI_USAGE, "%s: there is nothing of bench %s in it", path, choice->list);
+}
+
+static ty_result print_json(ty_context* context, FILE* file, const void* user) {
+    (void)context;
+    const char* key;
+    json_t* value;
+    json_writer json = json_begin(file);
+    json_open_object(&json, NULL);
+    json_object_foreach((json_t*)user, key, value) bench_write_value(&json, key, value);
+    json_close_object(&json);
+    return TY_OK;
+}
+
+/* Writes the results, with the comparison in them as "baseline". */
+static int write_output(cli_session* session, const bench_options* options, const bench_keeping* keeping,
+                        const bench_tables* tables) {
+    ty_result result = TY_OK;
+    if (options->json) print_json(session->context, stdout, tables->results);
+    if (keeping->output != NULL)
+        result = cli_write_text_file(session->context, keeping->output, print_json, tables->results);
+    if (result == TY_OK && keeping->markdown != NULL)
+        result = cli_write_text_file(session->context, keeping->markdown, bench_print_markdown, tables);
+    return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
+}
+
+/* CLI_FAILED, after a message, if timings are slower than --fail-slower allows. */
+static int check_slower(const bench_keeping* keeping, const json_t* results, const json_t* before) {
+    if (!keeping->fails) return CLI_DONE;
+    json_t* comparison = bench_compare(results, before, keeping->baseline, 0.01 * keeping->fail_slower);
+    const size_t slower = json_array_size(json_object_get(comparison, "slower"));
+    json_decref(comparison);
+    if (slower == 0) return CLI_DONE;
+    return cli_fail(CLI_FAILED, "%zu times and rates are by more than %g %% worse than in %s", slower,
+                    keeping->fail_slower, keeping->baseline);
+}
+
+/* Writes and prints the results; before NULL: no comparison. */
+static int output_results(cli_session* session, const bench_options* options, const bench_keeping* keeping,
+                          json_t* results, const json_t* before) {
+    const bench_tables tables = {results, before};
+    json_t* comparison = NULL;
+    if (before != NULL) {
+        comparison = bench_compare(results, before, keeping->baseline, 0.01 * keeping->threshold);
+        json_object_set(results, "baseline", comparison);
+    }
+    int status = write_output(session, options, keeping, &tables);
+    if (before != NULL) {
+        bench_warn_differences(session, results, before, keeping->baseline);
+        bench_print_comparison(options->json ? stderr : stdout, comparison);
+    }
+    json_decref(comparison);
+    if (status == CLI_DONE) status = result_status(keeping, results);
+    return status == CLI_DONE ? check_slower(keeping, results, before) : status;
+}
+
+/* The baseline is read first, so that an invalid one is refused before any measurement. */
+static int record_benches(cli_session* session, const bench_options* options, const bench_keeping* keeping,
+                          const bench_choice* choice) {
+    json_t *results = NULL, *before = NULL;
+    int status = keeping->baseline != NULL ? bench_read_results(session, keeping->baseline, &before) : CLI_GO;
+    if (status == CLI_GO && keeping->from != NULL)
+        status = read_chosen(session, keeping->from, choice, &results);
+    else if (status == CLI_GO)
+        results = bench_run_all(session, options, choice->entries, choice->count, keeping->rounds);
+    if (status == CLI_GO) status = output_results(session, options, keeping, results, before);
+    json_decref(results);
+    json_decref(before);
+    return status;
+}
+
+static int run_benches(cli_session* session, const bench_options* options, const bench_keeping* keeping,
+                       const bench_choice* choice) {
+    const bool kept_somewhere = options->json || keeping->output != NULL || keeping->from != NULL ||
+                                keeping->baseline != NULL || keeping->markdown != NULL;
+    return kept_somewhere ? record_benches(session, options, keeping, choice) : print_benches(session, options, choice);
+}
+
+/* ---- the command ---- */
 
 static int check_keeping(const bench_keeping* keeping) {
     int status = CLI_GO;
@@ -242,7 +242,7 @@ static int measure(int count, char** arguments) {
         {"spp", 0, CLI_INT, "N", "samples per pixel (default 64)", &options.spp, 1, 1 << 24, &spp_given},
         {"size", 0, CLI_SIZE, "WxH",
          "pixels (default 256x256; rays: 1024x1024; screen: 1, 2, 4 and 8 million; "
-         "fld, pop: 1024x1024; lpv: 1280x720; dom: 384x216; bake: 48x48 receivers)",
+         "fld, pop, octaves: 1024x1024; lpv: 1280x720; dom: 384x216; bake: 48x48 receivers)",
          options.size, 0, 0, &options.size_given},
         {"runs", 0, CLI_INT, "N", "repetitions whose median counts (default 3)", &options.runs, 1, 99, &runs_given},
         {"side", 0, CLI_INT, "N", "voxels a side of the volumes to load (default 192)", &options.side, 8, 1024,
@@ -278,13 +278,14 @@ static int measure(int count, char** arguments) {
                                print_words};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
-    if (status == CLI_GO) status = check_names(given.positional[0]);
+    bench_choice choice;
+    if (status == CLI_GO) status = choose_benches(given.positional[0], &choice);
     if (status == CLI_GO) status = check_keeping(&keeping);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "bench", &given.common);
     if (status != CLI_GO) return status;
     choose_quick(&options, spp_given, runs_given, side_given);
-    return cli_session_close(&session, run_benches(&session, &options, &keeping, given.positional[0]));
+    return cli_session_close(&session, run_benches(&session, &options, &keeping, &choice));
 }
 
 int main(int count, char** arguments) {

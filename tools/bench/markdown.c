@@ -1,4 +1,5 @@
 /* Markdown tables of benches. */
+#include "bench/compare.h"
 #include "bench/markdown.h"
 
 #include "cli/text.h"
@@ -14,10 +15,10 @@ static const char* describe_isa(const char* isa) {
 }
 
 /* A timing's name without the suffix of its unit. */
-static void print_name(FILE* file, const bench_timing* timing) {
+static void print_name(FILE* file, const char* timing) {
     static const char* const ends[] = {"/seconds", "_seconds"};
     char name[BENCH_TIMING_NAME];
-    snprintf(name, sizeof name, "%s", timing->name);
+    snprintf(name, sizeof name, "%s", timing);
     for (size_t i = 0; i < sizeof ends / sizeof ends[0]; ++i) {
         const size_t length = strlen(name), size = strlen(ends[i]);
         if (length > size && strcmp(name + length - size, ends[i]) == 0) name[length - size] = '\0';
@@ -33,57 +34,55 @@ static void print_number(FILE* file, double value) {
         fputs(" |", file);
 }
 
-static void print_overview(FILE* file, const bench_results* results) {
+static void print_overview(FILE* file, const json_t* benches) {
+    const char* name;
+    json_t* bench;
     fputs("| bench | times and rates | seconds it takes | load before | processors that others kept busy |\n"
           "|---|---|---|---|---|\n",
           file);
-    for (int i = 0; i < results->count; ++i) {
-        const bench_result* bench = &results->benches[i];
-        if (bench->status == CLI_GO) continue;
-        fprintf(file, "| %s | %zu |", bench->name, bench->timing_count);
-        if (bench->status == CLI_DONE) {
-            print_number(file, bench->seconds);
-            print_number(file, bench->load_before);
-            print_number(file, bench->other_load);
+    json_object_foreach((json_t*)benches, name, bench) {
+        const char* skipped = json_string_value(json_object_get(bench, "skipped"));
+        const char* failed = json_string_value(json_object_get(bench, "failed"));
+        fprintf(file, "| %s | %zu |", name, json_object_size(json_object_get(bench, "timings")));
+        if (skipped == NULL && failed == NULL) {
+            print_number(file, bench_number(bench, "seconds"));
+            print_number(file, bench_number(bench, "load_before"));
+            print_number(file, bench_number(bench, "others_busy"));
         } else {
-            fputs(bench->status == CLI_USAGE ? " skipped: " : " failed: ", file);
-            cli_print_markdown(file, bench->message);
+            fputs(skipped != NULL ? " skipped: " : " failed: ", file);
+            cli_print_markdown(file, skipped != NULL ? skipped : failed);
             fputs(" | | |", file);
         }
         fputc('\n', file);
     }
 }
 
-/* Prints "1.2 to 1.4 ms", or nothing after a single round. */
-static void print_range(FILE* file, const bench_timing* timing) {
-    char min[40], max[40];
-    if (timing->min < timing->max) {
-        bench_format_timing(timing->name, timing->min, min);
-        bench_format_timing(timing->name, timing->max, max);
-        fprintf(file, "%s to %s", min, max);
-    }
+static void print_timing(FILE* file, const char* name, bench_timing timing, bool spread) {
+    char median[40], min[40], max[40];
+    bench_format_timing(name, timing.median, median);
+    bench_format_timing(name, timing.min, min);
+    bench_format_timing(name, timing.max, max);
+    fputs("| ", file);
+    print_name(file, name);
+    fprintf(file, " | %s |", median);
+    if (spread && timing.min < timing.max) fprintf(file, " %s to %s |", min, max);
+    if (spread && !(timing.min < timing.max)) fputs("  |", file);
 }
 
-static void print_bench(FILE* file, const bench_tables* tables, const bench_result* bench) {
-    const bool spread = tables->results->rounds > 1, compared = tables->comparison != NULL;
-    if (bench->timing_count == 0) return;
-    fprintf(file, "\n### %s\n\n| what | median |%s%s\n|---|---|%s%s\n", bench->name, spread ? " least to most |" : "",
+/* before: timings of the baseline; NULL: there is none. */
+static void print_bench(FILE* file, const char* bench, const json_t* timings, const json_t* before, bool spread,
+                        bool compared) {
+    const char* name;
+    json_t* value;
+    if (json_object_size(timings) == 0) return;
+    fprintf(file, "\n### %s\n\n| what | median |%s%s\n|---|---|%s%s\n", bench, spread ? " range |" : "",
             compared ? " times as slow as before |" : "", spread ? "---|" : "", compared ? "---|" : "");
-    for (size_t i = 0; i < bench->timing_count; ++i) {
-        const bench_timing* timing = &bench->timings[i];
-        const bench_change* change = compared ? bench_find_change(tables->comparison, timing) : NULL;
-        char median[40];
-        bench_format_timing(timing->name, timing->median, median);
-        fputs("| ", file);
-        print_name(file, timing);
-        fprintf(file, " | %s |", median);
-        if (spread) {
-            fputc(' ', file);
-            print_range(file, timing);
-            fputs(" |", file);
-        }
-        if (change != NULL) fprintf(file, " %.2f |", change->slower);
-        if (compared && change == NULL) fputs(" |", file);
+    json_object_foreach((json_t*)timings, name, value) {
+        const bench_timing timing = bench_get_timing(timings, name);
+        const double slower = bench_times_as_slow(name, timing, bench_get_timing(before, name));
+        print_timing(file, name, timing, spread);
+        if (compared && slower > 0) fprintf(file, " %.2f |", slower);
+        if (compared && !(slower > 0)) fputs(" |", file);
         fputc('\n', file);
     }
 }
@@ -91,16 +90,26 @@ static void print_bench(FILE* file, const bench_tables* tables, const bench_resu
 ty_result bench_print_markdown(ty_context* context, FILE* file, const void* user) {
     (void)context;
     const bench_tables* tables = user;
-    const bench_results* results = tables->results;
+    json_t* benches = json_object_get(tables->results, "benches");
+    const char *date, *version, *isa, *name;
+    int quick, threads, processors, runs, rounds, complete;
+    json_t* bench;
+    if (json_unpack((json_t*)tables->results, "{s:s, s:s, s:s, s:b, s:i, s:i, s:i, s:i, s:b}", "date", &date, "version",
+                    &version, "isa", &isa, "quick", &quick, "threads", &threads, "processors", &processors, "runs",
+                    &runs, "rounds", &rounds, "complete", &complete) != 0)
+        return TY_ERROR_INPUT;
     fprintf(file,
             "Measured on %.10s by version %s%s: %d threads on %d processors %s, %d run%s in each of %d round%s%s.\n\n",
-            results->date, results->version, results->quick ? " with --quick" : "", results->threads,
-            results->processors, describe_isa(results->isa), results->runs, results->runs == 1 ? "" : "s",
-            results->rounds, results->rounds == 1 ? "" : "s", results->complete ? "" : ", interrupted");
-    if (tables->comparison != NULL)
-        fprintf(file, "Before: version %s, %.10s.\n\n", tables->comparison->before->version,
-                tables->comparison->before->date);
-    print_overview(file, results);
-    for (int i = 0; i < results->count; ++i) print_bench(file, tables, &results->benches[i]);
+            date, version, quick ? " with --quick" : "", threads, processors, describe_isa(isa), runs,
+            runs == 1 ? "" : "s", rounds, rounds == 1 ? "" : "s", complete ? "" : ", interrupted");
+    if (tables->before != NULL)
+        fprintf(file, "Before: version %s, %.10s.\n\n", json_string_value(json_object_get(tables->before, "version")),
+                json_string_value(json_object_get(tables->before, "date")));
+    print_overview(file, benches);
+    json_object_foreach(benches, name, bench) {
+        const json_t* earlier = json_object_get(json_object_get(tables->before, "benches"), name);
+        print_bench(file, name, json_object_get(bench, "timings"), json_object_get(earlier, "timings"), rounds > 1,
+                    tables->before != NULL);
+    }
     return TY_OK;
 }

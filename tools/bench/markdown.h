@@ -2,11 +2,10 @@
 #ifndef TY_BENCH_MARKDOWN_H
 #define TY_BENCH_MARKDOWN_H
 
-#include "bench/compare.h"
+#include "bench/results.h"
 
 typedef struct bench_tables {
-    const bench_results* results;
-    const bench_comparison* comparison; /* or NULL */
+    const json_t *results, *before; /* as read or measured; before NULL: no comparison */
 } bench_tables;
 
 /* A cli_print_fn; user is a bench_tables. */

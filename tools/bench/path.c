@@ -92,11 +92,9 @@ static path_result median_result(const path_result* results, int count) {
 
 static void print_result(const bench_session* bench, const char* name, const path_result* result) {
     json_open_object(bench->json, name);
-    json_number(bench->json, "relative_rmse", result->relative_rmse);
-    json_number(bench->json, "cpu_seconds", result->cpu_seconds);
-    json_number(bench->json, "cost", result->cost);
-    json_number(bench->json, "msamples_per_second", result->msamples);
-    json_number(bench->json, "mvertices_per_second", result->mvertices);
+    bench_numbers(bench->json, {"relative_rmse", result->relative_rmse}, {"cpu_seconds", result->cpu_seconds},
+                  {"cost", result->cost}, {"msamples_per_second", result->msamples},
+                  {"mvertices_per_second", result->mvertices});
     if (bench->options->reference != NULL)
         json_number(bench->json, "relative_rmse_from_reference", result->from_reference);
     json_close_object(bench->json);
@@ -151,8 +149,7 @@ static int bench_scene(const bench_session* bench, const char* given) {
 int bench_path(const bench_session* bench) {
     const bench_options* options = bench->options;
     json_numbers(bench->json, "size", (const double[]){options->size[0], options->size[1]}, 2);
-    json_int(bench->json, "spp", options->spp);
-    json_int(bench->json, "runs", options->runs);
+    bench_numbers(bench->json, {"spp", options->spp}, {"runs", options->runs});
     json_open_object(bench->json, "scenes");
     int status = CLI_DONE;
     for (const char* rest = options->scenes; status == CLI_DONE && rest != NULL;) {

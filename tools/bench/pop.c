@@ -114,13 +114,12 @@ static void print_typical(const bench_session* bench, const timed typical[MODES]
     for (int m = 0; m < MODES; ++m) {
         json_open_object(bench->json, mode_names[m]);
         for (int s = 0; s < STAGES; ++s) json_number(bench->json, stages[s].key, typical[m].seconds[s]);
-        json_int(bench->json, "ordinates", typical[m].stats.ordinates);
-        json_int(bench->json, "iterations", typical[m].stats.iterations);
-        json_int(bench->json, "residuum_iterations", typical[m].stats.residuum_iterations);
-        json_number(bench->json, "bytes", typical[m].stats.memory_bytes);
+        bench_numbers(
+            bench->json, {"ordinates", typical[m].stats.ordinates}, {"iterations", typical[m].stats.iterations},
+            {"residuum_iterations", typical[m].stats.residuum_iterations}, {"bytes", typical[m].stats.memory_bytes});
         if (modes[m] == TY_POP_MODE_PUBLISHED) {
-            json_number(bench->json, "propagation_gflops", propagation_gflops(&typical[m]));
-            json_number(bench->json, "fraction_of_peak", propagation_gflops(&typical[m]) / peak);
+            bench_numbers(bench->json, {"propagation_gflops", propagation_gflops(&typical[m])},
+                          {"fraction_of_peak", propagation_gflops(&typical[m]) / peak});
         }
         json_close_object(bench->json);
     }
@@ -128,8 +127,8 @@ static void print_typical(const bench_session* bench, const timed typical[MODES]
     for (int s = 0; s < STAGES; ++s)
         if (stages[s].paper > 0) json_number(bench->json, stages[s].name, stages[s].paper);
     json_close_object(bench->json);
-    json_number(bench->json, "fma_gflops", peak);
-    json_number(bench->json, "split_over_published", typical[0].seconds[BEFORE] / typical[1].seconds[BEFORE]);
+    bench_numbers(bench->json, {"fma_gflops", peak},
+                  {"split_over_published", typical[0].seconds[BEFORE] / typical[1].seconds[BEFORE]});
     json_close_object(bench->json);
 }
 

@@ -98,11 +98,8 @@ static void print_speeds(const bench_session* bench, const ray_set* set, int32_t
 
     json_open_object(bench->json, NULL);
     json_text(bench->json, "rays", set->key);
-    json_int(bench->json, "count", set->count);
-    json_int(bench->json, "threads", threads);
-    json_number(bench->json, "mrays_per_second", speeds[OURS]);
-    json_number(bench->json, "embree_robust_mrays_per_second", speeds[ROBUST]);
-    json_number(bench->json, "embree_mrays_per_second", speeds[PLAIN]);
+    bench_numbers(bench->json, {"count", set->count}, {"threads", threads}, {"mrays_per_second", speeds[OURS]},
+                  {"embree_robust_mrays_per_second", speeds[ROBUST]}, {"embree_mrays_per_second", speeds[PLAIN]});
     json_close_object(bench->json);
 }
 

@@ -3,12 +3,10 @@
 
 #include "bench/bench.h"
 
-#include <jansson.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-static const char format_name[] = "tyndall bench";
+const char bench_format_name[] = "tyndall bench";
 
 enum { FILE_SIZE_MAX = 16 << 20, DEPTH_MAX = 12, RESULTS_MAX = 64, TIMINGS_MAX = 4096 };
 
@@ -29,7 +27,7 @@ static bool is_time(const char* name) {
            has_end(name, "cost");
 }
 
-const char* bench_timing_unit(const char* name) {
+static const char* unit_of(const char* name) {
     if (strstr(name, "gflops") != NULL) return "GFLOP/s";
     if (strstr(name, "gb_per") != NULL) return "GB/s";
     if (strstr(name, "mrays") != NULL) return "million rays/s";
@@ -40,6 +38,17 @@ const char* bench_timing_unit(const char* name) {
     if (bench_is_rate(name)) return "1/s";
     if (strstr(name, "_ns") != NULL || strstr(name, "ns_per_") != NULL) return "ns";
     return strstr(name, "seconds") != NULL ? "s" : "";
+}
+
+void bench_format_timing(const char* name, double value, char out[40]) {
+    static const char* const units[] = {"s", "ms", "us", "ns"};
+    const char* unit = unit_of(name);
+    int smaller = strcmp(unit, "ns") == 0 ? 3 : 0;
+    if (strcmp(unit, "s") == 0)
+        for (; smaller < 3 && value < 0.9995; ++smaller) value *= 1000;
+    const bool time = smaller > 0 || strcmp(unit, "s") == 0;
+    if (time) unit = units[smaller];
+    snprintf(out, 40, value >= 1000 && value < 1e6 ? "%.0f%s%s" : "%.3g%s%s", value, unit[0] != '\0' ? " " : "", unit);
 }
 
 /* ---- names ---- */
@@ -94,40 +103,20 @@ static void label_element(const json_t* element, size_t index, char label[BENCH_
 
 /* ---- traversal ---- */
 
-typedef struct timing_list {
-    bench_timing* items;
-    size_t count, capacity;
-    bool failed; /* out of memory */
-} timing_list;
-
-static bool has_timing(const timing_list* list, const char* name) {
-    for (size_t i = 0; i < list->count; ++i)
-        if (strcmp(list->items[i].name, name) == 0) return true;
-    return false;
+/* Adds a number under its name, or, as that is taken, under "NAME #2". */
+static void add_timing(json_t* timings, const char* name, double value) {
+    char own[BENCH_TIMING_NAME];
+    if (!(value > 0) || json_object_size(timings) >= TIMINGS_MAX) return;
+    snprintf(own, sizeof own, "%s", name);
+    for (int copy = 2; json_object_get(timings, own) != NULL; ++copy)
+        snprintf(own, sizeof own, "%.*s #%d", BENCH_TIMING_NAME - 16, name, copy);
+    json_object_set_new(timings, own, json_real(value));
 }
 
-static void add_timing(timing_list* list, const char* name, double value) {
-    if (!(value > 0) || list->count >= TIMINGS_MAX) return;
-    if (list->count == list->capacity) {
-        const size_t capacity = list->capacity == 0 ? 64 : 2 * list->capacity;
-        bench_timing* grown = realloc(list->items, capacity * sizeof *grown);
-        list->failed = list->failed || grown == NULL;
-        if (grown == NULL) return;
-        list->items = grown;
-        list->capacity = capacity;
-    }
-    bench_timing timing = {.median = value, .min = value, .max = value};
-    snprintf(timing.name, sizeof timing.name, "%s", name);
-    for (int copy = 2; has_timing(list, timing.name); ++copy)
-        snprintf(timing.name, sizeof timing.name, "%.*s #%d", BENCH_TIMING_NAME - 16, name, copy);
-    list->items[list->count++] = timing;
-}
-
-static void collect(timing_list* list, const json_t* value, const char* name, int depth);
+static void collect(json_t* timings, const json_t* value, const char* name, int depth);
 
 /* object: the parent of the array. */
-static void collect_elements(timing_list* list, const json_t* array, const json_t* object, const char* name,
-                             int depth) {
+static void collect_elements(json_t* timings, const json_t* array, const json_t* object, const char* name, int depth) {
     const char* unit;
     const json_t* labels = find_labels(object, array, &unit);
     for (size_t i = 0; i < json_array_size(array); ++i) {
@@ -139,7 +128,7 @@ static void collect_elements(timing_list* list, const json_t* array, const json_
             label_element(element, i, label);
         snprintf(own, sizeof own, "%s", name);
         append(own, "/", label);
-        collect(list, element, own, depth + 1);
+        collect(timings, element, own, depth + 1);
     }
 }
 
@@ -150,89 +139,61 @@ static bool is_repeated(const json_t* object, const char* key) {
             strstr(key, "ns_per_") != NULL || strstr(key, "gflops") != NULL);
 }
 
-static void collect_members(timing_list* list, const json_t* object, const char* name, int depth) {
+static void collect(json_t* timings, const json_t* value, const char* name, int depth) {
     const char* key;
-    json_t* value;
-    json_object_foreach((json_t*)object, key, value) {
+    json_t* member;
+    if (depth > DEPTH_MAX) return;
+    if (json_is_number(value) && (bench_is_rate(name) || is_time(name)))
+        add_timing(timings, name, json_number_value(value));
+    if (json_is_array(value)) collect_elements(timings, value, NULL, name, depth);
+    json_object_foreach((json_t*)value, key, member) {
         char own[BENCH_TIMING_NAME];
+        if (is_repeated(value, key)) continue;
         snprintf(own, sizeof own, "%s", name);
         append(own, "/", key);
-        if (is_repeated(object, key)) continue;
-        if (json_is_array(value))
-            collect_elements(list, value, object, own, depth + 1);
+        if (json_is_array(member))
+            collect_elements(timings, member, value, own, depth + 1);
         else
-            collect(list, value, own, depth + 1);
+            collect(timings, member, own, depth + 1);
     }
-}
-
-static void collect(timing_list* list, const json_t* value, const char* name, int depth) {
-    if (depth > DEPTH_MAX) return;
-    if (json_is_object(value)) collect_members(list, value, name, depth);
-    if (json_is_array(value)) collect_elements(list, value, NULL, name, depth);
-    if (json_is_number(value) && (bench_is_rate(name) || is_time(name)))
-        add_timing(list, name, json_number_value(value));
 }
 
 /* ---- rounds ---- */
 
-ty_result bench_add_round(bench_result* result, const char* text, size_t size) {
-    json_t* round = json_loadb(text, size, 0, NULL);
-    if (round == NULL) return TY_ERROR_MEMORY; /* the JSON is our own, and so valid */
-    result->rounds[result->round_count++] = round;
-    return TY_OK;
+json_t* bench_rounded(double value) {
+    if (!isfinite(value)) return json_null();
+    if (!(value > 0)) return json_real(value);
+    const double unit = pow(10, floor(log10(value)) - 4);
+    return json_real(unit < 1 ? round(value / unit) / round(1 / unit) : round(value / unit) * unit);
 }
 
-static void summarize_timing(bench_timing* timing, const timing_list lists[], int count) {
-    double values[BENCH_ROUNDS_MAX];
-    int found = 0;
-    for (int i = 0; i < count; ++i)
-        for (size_t j = 0; j < lists[i].count; ++j)
-            if (strcmp(lists[i].items[j].name, timing->name) == 0) values[found++] = lists[i].items[j].median;
-    timing->median = bench_median(values, found);
-    timing->min = values[0];
-    timing->max = values[found - 1];
-}
-
-ty_result bench_finish_result(bench_result* result) {
-    timing_list lists[BENCH_ROUNDS_MAX] = {{0}};
-    bool failed = false;
-    for (int i = 0; i < result->round_count; ++i) {
-        collect(&lists[i], result->rounds[i], "", 0);
-        failed = failed || lists[i].failed;
+json_t* bench_collect_timings(json_t* const* rounds, int count) {
+    json_t *lists[BENCH_ROUNDS_MAX], *timings = json_object(), *first;
+    const char* name;
+    for (int i = 0; i < count; ++i) collect(lists[i] = json_object(), rounds[i], "", 0);
+    json_object_foreach(lists[0], name, first) {
+        double values[BENCH_ROUNDS_MAX];
+        int found = 0;
+        for (int i = 0; i < count; ++i)
+            if (json_object_get(lists[i], name) != NULL) values[found++] = bench_number(lists[i], name);
+        const double median = bench_median(values, found);
+        json_object_set_new(
+            timings, name,
+            json_pack("[o, o, o]", bench_rounded(median), bench_rounded(values[0]), bench_rounded(values[found - 1])));
     }
-    bench_timing* timings = calloc(lists[0].count + 1, sizeof *timings);
-    failed = failed || timings == NULL;
-    for (size_t i = 0; i < lists[0].count && !failed; ++i) {
-        timings[i] = lists[0].items[i];
-        summarize_timing(&timings[i], lists, result->round_count);
-    }
-    result->timings = timings;
-    result->timing_count = failed ? 0 : lists[0].count;
-    for (int i = 0; i < result->round_count; ++i) free(lists[i].items);
-    return failed ? TY_ERROR_MEMORY : TY_OK;
+    for (int i = 0; i < count; ++i) json_decref(lists[i]);
+    return timings;
 }
 
-void bench_free_results(bench_results* results) {
-    for (int i = 0; i < results->count; ++i) {
-        bench_result* result = &results->benches[i];
-        for (int r = 0; r < result->round_count; ++r) json_decref(result->rounds[r]);
-        free(result->timings);
-    }
-    free(results->benches);
-    json_decref(results->file);
-    *results = (bench_results){0};
+bench_timing bench_get_timing(const json_t* timings, const char* name) {
+    const json_t* value = json_object_get(timings, name);
+    return (bench_timing){json_number_value(json_array_get(value, 0)), json_number_value(json_array_get(value, 1)),
+                          json_number_value(json_array_get(value, 2))};
 }
 
-const bench_timing* bench_find_timing(const bench_result* result, const char* name) {
-    for (size_t i = 0; i < result->timing_count; ++i)
-        if (strcmp(result->timings[i].name, name) == 0) return &result->timings[i];
-    return NULL;
-}
-
-const bench_result* bench_find_result(const bench_results* results, const char* name) {
-    for (int i = 0; i < results->count; ++i)
-        if (strcmp(results->benches[i].name, name) == 0) return &results->benches[i];
-    return NULL;
+double bench_number(const json_t* object, const char* key) {
+    const json_t* value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
 /* ---- writing ---- */
@@ -243,7 +204,7 @@ static bool all_numbers(const json_t* array) {
     return json_array_size(array) <= 16;
 }
 
-static void write_value(json_writer* json, const char* name, const json_t* value) {
+void bench_write_value(json_writer* json, const char* name, const json_t* value) {
     double numbers[16];
     const char* key;
     json_t* member;
@@ -251,7 +212,7 @@ static void write_value(json_writer* json, const char* name, const json_t* value
     switch (json_typeof(value)) {
     case JSON_OBJECT:
         json_open_object(json, name);
-        json_object_foreach((json_t*)value, key, member) write_value(json, key, member);
+        json_object_foreach((json_t*)value, key, member) bench_write_value(json, key, member);
         json_close_object(json);
         return;
     case JSON_ARRAY:
@@ -262,7 +223,7 @@ static void write_value(json_writer* json, const char* name, const json_t* value
             return;
         }
         json_open_array(json, name);
-        for (size_t i = 0; i < json_array_size(value); ++i) write_value(json, NULL, json_array_get(value, i));
+        for (size_t i = 0; i < json_array_size(value); ++i) bench_write_value(json, NULL, json_array_get(value, i));
         json_close_array(json);
         return;
     case JSON_STRING: json_text(json, name, json_string_value(value)); return;
@@ -273,159 +234,64 @@ static void write_value(json_writer* json, const char* name, const json_t* value
     }
 }
 
-/* Rounds to five digits, more than the precision of timings. */
-static double rounded(double value) {
-    if (!(value > 0)) return value;
-    const double unit = pow(10, floor(log10(value)) - 4);
-    return unit < 1 ? round(value / unit) / round(1 / unit) : round(value / unit) * unit;
-}
-
-static void write_timings(json_writer* json, const bench_result* result) {
-    json_open_object(json, "timings");
-    for (size_t i = 0; i < result->timing_count; ++i) {
-        const bench_timing* timing = &result->timings[i];
-        json_numbers(json, timing->name,
-                     (const double[]){rounded(timing->median), rounded(timing->min), rounded(timing->max)}, 3);
-    }
-    json_close_object(json);
-}
-
-static void write_result(json_writer* json, const bench_result* result) {
-    json_open_object(json, result->name);
-    json_number(json, "load_before", rounded(result->load_before));
-    if (result->status == CLI_DONE) {
-        json_number(json, "others_busy", rounded(result->other_load));
-        json_number(json, "seconds", rounded(result->seconds));
-        write_timings(json, result);
-        write_value(json, "results", result->rounds[0]);
-    } else {
-        json_text(json, result->status == CLI_USAGE ? "skipped" : "failed", result->message);
-    }
-    json_close_object(json);
-}
-
-void bench_write_results(json_writer* json, const bench_results* results) {
-    json_text(json, "format", format_name);
-    json_int(json, "format_version", BENCH_FORMAT_VERSION);
-    json_text(json, "version", results->version);
-    json_text(json, "date", results->date);
-    json_int(json, "processors", results->processors);
-    json_int(json, "threads", results->threads);
-    json_text(json, "isa", results->isa);
-    json_bool(json, "quick", results->quick);
-    json_int(json, "spp", results->spp);
-    json_numbers(json, "size", (const double[]){results->size[0], results->size[1]}, 2);
-    json_int(json, "side", results->side);
-    json_int(json, "runs", results->runs);
-    json_int(json, "rounds", results->rounds);
-    json_bool(json, "complete", results->complete);
-    json_open_object(json, "benches");
-    for (int i = 0; i < results->count; ++i)
-        if (results->benches[i].status != CLI_GO) write_result(json, &results->benches[i]);
-    json_close_object(json);
-}
-
 /* ---- reading ---- */
 
-static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-+.:";
-
-/* Copies text up to the first character that cannot be part of a version or a date. */
-static void copy_text(const json_t* file, const char* key, char* out, size_t size) {
-    const char* text = json_string_value(json_object_get(file, key));
-    snprintf(out, size, "%s", text != NULL ? text : "");
-    out[strspn(out, plain)] = '\0';
+/* Text that can be printed: a version, a date or the name of a bench. */
+static bool is_plain(const char* text) {
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-+.:";
+    return text != NULL && text[0] != '\0' && strlen(text) < 32 && text[strspn(text, plain)] == '\0';
 }
 
-static double number_or_nan(const json_t* object, const char* key) {
-    const json_t* value = json_object_get(object, key);
-    return json_is_number(value) ? json_number_value(value) : NAN;
+static bool is_valid_timing(const char* name, const json_t* timings) {
+    const json_t* value = json_object_get(timings, name);
+    const bench_timing t = bench_get_timing(timings, name);
+    return strlen(name) < BENCH_TIMING_NAME && json_array_size(value) == 3 && all_numbers(value) && t.min > 0 &&
+           t.min <= t.median && t.median <= t.max;
 }
 
-static bool read_timing(const char* name, const json_t* value, bench_timing* out) {
-    if (json_array_size(value) != 3 || !all_numbers(value) || strlen(name) >= sizeof out->name) return false;
-    snprintf(out->name, sizeof out->name, "%s", name);
-    out->median = json_number_value(json_array_get(value, 0));
-    out->min = json_number_value(json_array_get(value, 1));
-    out->max = json_number_value(json_array_get(value, 2));
-    return out->median > 0 && out->min > 0 && out->min <= out->median && out->median <= out->max;
-}
-
-/* Returns false for invalid input. */
-static bool read_result(const char* name, const json_t* value, bench_result* out) {
-    const json_t* timings = json_object_get(value, "timings");
-    const char *key, *skipped = json_string_value(json_object_get(value, "skipped"));
-    const char* failed = json_string_value(json_object_get(value, "failed"));
-    json_t* timing;
-    if (name[0] == '\0' || name[strspn(name, plain)] != '\0') return false;
-    *out = (bench_result){.name = name,
-                          .load_before = number_or_nan(value, "load_before"),
-                          .other_load = number_or_nan(value, "others_busy"),
-                          .seconds = number_or_nan(value, "seconds")};
-    out->status = timings != NULL ? CLI_DONE : skipped != NULL ? CLI_USAGE : CLI_FAILED;
-    if (timings == NULL) {
-        snprintf(out->message, sizeof out->message, "%s", skipped != NULL ? skipped : failed != NULL ? failed : "");
-        return skipped != NULL || failed != NULL;
-    }
-    out->timings = calloc(json_object_size(timings) + 1, sizeof *out->timings);
-    if (out->timings == NULL || !json_is_object(timings) || json_object_size(timings) > TIMINGS_MAX) return false;
-    json_t* results = json_object_get(value, "results");
-    if (json_is_object(results)) out->rounds[out->round_count++] = json_incref(results);
-    json_object_foreach((json_t*)timings, key,
-                        timing) if (!read_timing(key, timing, &out->timings[out->timing_count++])) return false;
-    return out->round_count == 1;
-}
-
-static bool read_benches(bench_results* results) {
-    const json_t* benches = json_object_get(results->file, "benches");
+static bool is_valid_bench(const char* name, const json_t* bench) {
+    const json_t* timings = json_object_get(bench, "timings");
     const char* key;
     json_t* value;
-    if (!json_is_object(benches) || json_object_size(benches) > RESULTS_MAX) return false;
-    results->benches = calloc(json_object_size(benches) + 1, sizeof *results->benches);
-    if (results->benches == NULL) return false;
-    json_object_foreach((json_t*)benches, key,
-                        value) if (!read_result(key, value, &results->benches[results->count++])) return false;
-    return true;
+    if (!is_plain(name)) return false;
+    if (timings == NULL)
+        return json_is_string(json_object_get(bench, "skipped")) || json_is_string(json_object_get(bench, "failed"));
+    json_object_foreach((json_t*)timings, key, value) if (!is_valid_timing(key, timings)) return false;
+    return json_is_object(timings) && json_object_size(timings) <= TIMINGS_MAX &&
+           json_is_object(json_object_get(bench, "results"));
 }
 
-static int refuse(const char* path, const char* what) {
-    return cli_fail(CLI_USAGE, "%s: %s", path, what);
+static bool are_valid_benches(const json_t* benches) {
+    const char* name;
+    json_t* bench;
+    json_object_foreach((json_t*)benches, name, bench) if (!is_valid_bench(name, bench)) return false;
+    return json_is_object(benches) && json_object_size(benches) <= RESULTS_MAX;
 }
 
-static int parse_file(const char* path, bench_results* out) {
-    const char* format = json_string_value(json_object_get(out->file, "format"));
-    if (format == NULL || strcmp(format, format_name) != 0)
-        return refuse(path, "is no result file of 'tyndall bench --json'");
-    const json_int_t shape = json_integer_value(json_object_get(out->file, "format_version"));
+static int check_file(const char* path, const json_t* file) {
+    static const char* const texts[] = {"version", "date", "isa"};
+    const char* format = json_string_value(json_object_get(file, "format"));
+    if (format == NULL || strcmp(format, bench_format_name) != 0)
+        return cli_fail(CLI_USAGE, "%s: is no result file of 'tyndall bench --json'", path);
+    const json_int_t shape = json_integer_value(json_object_get(file, "format_version"));
     if (shape != BENCH_FORMAT_VERSION)
         return cli_fail(CLI_USAGE, "%s: is of format version %lld, and this program reads %d: measure it anew", path,
                         (long long)shape, BENCH_FORMAT_VERSION);
-    copy_text(out->file, "version", out->version, sizeof out->version);
-    copy_text(out->file, "date", out->date, sizeof out->date);
-    copy_text(out->file, "isa", out->isa, sizeof out->isa);
-    out->processors = (int)json_integer_value(json_object_get(out->file, "processors"));
-    out->threads = (int)json_integer_value(json_object_get(out->file, "threads"));
-    out->spp = (int)json_integer_value(json_object_get(out->file, "spp"));
-    out->side = (int)json_integer_value(json_object_get(out->file, "side"));
-    for (size_t i = 0; i < 2; ++i)
-        out->size[i] = (int)json_integer_value(json_array_get(json_object_get(out->file, "size"), i));
-    out->runs = (int)json_integer_value(json_object_get(out->file, "runs"));
-    out->rounds = (int)json_integer_value(json_object_get(out->file, "rounds"));
-    out->quick = json_is_true(json_object_get(out->file, "quick"));
-    out->complete = json_is_true(json_object_get(out->file, "complete"));
-    return read_benches(out) ? CLI_GO : refuse(path, "its benches are not as 'tyndall bench --json' writes them");
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
+        if (!is_plain(json_string_value(json_object_get(file, texts[i]))))
+            return cli_fail(CLI_USAGE, "%s: its %s is not as 'tyndall bench --json' writes it", path, texts[i]);
+    if (are_valid_benches(json_object_get(file, "benches"))) return CLI_GO;
+    return cli_fail(CLI_USAGE, "%s: its benches are not as 'tyndall bench --json' writes them", path);
 }
 
-int bench_read_results(cli_session* session, const char* path, bench_results* out) {
+int bench_read_results(cli_session* session, const char* path, json_t** out) {
     uint8_t* bytes = NULL;
     size_t size = 0;
     json_error_t error;
-    *out = (bench_results){0};
     const ty_result result = ty_bytes_read(session->context, path, FILE_SIZE_MAX, &bytes, &size);
     if (result != TY_OK) return cli_fail_reading(session, result);
-    out->file = json_loadb((const char*)bytes, size, JSON_REJECT_DUPLICATES, &error);
+    *out = json_loadb((const char*)bytes, size, JSON_REJECT_DUPLICATES, &error);
     ty_bytes_destroy(session->context, bytes, size);
-    if (out->file == NULL) return cli_fail(CLI_USAGE, "%s:%d: is not JSON: %s", path, error.line, error.text);
-    const int status = parse_file(path, out);
-    if (status != CLI_GO) bench_free_results(out);
-    return status;
+    if (*out == NULL) return cli_fail(CLI_USAGE, "%s:%d: is not JSON: %s", path, error.line, error.text);
+    return check_file(path, *out);
 }

@@ -28,15 +28,19 @@ static double load_average(void) {
 
 /* ---- one bench ---- */
 
-static void record_failure(cli_session* session, int status, bench_result* result) {
-    cli_progress_clear(&session->progress);
-    result->status = status;
-    snprintf(result->message, sizeof result->message, "%s", cli_last_message());
-}
+/* The measurements of one bench so far. */
+typedef struct bench_state {
+    int status;                       /* CLI_GO: it did not run */
+    char message[512];                /* the reason of a failure */
+    double load_before;               /* one-minute load average before the first round */
+    double others_busy, seconds;      /* of a round: processors busy with other programs; seconds */
+    json_t* rounds[BENCH_ROUNDS_MAX]; /* output */
+    int count;
+} bench_state;
 
 /* Output is buffered in memory, so that a failed bench leaves no partial output. */
 static int run_into_memory(cli_session* session, const bench_options* options, const bench_entry* entry,
-                           bench_result* result) {
+                           bench_state* state) {
     cli_text memory;
     if (!cli_text_open(&memory)) return cli_fail(CLI_FAILED, "not enough memory");
     json_writer writer = json_begin(memory.file);
@@ -45,80 +49,94 @@ static int run_into_memory(cli_session* session, const bench_options* options, c
     int status = entry->run(&bench);
     if (status == CLI_DONE) json_close_object(&writer);
     char* text = cli_text_close(&memory);
-    if (status == CLI_DONE && !(text != NULL && bench_add_round(result, text, memory.size) == TY_OK))
-        status = cli_fail(CLI_FAILED, "not enough memory");
+    if (status == CLI_DONE) {
+        state->rounds[state->count] = text == NULL ? NULL : json_loadb(text, memory.size, 0, NULL);
+        if (state->rounds[state->count++] == NULL) status = cli_fail(CLI_FAILED, "not enough memory");
+    }
     free(text);
     return status;
 }
 
+/* The mean over rounds, the last of which has this value. */
+static double add_to_mean(double mean, double value, int count) {
+    return count == 1 ? value : mean + (value - mean) / count;
+}
+
+/* A bench that fails in a later round keeps its earlier rounds. */
 static void run_bench(cli_session* session, const bench_options* options, const bench_entry* entry,
-                      bench_result* result) {
+                      bench_state* state) {
     const double wall = cli_wall_seconds(), cpu = cli_cpu_seconds(), busy = busy_seconds();
-    if (result->round_count == 0) result->load_before = load_average();
-    const int status = run_into_memory(session, options, entry, result);
-    if (status != CLI_DONE) {
-        /* A bench that fails in a later round keeps its earlier rounds. */
-        if (result->round_count == 0 && !cli_interrupted()) record_failure(session, status, result);
-        return;
-    }
-    const double seconds = cli_wall_seconds() - wall;
-    const double theirs = busy_seconds() - busy - (cli_cpu_seconds() - cpu);
-    const double busy_others = theirs < 0 ? 0 : theirs / seconds; /* NaN is preserved */
-    const int before = result->round_count - 1;
-    result->status = CLI_DONE;
-    result->seconds = (before * result->seconds + seconds) / result->round_count;
-    result->other_load = before == 0 ? busy_others : (before * result->other_load + busy_others) / result->round_count;
+    if (state->count == 0) state->load_before = load_average();
+    const int status = run_into_memory(session, options, entry, state);
     cli_progress_clear(&session->progress);
+    if (status == CLI_DONE) {
+        const double seconds = cli_wall_seconds() - wall;
+        const double theirs = busy_seconds() - busy - (cli_cpu_seconds() - cpu);
+        state->status = CLI_DONE;
+        state->seconds = add_to_mean(state->seconds, seconds, state->count);
+        state->others_busy = add_to_mean(state->others_busy, theirs < 0 ? 0 : theirs / seconds, state->count);
+    } else if (state->count == 0 && !cli_interrupted()) {
+        state->status = status;
+        snprintf(state->message, sizeof state->message, "%s", cli_last_message());
+    }
+}
+
+static json_t* result_of(bench_state* state) {
+    json_t* result = json_object();
+    json_object_set_new(result, "load_before", bench_rounded(state->load_before));
+    if (state->status == CLI_DONE) {
+        json_object_set_new(result, "others_busy", bench_rounded(state->others_busy));
+        json_object_set_new(result, "seconds", bench_rounded(state->seconds));
+        json_object_set_new(result, "timings", bench_collect_timings(state->rounds, state->count));
+        json_object_set(result, "results", state->rounds[0]);
+    } else {
+        json_object_set_new(result, state->status == CLI_USAGE ? "skipped" : "failed",
+                            json_stringn_nocheck(state->message, strlen(state->message)));
+    }
+    return result;
 }
 
 /* ---- all benches ---- */
 
-static void describe_run(cli_session* session, const bench_options* options, int rounds, bench_results* out) {
+static json_t* describe_run(const cli_session* session, const bench_options* options, int rounds) {
     const time_t now = time(NULL);
     struct tm utc;
+    char date[32];
+    const int32_t size[2] = {options->size_given ? options->size[0] : 0, options->size_given ? options->size[1] : 0};
     gmtime_r(&now, &utc);
-    snprintf(out->version, sizeof out->version, "%s", ty_version());
-    snprintf(out->isa, sizeof out->isa, "%s", bench_isa());
-    strftime(out->date, sizeof out->date, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    out->processors = (int)sysconf(_SC_NPROCESSORS_ONLN);
-    out->threads = ty_context_threads(session->context);
-    out->quick = options->quick;
-    out->runs = options->runs;
-    out->spp = options->spp;
-    out->side = options->side;
-    for (int i = 0; i < 2; ++i) out->size[i] = options->size_given ? options->size[i] : 0;
-    out->rounds = rounds;
+    strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    return json_pack("{s:s, s:i, s:s, s:s, s:i, s:i, s:s, s:b, s:i, s:[i, i], s:i, s:i, s:i}", "format",
+                     bench_format_name, "format_version", BENCH_FORMAT_VERSION, "version", ty_version(), "date", date,
+                     "processors", (int)sysconf(_SC_NPROCESSORS_ONLN), "threads", ty_context_threads(session->context),
+                     "isa", bench_isa(), "quick", options->quick, "spp", options->spp, "size", size[0], size[1], "side",
+                     options->side, "runs", options->runs, "rounds", rounds);
 }
 
-static void run_round(cli_session* session, const bench_options* options, const bench_entry* const* entries, int round,
-                      bench_results* out) {
-    for (int i = 0; i < out->count && !cli_interrupted(); ++i) {
-        bench_result* result = &out->benches[i];
+static void run_round(cli_session* session, const bench_options* options, const bench_entry* const* entries, int count,
+                      int round, int rounds, bench_state* states) {
+    for (int i = 0; i < count && !cli_interrupted(); ++i) {
         char stage[64];
-        if (result->status > CLI_DONE || result->round_count < round) continue;
-        if (out->rounds > 1)
-            snprintf(stage, sizeof stage, "bench %s, round %d of %d", result->name, round + 1, out->rounds);
-        else
-            snprintf(stage, sizeof stage, "bench %s", result->name);
-        if (out->count * out->rounds > 1)
-            cli_progress_step(&session->progress, stage, i + round * out->count, out->count * out->rounds,
+        if (states[i].status > CLI_DONE || states[i].count < round) continue;
+        snprintf(stage, sizeof stage, "bench %s", entries[i]->name);
+        if (rounds > 1) snprintf(stage, sizeof stage, "bench %s, round %d of %d", entries[i]->name, round + 1, rounds);
+        if (count * rounds > 1)
+            cli_progress_step(&session->progress, stage, i + round * count, count * rounds,
                               cli_wall_seconds() - session->started);
-        run_bench(session, options, entries[i], result);
+        run_bench(session, options, entries[i], &states[i]);
     }
 }
 
-int bench_run_all(cli_session* session, const bench_options* options, const bench_entry* const* entries, int count,
-                  int rounds, bench_results* out) {
-    *out = (bench_results){.count = count, .benches = calloc((size_t)count, sizeof *out->benches)};
-    if (out->benches == NULL) return cli_fail(CLI_FAILED, "not enough memory");
-    describe_run(session, options, rounds, out);
-    for (int i = 0; i < count; ++i)
-        out->benches[i] =
-            (bench_result){.name = entries[i]->name, .status = CLI_GO, .other_load = NAN, .load_before = NAN};
-    for (int round = 0; round < rounds; ++round) run_round(session, options, entries, round, out);
-    out->complete = !cli_interrupted();
-    for (int i = 0; i < count; ++i)
-        if (out->benches[i].status == CLI_DONE && bench_finish_result(&out->benches[i]) != TY_OK)
-            return cli_fail(CLI_FAILED, "not enough memory");
-    return CLI_GO;
+json_t* bench_run_all(cli_session* session, const bench_options* options, const bench_entry* const* entries, int count,
+                      int rounds) {
+    static bench_state states[BENCH_COUNT];
+    json_t *results = describe_run(session, options, rounds), *benches = json_object();
+    for (int i = 0; i < count; ++i) states[i] = (bench_state){.status = CLI_GO};
+    for (int round = 0; round < rounds; ++round) run_round(session, options, entries, count, round, rounds, states);
+    json_object_set_new(results, "complete", json_boolean(!cli_interrupted()));
+    json_object_set_new(results, "benches", benches);
+    for (int i = 0; i < count; ++i) {
+        if (states[i].status != CLI_GO) json_object_set_new(benches, entries[i]->name, result_of(&states[i]));
+        for (int r = 0; r < states[i].count; ++r) json_decref(states[i].rounds[r]);
+    }
+    return results;
 }

@@ -1,13 +1,13 @@
 /* tyndall bench screen: screen-space scattering over a synthetic HDR image, compared with the time to stream the bytes
  * that it touches, with the naive method, and with the exact one. */
-#include "bench/bench.h"
 #include "bench/memory.h"
+#include "bench/tables.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIZES = 4, CASES = 5, ROUNDS_PER_RUN = 3, ROUNDS_MAX = ROUNDS_PER_RUN * 99 };
+enum { SIZES = 4, CASES = 5, TABLE_CASES = BENCH_SCREEN_CASES, ROUNDS_PER_RUN = 3, ROUNDS_MAX = ROUNDS_PER_RUN * 99 };
 enum { MEMORY_PARTS = 8 }; /* one slice per round, so that the next slice is in no cache */
 enum { LEVELS = 6, WINDOW = 100, STRIP_ROWS = 100 };
 enum { SCATTER_4 = 1, NAIVE = 4 }; /* baseline cases */
@@ -30,10 +30,11 @@ static const struct {
     ty_screen_variant variant;
     int32_t filter;
     bool naive;
-} cases[CASES] = {
+} cases[TABLE_CASES] = {
     {"scatter 2x2", TY_SCREEN_SCATTER, 2, false}, {"scatter 4x4", TY_SCREEN_SCATTER, 4, false},
     {"scatter 6x6", TY_SCREEN_SCATTER, 6, false}, {"gather 4x4", TY_SCREEN_GATHER, 4, false},
-    {"naive 4x4", TY_SCREEN_GATHER, 4, true},
+    {"naive 4x4", TY_SCREEN_GATHER, 4, true},     {"gather 2x2", TY_SCREEN_GATHER, 2, false},
+    {"gather 6x6", TY_SCREEN_GATHER, 6, false},
 };
 
 /* Haze of 50 m visibility, a little bluish. */
@@ -97,7 +98,7 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
 static bool open_scene(ty_context* context, int32_t width, int32_t height, scene* out) {
     *out = (scene){.width = width, .height = height, .focal = ty_screen_focal(height, 40)};
     out->floats = calloc((size_t)width * (size_t)height, 7 * sizeof(float));
-    for (int i = 0; i < CASES; ++i) {
+    for (int i = 0; i < TABLE_CASES; ++i) {
         const ty_screen_def def = make_def(out, i);
         const size_t size = ty_screen_workspace(context, &def, width, height);
         if (size > out->workspace_size) out->workspace_size = size;
@@ -125,8 +126,8 @@ typedef struct case_result {
 
 typedef struct size_result {
     int32_t width, height;
-    case_result cases[CASES];
-    double copy, triad; /* medians, bytes/s */
+    case_result cases[TABLE_CASES];
+    double copy, triad; /* medians, bytes/s; 0: not measured */
 } size_result;
 
 static double median_of(const double* values, int count) {
@@ -137,8 +138,8 @@ static double median_of(const double* values, int count) {
 
 /* Timings of rounds, by case, for the medians. */
 typedef struct rounds {
-    int count;
-    double seconds[CASES][ROUNDS_MAX], steps[CASES][3][ROUNDS_MAX];
+    int count, cases;
+    double seconds[TABLE_CASES][ROUNDS_MAX], steps[TABLE_CASES][3][ROUNDS_MAX];
     double copy[ROUNDS_MAX], triad[ROUNDS_MAX];
 } rounds;
 
@@ -151,19 +152,22 @@ static ty_result run_case(ty_context* context, const scene* s, int index, double
     return result;
 }
 
-/* All cases and the bandwidth are interleaved, so that other load affects all alike; the first round is not counted. */
+/* All cases and the bandwidth are interleaved, so that other load affects all alike; the first round is not counted.
+ * memory NULL: without the bandwidth. */
 static ty_result run_rounds(ty_context* context, const scene* s, const bench_memory* memory, rounds* r,
                             size_result* out) {
     for (int round = -1; round < r->count; ++round) {
         const int to = round < 0 ? 0 : round;
-        for (int i = 0; i < CASES; ++i) {
+        for (int i = 0; i < r->cases; ++i) {
             ty_screen_stats stats = ty_default_screen_stats();
-            const ty_result result = run_case(context, s, i, &r->seconds[i][to], &stats);
+            ty_result result = run_case(context, s, i, &r->seconds[i][to], &stats);
+            if (result == TY_OK && cli_interrupted()) result = TY_CANCELLED;
             if (result != TY_OK) return result;
             for (int step = 0; step < 3; ++step) r->steps[i][step][to] = stats.step_seconds[step];
             out->cases[i].bytes = stats.memory_bytes;
             out->cases[i].levels = stats.levels;
         }
+        if (memory == NULL) continue;
         const bench_memory_slice slice = {(round + 1) % MEMORY_PARTS, MEMORY_PARTS};
         r->copy[to] = bench_memory_copy(context, memory, slice, ty_context_threads(context));
         r->triad[to] = bench_memory_triad(context, memory, slice, ty_context_threads(context));
@@ -171,14 +175,15 @@ static ty_result run_rounds(ty_context* context, const scene* s, const bench_mem
     return TY_OK;
 }
 
-static ty_result measure_size(ty_context* context, const scene* s, const bench_memory* memory, int count,
-                              size_result* out) {
+static ty_result measure_size(ty_context* context, const scene* s, const bench_memory* memory, int case_count,
+                              int count, size_result* out) {
     *out = (size_result){.width = s->width, .height = s->height};
     rounds* r = calloc(1, sizeof *r);
     if (r == NULL) return TY_ERROR_MEMORY;
     r->count = count;
+    r->cases = case_count;
     const ty_result result = run_rounds(context, s, memory, r, out);
-    for (int i = 0; result == TY_OK && i < CASES; ++i) {
+    for (int i = 0; result == TY_OK && i < case_count; ++i) {
         out->cases[i].seconds = median_of(r->seconds[i], count);
         for (int step = 0; step < 3; ++step) out->cases[i].steps[step] = median_of(r->steps[i][step], count);
     }
@@ -228,10 +233,8 @@ static double stream_ratio(const size_result* size, int index) {
 
 static void print_size(json_writer* json, const size_result* size) {
     json_open_object(json, NULL);
-    json_int(json, "width", size->width);
-    json_int(json, "height", size->height);
-    json_number(json, "copy_gb_per_second", 1e-9 * size->copy);
-    json_number(json, "triad_gb_per_second", 1e-9 * size->triad);
+    bench_numbers(json, {"width", size->width}, {"height", size->height}, {"copy_gb_per_second", 1e-9 * size->copy},
+                  {"triad_gb_per_second", 1e-9 * size->triad});
     json_open_array(json, "cases");
     for (int i = 0; i < CASES; ++i) {
         const case_result* c = &size->cases[i];
@@ -239,11 +242,9 @@ static void print_size(json_writer* json, const size_result* size) {
         json_text(json, "name", cases[i].name);
         json_number(json, "seconds", c->seconds);
         json_numbers(json, "step_seconds", c->steps, 3);
-        json_int(json, "levels", c->levels);
-        json_number(json, "bytes", c->bytes);
-        json_number(json, "times_stream", stream_ratio(size, i));
-        json_number(json, "times_naive", c->seconds / size->cases[NAIVE].seconds);
-        json_number(json, "ns_per_pixel", 1e9 * c->seconds / pixels_of(size));
+        bench_numbers(json, {"levels", c->levels}, {"bytes", c->bytes}, {"times_stream", stream_ratio(size, i)},
+                      {"times_naive", c->seconds / size->cases[NAIVE].seconds},
+                      {"ns_per_pixel", 1e9 * c->seconds / pixels_of(size)});
         json_close_object(json);
     }
     json_close_array(json);
@@ -255,11 +256,9 @@ static void print_reference(const bench_session* bench, const size_result* size,
     const bool full = bench->options->full;
 
     json_open_object(bench->json, "reference");
-    json_int(bench->json, "window", WINDOW);
-    json_number(bench->json, "pixels", pixels_of(size));
+    bench_numbers(bench->json, {"window", WINDOW}, {"pixels", pixels_of(size)});
     json_bool(bench->json, "full", full);
-    json_number(bench->json, "seconds", seconds);
-    json_number(bench->json, "times_scatter", ratio);
+    bench_numbers(bench->json, {"seconds", seconds}, {"times_scatter", ratio});
     json_close_object(bench->json);
 }
 
@@ -271,7 +270,7 @@ static int bench_size(const bench_session* bench, const bench_memory* memory, co
     ty_context* context = bench->session->context;
     scene s;
     ty_result result = open_scene(context, size[0], size[1], &s) ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK) result = measure_size(context, &s, memory, ROUNDS_PER_RUN * bench->options->runs, out);
+    if (result == TY_OK) result = measure_size(context, &s, memory, CASES, ROUNDS_PER_RUN * bench->options->runs, out);
     if (result == TY_OK && reference != NULL) result = measure_reference(context, &s, bench->options->full, reference);
     close_scene(&s);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
@@ -304,4 +303,20 @@ int bench_screen(const bench_session* bench) {
         bench_memory_open(&memory) ? bench_sizes(bench, &memory) : cli_fail(CLI_FAILED, "not enough memory");
     bench_memory_close(&memory);
     return status;
+}
+
+/* ---- the table of a figure ---- */
+
+ty_result bench_screen_times(ty_context* context, const int32_t size[2], int runs,
+                             bench_screen_time out[BENCH_SCREEN_CASES]) {
+    scene s;
+    size_result measured;
+    ty_result result = open_scene(context, size[0], size[1], &s) ? TY_OK : TY_ERROR_MEMORY;
+    if (result == TY_OK) result = measure_size(context, &s, NULL, TABLE_CASES, runs, &measured);
+    for (int i = 0; i < TABLE_CASES && result == TY_OK; ++i) {
+        out[i] = (bench_screen_time){.name = cases[i].name, .total = measured.cases[i].seconds};
+        memcpy(out[i].step, measured.cases[i].steps, sizeof out[i].step);
+    }
+    close_scene(&s);
+    return result;
 }

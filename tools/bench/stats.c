@@ -16,6 +16,10 @@ double bench_median(double* values, int count) {
     return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
 }
 
+void bench_write_numbers(json_writer* json, const bench_member* members, size_t count) {
+    for (size_t i = 0; i < count; ++i) json_number(json, members[i].name, members[i].value);
+}
+
 int bench_make_folder(char out[BENCH_PATH_SIZE]) {
     const char* folder = getenv("TMPDIR");
     snprintf(out, BENCH_PATH_SIZE, "%s/tyndall-bench-XXXXXX", folder != NULL && folder[0] != '\0' ? folder : "/tmp");

@@ -24,4 +24,15 @@ ty_result bench_pop_table(const bench_session* bench, bench_table* out);
 /* Overhead of media over surfaces (impulse responses, Section 5). */
 ty_result bench_bake_table(const bench_session* bench, bench_table* out);
 
+/* Table 1 of screen-space scattering: median seconds of the steps and of all, of scatter with filters of 2, 4 and 6
+ * pixels, gather with 4, naive with 4, gather with 2 and 6. */
+enum { BENCH_SCREEN_CASES = 7 };
+typedef struct bench_screen_time {
+    const char* name; /* "scatter 2x2" */
+    double step[3], total;
+} bench_screen_time;
+
+ty_result bench_screen_times(ty_context* context, const int32_t size[2], int runs,
+                             bench_screen_time out[BENCH_SCREEN_CASES]);
+
 #endif

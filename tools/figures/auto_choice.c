@@ -164,7 +164,7 @@ static void evaluate(auto_outcome* out) {
     for (int b = 0; b < BUDGETS; ++b) out->best_within[b] = find_best(out->results, budgets[b], &error);
 }
 
-static ty_result note(figure_run* run, const auto_outcome* outcome) {
+static void note(figure_run* run, const auto_outcome* outcome) {
     const char* name = outcome->scene->name;
     const ty_scene_features* scene_features = &outcome->choice.features;
     const struct {
@@ -179,16 +179,15 @@ static ty_result note(figure_run* run, const auto_outcome* outcome) {
                    {"surfaces' part of the frame", scene_features->surfaces},
                    {"enclosed", scene_features->enclosed}};
     char item[FIGURE_NAME_SIZE];
-    ty_result result = figure_expect(run, name, "loss", "1", outcome->loss, 1, 1);
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0] && result == TY_OK; ++i)
-        result = figure_note(run, name, numbers[i].name, "1", numbers[i].value);
-    for (int m = 0; m < METHODS && result == TY_OK; ++m) {
+    figure_expect(run, name, "loss", "1", outcome->loss, 1, 1);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
+        figure_note(run, name, numbers[i].name, "1", numbers[i].value);
+    for (int m = 0; m < METHODS; ++m) {
         if (isnan(outcome->results[m].error)) continue;
         snprintf(item, sizeof item, "%s, %s%s", name, methods[m]->name, m == outcome->chosen ? " (chosen)" : "");
-        result = figure_note(run, item, "relative RMSE", "1", outcome->results[m].error);
-        if (result == TY_OK) result = figure_note(run, item, "time", "s", outcome->results[m].seconds);
+        figure_notes(run, item, {"relative RMSE", "1", outcome->results[m].error},
+                     {"time", "s", outcome->results[m].seconds});
     }
-    return result;
 }
 
 static ty_result try_scene(figure_run* run, const auto_scene* from, auto_outcome* out) {
@@ -205,7 +204,7 @@ static ty_result try_scene(figure_run* run, const auto_scene* from, auto_outcome
         result = measure_method(&trial, methods[m], &out->results[m]);
     if (result == TY_OK) {
         evaluate(out);
-        result = note(run, out);
+        note(run, out);
     }
     ty_image_destroy(trial.truth);
     ty_scene_destroy(trial.scene);
@@ -227,17 +226,15 @@ static void fill_row(plot_table* table, int row, const auto_outcome* outcome) {
 }
 
 /* Geometric mean of the losses, and the number of losses above 1.5. */
-static ty_result note_losses(figure_run* run, const char* item, const auto_outcome* const* outcomes, int count) {
+static void note_losses(figure_run* run, const char* item, const auto_outcome* const* outcomes, int count) {
     double logarithms = 0;
     int wrong = 0;
     for (int i = 0; i < count; ++i) {
         logarithms += log(outcomes[i]->loss);
         wrong += outcomes[i]->loss > 1.5;
     }
-    ty_result result = figure_note(run, item, "scenes", "1", count);
-    if (result == TY_OK) result = figure_note(run, item, "mean loss, geometric", "1", exp(logarithms / count));
-    if (result == TY_OK) result = figure_note(run, item, "scenes whose loss is above 1.5", "1", wrong);
-    return result;
+    figure_notes(run, item, {"scenes", "1", count}, {"mean loss, geometric", "1", exp(logarithms / count)},
+                 {"scenes whose loss is above 1.5", "1", wrong});
 }
 
 static ty_result show(figure_run* run, const char* title, const auto_outcome* outcomes, int all, bool held_out) {
@@ -255,7 +252,8 @@ static ty_result show(figure_run* run, const char* title, const auto_outcome* ou
     for (int i = 0; i < count; ++i) fill_row(&table, 1 + i, shown[i]);
     plot_page_table(&run->page, &table);
     plot_free_table(&table);
-    return note_losses(run, title, shown, count);
+    note_losses(run, title, shown, count);
+    return TY_OK;
 }
 
 ty_result figure_auto_choice(figure_run* run) {

@@ -122,8 +122,8 @@ static ty_result note_errors(figure_run* run, const maps* m, const char* item, i
     snprintf(scattered_item, sizeof scattered_item, "%.40s, scattered", item);
     ty_result result = compare(m, b, truth, BAKE_ALL, &all);
     if (result == TY_OK) result = compare(m, b, truth, BAKE_SCATTERED, &scattered);
-    if (result == TY_OK) result = bake_note_errors(run, item, &all, method == CELLS && !run->options->quick);
-    if (result == TY_OK) result = bake_note_errors(run, scattered_item, &scattered, false);
+    if (result == TY_OK) bake_note_errors(run, item, &all, method == CELLS && !run->options->quick);
+    if (result == TY_OK) bake_note_errors(run, scattered_item, &scattered, false);
     if (result == TY_OK) result = figure_error_map(run, b->image, truth->image, 1, &cell->picture);
     if (result != TY_OK) return result;
     bake_write_errors("all light:", &all, cell->lines[0]);

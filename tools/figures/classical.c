@@ -224,7 +224,8 @@ ty_result classical_render(figure_run* run, const char* item, ty_scene* scene, c
     const int32_t iterations = job->iterations;
     close_job(job);
     if (result == TY_OK) *out = (figure_picture){.image = image, .seconds = ty_wall_seconds() - begun, .samples = 1};
-    if (result == TY_OK) result = figure_note(run, item, "time", "s", out->seconds);
-    if (result == TY_OK) result = figure_note(run, item, "time before the march", "s", solved - begun);
-    return result == TY_OK ? figure_note(run, item, "iterations", "1", iterations) : result;
+    if (result == TY_OK)
+        figure_notes(run, item, {"time", "s", out->seconds}, {"time before the march", "s", solved - begun},
+                     {"iterations", "1", iterations});
+    return result;
 }

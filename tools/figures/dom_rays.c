@@ -1,9 +1,8 @@
 /* Ray effects of few ordinates: light from small bright regions through thin media, and narrow beams. */
-#include "figures/dom_view.h"
+#include "figures/fluence.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { SCENES = 3, COUNTS = 4, WIDTH = 192, PICTURE_WIDTH = 280, SLICE = 32, SLICE_QUICK = 12, SAMPLES = 2048 };
 
@@ -18,27 +17,25 @@ static void name_count(int index, char out[FIGURE_NAME_SIZE]) {
 }
 
 /* Grids fine enough for angular discretization to dominate the error. */
-enum { RESOLUTION = 48, DIRECT = 144 };
+enum { RESOLUTION = 48 };
 
 /* Scenes of 4 m, viewed from the front; thin media have sigma_s = 0.05/m. */
-static const struct {
-    const char *name, *scene;
-} scenes[SCENES] = {
-    {"lamp beside a blob", "dom_lamp_and_blob"},
-    {"narrow beam", "dom_narrow_beam"},
-    {"spot through smoke", "dom_spot_in_smoke"},
+static const figure_scene scenes[SCENES] = {
+    {.title = "lamp beside a blob", .scene = "dom_lamp_and_blob", .width = WIDTH, .height = WIDTH},
+    {.title = "narrow beam", .scene = "dom_narrow_beam", .width = WIDTH, .height = WIDTH},
+    {.title = "spot through smoke", .scene = "dom_spot_in_smoke", .width = WIDTH, .height = WIDTH},
 };
 
 /* ---- fluence in a slice ---- */
 
 /* The box of the slice, in which scattered fluence is averaged; its thickness is 1/12 of its width. */
-static pop_box slice_box(const figure_run* run) {
+static fluence_box slice_box(const figure_run* run) {
     const int32_t side = run->options->quick ? SLICE_QUICK : SLICE;
-    return (pop_box){{-2, -2, -1.0 / 6}, {2, 2, 1.0 / 6}, {side, side, 1}};
+    return (fluence_box){{-2, -2, -1.0 / 6}, {2, 2, 1.0 / 6}, {side, side, 1}};
 }
 
 /* Makes an image of a slice, top row first. */
-static ty_result make_image(figure_run* run, const pop_box* box, const double (*fluence)[3], ty_image** out) {
+static ty_result make_image(figure_run* run, const fluence_box* box, const double (*fluence)[3], ty_image** out) {
     const int32_t side = box->size[0];
     const ty_result result = ty_image_create_rgb(run->session->context, side, side, out);
     if (result != TY_OK) return result;
@@ -72,8 +69,8 @@ static plot_scale slice_scale(const ty_image* image) {
 
 /* The reference and the results of discrete ordinates. */
 typedef struct slice {
-    pop_box box;
-    pop_truth* truth;
+    fluence_box box;
+    fluence_truth* truth;
     double (*fluence)[3];
     ty_image *expected, *found;
     plot_scale scale;
@@ -82,7 +79,7 @@ typedef struct slice {
 /* The mean relative error per cell, including the reference's noise: it measures ray effects in dark cells. */
 static double mean_error(const slice* s) {
     double sum = 0;
-    const size_t cells = pop_box_cells(&s->box);
+    const size_t cells = fluence_cells(&s->box);
     for (size_t i = 0; i < cells; ++i)
         sum += fabs(s->fluence[i][1] - s->truth->scattered[i][1]) / fmax(s->truth->scattered[i][1], 1e-20);
     return sum / (double)cells;
@@ -91,15 +88,12 @@ static double mean_error(const slice* s) {
 static ty_result fill_cell(figure_run* run, const char* item, const ty_scene* scene, int column, slice* s,
                            plot_sheet* sheet) {
     char count[FIGURE_NAME_SIZE], own[2 * FIGURE_NAME_SIZE], error[16];
-    ty_dom* light = NULL;
     ty_dom_stats stats = ty_default_dom_stats();
     plot_cell* cell = plot_sheet_cell(sheet, 0, 1 + column);
     name_count(column, count);
     snprintf(own, sizeof own, "%s, slice, %s", item, count);
-    ty_result result = dom_solve(run, scene, counts[column].all, counts[column].last,
-                                 run->options->quick ? TY_AUTO : RESOLUTION, &light, &stats);
-    if (result == TY_OK) result = dom_scattered_fluence(light, &s->box, NULL, s->fluence);
-    ty_dom_destroy(light);
+    ty_result result = dom_fluence(run, scene, counts[column].all, counts[column].last,
+                                   run->options->quick ? TY_AUTO : RESOLUTION, &s->box, NULL, s->fluence, &stats);
     if (result == TY_OK) result = make_image(run, &s->box, (const double(*)[3])s->fluence, &s->found);
     if (result == TY_OK) result = show_slice(run, s->found, &s->scale, &cell->picture);
     if (result == TY_OK)
@@ -107,18 +101,19 @@ static ty_result fill_cell(figure_run* run, const char* item, const ty_scene* sc
     ty_image_destroy(s->found);
     s->found = NULL;
     if (result != TY_OK) return result;
-    const figure_errors errors = pop_compare_fluence(&s->box, (const double(*)[3])s->fluence, s->truth);
+    const figure_errors errors = fluence_compare(&s->box, (const double(*)[3])s->fluence, s->truth);
     figure_format_error(errors.relative_rmse, error);
     snprintf(cell->lines[0], PLOT_LABEL_SIZE, "mean ratio %.3f, rel. RMSE %s", errors.mean_ratio, error);
     const double off = mean_error(s);
     snprintf(cell->lines[1], PLOT_LABEL_SIZE, "cells are off by %.1f %% on average", 100 * off);
-    result = figure_note(run, own, "mean ratio", "1", errors.mean_ratio);
-    if (result == TY_OK) result = figure_note(run, own, "mean of cells' relative errors, with noise", "1", off);
-    return result == TY_OK ? figure_note(run, own, "relative RMSE", "1", errors.relative_rmse) : result;
+    figure_notes(run, own, {"mean ratio", "1", errors.mean_ratio},
+                 {"mean of cells' relative errors, with noise", "1", off},
+                 {"relative RMSE", "1", errors.relative_rmse});
+    return TY_OK;
 }
 
 static ty_result fill_sheet(figure_run* run, const char* item, const ty_scene* scene, slice* s, plot_sheet* sheet) {
-    ty_result result = pop_path_fluence(run, scene, &s->box, SAMPLES, s->truth);
+    ty_result result = path_fluence(run, scene, &s->box, SAMPLES, s->truth);
     if (result == TY_OK) result = make_image(run, &s->box, (const double(*)[3])s->truth->scattered, &s->expected);
     if (result == TY_OK) s->scale = slice_scale(s->expected);
     if (result == TY_OK) result = show_slice(run, s->expected, &s->scale, &plot_sheet_cell(sheet, 0, 0)->picture);
@@ -133,7 +128,7 @@ static ty_result show_slices(figure_run* run, const char* item, const ty_scene* 
     plot_sheet sheet = {0};
     slice s = {.box = slice_box(run),
                .truth = calloc(1, sizeof *s.truth),
-               .fluence = calloc(POP_CELLS_MAX, sizeof *s.fluence)};
+               .fluence = calloc(FLUENCE_CELLS_MAX, sizeof *s.fluence)};
     ty_result result = s.truth != NULL && s.fluence != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK) result = plot_create_sheet(2, 1 + COUNTS, PICTURE_WIDTH, &sheet);
     if (result == TY_OK) result = fill_sheet(run, item, scene, &s, &sheet);
@@ -146,39 +141,34 @@ static ty_result show_slices(figure_run* run, const char* item, const ty_scene* 
 
 /* ---- pictures ---- */
 
-static ty_result show_scene(figure_run* run, int index) {
-    int32_t size[2];
-    char titles[COUNTS][FIGURE_NAME_SIZE];
-    ty_dom_def settings[COUNTS];
+static ty_result show_scene(figure_run* run, const figure_scene* from) {
+    char titles[COUNTS][FIGURE_NAME_SIZE], options[COUNTS][128];
     figure_variant variants[COUNTS];
     figure_errors errors[COUNTS];
     ty_scene* scene = NULL;
-    const char* item = scenes[index].name;
-    figure_view_size(run, WIDTH, WIDTH, size);
-    ty_result result = figure_load_scene(run, scenes[index].scene, NULL, 0, &scene);
-    for (int i = 0; i < COUNTS && result == TY_OK; ++i) {
-        settings[i] = dom_scene_def(scene);
-        settings[i].directions = counts[i].all;
-        settings[i].last_directions = counts[i].last;
-        settings[i].resolution = run->options->quick ? TY_AUTO : RESOLUTION;
-        settings[i].direct = run->options->quick ? TY_AUTO : DIRECT;
+    for (int i = 0; i < COUNTS; ++i) {
         name_count(i, titles[i]);
-        variants[i] = (figure_variant){titles[i], dom_render_variant, &settings[i]};
+        snprintf(options[i], sizeof options[i],
+                 run->options->quick ? "directions=%d last_directions=%d resolution=auto direct=auto"
+                                     : "directions=%d last_directions=%d resolution=48 direct=144",
+                 (int)counts[i].all, (int)counts[i].last);
+        variants[i] = (figure_variant){.title = titles[i], .method = &ty_method_dom, .options = options[i]};
     }
-    if (result == TY_OK) result = figure_show_variants(run, item, scene, variants, COUNTS, size, PICTURE_WIDTH, errors);
-    if (result == TY_OK) result = show_slices(run, item, scene);
+    ty_result result = figure_show_scene(run, from, variants, COUNTS, PICTURE_WIDTH, errors);
+    if (result == TY_OK) result = figure_load(run, from, &scene);
+    if (result == TY_OK) result = show_slices(run, from->title, scene);
     ty_scene_destroy(scene);
     return result;
 }
 
 ty_result figure_dom_rays(figure_run* run) {
     ty_result result = TY_OK;
-    for (int i = 0; i < SCENES && result == TY_OK; ++i) result = show_scene(run, i);
+    for (int i = 0; i < SCENES && result == TY_OK; ++i) result = show_scene(run, &scenes[i]);
     figure_caption(run,
                    "Boxes of 4 m, all isotropic: a lamp in thin air (σs = 0.05/m) beside a blob of 20/m; a beam 6° "
                    "wide in fog of 0.7/m; a spot light through smoke of noise. By path tracing and by 24, 96, 96 with "
                    "a last sweep of 400, and 400 directions through %d³ cells: pictures, and the fluence of light that "
-                   "has scattered in a slice through the middle. Errors of pictures are of means over %d × %d pixels, "
+                   "has scattered in a slice through the center. Errors of pictures are of means over %d × %d pixels, "
                    "relative RMSEs without the truth's own noise.",
                    RESOLUTION, FIGURE_BLOCK, FIGURE_BLOCK);
     return result;

@@ -19,16 +19,21 @@ void figure_caption(figure_run* run, const char* format, ...) {
     va_end(arguments);
 }
 
-ty_result figure_note(figure_run* run, const char* item, const char* name, const char* unit, double measured) {
-    return figure_expect(run, item, name, unit, measured, NAN, NAN);
+void figure_note(figure_run* run, const char* item, const char* name, const char* unit, double measured) {
+    figure_expect(run, item, name, unit, measured, NAN, NAN);
 }
 
-ty_result figure_expect(figure_run* run, const char* item, const char* name, const char* unit, double measured,
-                        double expected, double tolerance) {
+void figure_note_numbers(figure_run* run, const char* item, const figure_number* numbers, size_t count) {
+    for (size_t i = 0; i < count; ++i) figure_note(run, item, numbers[i].name, numbers[i].unit, numbers[i].measured);
+}
+
+void figure_expect(figure_run* run, const char* item, const char* name, const char* unit, double measured,
+                   double expected, double tolerance) {
     if (run->count == run->capacity) {
         const size_t capacity = run->capacity == 0 ? 64 : 2 * run->capacity;
         figure_quantity* grown = realloc(run->quantities, capacity * sizeof *grown);
-        if (grown == NULL) return TY_ERROR_MEMORY;
+        run->incomplete = run->incomplete || grown == NULL;
+        if (grown == NULL) return;
         run->quantities = grown;
         run->capacity = capacity;
     }
@@ -36,7 +41,6 @@ ty_result figure_expect(figure_run* run, const char* item, const char* name, con
     *quantity = (figure_quantity){.unit = unit, .measured = measured, .expected = expected, .tolerance = tolerance};
     snprintf(quantity->item, sizeof quantity->item, "%s", item);
     snprintf(quantity->name, sizeof quantity->name, "%s", name);
-    return TY_OK;
 }
 
 bool figure_has_data(const figure_run* run, const char* name) {
@@ -72,10 +76,10 @@ int32_t figure_samples(const figure_run* run, int32_t choice) {
 ty_result figure_note_difference(figure_run* run, const char* item, const ty_image* a, const ty_image* b,
                                  ty_difference* out) {
     ty_result result = ty_image_compare(run->session->context, a, b, 1, out);
-    if (result == TY_OK) result = figure_note(run, item, "RMSE", "W m^-2 sr^-1", out->rmse[3]);
-    if (result == TY_OK) result = figure_note(run, item, "relative RMSE", "1", out->relative_rmse[3]);
-    if (result == TY_OK) result = figure_note(run, item, "relMSE", "1", out->rel_mse[3]);
-    if (result == TY_OK) result = figure_expect(run, item, "energy ratio", "1", out->mean_ratio[3], 1, 0.01);
+    if (result == TY_OK)
+        figure_notes(run, item, {"RMSE", "W m^-2 sr^-1", out->rmse[3]}, {"relative RMSE", "1", out->relative_rmse[3]},
+                     {"relMSE", "1", out->rel_mse[3]});
+    if (result == TY_OK) figure_expect(run, item, "energy ratio", "1", out->mean_ratio[3], 1, 0.01);
     return result;
 }
 

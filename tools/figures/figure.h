@@ -34,17 +34,29 @@ typedef struct figure_run {
     char caption[FIGURE_CAPTION_SIZE];
     figure_quantity* quantities;
     size_t count, capacity;
-    bool skipped; /* set by figure_find_data: nothing is written */
+    bool incomplete; /* a number is missing, because memory ran out */
+    bool skipped;    /* set by figure_find_data: nothing is written */
 } figure_run;
 
 /* Sets the text below the page (printf-like). */
 void figure_caption(figure_run* run, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Records a number; unit must outlive the run. Errors: TY_ERROR_MEMORY. */
-ty_result figure_note(figure_run* run, const char* item, const char* name, const char* unit, double measured);
+/* Records a number; unit must outlive the run. When memory runs out, the run fails at its end. */
+void figure_note(figure_run* run, const char* item, const char* name, const char* unit, double measured);
+/* Records several numbers of an item: figure_notes(run, item, {"time", "s", seconds}, {"iterations", "1", count}). */
+typedef struct figure_number {
+    const char *name, *unit;
+    double measured;
+} figure_number;
+
+void figure_note_numbers(figure_run* run, const char* item, const figure_number* numbers, size_t count);
+#define figure_notes(run, item, ...)                                                                                   \
+    figure_note_numbers(run, item, (const figure_number[]){__VA_ARGS__},                                               \
+                        sizeof((const figure_number[]){__VA_ARGS__}) / sizeof(figure_number))
+
 /* Records a number with its expected value; tolerance NaN: none. */
-ty_result figure_expect(figure_run* run, const char* item, const char* name, const char* unit, double measured,
-                        double expected, double tolerance);
+void figure_expect(figure_run* run, const char* item, const char* name, const char* unit, double measured,
+                   double expected, double tolerance);
 /* The path of a file of third-party data. If it is missing, prints a line on stderr, marks the run as skipped, and
  * returns false. */
 bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_SIZE]);

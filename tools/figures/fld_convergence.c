@@ -1,6 +1,6 @@
 /* Fig. 4 of the paper: convergence of the solvers. */
 #include "figures/figure.h"
-#include "figures/fld_box.h"
+#include "bench/fld_box.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,7 +19,7 @@ enum {
     NOISE = 64
 };
 
-/* Over-relaxation factors: all for Fig. 4a, the middle two against resolution. */
+/* Over-relaxation factors: all for Fig. 4a, the third and fourth against resolution. */
 static const double omegas[OMEGAS] = {1, 1.3, 1.6, 1.8, 1.9};
 enum { OMEGA_FIRST = 2, OMEGA_LAST = 3 };
 static const int32_t sizes[SIZES] = {16, 24, 32, 48, 64, 96, 128};
@@ -81,22 +81,20 @@ static void choose_solver(fld_box* box, int omega) {
     if (omega >= 0) box->def.relaxation = omegas[omega];
 }
 
-static ty_result note_solve(figure_run* run, int omega, int32_t edge, const ty_diffusion_stats* stats) {
+static void note_solve(figure_run* run, int omega, int32_t edge, const ty_diffusion_stats* stats) {
     char name[NAME_SIZE], item[FIGURE_NAME_SIZE];
     name_solver(omega, name);
     snprintf(item, sizeof item, "%s, %d^3 cells", name, (int)edge);
-    ty_result result = figure_note(run, item, "converged", "1", stats->converged ? 1 : 0);
-    if (result == TY_OK) result = figure_note(run, item, "iterations", "1", stats->iterations);
-    if (result == TY_OK) result = figure_note(run, item, "work, passes over all cells", "1", stats->work);
-    if (result == TY_OK) result = figure_note(run, item, "residual", "1", stats->residual);
-    return result == TY_OK ? figure_note(run, item, "time", "s", stats->seconds) : result;
+    figure_notes(run, item, {"converged", "1", stats->converged ? 1 : 0}, {"iterations", "1", stats->iterations},
+                 {"work, passes over all cells", "1", stats->work}, {"residual", "1", stats->residual},
+                 {"time", "s", stats->seconds});
 }
 
 /* ---- (a) ---- */
 
 /* Residuals of over-relaxation, one pass over all cells per iteration; dots at equal ratios. */
 static ty_result follow_sor(figure_run* run, fld_box* box, int omega, plot_series* series) {
-    ty_diffusion_stats stats;
+    ty_diffusion_stats stats = ty_default_diffusion_stats();
     double* history = malloc(HISTORY * sizeof *history);
     if (history == NULL) return TY_ERROR_MEMORY;
     choose_solver(box, omega);
@@ -108,7 +106,8 @@ static ty_result follow_sor(figure_run* run, fld_box* box, int omega, plot_serie
         last = pass;
     }
     free(history);
-    return result == TY_OK ? note_solve(run, omega, box->edge, &stats) : result;
+    if (result == TY_OK) note_solve(run, omega, box->edge, &stats);
+    return result;
 }
 
 /* Residuals of multigrid over its work, each from a separate solve. */
@@ -124,7 +123,8 @@ static ty_result follow_multigrid(figure_run* run, fld_box* box, plot_series* se
         result = solve(run, box, NULL, &partial);
         if (result == TY_OK) plot_add_point(series, partial.work, partial.residual, 0);
     }
-    return result == TY_OK ? note_solve(run, -1, box->edge, &complete) : result;
+    if (result == TY_OK) note_solve(run, -1, box->edge, &complete);
+    return result;
 }
 
 static ty_result fill_histories(figure_run* run, const ty_grid* noise, plot_chart* chart) {
@@ -147,13 +147,13 @@ static ty_result fill_histories(figure_run* run, const ty_grid* noise, plot_char
 
 static ty_result solve_size(figure_run* run, const ty_grid* noise, int size, int omega, plot_chart charts[2]) {
     fld_box box;
-    ty_diffusion_stats stats;
+    ty_diffusion_stats stats = ty_default_diffusion_stats();
     ty_result result = make_ball(run, noise, sizes[size], &box);
     if (result != TY_OK) return result;
     choose_solver(&box, omega);
     result = solve(run, &box, NULL, &stats);
     fld_free_box(run->session->context, &box);
-    if (result == TY_OK) result = note_solve(run, omega, sizes[size], &stats);
+    if (result == TY_OK) note_solve(run, omega, sizes[size], &stats);
     if (result != TY_OK || !stats.converged) return result;
     const int series = omega < 0 ? 0 : 1 + omega - OMEGA_FIRST;
     plot_add_point(&charts[0].series[series], sizes[size], stats.iterations, 0);
@@ -184,8 +184,8 @@ static ty_result fill_sizes(figure_run* run, const ty_grid* noise, plot_chart ch
 /* ---- (c) ---- */
 
 /* Minimum extinctions per box length, and the solvers that use them. */
-enum { LEAST = 6, SETUPS = 3, VOXELS = 100, VOXELS_QUICK = 32, RATIO = 4 };
-static const double min_extinctions[LEAST] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5};
+enum { MIN_EXTINCTIONS = 6, SETUPS = 3, VOXELS = 100, VOXELS_QUICK = 32, RATIO = 4 };
+static const double min_extinctions[MIN_EXTINCTIONS] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5};
 static const struct {
     const char* name;
     ty_fld_solver solver;
@@ -211,14 +211,13 @@ static ty_result solve_nebula(figure_run* run, const ty_scene* scene, int setup,
     ty_fld_destroy(light);
     if (result != TY_OK) return result;
     snprintf(item, sizeof item, "nebulae, %s, sigma_eps L %g", setups[setup].name, min_extinctions[index]);
-    result = figure_note(run, item, "converged", "1", stats.converged ? 1 : 0);
-    if (result == TY_OK) result = figure_note(run, item, "iterations, green", "1", stats.iterations[1]);
-    if (result == TY_OK) result = figure_note(run, item, "time", "s", stats.solve_seconds);
+    figure_notes(run, item, {"converged", "1", stats.converged ? 1 : 0},
+                 {"iterations, green", "1", stats.iterations[1]}, {"time", "s", stats.solve_seconds});
     if (stats.converged) plot_add_point(series, min_extinctions[index], stats.iterations[1], 0);
-    return result;
+    return TY_OK;
 }
 
-static ty_result fill_least(figure_run* run, plot_chart* chart) {
+static ty_result fill_min_extinctions(figure_run* run, plot_chart* chart) {
     char voxels[64];
     const char* const overrides[1] = {voxels};
     ty_scene* scene = NULL;
@@ -228,7 +227,7 @@ static ty_result fill_least(figure_run* run, plot_chart* chart) {
     chart->series_count = SETUPS;
     for (int setup = 0; setup < SETUPS && result == TY_OK; ++setup) {
         snprintf(chart->series[setup].name, PLOT_LABEL_SIZE, "%s", setups[setup].name);
-        for (int index = 0; index < LEAST && result == TY_OK; ++index)
+        for (int index = 0; index < MIN_EXTINCTIONS && result == TY_OK; ++index)
             result = solve_nebula(run, scene, setup, index, &chart->series[setup]);
     }
     ty_scene_destroy(scene);
@@ -245,23 +244,21 @@ static void begin_charts(plot_chart charts[CHARTS]) {
     charts[1] = (plot_chart){.title = "4b  until 10⁻⁶", .x_label = "cells along an edge", .y_label = "iterations"};
     charts[2] = (plot_chart){.title = "time until 10⁻⁶", .x_label = "cells along an edge", .y_label = "s"};
     charts[3] =
-        (plot_chart){.title = "4c  nebulae, until 10⁻⁴", .x_label = "least extinction, 1/m", .y_label = "iterations"};
+        (plot_chart){.title = "4c  nebulae, until 10⁻⁴", .x_label = "minimum extinction, 1/m", .y_label = "iterations"};
     for (int chart = 0; chart < CHARTS; ++chart) charts[chart].x_logarithmic = charts[chart].y_logarithmic = true;
 }
 
 ty_result figure_fld_convergence(figure_run* run) {
     ty_grid* noise = NULL;
-    plot_chart* charts = calloc(CHARTS, sizeof *charts);
-    if (charts == NULL) return TY_ERROR_MEMORY;
+    static plot_chart charts[CHARTS];
     begin_charts(charts);
     ty_result result = make_noise(run, &noise);
     if (result == TY_OK) result = fill_histories(run, noise, &charts[0]);
     if (result == TY_OK) result = fill_sizes(run, noise, charts + 1);
-    if (result == TY_OK) result = fill_least(run, &charts[3]);
+    if (result == TY_OK) result = fill_min_extinctions(run, &charts[3]);
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
     if (result == TY_OK) plot_page_charts(&run->page, charts + 2, 2);
     ty_grid_release(noise);
-    free(charts);
     figure_caption(run,
                    "(a), (b): a ball of extinction %g/m and albedo %g in vacuum, its emission noise, no fluence on the "
                    "faces of its cube of 1 m; %d³ cells in (a). Over-relaxation is Algorithm 1 in double precision, "

@@ -5,7 +5,6 @@
 #include "figures/point_transport.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { ALBEDOS = 7, CELLS = 127, CELLS_QUICK = 31, DOTS = 13, LINE_POINTS = 48, FIRST_CELL = 4 };
 
@@ -77,19 +76,17 @@ static ty_result solve(figure_run* run, int albedo, ty_limiter limiter, bool dif
 }
 
 /* Adds dots to a chart and records their numbers: cells along an edge, the first in the profile. */
-static ty_result show_profile(figure_run* run, const point_profile* profile, int albedo, const char* item,
-                              point_theory theory, plot_chart* chart) {
+static void show_profile(figure_run* run, const point_profile* profile, int albedo, const char* item,
+                         point_theory theory, plot_chart* chart) {
     plot_series* series = add_series(chart, albedo, PLOT_DOTS);
-    ty_result result = TY_OK;
-    for (int i = 0; i < DOTS && result == TY_OK; ++i) {
+    for (int i = 0; i < DOTS; ++i) {
         if (shown[i] > profile->count / POINT_DIRECTIONS) break;
         char name[FIGURE_NAME_SIZE];
         const point_sample* sample = &profile->samples[shown[i] - 1];
         snprintf(name, sizeof name, "normalised fluence, tau %.4g", sample->tau);
         plot_add_point(series, sample->tau, sample->fluence, 0);
-        result = figure_expect(run, item, name, "1", sample->fluence, theory(albedos[albedo], sample->tau), NAN);
+        figure_expect(run, item, name, "1", sample->fluence, theory(albedos[albedo], sample->tau), NAN);
     }
-    return result;
 }
 
 /* CDA with its analytic fluence on the faces reproduces its Green's function. */
@@ -100,9 +97,10 @@ static ty_result check_diffusion(figure_run* run, int albedo, point_profile* pro
     if (result != TY_OK) return result;
     const double from = (FIRST_CELL - 0.1) * profile->samples[0].tau;
     const point_difference off = point_compare(profile, transport_diffusion, albedos[albedo], from, POINT_EXTENT);
-    result = figure_expect(run, item, "largest error to Eq. 27, from 4 cells on", "1", off.largest, 0, 0.03);
-    if (result == TY_OK) result = figure_note(run, item, "mean error to Eq. 27, from 4 cells on", "1", off.mean);
-    return result == TY_OK ? show_profile(run, profile, albedo, item, transport_diffusion, chart) : result;
+    figure_expect(run, item, "largest error to Eq. 27, from 4 cells on", "1", off.largest, 0, 0.03);
+    figure_note(run, item, "mean error to Eq. 27, from 4 cells on", "1", off.mean);
+    show_profile(run, profile, albedo, item, transport_diffusion, chart);
+    return TY_OK;
 }
 
 static ty_result note_limiter(figure_run* run, int albedo, ty_limiter limiter, const point_profile* profile,
@@ -111,17 +109,17 @@ static ty_result note_limiter(figure_run* run, int albedo, ty_limiter limiter, c
     const point_difference off = point_compare(profile, transport_fluence, albedos[albedo], near_from, thin_to);
     row->errors[limiter] = off.mean;
     row->slopes[limiter] = point_slope(profile, near_from, near_to);
-    ty_result result = figure_note(run, item, "mean error to transport, tau 0.1 to 1", "1", off.mean);
-    if (result == TY_OK) result = figure_note(run, item, "largest error to transport, tau 0.1 to 1", "1", off.largest);
+    ty_result result = TY_OK;
+    figure_notes(run, item, {"mean error to transport, tau 0.1 to 1", "1", off.mean},
+                 {"largest error to transport, tau 0.1 to 1", "1", off.largest});
     const bool expected = limiter == TY_LIMITER_LEVERMORE_POMRANING && !coarse;
-    if (result == TY_OK)
-        result = figure_expect(run, item, "slope, tau 0.1 to 0.3", "1", row->slopes[limiter], expected ? -2 : NAN,
-                               expected ? 0.2 : NAN);
+    figure_expect(run, item, "slope, tau 0.1 to 0.3", "1", row->slopes[limiter], expected ? -2 : NAN,
+                  expected ? 0.2 : NAN);
     if (result == TY_OK && limiter == TY_LIMITER_LEVERMORE_POMRANING)
-        result = figure_expect(run, item, "mean error over CDA's", "1", off.mean / row->errors[TY_LIMITER_NONE],
-                               coarse ? NAN : 0, coarse ? NAN : 1);
-    if (result == TY_OK) result = figure_note(run, item, "iterations", "1", profile->stats.iterations);
-    return result == TY_OK ? figure_note(run, item, "seconds", "s", profile->stats.seconds) : result;
+        figure_expect(run, item, "mean error over CDA's", "1", off.mean / row->errors[TY_LIMITER_NONE],
+                      coarse ? NAN : 0, coarse ? NAN : 1);
+    figure_notes(run, item, {"iterations", "1", profile->stats.iterations}, {"seconds", "s", profile->stats.seconds});
+    return TY_OK;
 }
 
 static ty_result run_limiter(figure_run* run, int albedo, ty_limiter limiter, point_profile* profile,
@@ -131,9 +129,9 @@ static ty_result run_limiter(figure_run* run, int albedo, ty_limiter limiter, po
     ty_result result = solve(run, albedo, limiter, false, profile);
     if (result == TY_OK) result = note_limiter(run, albedo, limiter, profile, item, row);
     if (result == TY_OK && limiter == TY_LIMITER_NONE)
-        result = show_profile(run, profile, albedo, item, transport_diffusion, &charts[CDA_ZERO]);
+        show_profile(run, profile, albedo, item, transport_diffusion, &charts[CDA_ZERO]);
     if (result == TY_OK && limiter == TY_LIMITER_LEVERMORE_POMRANING)
-        result = show_profile(run, profile, albedo, item, transport_fluence, &charts[FLD_ZERO]);
+        show_profile(run, profile, albedo, item, transport_fluence, &charts[FLD_ZERO]);
     return result;
 }
 
@@ -191,20 +189,18 @@ static void write_caption(figure_run* run) {
 }
 
 ty_result figure_fld_point(figure_run* run) {
-    plot_chart* charts = calloc(PANELS, sizeof *charts);
-    point_profile* profile = malloc(sizeof *profile);
+    static plot_chart charts[PANELS];
+    static point_profile profile;
     point_row rows[ALBEDOS] = {0};
-    ty_result result = charts != NULL && profile != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK) begin_charts(charts);
+    ty_result result = TY_OK;
+    begin_charts(charts);
     for (int albedo = 0; albedo < ALBEDOS && result == TY_OK; ++albedo)
-        result = run_albedo(run, albedo, profile, charts, &rows[albedo]);
+        result = run_albedo(run, albedo, &profile, charts, &rows[albedo]);
     if (result == TY_OK) {
         plot_page_charts(&run->page, charts, 3);
         plot_page_charts(&run->page, charts + CDA_KNOWN, 3);
         result = fill_table(run, rows);
     }
     write_caption(run);
-    free(profile);
-    free(charts);
     return result;
 }

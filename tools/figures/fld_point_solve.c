@@ -2,7 +2,7 @@
 #include "figures/fld_point_solve.h"
 
 #include "base/context.h"
-#include "figures/fld_box.h"
+#include "bench/fld_box.h"
 #include "figures/point_transport.h"
 
 #include <math.h>

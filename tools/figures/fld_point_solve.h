@@ -1,4 +1,4 @@
-/* Koerner et al. 2014, Section 6.1: a cell that emits, in the middle of a homogeneous cube, by the diffusion solver. */
+/* Koerner et al. 2014, Section 6.1: a cell that emits, at the center of a homogeneous cube, by the diffusion solver. */
 #ifndef TY_FIGURES_FLD_POINT_SOLVE_H
 #define TY_FIGURES_FLD_POINT_SOLVE_H
 

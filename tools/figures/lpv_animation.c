@@ -1,8 +1,7 @@
 /* Temporal stability of the lattice: light and camera move in small steps. */
-#include "figures/lpv_view.h"
+#include "figures/view.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { FRAMES = 12, SUN = 0, CAMERA = 1, WAYS = 2, PICTURE_WIDTH = 300, WIDTH = 256, HEIGHT = 144 };
@@ -43,7 +42,8 @@ static ty_result render_frame(figure_run* run, int motion, int f, frame* out) {
     figure_view_size(run, WIDTH, HEIGHT, pixels);
     ty_result result = figure_load_scene(run, lpv_scene_files[LPV_ATRIUM], overrides, 1, &scene);
     if (result != TY_OK) return result;
-    ty_lpv_def def = lpv_scene_def(scene);
+    ty_lpv_def def;
+    result = figure_method_def(scene, &ty_method_lpv, NULL, &def);
     if (motion == CAMERA) {
         def.place = TY_LPV_PLACE_CAMERA;
         def.extent = camera_extent;
@@ -52,7 +52,7 @@ static ty_result render_frame(figure_run* run, int motion, int f, frame* out) {
     def.width = pixels[0];
     def.height = pixels[1];
     def.aovs = TY_AOV_MULTIPLE;
-    result = ty_lpv_solve(scene, &def, &light, NULL);
+    if (result == TY_OK) result = ty_lpv_solve(scene, &def, &light, NULL);
     if (result == TY_OK) result = ty_lpv_fluence(light, lower, upper, size, out->fluence[0]);
     if (result == TY_OK) result = ty_lpv_view(light, scene, &def, &out->image, NULL);
     ty_lpv_destroy(light);
@@ -93,7 +93,7 @@ static changes compare_images(const ty_image* before, const ty_image* now, const
     return (changes){sum / total, largest * 3.0 * (double)count / total};
 }
 
-static ty_result note_changes(figure_run* run, int motion, const char* what, const changes* all, int count) {
+static void note_changes(figure_run* run, int motion, const char* what, const changes* all, int count) {
     changes maximum = {0, 0};
     double sum = 0;
     char item[FIGURE_NAME_SIZE];
@@ -103,12 +103,9 @@ static ty_result note_changes(figure_run* run, int motion, const char* what, con
         maximum.mean = fmax(maximum.mean, all[i].mean);
         maximum.largest = fmax(maximum.largest, all[i].largest);
     }
-    ty_result result = figure_note(run, item, "mean change", "1", sum);
-    if (result == TY_OK) result = figure_note(run, item, "largest change", "1", maximum.largest);
+    figure_notes(run, item, {"mean change", "1", sum}, {"largest change", "1", maximum.largest});
     /* A jump changes a frame by a multiple of the others' change; a lattice that follows the camera moves in steps. */
-    if (result == TY_OK && motion == SUN)
-        result = figure_note(run, item, "mean change, largest frame over mean", "1", maximum.mean / sum);
-    return result;
+    if (motion == SUN) figure_note(run, item, "mean change, largest frame over mean", "1", maximum.mean / sum);
 }
 
 static void add_series(plot_chart* chart, const char* name, const changes* all, int count, bool largest) {
@@ -134,9 +131,9 @@ static ty_result run_motion(figure_run* run, int motion, frame* frames, plot_she
     add_series(chart, "marched pixels, largest", fog, FRAMES - 1, true);
     add_series(chart, "pixels, mean", images, FRAMES - 1, false);
     add_series(chart, "pixels, largest", images, FRAMES - 1, true);
-    result = note_changes(run, motion, "fluence", fluence, FRAMES - 1);
-    if (result == TY_OK) result = note_changes(run, motion, "marched pixels", fog, FRAMES - 1);
-    if (result == TY_OK) result = note_changes(run, motion, "pixels", images, FRAMES - 1);
+    note_changes(run, motion, "fluence", fluence, FRAMES - 1);
+    note_changes(run, motion, "marched pixels", fog, FRAMES - 1);
+    note_changes(run, motion, "pixels", images, FRAMES - 1);
     for (int i = 0; i < 2 && result == TY_OK; ++i)
         result = plot_picture_of_image(run->session->context, frames[i * (FRAMES - 1)].image, 0,
                                        &plot_sheet_cell(sheet, 0, 2 * motion + i)->picture);
@@ -146,8 +143,8 @@ static ty_result run_motion(figure_run* run, int motion, frame* frames, plot_she
 static ty_result fill_page(figure_run* run, plot_sheet* sheet, plot_chart* charts) {
     ty_result result = TY_OK;
     for (int motion = 0; motion < WAYS && result == TY_OK; ++motion) {
-        frame* frames = calloc(FRAMES, sizeof *frames);
-        if (frames == NULL) return TY_ERROR_MEMORY;
+        static frame frames[FRAMES];
+        memset(frames, 0, sizeof frames);
         charts[motion] = (plot_chart){
             .title = motion_names[motion], .x_label = "frame", .y_label = "change, of the mean", .y_logarithmic = true};
         snprintf(sheet->column_titles[2 * motion], PLOT_LABEL_SIZE, "%s, first frame",
@@ -155,15 +152,14 @@ static ty_result fill_page(figure_run* run, plot_sheet* sheet, plot_chart* chart
         snprintf(sheet->column_titles[2 * motion + 1], PLOT_LABEL_SIZE, "last frame");
         result = run_motion(run, motion, frames, sheet, &charts[motion]);
         for (int f = 0; f < FRAMES; ++f) ty_image_destroy(frames[f].image);
-        free(frames);
     }
     return result;
 }
 
 ty_result figure_lpv_animation(figure_run* run) {
     plot_sheet sheet;
-    plot_chart* charts = calloc(WAYS, sizeof *charts);
-    ty_result result = charts != NULL ? plot_create_sheet(1, 2 * WAYS, PICTURE_WIDTH, &sheet) : TY_ERROR_MEMORY;
+    static plot_chart charts[WAYS];
+    ty_result result = plot_create_sheet(1, 2 * WAYS, PICTURE_WIDTH, &sheet);
     if (result == TY_OK) {
         result = fill_page(run, &sheet, charts);
         if (result == TY_OK) {
@@ -172,7 +168,6 @@ ty_result figure_lpv_animation(figure_run* run) {
         }
         plot_free_sheet(&sheet);
     }
-    free(charts);
     figure_caption(run, "The built-in atrium, each frame solved anew. Fluence is that of the lattice in cells of the "
                         "court, 1.5 m wide, and does not depend on the camera but by where the lattice lies; marched "
                         "pixels are light that fog scatters from the lattice; pixels are of the whole picture, where "

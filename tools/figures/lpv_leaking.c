@@ -1,5 +1,5 @@
 /* Fig. 6 of the paper: a thin wall with a strong light on its far side, a small bright spot, a single iteration. */
-#include "figures/lpv_view.h"
+#include "figures/view.h"
 
 #include <math.h>
 #include <string.h>
@@ -14,21 +14,26 @@ static const char to_lit_side[] = "camera.position=[3,2.6,7]";
 static const struct {
     const char* title;
     const char* overrides[3];
-    int32_t override_count, iterations;
+    int32_t override_count;
+    bool single; /* a single iteration */
 } columns[COLUMNS] = {
-    {"(a) through a thin wall", {0}, 0, 0},
-    {"(b) a small bright spot", {to_lit_side, "lights[0].cone=6", "camera.exposure=0"}, 3, 0},
-    {"(c) a single iteration", {to_lit_side, "lights[0].cone=6", "camera.exposure=0"}, 3, 1},
+    {"(a) through a thin wall", {0}, 0, false},
+    {"(b) a small bright spot", {to_lit_side, "lights[0].cone=6", "camera.exposure=0"}, 3, false},
+    {"(c) a single iteration", {to_lit_side, "lights[0].cone=6", "camera.exposure=0"}, 3, true},
 };
-static const lpv_variant rows[ROWS] = {{.title = "path tracing"},
-                                       {.title = "links", .mode = "links", .parts = "all"},
-                                       {.title = "published", .mode = "published", .parts = "all"}};
+static const figure_variant rows[2][ROWS] = {
+    {{.title = "path tracing", .method = &ty_method_path},
+     {.title = "links", .method = &ty_method_lpv, .options = "mode=links"},
+     {.title = "published", .method = &ty_method_lpv, .options = "mode=published"}},
+    {{.title = "path tracing", .method = &ty_method_path},
+     {.title = "links", .method = &ty_method_lpv, .options = "mode=links iterations=1"},
+     {.title = "published", .method = &ty_method_lpv, .options = "mode=published iterations=1"}}};
 
 /* Links must transmit less than 1 % of the radiance of the lit side. */
-static ty_result note_leak(figure_run* run, const char* item, int row, double leaked) {
+static void note_leak(figure_run* run, const char* item, int row, double leaked) {
     const double fraction = leaked / lit_radiance;
-    return figure_expect(run, item, "leaked, of the lit side's radiance", "1", fraction, row == LINKS ? 0 : NAN,
-                         row == LINKS ? 0.01 : NAN);
+    figure_expect(run, item, "leaked, of the lit side's radiance", "1", fraction, row == LINKS ? 0 : NAN,
+                  row == LINKS ? 0.01 : NAN);
 }
 
 static ty_result fill_column(figure_run* run, ty_scene* scene, int column, plot_sheet* sheet) {
@@ -39,15 +44,14 @@ static ty_result fill_column(figure_run* run, ty_scene* scene, int column, plot_
     snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", columns[column].title);
     for (int row = 0; row < ROWS && result == TY_OK; ++row) {
         char item[FIGURE_NAME_SIZE];
-        lpv_variant variant = rows[row];
-        variant.iterations = columns[column].iterations;
-        snprintf(item, sizeof item, "%s, %s", columns[column].title, rows[row].title);
-        result = lpv_render(run, item, scene, &variant, size, &pictures[row], NULL);
+        const figure_variant* variant = &rows[columns[column].single][row];
+        snprintf(item, sizeof item, "%s, %s", columns[column].title, variant->title);
+        result = figure_render_variant(run, item, scene, variant, size, &pictures[row], NULL);
         if (result == TY_OK)
             result = figure_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false,
                                  plot_sheet_cell(sheet, row, column), NULL);
         if (result == TY_OK && row > 0 && column == BLEEDING)
-            result = note_leak(run, item, row, lpv_mean(pictures[row].image) - lpv_mean(pictures[0].image));
+            note_leak(run, item, row, figure_mean(pictures[row].image) - figure_mean(pictures[0].image));
     }
     for (int row = 0; row < ROWS; ++row) figure_free_picture(&pictures[row]);
     return result;
@@ -57,7 +61,7 @@ ty_result figure_lpv_leaking(figure_run* run) {
     plot_sheet sheet;
     ty_result result = plot_create_sheet(ROWS, COLUMNS, PICTURE_WIDTH, &sheet);
     if (result != TY_OK) return result;
-    for (int row = 0; row < ROWS; ++row) snprintf(sheet.row_titles[row], PLOT_LABEL_SIZE, "%s", rows[row].title);
+    for (int row = 0; row < ROWS; ++row) snprintf(sheet.row_titles[row], PLOT_LABEL_SIZE, "%s", rows[0][row].title);
     for (int column = 0; column < COLUMNS && result == TY_OK; ++column) {
         ty_scene* scene = NULL;
         result =

@@ -1,7 +1,7 @@
 /* Fig. 5 of the paper: the contribution of each part of the method, in both modes. */
-#include "figures/lpv_view.h"
+#include "figures/view.h"
 
-enum { PARTS = 6, MODES = 2, WIDTH = 480, HEIGHT = 270, PICTURE_WIDTH = 260 };
+enum { PARTS = 6, MODES = 2 };
 
 static const char* const modes[MODES] = {"links", "published"};
 static const struct {
@@ -14,17 +14,18 @@ static const struct {
                   {"(f) (d) and (e) added", "both"}};
 
 static ty_result show(figure_run* run, ty_scene* scene, int mode, int index, const int32_t size[2], plot_sheet* sheet) {
-    char item[FIGURE_NAME_SIZE];
+    char item[FIGURE_NAME_SIZE], options[64];
+    const figure_variant variant = {.method = &ty_method_lpv, .options = options};
     figure_picture picture = {0};
-    const lpv_variant variant = {parts[index].title, modes[mode], parts[index].parts, 0, 0, 0};
     plot_cell* cell = plot_sheet_cell(sheet, mode, index);
     snprintf(item, sizeof item, "%s, %s", modes[mode], parts[index].parts);
-    ty_result result = lpv_render(run, item, scene, &variant, size, &picture, NULL);
+    snprintf(options, sizeof options, "mode=%s parts=%s", modes[mode], parts[index].parts);
+    ty_result result = figure_render_variant(run, item, scene, &variant, size, &picture, NULL);
     if (result == TY_OK) result = figure_show(run, item, scene, &picture, NULL, false, cell, NULL);
     if (result == TY_OK) {
-        const double mean = lpv_mean(picture.image);
+        const double mean = figure_mean(picture.image);
         snprintf(cell->lines[1], PLOT_LABEL_SIZE, "mean %.3g W m⁻² sr⁻¹", mean);
-        result = figure_note(run, item, "mean", "W m^-2 sr^-1", mean);
+        figure_note(run, item, "mean", "W m^-2 sr^-1", mean);
     }
     figure_free_picture(&picture);
     return result;
@@ -32,7 +33,7 @@ static ty_result show(figure_run* run, ty_scene* scene, int mode, int index, con
 
 static ty_result fill_sheet(figure_run* run, ty_scene* scene, plot_sheet* sheet) {
     int32_t size[2];
-    figure_view_size(run, WIDTH, HEIGHT, size);
+    figure_view_size(run, 480, 270, size);
     ty_result result = TY_OK;
     for (int index = 0; index < PARTS; ++index)
         snprintf(sheet->column_titles[index], PLOT_LABEL_SIZE, "%s", parts[index].title);
@@ -48,7 +49,7 @@ ty_result figure_lpv_parts(figure_run* run) {
     ty_scene* scene = NULL;
     plot_sheet sheet;
     const lpv_scene which = tools_has_data(run->options->data, SPONZA_FILE) ? LPV_SPONZA : LPV_ATRIUM;
-    ty_result result = plot_create_sheet(MODES, PARTS, PICTURE_WIDTH, &sheet);
+    ty_result result = plot_create_sheet(MODES, PARTS, 260, &sheet);
     if (result != TY_OK) return result;
     result = figure_load_scene(run, lpv_scene_files[which], NULL, 0, &scene);
     if (result == TY_OK) result = fill_sheet(run, scene, &sheet);

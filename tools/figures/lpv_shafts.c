@@ -1,5 +1,5 @@
 /* Single scattering with sharp shadows, against the path tracer's channel of single scattering. */
-#include "figures/lpv_view.h"
+#include "figures/view.h"
 
 #include <math.h>
 #include <string.h>
@@ -77,10 +77,10 @@ static ty_result compare(figure_run* run, const char* name, const ty_image* ours
     figure_format_error(error, text);
     snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s", seconds);
     snprintf(cell->lines[1], PLOT_LABEL_SIZE, "mean ratio %.3f, rel. RMSE %s", difference.mean_ratio[3], text);
-    result = figure_expect(run, name, "mean ratio", "1", difference.mean_ratio[3], 1, 0.02);
-    if (result == TY_OK) result = figure_note(run, name, "relative RMSE", "1", error);
-    if (result == TY_OK) result = figure_note(run, name, "noise of the truth over its mean", "1", noise / mean);
-    return result == TY_OK ? figure_note(run, name, "time of single scattering", "s", seconds) : result;
+    figure_expect(run, name, "mean ratio", "1", difference.mean_ratio[3], 1, 0.02);
+    figure_notes(run, name, {"relative RMSE", "1", error}, {"noise of the truth over its mean", "1", noise / mean},
+                 {"time of single scattering", "s", seconds});
+    return TY_OK;
 }
 
 static ty_result show_scene(figure_run* run, const ty_scene* scene, int s, int column, plot_sheet* sheet) {

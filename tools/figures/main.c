@@ -52,6 +52,7 @@ static void make_figure(cli_session* session, const figure_options* options, fig
     figure_run run = {.session = session, .options = options, .name = entry->name};
     ty_result result = plot_create_page(session->context, &run.page);
     if (result == TY_OK) result = entry->make(&run);
+    if (result == TY_OK && run.incomplete) result = TY_ERROR_MEMORY;
     cli_progress_clear(&session->progress);
     const double seconds = cli_wall_seconds() - started;
     int status = result != TY_OK ? cli_fail_running(session, result) : CLI_DONE;
@@ -171,7 +172,7 @@ static char* list_figures(void) {
     fputs(
         "Writes DIR/NAME.png, and what was measured and, where it is known, expected as DIR/NAME.csv and .json.\n"
         "'all' makes all, the first word of a name those of a paper, and 'list' lists them. More than one get\n"
-        "DIR/index.html, index.md and summary.md, .csv and .json besides: what is expected and what was measured.\n"
+        "DIR/index.html, summary.md and summary.csv besides: what is expected and what was measured.\n"
         "Those that fail or lack data hinder no others: 0 if any was made and none failed, 1 if one failed, 2 if all\n"
         "lacked data. A number beyond its tolerance that is no known miss is a failure, too, in figures of their own\n"
         "size and samples: not with --quick, --size or --spp.\n\nfigures:",

@@ -56,18 +56,14 @@ static ty_result print_csv(ty_context* context, FILE* file, const void* user) {
     return TY_OK;
 }
 
-void figure_write_json_fields(json_writer* json, const figure_quantity* quantity) {
+static void write_quantity(json_writer* json, const figure_quantity* quantity) {
+    json_open_object(json, NULL);
     json_text(json, "item", quantity->item);
     json_text(json, "name", quantity->name);
     json_text(json, "unit", quantity->unit);
     json_number(json, "measured", quantity->measured);
     if (!isnan(quantity->expected)) json_number(json, "expected", quantity->expected);
     if (!isnan(quantity->tolerance)) json_number(json, "tolerance", quantity->tolerance);
-}
-
-static void write_quantity(json_writer* json, const figure_quantity* quantity) {
-    json_open_object(json, NULL);
-    figure_write_json_fields(json, quantity);
     json_close_object(json);
 }
 

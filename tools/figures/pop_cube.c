@@ -3,7 +3,7 @@
 
 enum { EDGE = 16 };
 
-const pop_box pop_cube_cells = {{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, {EDGE, EDGE, EDGE}};
+const fluence_box pop_cube_cells = {{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, {EDGE, EDGE, EDGE}};
 
 ty_result pop_load_cube(figure_run* run, double g, ty_scene** out) {
     char override[32];

@@ -2,14 +2,13 @@
 #include "figures/pop_cube.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { STEPS = 6, SAMPLES = 8192, ALONG = 16 };
 
 static const int32_t steps[STEPS] = {1, 4, 16, 64, 256, 1024};
 
 /* A central column of cells along the beam. */
-static const pop_box column = {{-0.0625, -0.0625, -0.5}, {0.0625, 0.0625, 0.5}, {1, 1, ALONG}};
+static const fluence_box column = {{-0.0625, -0.0625, -0.5}, {0.0625, 0.0625, 0.5}, {1, 1, ALONG}};
 
 static void add_series(plot_chart* chart, const char* name, const double (*fluence)[3], plot_style style) {
     plot_series* series = &chart->series[chart->series_count++];
@@ -19,17 +18,18 @@ static void add_series(plot_chart* chart, const char* name, const double (*fluen
 }
 
 /* Scattered fluence along the column. def NULL: by path tracing. */
-static ty_result find_fluence(figure_run* run, const ty_scene* scene, const ty_pop_def* def, pop_truth* out,
+static ty_result find_fluence(figure_run* run, const ty_scene* scene, const ty_pop_def* def, fluence_truth* out,
                               ty_pop_stats* stats) {
     ty_pop* light = NULL;
-    if (def == NULL) return pop_path_fluence(run, scene, &column, SAMPLES, out);
+    if (def == NULL) return path_fluence(run, scene, &column, SAMPLES, out);
     ty_result result = ty_pop_solve(scene, def, &light, stats);
-    if (result == TY_OK) result = pop_scattered_fluence(light, &column, out->scattered);
+    if (result == TY_OK) result = pop_fluence(light, &column, out->scattered);
     ty_pop_destroy(light);
     return result;
 }
 
-static ty_result run_step(figure_run* run, const ty_scene* scene, int step, pop_truth* fluence, plot_chart charts[2]) {
+static ty_result run_step(figure_run* run, const ty_scene* scene, int step, fluence_truth* fluence,
+                          plot_chart charts[2]) {
     char item[FIGURE_NAME_SIZE];
     ty_pop_stats stats = ty_default_pop_stats();
     ty_pop_def def = pop_cube_def(run, TY_POP_MODE_PUBLISHED);
@@ -37,15 +37,16 @@ static ty_result run_step(figure_run* run, const ty_scene* scene, int step, pop_
     def.residuum = 0;
     snprintf(item, sizeof item, "%d iteration%s", (int)steps[step], steps[step] == 1 ? "" : "s");
     ty_result result = find_fluence(run, scene, &def, fluence, &stats);
-    if (result == TY_OK) result = figure_note(run, item, "light not yet propagated", "1", stats.left);
-    if (result == TY_OK) result = figure_note(run, item, "time of propagation", "s", stats.propagation_seconds);
+    if (result == TY_OK)
+        figure_notes(run, item, {"light not yet propagated", "1", stats.left},
+                     {"time of propagation", "s", stats.propagation_seconds});
     if (result != TY_OK) return result;
     add_series(&charts[0], item, (const double(*)[3])fluence->scattered, PLOT_LINE_AND_DOTS);
     plot_add_point(&charts[1].series[0], steps[step], stats.left, 0);
     return TY_OK;
 }
 
-static ty_result fill_charts(figure_run* run, pop_truth* fluence, plot_chart charts[2]) {
+static ty_result fill_charts(figure_run* run, fluence_truth* fluence, plot_chart charts[2]) {
     ty_scene* scene = NULL;
     const ty_pop_def split = pop_cube_def(run, TY_POP_MODE_SPLIT);
     ty_pop_stats stats = ty_default_pop_stats();
@@ -60,27 +61,22 @@ static ty_result fill_charts(figure_run* run, pop_truth* fluence, plot_chart cha
 }
 
 ty_result figure_pop_iterations(figure_run* run) {
-    plot_chart* charts = calloc(2, sizeof *charts);
-    pop_truth* fluence = calloc(1, sizeof *fluence);
-    ty_result result = charts != NULL && fluence != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK) {
-        charts[0] = (plot_chart){.title = "light that has scattered, along the middle",
-                                 .x_label = "depth, m",
-                                 .y_label = "fluence, W/m²",
-                                 .y_logarithmic = true,
-                                 .height = 330};
-        charts[1] = (plot_chart){.title = "light not yet propagated, of what came in",
-                                 .x_label = "iterations",
-                                 .y_label = "fraction",
-                                 .x_logarithmic = true,
-                                 .y_logarithmic = true,
-                                 .height = 330,
-                                 .series_count = 1};
-        result = fill_charts(run, fluence, charts);
-    }
+    static plot_chart charts[2];
+    static fluence_truth fluence;
+    charts[0] = (plot_chart){.title = "light that has scattered, along the axis",
+                             .x_label = "depth, m",
+                             .y_label = "fluence, W/m²",
+                             .y_logarithmic = true,
+                             .height = 330};
+    charts[1] = (plot_chart){.title = "light not yet propagated, of what came in",
+                             .x_label = "iterations",
+                             .y_label = "fraction",
+                             .x_logarithmic = true,
+                             .y_logarithmic = true,
+                             .height = 330,
+                             .series_count = 1};
+    const ty_result result = fill_charts(run, &fluence, charts);
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
-    free(fluence);
-    free(charts);
     figure_caption(run, "The cube of Fig. 12 with g = 0.7: iterations of the published propagation on 16³ cells, "
                         "without the isotropic residuum. Their limit is many times path tracing's fluence: light "
                         "counts once for every cell that it came through, and is trapped by moving one cell a step.");

@@ -2,7 +2,6 @@
 #include "figures/pop_cube.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { COSINES = 3, MODES = 4, LATTICE = 8, DIRECTIONS = 72, SAMPLES = 256, FLUENCE_SAMPLES = 512, SHOWN = 3 };
 
@@ -61,17 +60,11 @@ static ty_result trace_slice(figure_run* run, const ty_scene* scene, const doubl
 
 /* The slice's green radiance, by path tracing where no solution is given. */
 static ty_result see_slice(figure_run* run, const ty_scene* scene, const ty_pop* light, float* out) {
-    double(*rays)[6] = calloc(RAYS, sizeof *rays);
-    double(*radiance)[3] = calloc(RAYS, sizeof *radiance);
-    ty_result result = rays != NULL && radiance != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK) {
-        make_rays(rays);
-        result = light != NULL ? ty_pop_radiance(light, rays[0], RAYS, radiance[0])
-                               : trace_slice(run, scene, rays[0], radiance[0]);
-    }
+    static double rays[RAYS][6], radiance[RAYS][3];
+    make_rays(rays);
+    const ty_result result = light != NULL ? ty_pop_radiance(light, rays[0], RAYS, radiance[0])
+                                           : trace_slice(run, scene, rays[0], radiance[0]);
     for (int i = 0; i < RAYS && result == TY_OK; ++i) out[i] = (float)radiance[i][1];
-    free(rays);
-    free(radiance);
     return result;
 }
 
@@ -87,13 +80,12 @@ static ty_result note_shape(figure_run* run, const char* item, const float* valu
         squares += pow((double)values[i] * expected / sum - (double)truth[i], 2);
         weight += pow((double)truth[i], 2);
     }
-    ty_result result = figure_note(run, item, "mean ratio of radiance in the slice", "1", sum / expected);
-    if (result == TY_OK)
-        result = figure_note(run, item, "RMSE of its shape, over the truth's rms", "1", sqrt(squares / weight));
-    return result;
+    figure_notes(run, item, {"mean ratio of radiance in the slice", "1", sum / expected},
+                 {"RMSE of its shape, over the truth's rms", "1", sqrt(squares / weight)});
+    return TY_OK;
 }
 
-static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, int mode, const pop_truth* truth,
+static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, int mode, const fluence_truth* truth,
                           double (*fluence)[3], slice* out, plot_table* table) {
     char item[FIGURE_NAME_SIZE], error[16];
     ty_pop* light = NULL;
@@ -103,31 +95,28 @@ static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, in
     def.iterations = modes[mode].iterations > 0 ? modes[mode].iterations : TY_AUTO;
     if (def.iterations > 0) def.residuum = 0;
     ty_result result = ty_pop_solve(scene, &def, &light, &stats);
-    if (result == TY_OK) result = pop_scattered_fluence(light, &pop_cube_cells, fluence);
+    if (result == TY_OK) result = pop_fluence(light, &pop_cube_cells, fluence);
     if (result == TY_OK && mode + 1 < SHOWN) result = see_slice(run, scene, light, out->values[1 + mode]);
     if (result == TY_OK && mode + 1 < SHOWN) result = note_shape(run, item, out->values[1 + mode], out->values[0]);
     ty_pop_destroy(light);
     if (result != TY_OK) return result;
-    const figure_errors errors = pop_compare_fluence(&pop_cube_cells, (const double(*)[3])fluence, truth);
+    const figure_errors errors = fluence_compare(&pop_cube_cells, (const double(*)[3])fluence, truth);
     const bool ours = modes[mode].mode == TY_POP_MODE_SPLIT;
     figure_format_error(errors.relative_rmse, error);
     plot_set_cell(table, 2 + mode, 1 + 2 * column, "%.3f", errors.mean_ratio);
     plot_set_cell(table, 2 + mode, 2 + 2 * column, "%s", error);
-    result = figure_note(run, item, "time", "s", stats.seconds);
-    if (result == TY_OK)
-        result = figure_expect(run, item, "mean ratio of fluence", "1", errors.mean_ratio, modes[mode].ratio[column],
-                               modes[mode].tolerance);
-    if (result == TY_OK)
-        result = figure_expect(run, item, "relative RMSE of fluence", "1", errors.relative_rmse, ours ? 0 : NAN,
-                               ours ? 0.2 : NAN);
-    return result;
+    figure_note(run, item, "time", "s", stats.seconds);
+    figure_expect(run, item, "mean ratio of fluence", "1", errors.mean_ratio, modes[mode].ratio[column],
+                  modes[mode].tolerance);
+    figure_expect(run, item, "relative RMSE of fluence", "1", errors.relative_rmse, ours ? 0 : NAN, ours ? 0.2 : NAN);
+    return TY_OK;
 }
 
-static ty_result run_column(figure_run* run, int column, pop_truth* truth, double (*fluence)[3], slice* out,
+static ty_result run_column(figure_run* run, int column, fluence_truth* truth, double (*fluence)[3], slice* out,
                             plot_table* table) {
     ty_scene* scene = NULL;
     ty_result result = pop_load_cube(run, cosines[column], &scene);
-    if (result == TY_OK) result = pop_path_fluence(run, scene, &pop_cube_cells, FLUENCE_SAMPLES, truth);
+    if (result == TY_OK) result = path_fluence(run, scene, &pop_cube_cells, FLUENCE_SAMPLES, truth);
     if (result == TY_OK) result = see_slice(run, scene, NULL, out->values[0]);
     for (int mode = 0; mode < MODES && result == TY_OK; ++mode)
         result = run_mode(run, scene, column, mode, truth, fluence, out, table);
@@ -177,14 +166,13 @@ static void begin_table(plot_table* table) {
 ty_result figure_pop_lobes(figure_run* run) {
     plot_lobes lobes[COSINES];
     plot_table table = {0};
-    pop_truth* truth = calloc(1, sizeof *truth);
-    double(*fluence)[3] = calloc(POP_CELLS_MAX, sizeof *fluence);
-    slice* slices = calloc(COSINES, sizeof *slices);
-    const bool allocated = truth != NULL && fluence != NULL && slices != NULL;
-    ty_result result = allocated ? plot_create_table(2 + MODES, 1 + 2 * COSINES, 2, &table) : TY_ERROR_MEMORY;
+    static fluence_truth truth;
+    static double fluence[FLUENCE_CELLS_MAX][3];
+    static slice slices[COSINES];
+    ty_result result = plot_create_table(2 + MODES, 1 + 2 * COSINES, 2, &table);
     if (result == TY_OK) begin_table(&table);
     for (int column = 0; column < COSINES && result == TY_OK; ++column) {
-        result = run_column(run, column, truth, fluence, &slices[column], &table);
+        result = run_column(run, column, &truth, fluence, &slices[column], &table);
         set_radii(&slices[column]);
         show_slice(column, &slices[column], &lobes[column]);
     }
@@ -193,12 +181,9 @@ ty_result figure_pop_lobes(figure_run* run) {
         plot_page_table(&run->page, &table);
     }
     plot_free_table(&table);
-    free(slices);
-    free(fluence);
-    free(truth);
     figure_caption(
         run, "A cube of 1 m, σs = 4/m, nothing absorbed, light from above, 16³ cells. Radiance by direction of light "
-             "that has scattered, in the slice through the middle; lengths are its cube root, and the published mode's "
+             "that has scattered, in the slice through the center; lengths are its cube root, and the published mode's "
              "are made as bright as path tracing's. Below: fluence of such light in all cells; relative RMSEs are "
              "without the truth's own noise. As published light counts once for every cell that it came through "
              "(collided mends that), and moves one cell a step, as if it scattered in each.");

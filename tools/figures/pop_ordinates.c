@@ -1,10 +1,7 @@
-/* Figs. 7 and 14 of the paper: few and many ordinates, and importance sampling of ordinates for the camera. */
-#include "figures/pop_view.h"
+/* Fig. 14 of the paper: numbers of ordinates, without and with importance sampling for the camera. */
+#include "figures/view.h"
 
-#include <math.h>
-#include <stdlib.h>
-
-enum { COUNTS = 3, WIDTH = 192, PICTURE_WIDTH = 290, FEW = 27, FEW_WIDTH = 256, FEW_PICTURE_WIDTH = 384 };
+enum { COUNTS = 3, WIDTH = 192, PICTURE_WIDTH = 290 };
 
 static const int32_t counts[COUNTS] = {8, 64, 216};
 static const char* const choices[2] = {"without importance", "with importance"};
@@ -16,13 +13,12 @@ typedef struct error_table {
 
 static ty_result fill_cell(figure_run* run, ty_scene* scene, int row, int column, const int32_t size[2],
                            const figure_picture* truth, plot_sheet* sheet, figure_errors* errors) {
-    char item[FIGURE_NAME_SIZE];
+    char item[FIGURE_NAME_SIZE], options[64];
+    const figure_variant variant = {.method = &ty_method_pop, .options = options};
     figure_picture picture = {0};
-    ty_pop_def settings = pop_scene_def(scene);
-    settings.ordinates = counts[column];
-    settings.importance = row == 1;
+    snprintf(options, sizeof options, "ordinates=%d importance=%s", (int)counts[column], row == 1 ? "true" : "false");
     snprintf(item, sizeof item, "%d ordinates, %s", (int)counts[column], choices[row]);
-    ty_result result = pop_render(run, item, scene, &settings, size, &picture, NULL);
+    ty_result result = figure_render_variant(run, item, scene, &variant, size, &picture, NULL);
     if (result == TY_OK)
         result = figure_show(run, item, scene, &picture, truth, false, plot_sheet_cell(sheet, row, 1 + column), errors);
     figure_free_picture(&picture);
@@ -33,7 +29,7 @@ static ty_result fill_sheet(figure_run* run, ty_scene* scene, plot_sheet* sheet,
     int32_t size[2];
     figure_picture truth = {0};
     figure_view_size(run, WIDTH, WIDTH, size);
-    ty_result result = pop_render(run, "path tracing", scene, NULL, size, &truth, NULL);
+    ty_result result = figure_render_variant(run, "path tracing", scene, &figure_path, size, &truth, NULL);
     if (result == TY_OK)
         result = figure_show(run, "path tracing", scene, &truth, NULL, false, plot_sheet_cell(sheet, 0, 0), NULL);
     for (int row = 0; row < 2; ++row)
@@ -45,12 +41,11 @@ static ty_result fill_sheet(figure_run* run, ty_scene* scene, plot_sheet* sheet,
 
 /* Criteria: errors decrease with the number of ordinates, and importance helps for few of them. */
 static ty_result expect_errors(figure_run* run, const error_table* errors) {
-    ty_result result = figure_expect(run, "216 ordinates over 8", "relative RMSE", "1",
-                                     errors->of[1][COUNTS - 1].relative_rmse / errors->of[1][0].relative_rmse, 0, 1);
-    if (result == TY_OK)
-        result = figure_expect(run, "8 ordinates, importance over none", "relative RMSE", "1",
-                               errors->of[1][0].relative_rmse / errors->of[0][0].relative_rmse, 0, 1);
-    return result;
+    figure_expect(run, "216 ordinates over 8", "relative RMSE", "1",
+                  errors->of[1][COUNTS - 1].relative_rmse / errors->of[1][0].relative_rmse, 0, 1);
+    figure_expect(run, "8 ordinates, importance over none", "relative RMSE", "1",
+                  errors->of[1][0].relative_rmse / errors->of[0][0].relative_rmse, 0, 1);
+    return TY_OK;
 }
 
 static void show_chart(figure_run* run, plot_chart* chart, const error_table* errors) {
@@ -69,12 +64,14 @@ static void show_chart(figure_run* run, plot_chart* chart, const error_table* er
 }
 
 ty_result figure_pop_ordinates(figure_run* run) {
+    static const figure_scene from = {.scene = "pop_smoke", .windows = true};
+    static plot_chart chart;
     ty_scene* scene = NULL;
-    plot_sheet sheet = {0};
+    plot_sheet sheet;
     error_table errors = {0};
-    plot_chart* chart = calloc(1, sizeof *chart);
-    ty_result result = chart != NULL ? plot_create_sheet(2, 1 + COUNTS, PICTURE_WIDTH, &sheet) : TY_ERROR_MEMORY;
-    if (result == TY_OK) result = pop_make_smoke(run, NULL, 0, &scene);
+    ty_result result = plot_create_sheet(2, 1 + COUNTS, PICTURE_WIDTH, &sheet);
+    if (result != TY_OK) return result;
+    result = figure_load(run, &from, &scene);
     if (result == TY_OK) result = fill_sheet(run, scene, &sheet, &errors);
     if (result == TY_OK) result = expect_errors(run, &errors);
     if (result == TY_OK) {
@@ -83,44 +80,12 @@ ty_result figure_pop_ordinates(figure_run* run) {
             snprintf(sheet.column_titles[1 + i], PLOT_LABEL_SIZE, "%d ordinates", (int)counts[i]);
         for (int row = 0; row < 2; ++row) snprintf(sheet.row_titles[row], PLOT_LABEL_SIZE, "%s", choices[row]);
         plot_page_sheet(&run->page, &sheet);
-        show_chart(run, chart, &errors);
+        show_chart(run, &chart, &errors);
     }
     ty_scene_destroy(scene);
     plot_free_sheet(&sheet);
-    free(chart);
     figure_caption(run, "Smoke of noise, σs = {2.9, 3.6, 4.2}/m, σa = {3.4, 3.35, 3.4}/m, g = 0.9, 2 m across, in a "
                         "room with windows and a lamp; ordinates of 20³ cells.");
     figure_describe_errors(run, true);
-    return result;
-}
-
-/* ---- few ordinates ---- */
-
-ty_result figure_pop_importance(figure_run* run) {
-    static const char* const overrides[] = {"media[0].g=0.98", "media[0].sigma_s=20", "media[0].sigma_a=0.1"};
-    int32_t size[2];
-    ty_scene* scene = NULL;
-    figure_errors errors[2];
-    figure_view_size(run, FEW_WIDTH, FEW_WIDTH, size);
-    ty_result result = pop_make_smoke(run, overrides, 3, &scene);
-    if (result == TY_OK) {
-        ty_pop_def settings[2];
-        settings[0] = settings[1] = pop_scene_def(scene);
-        settings[0].ordinates = settings[1].ordinates = FEW;
-        settings[0].importance = false;
-        const figure_variant variants[2] = {{choices[0], pop_render_variant, &settings[0]},
-                                            {choices[1], pop_render_variant, &settings[1]}};
-        result = figure_show_variants(run, "g 0.98, 27 ordinates", scene, variants, 2, size, FEW_PICTURE_WIDTH, errors);
-    }
-    if (result == TY_OK)
-        result = figure_expect(run, "importance over none", "relative RMSE", "1",
-                               errors[1].relative_rmse / errors[0].relative_rmse, 0, 1);
-    ty_scene_destroy(scene);
-    figure_caption(
-        run,
-        "The smoke of pop-ordinates with σs = 20/m, σa = 0.1/m and g = 0.98, and %d ordinates. Importance prefers "
-        "directions whose light the camera sees most of, such as that of the windows behind the smoke.",
-        FEW);
-    figure_describe_errors(run, false);
     return result;
 }

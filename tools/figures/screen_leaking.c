@@ -76,11 +76,12 @@ static ty_result fill_references(figure_run* run, const screen_view* view, plot_
     ty_difference difference;
     def.variant = TY_SCREEN_REFERENCE;
     ty_result result = screen_apply(run, view, &def, reference, &stats);
-    if (result == TY_OK) result = figure_note(run, "reference", "time", "s", stats.seconds);
-    if (result == TY_OK) result = figure_note(run, "reference", "largest half-light radius", "pixel", stats.spread);
+    if (result == TY_OK)
+        figure_notes(run, "reference", {"time", "s", stats.seconds},
+                     {"largest half-light radius", "pixel", stats.spread});
     def.window = REFERENCE_WINDOW;
     if (result == TY_OK) result = screen_apply(run, view, &def, &windowed, &stats);
-    if (result == TY_OK) result = figure_note(run, "reference 100x100", "time", "s", stats.seconds);
+    if (result == TY_OK) figure_note(run, "reference 100x100", "time", "s", stats.seconds);
     if (result == TY_OK) result = figure_note_difference(run, "reference 100x100", windowed, *reference, &difference);
     if (result == TY_OK) result = fill_cell(run, view, view->surface, &sheet->cells[0]);
     if (result == TY_OK) result = screen_distance_picture(run, view, &sheet->cells[1].picture);
@@ -107,7 +108,7 @@ static ty_result fill_stage(figure_run* run, const screen_view* view, int stage,
     plot_cell *cell = plot_sheet_cell(sheet, 0, stage), *errors = plot_sheet_cell(sheet, 1, stage);
     ty_result result = screen_apply(run, view, &def, &image, &stats);
     if (result == TY_OK) result = figure_note_difference(run, stages[stage].name, image, reference, &difference);
-    if (result == TY_OK) result = figure_note(run, stages[stage].name, "time", "s", stats.seconds);
+    if (result == TY_OK) figure_note(run, stages[stage].name, "time", "s", stats.seconds);
     if (result == TY_OK) result = fill_cell(run, view, image, cell);
     if (result == TY_OK) result = figure_error_map(run, image, reference, 1, &errors->picture);
     ty_image_destroy(image);

@@ -51,8 +51,7 @@ static ty_result read_view(figure_run* run, const char* color_path, const char* 
     }
     ty_image_destroy(depth);
     if (result == TY_OK) result = ty_screen_fill_distance(context, view->width, view->height, view->distance, &filled);
-    if (result == TY_OK)
-        result = figure_note(run, "photograph", "pixels without a distance, filled", "pixel", (double)filled);
+    if (result == TY_OK) figure_note(run, "photograph", "pixels without a distance, filled", "pixel", (double)filled);
     return result;
 }
 
@@ -82,8 +81,8 @@ static ty_result fill_medium(figure_run* run, const screen_view* view, int mediu
     ty_image* image = NULL;
     ty_result result = make_def(run, view, medium, &def);
     if (result == TY_OK) result = screen_apply(run, view, &def, &image, &stats);
-    if (result == TY_OK) result = figure_note(run, item, "time", "s", stats.seconds);
-    if (result == TY_OK) result = figure_note(run, item, "largest half-light radius", "pixel", stats.spread);
+    if (result == TY_OK)
+        figure_notes(run, item, {"time", "s", stats.seconds}, {"largest half-light radius", "pixel", stats.spread});
     if (result == TY_OK) result = plot_picture_of_image(run->session->context, image, 0, &cell->picture);
     if (result == TY_OK) write_lines(&def, medium, cell);
     ty_image_destroy(image);

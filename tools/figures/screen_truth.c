@@ -64,8 +64,7 @@ static ty_result check_relief(figure_run* run, const screen_view* view) {
     ty_result result = screen_make_relief(run, view, NULL, &scene);
     if (result == TY_OK) result = trace(run, view, scene, 1, &image);
     if (result == TY_OK) result = ty_image_compare(run->session->context, image, view->surface, 1, &difference);
-    if (result == TY_OK)
-        result = figure_expect(run, "relief, no medium", "relMSE", "1", difference.rel_mse[3], 0, 1e-4);
+    if (result == TY_OK) figure_expect(run, "relief, no medium", "relMSE", "1", difference.rel_mse[3], 0, 1e-4);
     ty_image_destroy(image);
     ty_scene_destroy(scene);
     return result;
@@ -88,23 +87,19 @@ static void write_lines(const double rmse[4], double mean, double energy, plot_c
     snprintf(errors->lines[1], PLOT_LABEL_SIZE, "relative %s, energy %.3g", texts[3], energy);
 }
 
-static ty_result note_method(figure_run* run, const truth_row* row, int method, const ty_difference* difference,
-                             plot_cell* errors) {
+static void note_method(figure_run* run, const truth_row* row, int method, const ty_difference* difference,
+                        plot_cell* errors) {
     static const char* const channels[3] = {"RMSE R", "RMSE G", "RMSE B"};
     char item[FIGURE_NAME_SIZE];
     double rmse[4];
     snprintf(item, sizeof item, "%s, %s, thickness %g", methods[method].name, truth_names[row->truth],
              waters[row->strength].thickness);
-    ty_result result = TY_OK;
     for (int c = 0; c < 4; ++c) rmse[c] = bench_without_noise(difference->rmse[c], row->noise[c]);
-    for (int c = 0; c < 3 && result == TY_OK; ++c)
-        result = figure_note(run, item, channels[c], "W m^-2 sr^-1", rmse[c]);
+    for (int c = 0; c < 3; ++c) figure_note(run, item, channels[c], "W m^-2 sr^-1", rmse[c]);
     const double mean = difference->rmse[3] / difference->relative_rmse[3];
-    if (result == TY_OK) result = figure_note(run, item, "relative RMSE", "1", rmse[3] / mean);
-    if (result == TY_OK) result = figure_note(run, item, "relMSE, with noise", "1", difference->rel_mse[3]);
-    if (result == TY_OK) result = figure_note(run, item, "energy ratio", "1", difference->mean_ratio[3]);
+    figure_notes(run, item, {"relative RMSE", "1", rmse[3] / mean}, {"relMSE, with noise", "1", difference->rel_mse[3]},
+                 {"energy ratio", "1", difference->mean_ratio[3]});
     write_lines(rmse, mean, difference->mean_ratio[3], errors);
-    return result;
 }
 
 static ty_result fill_method(figure_run* run, const screen_view* view, const truth_row* row, int method,
@@ -119,7 +114,8 @@ static ty_result fill_method(figure_run* run, const screen_view* view, const tru
         result = plot_picture_of_image(run->session->context, image, view->camera.exposure, &cell->picture);
     if (result == TY_OK) result = figure_error_map(run, image, row->image, row->block, &errors->picture);
     ty_image_destroy(image);
-    return result == TY_OK ? note_method(run, row, method, &difference, errors) : result;
+    if (result == TY_OK) note_method(run, row, method, &difference, errors);
+    return result;
 }
 
 /* Columns: the reference, the methods, the methods' errors. */
@@ -135,7 +131,7 @@ static ty_result fill_row(figure_run* run, const screen_view* view, int index, p
     if (result == TY_OK) {
         bench_noise(row.image, row.block, row.noise);
         snprintf(truth->lines[0], PLOT_LABEL_SIZE, "own noise: RMS %.3g", row.noise[3]);
-        result = figure_note(run, item, "noise, RMS", "W m^-2 sr^-1", row.noise[3]);
+        figure_note(run, item, "noise, RMS", "W m^-2 sr^-1", row.noise[3]);
     }
     if (result == TY_OK)
         result = plot_picture_of_image(run->session->context, row.image, view->camera.exposure, &truth->picture);

@@ -70,7 +70,7 @@ bool figure_get_group(const figure_outcome* outcome, size_t index, figure_group*
 /* True if a quantity is within its tolerance; NaN means no number. */
 bool figure_is_within(const figure_quantity* quantity);
 
-/* Writes summary.csv and summary.json, summary.md for docs/figures.md, index.md and index.html. Errors: TY_ERROR_FILE,
+/* Writes summary.csv, summary.md for docs/figures.md, and index.html. Errors: TY_ERROR_FILE,
  * TY_ERROR_MEMORY. */
 ty_result figure_write_summary(cli_session* session, const figure_summary* summary);
 

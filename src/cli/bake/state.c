@@ -109,11 +109,11 @@ int bake_read_state(bake_run* run) {
     int status = CLI_GO;
     make_key(run, key);
     if (!consume_text(&text, state_head))
-        status = cli_fail(CLI_USAGE, "%s: not the state of a bake; remove it to begin anew", path);
+        status = cli_fail(CLI_USAGE, "%s: not the state of a bake; remove it to start again", path);
     else if (!consume_text(&text, key))
         status = cli_fail(CLI_USAGE,
                           "%s: the state of another bake: the scene, the options or the seed were others; remove it to "
-                          "begin anew",
+                          "start again",
                           path);
     for (; status == CLI_GO && *text != '\0'; text += *text == '\n') {
         read_line(run, text);

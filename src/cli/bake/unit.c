@@ -44,7 +44,7 @@ static ty_result set_metadata(const bake_run* run, const bake_unit* unit, ty_ima
     return result;
 }
 
-/* The exposure in stops that maps the mean of the lit texels to middle grey. */
+/* The exposure in stops that maps the mean of the lit texels to medium gray. */
 static double preview_exposure(const ty_image* image) {
     const float* planes[3];
     double sum = 0, lit = 0;

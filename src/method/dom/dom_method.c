@@ -24,7 +24,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_dom_stats, solve_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_dom_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_dom_stats, sweep_seconds), TY_STAT_NUMBER},
-    {TY_STAT_FIELD(ty_dom_stats, bytes), TY_STAT_NUMBER},
+    {.name = "bytes", .offset = offsetof(ty_dom_stats, memory_bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_dom_stats, isa), TY_STAT_TEXT},
 };
 

@@ -18,7 +18,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_fld_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_fld_stats, solve_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_fld_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
-    {TY_STAT_FIELD(ty_fld_stats, bytes), TY_STAT_NUMBER},
+    {.name = "bytes", .offset = offsetof(ty_fld_stats, memory_bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_fld_stats, isa), TY_STAT_TEXT},
 };
 

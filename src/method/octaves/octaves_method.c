@@ -10,7 +10,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_octaves_stats, medium_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_octaves_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_octaves_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
-    {TY_STAT_FIELD(ty_octaves_stats, bytes), TY_STAT_NUMBER},
+    {.name = "bytes", .offset = offsetof(ty_octaves_stats, memory_bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_octaves_stats, isa), TY_STAT_TEXT},
 };
 

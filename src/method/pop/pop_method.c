@@ -23,7 +23,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_pop_stats, residuum_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_pop_stats, merge_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_pop_stats, march_seconds), TY_STAT_NUMBER, .stage = true},
-    {TY_STAT_FIELD(ty_pop_stats, bytes), TY_STAT_NUMBER},
+    {.name = "bytes", .offset = offsetof(ty_pop_stats, memory_bytes), TY_STAT_NUMBER},
     {TY_STAT_FIELD(ty_pop_stats, isa), TY_STAT_TEXT},
 };
 

@@ -1,5 +1,5 @@
 /* Cubes of cells: memory and diffusion problem. */
-#include "figures/fld_box.h"
+#include "bench/fld_box.h"
 
 #include "base/context.h"
 

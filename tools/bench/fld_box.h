@@ -1,6 +1,6 @@
 /* A cube of equal cells for the diffusion solver. */
-#ifndef TY_FIGURES_FLD_BOX_H
-#define TY_FIGURES_FLD_BOX_H
+#ifndef TY_BENCH_FLD_BOX_H
+#define TY_BENCH_FLD_BOX_H
 
 #include "solve/diffusion/diffusion.h"
 
