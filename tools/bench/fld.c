@@ -94,7 +94,7 @@ static ty_result run_case(const bench_session* bench, int index, int32_t side, s
     const int runs = cases[index].solver == TY_DIFFUSION_SOR ? 1 : bench->options->runs;
     double seconds[RUNS_MAX], cpu_seconds[RUNS_MAX];
     for (int run = 0; run < runs && result == TY_OK; ++run) {
-        ty_diffusion_stats stats = ty_default_diffusion_stats();
+        ty_diffusion_stats stats;
         const double cpu = cli_cpu_seconds();
         result = ty_diffusion_solve(bench->session->context, &def, &fluence, &stats);
         cpu_seconds[run] = cli_cpu_seconds() - cpu;

@@ -94,7 +94,7 @@ static void note_solve(figure_run* run, int omega, int32_t edge, const ty_diffus
 
 /* Residuals of over-relaxation, one pass over all cells per iteration; dots at equal ratios. */
 static ty_result follow_sor(figure_run* run, fld_box* box, int omega, plot_series* series) {
-    ty_diffusion_stats stats = ty_default_diffusion_stats();
+    ty_diffusion_stats stats;
     double* history = malloc(HISTORY * sizeof *history);
     if (history == NULL) return TY_ERROR_MEMORY;
     choose_solver(box, omega);
@@ -147,7 +147,7 @@ static ty_result fill_histories(figure_run* run, const ty_grid* noise, plot_char
 
 static ty_result solve_size(figure_run* run, const ty_grid* noise, int size, int omega, plot_chart charts[2]) {
     fld_box box;
-    ty_diffusion_stats stats = ty_default_diffusion_stats();
+    ty_diffusion_stats stats;
     ty_result result = make_ball(run, noise, sizes[size], &box);
     if (result != TY_OK) return result;
     choose_solver(&box, omega);
