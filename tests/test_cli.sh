@@ -227,11 +227,11 @@ test_bench() {
 }
 
 test_interrupt() {
-  for signal in INT TERM; do
+  for signal in INT TERM HUP; do
     rm -f part.exr
     start render builtin:cornell_fog -o part.exr --size 64x48 --time 300 --stats part.json
     kill -$signal "$process"
-    finished 130
+    finished $((128 + $(kill -l $signal)))
     said part.json '"complete": false'
     expect 0 info part.exr
     said out.txt '^size +64x48$'

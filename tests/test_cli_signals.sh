@@ -120,7 +120,7 @@ test_readers_that_leave() {
     [ ! -s err.txt ] || fail "said $(cat err.txt)"
   done
   what="tyndall render, whose progress nobody reads"
-  (sleep 0.3; exec "$tyndall" render builtin:cube_g0 --size 64x64 --spp 64 -o read.exr --progress json -q 2>&1 > out.txt) | true
+  (sleep 0.3; exec "$tyndall" render builtin:cube_g0 --size 64x64 --spp 64 -o read.exr --progress json 2>&1 > out.txt) | true
   status=${PIPESTATUS[0]}
   checks=$((checks + 1))
   [ "$status" -eq 0 ] || fail "exit status $status"
@@ -152,6 +152,24 @@ test_closed_streams() {
     same open.exr closed.exr
     cmp -s open.png closed.png || fail "the PNG is another one"
   done
+}
+
+# The lock of a state is open all the time, and progress must not go into it.
+test_closed_streams_and_locks() {
+  rm -f out.exr*
+  # shellcheck disable=SC2086
+  "$tyndall" render $scene --time 100 -o out.exr --resume --progress json < /dev/null > out.txt 2>&- &
+  process=$!
+  for _ in $(seq 100); do
+    [ -s out.exr.state ] && break
+    sleep 0.1
+  done
+  what="tyndall render --resume 2>&-"
+  checks=$((checks + 1))
+  [ "$(cat out.exr.state.lock)" = "$process" ] || fail "out.exr.state.lock has $(head -c 100 out.exr.state.lock)"
+  kill -TERM "$process"
+  finished 143
+  expect 0 info out.exr
 }
 
 test_two_processes() {
@@ -251,6 +269,7 @@ test_second_signal
 test_ignored_hangup
 test_readers_that_leave
 test_closed_streams
+test_closed_streams_and_locks
 test_two_processes
 test_kills
 finish 90

@@ -267,7 +267,7 @@ static void changes_lead_to_the_same_image(void** state) {
     }
     refuse(*state, scene, def, j->before, j->before_first - 1, "cut short");
     j->before[j->before_size] = 'x';
-    refuse(*state, scene, def, j->before, j->before_size + 1, "cut short");
+    refuse(*state, scene, def, j->before, j->before_size + 1, "1 bytes behind it are not its changes");
     j->before[j->before_size - 5] ^= 1; /* as after a crash of the machine: the last change does not count */
     def.resume_size = j->before_size;
     ty_image* image = render(scene, &def, &stats);

@@ -54,13 +54,14 @@ typedef struct ty_path_def {
                 ///< max_depth, ignore_media, unscattered, the scene and the instruction set (ty_path_stats.isa) are the
                 ///< same; spp may also be larger. The time of earlier runs counts for `seconds` and in ty_path_stats.
                 ///< TY_ERROR_INPUT: the state is damaged, or belongs to another render.
-    size_t resume_size;            ///< Size of `resume`, bytes; default 0.
-    ty_progress_fn progress;       ///< Default NULL.
-    void* progress_user;           ///< Passed on to `progress`; default NULL.
-    ty_path_state_fn state_change; ///< Images: receives the changes since the last call of `state` or of itself, in
-                                   ///< place of most states, which it is cheaper to keep; default NULL. A state
-                                   ///< followed by all its changes is a state. A return value of false asks for a whole
-                                   ///< state next, as comes by itself once changes are twice as large as one, and at the end.
+    size_t resume_size;      ///< Size of `resume`, bytes; default 0.
+    ty_progress_fn progress; ///< Default NULL.
+    void* progress_user;     ///< Passed on to `progress`; default NULL.
+    ty_path_state_fn
+        state_change; ///< Images: receives the changes since the last call of `state` or of itself, in
+                      ///< place of most states, which it is cheaper to keep; default NULL. A state
+                      ///< followed by all its changes is a state. A return value of false asks for a whole
+                      ///< state next, as comes by itself once changes are twice as large as one, and at the end.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.

@@ -214,16 +214,17 @@ static ty_result take_blocks(ty_path_run* run, const uint8_t* at, const uint8_t*
     return TY_OK;
 }
 
-/* True for a record that is not whole because its writer was killed: the beginning of one, or one with a wrong
- * checksum.
- */
-static bool is_cut(const uint8_t* record, size_t left) {
+/* True if the bytes are the beginning of a record. */
+static bool begins_record(const uint8_t* bytes, size_t size) {
+    return memcmp(bytes, state_magic, size < sizeof state_magic ? size : sizeof state_magic) == 0;
+}
+
+/* True for a record that is not whole because its writer was killed: a part of one, or one with a wrong checksum. */
+static bool is_cut(const uint8_t* record, size_t size) {
     state_header header;
-    if (left < sizeof header)
-        return memcmp(record, state_magic, left < sizeof state_magic ? left : sizeof state_magic) == 0;
+    if (size < sizeof header) return true;
     memcpy(&header, record, sizeof header);
-    if (memcmp(header.magic, state_magic, sizeof header.magic) != 0) return false;
-    return header.size > left || !is_sealed(record, &header);
+    return header.size > size || !is_sealed(record, &header);
 }
 
 /* Takes one record; *size is that of the record. */
@@ -256,6 +257,9 @@ ty_result ty_path_state_resume(ty_path_run* run) {
     size_t taken = 0;
     do {
         const size_t left = run->def->resume_size - taken;
+        if (taken > 0 && !begins_record(state + taken, left))
+            return ty_fail(run->context, TY_ERROR_INPUT,
+                           "the state is cut short or damaged: %zu bytes behind it are not its changes", left);
         if (taken > 0 && is_cut(state + taken, left)) break;
         size_t size = 0;
         const ty_result result = take_record(run, state + taken, left, &size);
