@@ -9,6 +9,6 @@ void cli_print_man_options(FILE* file);
 /* Prints "render.dom.directions render.dom.bands ..." for shell completion. */
 void cli_print_option_keys(FILE* file);
 /* Prints one method's options as a Markdown table: CLI_DONE, or CLI_USAGE after a message. */
-int cli_print_option_table(const char* method);
+int cli_print_option_table(const char* name);
 
 #endif

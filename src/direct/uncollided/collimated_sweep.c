@@ -164,9 +164,9 @@ static ty_result pass_slabs(pass_job* job) {
     return result;
 }
 
-void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* buffer) {
-    ty_free_array(context, buffer->floats, buffer->count, sizeof *buffer->floats);
-    *buffer = (ty_transpose_scratch){.floats = NULL};
+void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* scratch) {
+    ty_free_array(context, scratch->floats, scratch->count, sizeof *scratch->floats);
+    *scratch = (ty_transpose_scratch){.floats = NULL};
 }
 
 static ty_result fill_buffer(const pass_job* job, const ty_grid_medium* medium, size_t count) {

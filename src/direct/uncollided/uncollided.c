@@ -190,13 +190,13 @@ static ty_result add_point(add_job* job, const ty_discrete_light* source) {
 
 ty_result ty_uncollided_add_reusing(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
                                     const ty_discrete_light* sources, int32_t count, ty_light_field* field,
-                                    ty_transpose_scratch buffer[3], ty_progress_fn progress, void* progress_user) {
+                                    ty_transpose_scratch scratch[3], ty_progress_fn progress, void* progress_user) {
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
     add_job job = {.scene = scene,
                    .medium = medium,
                    .extinction = extinction != NULL ? extinction : medium->extinction,
                    .field = field,
-                   .buffer = buffer,
+                   .buffer = scratch,
                    .progress = ty_part_begin(progress, progress_user, 0, 1.0 / count)};
     job.progress.reported = job.progress.begun;
     ty_result result = add_all_collimated(&job, sources, count);
