@@ -54,6 +54,8 @@ typedef struct ty_path_def {
     size_t resume_size;      ///< Size of `resume`, bytes; default 0.
     ty_progress_fn progress; ///< Default NULL.
     void* progress_user;     ///< Passed on to `progress`; default NULL.
+    bool lamp_directions; ///< True (default): vertices sample directions about point and spot lights in media. False:
+                          ///< the same mean with far more noise, to show what they are worth.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.
