@@ -57,11 +57,12 @@ typedef struct ty_path_def {
     size_t resume_size;      ///< Size of `resume`, bytes; default 0.
     ty_progress_fn progress; ///< Default NULL.
     void* progress_user;     ///< Passed on to `progress`; default NULL.
-    ty_path_state_fn
-        state_change; ///< Images: receives the changes since the last call of `state` or of itself, in
-                      ///< place of most states, which it is cheaper to keep; default NULL. A state
-                      ///< followed by all its changes is a state. A return value of false asks for a whole
-                      ///< state next, as comes by itself once changes are twice as large as one, and at the end.
+    /// Images: receives the changes since the last call of `state` or of itself, in place of most states, because
+    /// changes are cheaper to keep; default NULL. A state followed by all its changes is a state. A return value of
+    /// false asks for a whole state next, as comes by itself once changes are twice as large as one, and at the end.
+    ty_path_state_fn state_change;
+    bool lamp_directions; ///< True (default): vertices sample directions about point and spot lights in media. False:
+                          ///< the same mean with far more noise, to show what they are worth.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.

@@ -75,6 +75,16 @@ TY_FN ty_sampler ty_sampler_begin(TY_GLOBAL const ty_sobol* sobol, uint64_t seed
     return random;
 }
 
+/* White noise for a part of a sample that takes none of the sample's own numbers. */
+TY_FN ty_sampler ty_sampler_branch(const ty_sampler* random) {
+    ty_sampler branch = *random;
+    branch.key =
+        ty_mix64(random->key ^ ty_mix64(random->counter * 64 + (uint64_t)random->dimension + 0x6a09e667f3bcc909u));
+    branch.counter = 0;
+    branch.dimension = TY_SOBOL_DIMENSIONS;
+    return branch;
+}
+
 TY_FN uint64_t ty_rng_bits(ty_sampler* random) {
     return ty_mix64(random->key + 0x9e3779b97f4a7c15u * ++random->counter);
 }

@@ -41,6 +41,11 @@ TY_FN bool ty_light_is_local(int32_t kind) {
     return kind == TY_KIND_POINT || kind == TY_KIND_SPOT || kind == TY_KIND_AREA || kind == TY_KIND_TRIANGLE;
 }
 
+/* Lamps: local lights without extent, which only sampling finds. */
+TY_FN bool ty_light_is_lamp(int32_t kind) {
+    return kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
+}
+
 /* Sample of a light from a point. */
 typedef struct ty_light_sample {
     ty_vec wi;         /* unit, to the light */

@@ -48,4 +48,10 @@ TY_FN int32_t ty_lights_choose_local(TY_GLOBAL const ty_light_set* set, ty_vec o
     return ty_light_tree_sample_ray(set->nodes, origin, direction, enter, leave, u, probability);
 }
 
+/* Probability with which ty_lights_choose_local selects a local light. */
+TY_FN float ty_lights_local_probability(TY_GLOBAL const ty_light_set* set, int32_t light, ty_vec origin,
+                                        ty_vec direction, float enter, float leave) {
+    return ty_light_tree_ray_probability(set->nodes, set->trails, light, origin, direction, enter, leave);
+}
+
 #endif

@@ -143,6 +143,14 @@ TY_FN float ty_light_node_ray_importance(TY_GLOBAL const ty_light_node* node, ty
     return node->local_power * angle / off;
 }
 
+/* Probability of the first child of a node for [enter, leave] of a ray; -1 if neither has local lights. */
+TY_FN float ty_light_tree_ray_first_probability(TY_GLOBAL const ty_light_node* nodes, int32_t node, ty_vec origin,
+                                                ty_vec direction, float enter, float leave) {
+    return ty_light_first_probability(
+        ty_light_node_ray_importance(&nodes[node + 1], origin, direction, enter, leave),
+        ty_light_node_ray_importance(&nodes[nodes[node].next], origin, direction, enter, leave));
+}
+
 /* Selects a local light for single scattering along [enter, leave] of a ray. Returns -1, with probability 0, if there
  * is no local light or the segment is empty. */
 TY_FN int32_t ty_light_tree_sample_ray(TY_GLOBAL const ty_light_node* nodes, ty_vec origin, ty_vec direction,
@@ -153,15 +161,28 @@ TY_FN int32_t ty_light_tree_sample_ray(TY_GLOBAL const ty_light_node* nodes, ty_
     if (nodes == NULL || !(nodes[0].local_power > 0.0f) || !(far > enter)) return -1;
     float product = 1.0f;
     while (nodes[node].next >= 0) {
-        const int32_t second = nodes[node].next;
-        const float probability_first =
-            ty_light_first_probability(ty_light_node_ray_importance(&nodes[node + 1], origin, direction, enter, far),
-                                       ty_light_node_ray_importance(&nodes[second], origin, direction, enter, far));
+        const float probability_first = ty_light_tree_ray_first_probability(nodes, node, origin, direction, enter, far);
         if (probability_first < 0.0f) return -1;
         node = ty_light_tree_step(nodes, node, probability_first, u, &product);
     }
     *probability = product;
     return ~nodes[node].next;
+}
+
+/* Probability with which ty_light_tree_sample_ray selects a local light, by the same operations. */
+TY_FN float ty_light_tree_ray_probability(TY_GLOBAL const ty_light_node* nodes, TY_GLOBAL const uint64_t* trails,
+                                          int32_t light, ty_vec origin, ty_vec direction, float enter, float leave) {
+    const float far = ty_minf(leave, 1e15f);
+    uint64_t trail = trails[light];
+    if (trail == TY_LIGHT_NO_TRAIL || !(far > enter)) return 0.0f;
+    float product = 1.0f;
+    for (int32_t node = 0; nodes[node].next >= 0; trail >>= 1) {
+        const float probability_first = ty_light_tree_ray_first_probability(nodes, node, origin, direction, enter, far);
+        if (probability_first < 0.0f) return 0.0f;
+        product *= (trail & 1u) == 0 ? probability_first : 1.0f - probability_first;
+        node = (trail & 1u) == 0 ? node + 1 : nodes[node].next;
+    }
+    return product;
 }
 
 #endif

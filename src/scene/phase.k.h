@@ -42,6 +42,19 @@ TY_FN ty_vec ty_hg_sample(ty_vec axis, float g, float u, float v) {
     return ty_direction_about(axis, ty_hg_sample_cosine(g, u), v);
 }
 
+/* ty_hg_sample for g > 0 without cancellation: angles down to 1e-7 of a radian from the axis have their probability. */
+TY_FN ty_vec ty_hg_sample_narrow(ty_vec axis, float g, float u, float v) {
+    const float inverse = 1.0f / (1.0f + g - 2.0f * g * u);
+    /* 1 - mu */
+    const float tilt = ty_clampf((1.0f - g) * (1.0f - g) * u * inverse * (1.0f + (1.0f + g) * inverse), 0.0f, 2.0f);
+    float sine, cosine;
+    ty_vec s, t;
+    ty_onb(axis, &s, &t);
+    ty_sincos_2pi(v, &sine, &cosine);
+    const float radius = sqrtf(tilt * (2.0f - tilt));
+    return ty_mad(ty_mad(ty_scale(axis, 1.0f - tilt), s, radius * cosine), t, radius * sine);
+}
+
 /* ---- in double precision, for tables ---- */
 
 #if !defined(__OPENCL_C_VERSION__)

@@ -10,6 +10,11 @@
  * typical light. */
 static const float contribution_fraction = 0.5f;
 
+/* Lamp directions per vertex beside a lamp and unit optical thickness of the scene, at most 1 in all: in thin media
+ * light that is scattered twice is a small part, and they cost time. The squared distance at which they are half as
+ * many, and the squared length of the optical thickness, both over the squared reach of the lamp. */
+static const double lamp_rate = 0.5, lamp_reach_factor = 60, thickness_factor = 1 / 0.015;
+
 /* Chooses the guiding lights of high-g media: local and directional lights, most probable first. */
 static void choose_guides(ty_path_request* request) {
     const ty_scene_view* scene = request->scene;
@@ -78,6 +83,25 @@ static ty_result allocate_items(ty_path_run* run, bool with_aov_sums) {
     return run->items != NULL && (run->aov_sums != NULL) == with_aov_sums ? TY_OK : TY_ERROR_MEMORY;
 }
 
+/* Rates of lamp directions, where lamps shine into media: off if the def, or the request, leaves no light for them. */
+static void set_lamp_rate(ty_path_run* run) {
+    const ty_light_set* lights = &run->view.lights;
+    float reach2 = 0;
+    for (int32_t i = 0; i < lights->count; ++i)
+        if (ty_light_is_lamp(lights->lights[i].kind)) reach2 = fmaxf(reach2, lights->lights[i].reach2);
+    if (!run->known.lamp_directions || run->request.unscattered != 0 || run->view.medium_count == 0 || !(reach2 > 0))
+        return;
+    double scattering = 0, forward = 0;
+    for (int32_t m = 0; m < run->view.medium_count; ++m) {
+        const ty_medium_view* medium = &run->view.media[m];
+        scattering += (double)medium->sigma_s[1];
+        forward += (double)medium->sigma_s[1] * medium->g[1];
+    }
+    run->request.lamp_rate = (float)fmin(lamp_rate * scattering * sqrt(thickness_factor * (double)reach2), 1);
+    run->request.lamp_g = scattering > 0 ? (float)fmin(fmax(forward / scattering, 0), 0.98) : 0;
+    run->request.lamp_reach2 = (float)(lamp_reach_factor * (double)reach2);
+}
+
 ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_aov_sums) {
     ty_result result = replace_lights(run, scene);
     if (result == TY_OK) result = allocate_items(run, with_aov_sums);
@@ -86,6 +110,7 @@ ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_a
         return result;
     }
     choose_guides(&run->request);
+    set_lamp_rate(run);
     run->request.min_contribution = contribution_threshold(&run->view.lights);
     return TY_OK;
 }

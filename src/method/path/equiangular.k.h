@@ -26,6 +26,21 @@ TY_FN ty_media_interval ty_spans_interval(const ty_spans* spans) {
     return interval;
 }
 
+/* Closest approach of a ray to a point. */
+typedef struct ty_closest_approach {
+    float t;         /* m along the ray from its origin */
+    float distance2; /* squared distance of the ray's line and the point, m^2, with a lower bound */
+    float radius2;   /* squared distance of the ray's origin and the point, m^2 */
+} ty_closest_approach;
+
+/* reach2: of the light. */
+TY_FN ty_closest_approach ty_closest_approach_find(ty_vec origin, ty_vec direction, ty_vec point, float reach2) {
+    const ty_vec to = ty_sub(point, origin);
+    const float t = ty_dot(to, direction);
+    const ty_vec off = ty_mad(to, direction, -t);
+    return (ty_closest_approach){t, ty_dot(off, off) + 1e-10f * reach2, ty_dot(to, to)};
+}
+
 /* First factor of w at squared distance d2 from a light with squared reach r2, and its complement without
  * cancellation, which cancels 1/d^2 near the light. */
 TY_FN float ty_mis_near_weight(float d2, float r2) {

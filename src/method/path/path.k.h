@@ -4,6 +4,7 @@
 #define TY_PATH_PATH_K_H
 
 #include "method/path/equiangular.k.h"
+#include "method/path/lamp_direction.k.h"
 #include "scene/phase.k.h"
 
 /* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
@@ -28,6 +29,7 @@ typedef struct ty_path {
     float pdf;           /* solid-angle density of direction, 1/sr; 0 at the camera, where no light was sampled */
     int32_t scattered; /* nonzero if the last vertex is in a medium, where equiangular sampling shares the MIS weight */
     float phase;       /* phase function (green) of that vertex in direction, 1/sr */
+    float lamp_rate;   /* lamp directions per direction at that vertex, beside the lamp; 0: none were sampled */
     int32_t depth;     /* scatterings and reflections so far */
     int32_t run;       /* scatterings since the last reflection */
     int32_t path_class;                     /* class of the light that the path finds next */
@@ -41,6 +43,12 @@ TY_FN int32_t ty_path_class_scattered(int32_t path_class) {
 
 TY_FN int32_t ty_path_class_reflected(int32_t path_class) {
     return path_class <= TY_PATH_REFLECTED ? TY_PATH_REFLECTED : TY_PATH_MULTIPLE;
+}
+
+/* True if no further scattering is allowed. */
+TY_FN bool ty_path_is_last(const ty_path* path) {
+    return (path->request->max_depth > 0 && path->depth >= path->request->max_depth) ||
+           (path->request->max_run > 0 && path->run >= path->request->max_run);
 }
 
 TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
@@ -107,6 +115,7 @@ typedef struct ty_scatter_vertex {
     int32_t guide_count;
     ty_vec axis[TY_GUIDES_MAX];
     const float* axis_share;
+    int32_t lamp[TY_GUIDES_MAX]; /* nonzero if the guiding light is a lamp */
 } ty_scatter_vertex;
 
 TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
@@ -146,8 +155,11 @@ TY_FN void ty_scatter_vertex_begin(ty_scatter_vertex* s, const ty_path* path, co
     s->guide_g[0] = g;
     s->guide_g[1] = g * g;
     s->guide_g[2] = g * g * g * g;
-    for (int32_t i = 0; i < s->guide_count; ++i)
-        s->axis[i] = ty_light_axis(&request->scene->lights.lights[request->guide_light[i]], path->origin);
+    for (int32_t i = 0; i < s->guide_count; ++i) {
+        const ty_light_view* light = &request->scene->lights.lights[request->guide_light[i]];
+        s->axis[i] = ty_light_axis(light, path->origin);
+        s->lamp[i] = ty_light_is_lamp(light->kind);
+    }
 }
 
 /* The phase function per channel. */
@@ -177,8 +189,17 @@ TY_FN ty_vec ty_scatter_vertex_sample(const ty_scatter_vertex* s, ty_sampler* ra
     if (u < s->guided) {
         const float lobes[3] = {1.0f, 1.0f, 1.0f};
         u /= s->guided;
-        axis = s->axis[ty_sample_discrete(s->axis_share, s->guide_count, 1.0f, &u)];
-        g = s->guide_g[ty_sample_discrete(lobes, 3, 3.0f, &u)];
+        const int32_t guide = ty_sample_discrete(s->axis_share, s->guide_count, 1.0f, &u);
+        const int32_t lobe = ty_sample_discrete(lobes, 3, 3.0f, &u);
+        axis = s->axis[guide];
+        g = s->guide_g[lobe];
+        /* Few bits of u are left, and the first of its values is the axis itself. A ray that meets a lamp would have
+         * that probability, and not 0: the missing bits are drawn. */
+        if (s->lamp[guide] != 0) {
+            ty_sampler bits = ty_sampler_branch(random);
+            u += ty_rng_uniform(&bits) * 3.0f * 0x1p-24f / (s->guided * s->axis_share[guide]);
+            return ty_hg_sample_narrow(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
+        }
     } else {
         u = (u - s->guided) / (1.0f - s->guided);
         if (s->gray == 0) g = s->g[ty_sample_discrete(s->weight, 3, 1.0f, &u)];
@@ -188,21 +209,31 @@ TY_FN ty_vec ty_scatter_vertex_sample(const ty_scatter_vertex* s, ty_sampler* ra
 
 /* ---- vertices ---- */
 
-/* Chooses a light for a vertex and samples a point on it, without visibility. *chosen: the discrete probability of that
- * light. NULL: there is no light, or the sample carries no radiance. */
-TY_FN const ty_light_view* ty_path_choose_light(ty_path* path, ty_vec from, float* chosen, ty_light_sample* sample) {
+/* Chooses a light for a vertex and samples a point on it, without visibility: the light's index, or -1 without one.
+ * *chosen: the discrete probability of that light. *shines: the sample carries radiance. */
+TY_FN int32_t ty_path_sample_light(ty_path* path, ty_vec from, float* chosen, ty_light_sample* sample, bool* shines) {
     const ty_light_set* lights = &path->request->scene->lights;
-    if (lights->count == 0) return NULL;
+    *shines = false;
+    *chosen = 0.0f;
+    if (lights->count == 0) return -1;
     float pick = lights->count > 1 ? ty_sobol_next(&path->random) : 0.0f;
     const int32_t i = ty_lights_choose(lights, from, path->normal, &pick, chosen);
-    if (i < 0) return NULL;
+    if (i < 0) return -1;
     const ty_light_view* light = &lights->lights[i];
     float u = 0.5f, v = 0.5f;
     if (light->kind >= TY_KIND_AREA) {
         u = ty_sobol_next(&path->random);
         v = ty_sobol_next(&path->random);
     }
-    return ty_light_sample_from(light, from, u, v, sample) ? light : NULL;
+    *shines = ty_light_sample_from(light, from, u, v, sample);
+    return i;
+}
+
+/* The light of ty_path_sample_light; NULL: there is none, or its sample carries no radiance. */
+TY_FN const ty_light_view* ty_path_choose_light(ty_path* path, ty_vec from, float* chosen, ty_light_sample* sample) {
+    bool shines;
+    const int32_t i = ty_path_sample_light(path, from, chosen, sample, &shines);
+    return shines ? &path->request->scene->lights.lights[i] : NULL;
 }
 
 /* Visibility of a light sample from a point: true if no surface lies between them. */
@@ -247,36 +278,37 @@ TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, f
     ty_path_add(path, radiance);
 }
 
-/* Equiangular sampling (Kulla and Fajardo 2012) along the path's current ray: adds the light of a local light that is
- * scattered into the ray. Russian roulette skips rays that pass the light at a distance. */
-TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
+/* Russian roulette for a ray that passes a point of a local light at a distance: the probability to go on with it. */
+TY_FN float ty_path_pass_chance(const ty_closest_approach* closest, ty_media_interval interval, float reach2) {
+    const float beyond = closest->t - ty_clampf(closest->t, interval.enter, interval.leave);
+    return ty_mis_near_weight(closest->distance2 + beyond * beyond, reach2);
+}
+
+/* Adds the light that a point of a local light sends into a ray by one scattering: at one distance, sampled equiangular
+ * (Kulla and Fajardo 2012) with `along` in [0, 1). u, v: coordinates of the light's point. weight: MIS weight over the
+ * probability of the light and of the ray's roulette. */
+TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, ty_media_interval interval,
+                                         const ty_light_view* light, float u, float v, float along,
+                                         const ty_closest_approach* closest, const float throughput[3], float weight) {
     const ty_scene_view* scene = path->request->scene;
-    const ty_media_interval interval = ty_spans_interval(spans);
-    float pick = scene->lights.local_count > 1 ? ty_rng_uniform(&path->random) : 0.0f, chosen = 1.0f;
-    const int32_t lamp = ty_lights_choose_local(&scene->lights, path->origin, path->direction, interval.enter,
-                                                interval.leave, &pick, &chosen);
-    const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
-    const float along = ty_sobol_next(&path->random);
-    if (lamp < 0) return;
-    const ty_light_view* light = &scene->lights.lights[lamp];
-    float b1, b2;
-    const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
-    const ty_vec place = flat ? ty_light_point(light, u, v, &b1, &b2) : light->position;
-    const ty_vec to = ty_sub(place, path->origin);
-    const float nearest = ty_dot(to, path->direction);
-    const ty_vec off = ty_mad(to, path->direction, -nearest);
-    const float off2 = ty_dot(off, off) + 1e-10f * light->reach2;
-    const float beyond = nearest - ty_clampf(nearest, interval.enter, interval.leave);
-    const float chance = ty_mis_near_weight(off2 + beyond * beyond, light->reach2);
-    if (ty_rng_uniform(&path->random) >= chance) return;
+    const bool lamp = ty_light_is_lamp(light->kind);
     float t;
-    const float density = ty_equiangular_sample(interval, nearest, sqrtf(off2), along, &t);
+    const float density =
+        lamp ? ty_lamp_distance_sample(interval, closest, ty_spans_broadest_g(scene->media, spans), along, &t)
+             : ty_equiangular_sample(interval, closest->t, sqrtf(closest->distance2), along, &t);
     const ty_vec at = ty_mad(path->origin, path->direction, t);
     ty_light_sample sample;
     if (!ty_light_sample_from(light, at, u, v, &sample)) return;
     const float near = ty_mis_near_weight(sample.distance * sample.distance, light->reach2);
-    const float weight = near / (chosen * density * chance);
-    const float mu = ty_clampf(ty_dot(path->direction, sample.wi), -1.0f, 1.0f);
+    float mu = ty_clampf(ty_dot(path->direction, sample.wi), -1.0f, 1.0f);
+    weight *= near / density;
+    if (lamp) {
+        /* The rounding of `at` is of the size of the distance to the lamp on rays that nearly meet it; the density and
+         * 1/d^2 cancel only if both are those of the ray. */
+        const float before = closest->t - t, d2 = closest->distance2 + before * before;
+        weight *= sample.distance * sample.distance / d2;
+        mu = before / sqrtf(d2);
+    }
     float factor[3] = {0.0f, 0.0f, 0.0f}, transmittance[3], radiance[3];
     for (int32_t i = 0; i < spans->count; ++i) {
         if (t < spans->enter[i] || t > spans->leave[i]) continue;
@@ -286,7 +318,7 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
         ty_medium_g(medium, at, g);
         const float mis_weight = ty_mis_small_light_weight(sample.pdf, ty_hg(mu, g[1]));
         const float amount = mis_weight * weight * ty_medium_density(medium, at, &path->random);
-        for (int c = 0; c < 3; ++c) factor[c] += path->beta[c] * amount * sigma_s[c] * ty_hg(mu, g[c]);
+        for (int c = 0; c < 3; ++c) factor[c] += throughput[c] * amount * sigma_s[c] * ty_hg(mu, g[c]);
     }
     if (!(ty_sum3(factor) > 0.0f)) return;
     ty_path_add_light(path, at, &sample, factor, radiance);
@@ -296,6 +328,109 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
         path->radiance[ty_path_class_scattered(path->path_class)][c] += radiance[c] * transmittance[c];
 }
 
+/* Adds the light of a local light that is scattered into the path's current ray. */
+TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
+    const ty_light_set* lights = &path->request->scene->lights;
+    const ty_media_interval interval = ty_spans_interval(spans);
+    float pick = lights->local_count > 1 ? ty_rng_uniform(&path->random) : 0.0f, chosen = 1.0f;
+    const int32_t lamp =
+        ty_lights_choose_local(lights, path->origin, path->direction, interval.enter, interval.leave, &pick, &chosen);
+    const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
+    const float along = ty_sobol_next(&path->random);
+    if (lamp < 0) return;
+    const ty_light_view* light = &lights->lights[lamp];
+    float b1, b2;
+    const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
+    const ty_vec place = flat ? ty_light_point(light, u, v, &b1, &b2) : light->position;
+    const ty_closest_approach closest = ty_closest_approach_find(path->origin, path->direction, place, light->reach2);
+    const float chance = ty_path_pass_chance(&closest, interval, light->reach2);
+    if (ty_rng_uniform(&path->random) >= chance) return;
+    float weight = 1.0f / (chosen * chance);
+    if (path->lamp_rate > 0.0f && ty_light_is_lamp(light->kind)) {
+        /* The balance heuristic against lamp directions. */
+        const float probability = ty_lights_probability(lights, lamp, path->origin, path->normal) *
+                                  ty_lamp_direction_rate(path->request, path->lamp_rate, &closest);
+        const float both = path->pdf * chosen + probability * ty_lamp_direction_pdf(&closest, path->request->lamp_g);
+        weight *= path->pdf * chosen / both;
+    }
+    ty_path_add_single_scattering(path, spans, interval, light, u, v, along, &closest, path->beta, weight);
+}
+
+/* ---- lamp directions ---- */
+
+/* What a vertex is for a direction that it does not sample itself: scatter, surface, or neither for a point that
+ * receives light evenly. */
+typedef struct ty_vertex_response {
+    const ty_scatter_vertex* scatter;
+    const ty_surface_point* surface;
+} ty_vertex_response;
+
+/* Phase function, or BRDF times cosine, for light from a direction; returns the density with which the vertex samples
+ * that direction, 1/sr, or 0 if no light comes from there. */
+TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_vec direction, float factor[3]) {
+    if (response->scatter != NULL) {
+        ty_scatter_vertex_phase(response->scatter, direction, factor);
+        return ty_scatter_vertex_pdf(response->scatter, direction, factor);
+    }
+    const ty_surface_point* point = response->surface;
+    const float cosine = ty_dot(point->ns, direction) * (1.0f / TY_PI);
+    if (!(cosine > 0.0f) || !(ty_dot(point->ng, direction) > 0.0f)) return 0.0f;
+    for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * cosine;
+    return cosine;
+}
+
+/* Light that a lamp sends to the vertex at path->origin by one scattering, along a direction sampled about the lamp. */
+TY_FN void ty_path_add_lamp_direction(ty_path* path, const ty_light_view* lamp, float probability,
+                                      const ty_vertex_response* response) {
+    const ty_scene_view* scene = path->request->scene;
+    const float u = ty_rng_uniform(&path->random), turn = ty_rng_uniform(&path->random);
+    float throughput[3];
+    ty_hit hit;
+    ty_spans spans;
+    path->direction = ty_lamp_direction_sample(path->origin, lamp->position, path->request->lamp_g, u, turn);
+    const float pdf = ty_vertex_response_evaluate(response, path->direction, throughput);
+    if (!(pdf > 0.0f)) return;
+    const bool on_surface =
+        scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &hit);
+    ty_spans_find(scene->media, scene->medium_count, path->origin, path->direction,
+                  on_surface ? hit.distance : TY_FLOAT_MAX, &spans);
+    if (spans.count == 0) return;
+    const ty_media_interval interval = ty_spans_interval(&spans);
+    const ty_closest_approach closest =
+        ty_closest_approach_find(path->origin, path->direction, lamp->position, lamp->reach2);
+    const float chance = ty_path_pass_chance(&closest, interval, lamp->reach2);
+    if (ty_rng_uniform(&path->random) >= chance) return;
+    const float chosen = ty_lights_local_probability(&scene->lights, (int32_t)(lamp - scene->lights.lights),
+                                                     path->origin, path->direction, interval.enter, interval.leave);
+    const float both = pdf * chosen + probability * ty_lamp_direction_pdf(&closest, path->request->lamp_g);
+    const float weight = 1.0f / (chance * both);
+    for (int c = 0; c < 3; ++c) throughput[c] *= path->beta[c];
+    ty_path_add_single_scattering(path, &spans, interval, lamp, 0.5f, 0.5f, ty_rng_uniform(&path->random), &closest,
+                                  throughput, weight);
+}
+
+/* Lamp directions of the vertex at path->origin, for the light that its next-event estimation chose with probability
+ * `chosen`; returns path->lamp_rate of that vertex. The path's own random numbers stay as they are. */
+TY_FN float ty_path_sample_lamp_direction(ty_path* path, int32_t light, float chosen,
+                                          const ty_vertex_response* response) {
+    const ty_path_request* request = path->request;
+    const ty_scene_view* scene = request->scene;
+    const float rate = ty_path_is_last(path) ? 0.0f : request->lamp_rate;
+    if (!(rate > 0.0f) || light < 0 || !ty_light_is_lamp(scene->lights.lights[light].kind)) return rate;
+    const ty_light_view* lamp = &scene->lights.lights[light];
+    const ty_vec to = ty_sub(lamp->position, path->origin);
+    const ty_closest_approach beside = {0.0f, 0.0f, ty_dot(to, to)};
+    const float probability = ty_lamp_direction_rate(request, rate, &beside);
+    const ty_sampler own = path->random;
+    const ty_vec direction = path->direction;
+    path->random = ty_sampler_branch(&own);
+    if (ty_rng_uniform(&path->random) < probability)
+        ty_path_add_lamp_direction(path, lamp, chosen * probability, response);
+    path->random = own;
+    path->direction = direction;
+    return rate;
+}
+
 /* A scattering vertex at path->origin: next-event estimation, then the next direction. */
 TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     ty_scatter_vertex scatter;
@@ -303,13 +438,15 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     float phase[3], chosen;
     path->normal = ty_vec_make(0, 0, 0);
     ty_scatter_vertex_begin(&scatter, path, medium);
-    const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
-    if (light != NULL) {
+    bool shines;
+    const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
+    if (shines) {
         ty_scatter_vertex_phase(&scatter, sample.wi, phase);
-        ty_path_add_vertex_light(path, light, chosen, &sample, phase,
+        ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, phase,
                                  sample.pdf > 0.0f ? ty_scatter_vertex_pdf(&scatter, sample.wi, phase) : 0.0f,
                                  phase[1]);
     }
+    path->lamp_rate = ty_path_sample_lamp_direction(path, light, chosen, &(ty_vertex_response){&scatter, NULL});
     path->direction = ty_scatter_vertex_sample(&scatter, &path->random);
     ty_scatter_vertex_phase(&scatter, path->direction, phase);
     path->phase = phase[1];
@@ -323,6 +460,7 @@ TY_FN void ty_path_sample_cosine_hemisphere(ty_path* path) {
     const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
     path->direction = ty_direction_about(path->normal, cosine, v);
     path->pdf = cosine * (1.0f / TY_PI);
+    path->lamp_rate = 0.0f;
 }
 
 /* Samples a direction uniformly on the sphere. */
@@ -330,6 +468,7 @@ TY_FN void ty_path_sample_sphere(ty_path* path) {
     const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
     path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
     path->pdf = TY_INV_4PI;
+    path->lamp_rate = 0.0f;
 }
 
 /* A vertex on a Lambertian surface: next-event estimation, then the next direction. Cosines use the shading normal;
@@ -340,13 +479,16 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     float factor[3], chosen;
     path->origin = ty_hit_leave(&at->hit, point->ng);
     path->normal = point->ns;
-    const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
-    const float facing = light != NULL ? ty_dot(point->ns, sample.wi) * (1.0f / TY_PI) : 0.0f;
-    if (facing > 0.0f && ty_dot(point->ng, sample.wi) > 0.0f) {
-        for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * facing;
-        ty_path_add_vertex_light(path, light, chosen, &sample, factor, facing, 0.0f);
-    }
+    bool shines;
+    const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
+    const ty_vertex_response response = {NULL, point};
+    const float facing = shines ? ty_vertex_response_evaluate(&response, sample.wi, factor) : 0.0f;
+    if (facing > 0.0f)
+        ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, facing,
+                                 0.0f);
+    const float lamp_rate = ty_path_sample_lamp_direction(path, light, chosen, &response);
     ty_path_sample_cosine_hemisphere(path);
+    path->lamp_rate = lamp_rate;
     const bool outside = ty_dot(point->ng, path->direction) > 0.0f;
     for (int c = 0; c < 3; ++c) path->beta[c] *= outside ? point->albedo[c] : 0.0f;
     path->rr_throughput *= ty_max3(point->albedo);
@@ -388,8 +530,7 @@ TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_i
     const ty_medium_view* media = scene->media;
     const float beta_before = ty_sum3(path->beta);
     if (!(beta_before > 1e-30f)) return false;
-    const bool last = (path->request->max_depth > 0 && path->depth >= path->request->max_depth) ||
-                      (path->request->max_run > 0 && path->run >= path->request->max_run);
+    const bool last = ty_path_is_last(path);
     const bool on_surface =
         scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
@@ -479,6 +620,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->pdf = 0.0f;
     path->scattered = 0;
     path->phase = 0.0f;
+    path->lamp_rate = 0.0f;
     path->depth = 0;
     path->run = 0;
     path->path_class = TY_PATH_UNCOLLIDED;
