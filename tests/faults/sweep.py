@@ -27,6 +27,7 @@ import struct
 import subprocess
 import sys
 
+THREADS_WANTED = 3  # that commands try to start where starting them fails, besides the first
 TIME_LIMIT = 60  # seconds of a run; they take some hundredths
 GROUPS = ["write", "fwrite", "fflush", "fclose", "fsync", "rename", "close", "open", "fopen", "read", "truncate", "mmap",
           "malloc", "thread"]  # as the library reports them
@@ -211,13 +212,14 @@ class Sweep:
                 path.write_bytes(b"an earlier file\n")
         return folder
 
-    def command(self, case):
+    def command(self, case, fault):
         quiet = ["-q"]
         if case.name in ("diff", "help --man") or "convert" in case.name:
             quiet = []
         if case.name in ("render --resume", "compare scene"):  # -q leaves out warnings of states that cannot be written
             quiet = ["--progress", "none"]
-        threads = [] if case.name == "help --man" else ["--threads", str(self.options.threads)]
+        count = 1 + THREADS_WANTED if fault.group == "thread" else self.options.threads
+        threads = [] if case.name == "help --man" else ["--threads", str(count)]
         return [case.program] + case.arguments + quiet + threads
 
     def settings(self, fault, at, folder):
@@ -226,10 +228,10 @@ class Sweep:
                 "TYNDALL_FAULT_SCOPE": self.options.scope, "TYNDALL_FAULT_FILES": "regular",
                 "TYNDALL_FAULT_REPORT": str(folder) + ".report"}
 
-    def execute(self, case, folder, settings):
+    def execute(self, case, fault, folder, settings):
         """Exit status (None: it hung), stdout, stderr, numbers of the report."""
         environment = {**self.environment, **settings}
-        process = subprocess.Popen(self.command(case), cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+        process = subprocess.Popen(self.command(case, fault), cwd=folder, env=environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
         try:
             printed, errors = process.communicate(timeout=TIME_LIMIT)
@@ -247,7 +249,8 @@ class Sweep:
         runs, calls = [], None
         for _ in range(3):
             folder = self.prepare(case, [])
-            status, printed, errors, numbers = self.execute(case, folder, self.settings(Fault("none", "EIO", False), 0, folder))
+            none = Fault("none", "EIO", False)
+            status, printed, errors, numbers = self.execute(case, none, folder, self.settings(none, 0, folder))
             if status != 0:
                 sys.exit(f"{case.name}: exit status {status} without a fault: {errors}")
             runs.append(files_below(folder))
@@ -292,7 +295,7 @@ class Sweep:
         folder = self.prepare(case, reference.files)
         earlier = files_below(folder)
         settings = self.settings(fault, at, folder)
-        status, printed, errors, numbers = self.execute(case, folder, settings)
+        status, printed, errors, numbers = self.execute(case, fault, folder, settings)
         failed = numbers[0] > 0
         kind, words = self.problem(fault, reference, earlier, folder, status, errors, failed)
         if kind is None and status == 0 and reference.printed not in (None, printed):
@@ -304,7 +307,7 @@ class Sweep:
             row[kind] += 1
             names = " ".join(f"{k}={v}" for k, v in settings.items() if k != "TYNDALL_FAULT_REPORT")
             self.failures.append(f"{case.name}, {fault.group} {at} {fault.error}{' on' if fault.forever else ''}: {words}"
-                                 f"\n    {names} {shlex.join(self.command(case))}")
+                                 f"\n    {names} {shlex.join(self.command(case, fault))}")
         if not (kind and self.options.keep):
             shutil.rmtree(folder)
         return failed
@@ -331,7 +334,8 @@ class Sweep:
                     continue
                 if fault.group in case.excluded or (fault.group, fault.error) in case.excluded:
                     continue
-                for at in self.numbers(calls[fault.group], fault.forever):
+                count = max(calls[fault.group], THREADS_WANTED if fault.group == "thread" else 0)
+                for at in self.numbers(count, fault.forever):
                     jobs.append((case, fault, at, reference))
         print(f"{len(jobs)} runs", flush=True)
         list(pool.map(lambda job: self.run(*job), jobs))
