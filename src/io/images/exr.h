@@ -41,6 +41,11 @@ typedef struct ty_exr_dwa_part {
 ty_result ty_exr_read_dwa(ty_context* context, const char* path, const ty_exr_stream* stream,
                           const ty_exr_dwa_part* part, ty_image* image);
 
+/* Reads an image of luminance and subsampled chroma (Y, RY, BY, and A if alpha is true), which is its only part, as the
+ * planes B, G, R, preceded by A. The image has the size of the data window. */
+ty_result ty_exr_read_chroma(ty_context* context, const char* path, const ty_exr_stream* stream,
+                             const exr_attr_box2i_t* data, bool alpha, ty_image* image);
+
 #ifdef __cplusplus
 }
 #endif

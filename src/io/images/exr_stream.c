@@ -73,6 +73,9 @@ void ty_exr_stream_end(void) {
 
 ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, const ty_exr_stream* stream,
                       exr_result_t code) {
+    /* Sizes in damaged headers are beyond any memory. */
+    if (code == EXR_ERR_OUT_OF_MEMORY && stream->bytes != NULL)
+        return ty_fail(context, TY_ERROR_INPUT, "%s: it declares more than fits into memory", path);
     if (code == EXR_ERR_OUT_OF_MEMORY)
         return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory for OpenEXR", path);
     return ty_fail(context, result, "%s: %s", path,
