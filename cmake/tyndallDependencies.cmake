@@ -17,3 +17,17 @@ endforeach()
 
 find_path(TYNDALL_NANOVDB_INCLUDE_DIR nanovdb/PNanoVDB.h REQUIRED) # headers only
 mark_as_advanced(TYNDALL_NANOVDB_INCLUDE_DIR)
+
+# Decoders of compressed glTF files and WebP images. A build without one refuses files that need it.
+option(TYNDALL_DRACO "Read glTF meshes compressed by Draco" ON)
+option(TYNDALL_MESHOPT "Read glTF meshes compressed by meshoptimizer" ON)
+option(TYNDALL_WEBP "Read WebP images" ON)
+if(TYNDALL_DRACO)
+  find_package(draco CONFIG REQUIRED)
+endif()
+if(TYNDALL_MESHOPT)
+  find_package(meshoptimizer CONFIG REQUIRED)
+endif()
+if(TYNDALL_WEBP AND NOT TARGET PkgConfig::WEBP)
+  pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET GLOBAL libwebp)
+endif()

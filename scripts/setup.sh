@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
 # Installs what the build needs, if anything is missing (Debian 12 and its relatives).
-# usage: scripts/setup.sh [build|fuzz|format|tidy|docs|page|package]...   (default: build)
+# usage: scripts/setup.sh [build|fuzz|format|tidy|docs|page|corpora|package]...   (default: build)
 set -euo pipefail
 
 # a|b: either will do; the first is installed when neither is there.
 build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopenexr-dev libimath-dev libblosc-dev
-  libopenvdb-dev libnanovdb-dev "libboost-dev|libboost1.74-dev" libtbb-dev libpng-dev libjpeg-dev zlib1g-dev libjansson-dev
+  libopenvdb-dev libnanovdb-dev "libboost-dev|libboost1.74-dev" libtbb-dev libpng-dev libjpeg-dev libwebp-dev zlib1g-dev
+  libjansson-dev libdraco-dev libmeshoptimizer-dev
   libcairo2-dev fonts-dejavu-core libcmocka-dev)
 fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)
 tidy=(clang-tidy python3)
 docs=(doxygen)
 package=(dpkg-dev file)
+corpora=(python3 openimageio-tools libopenvdb-tools teem-apps) # tests/corpora/read_all.py
 page=("chromium|chromium-browser|google-chrome-stable" python3) # tests of compare's report.html
 
 needed=()
@@ -22,9 +24,10 @@ for group in "${@:-build}"; do
     format) needed+=("${format[@]}") ;;
     tidy) needed+=("${tidy[@]}") ;;
     docs) needed+=("${docs[@]}") ;;
+    corpora) needed+=("${corpora[@]}") ;;
     page) needed+=("${page[@]}") ;;
     package) needed+=("${package[@]}") ;;
-    *) echo "setup: unknown group '$group'; known: build, fuzz, format, tidy, docs, page, package" >&2; exit 2 ;;
+    *) echo "setup: unknown group '$group'; known: build, fuzz, format, tidy, docs, page, corpora, package" >&2; exit 2 ;;
   esac
 done
 

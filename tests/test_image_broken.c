@@ -187,6 +187,23 @@ static void deep_exr_and_broken_dwa_are_refused(void** state) {
     free(bytes);
 }
 
+/* Half floats after a filter of chroma: constant colors come back within 1 %. */
+static void luminance_and_chroma_become_colors(void** state) {
+    (void)state;
+    static const char* const names[] = {"A", "B", "G", "R"};
+    static const float expected[] = {1, 1, 0.25f, 0.5f};
+    char path[1024];
+    ty_image* image = NULL;
+    assert_int_equal(ty_image_read(context, fixture("chroma.exr", path), &image), TY_OK);
+    assert_int_equal(ty_image_channel_count(image), 4);
+    for (int32_t c = 0; c < 4; ++c) {
+        assert_string_equal(ty_image_channel_name(image, c), names[c]);
+        assert_true(fabsf(ty_image_plane_const(image, c)[0] - expected[c]) <= 0.01f * expected[c]);
+    }
+    assert_true(ty_image_plane_const(image, 0)[7] == 0.5f); /* alpha has every pixel */
+    ty_image_destroy(image);
+}
+
 static void other_files_are_refused(void** state) {
     (void)state;
     put_file("empty.png", "", 0);
@@ -199,7 +216,7 @@ static void other_files_are_refused(void** state) {
     uint8_t* rgba8 = NULL;
     static const uint8_t hdr[] = "#?RADIANCE\n";
     assert_failed(context, ty_decode_rgba8(context, "texture", hdr, sizeof hdr, &width, &height, &rgba8),
-                  TY_ERROR_INPUT, "texture", "neither a PNG nor a JPEG");
+                  TY_ERROR_INPUT, "texture", "neither a PNG, a JPEG nor a WebP");
     assert_null(rgba8);
     ty_image* image = NULL;
     assert_failed(context, ty_image_read_raw(context, "absent.png", &image), TY_ERROR_FILE, "absent.png",
@@ -214,6 +231,7 @@ int main(void) {
         cmocka_unit_test(broken_exr_is_refused),
         cmocka_unit_test(exr_with_wrong_offsets_is_refused),
         cmocka_unit_test(deep_exr_and_broken_dwa_are_refused),
+        cmocka_unit_test(luminance_and_chroma_become_colors),
         cmocka_unit_test(other_files_are_refused),
     };
     return cmocka_run_group_tests(tests, start, stop);

@@ -288,6 +288,43 @@ static void data_lies_beside_or_below_the_header(void** state) {
                   "No such file");
 }
 
+/* Images are volumes one voxel deep; axes of times and axes without a direction are components. */
+static void images_and_times_are_read(void** state) {
+    (void)state;
+    static const uint8_t data[] = {1, 2, 3, 4, 5, 6};
+    put_nrrd("flat.nrrd",
+             "NRRD0004\ntype: uint8\ndimension: 2\nsizes: 3 2\nspace dimension: 2\nspace directions: (2,0) (0,4)\n"
+             "space origin: (5,6)\nencoding: raw\n\n",
+             data, sizeof data);
+    ty_grid* grid = read_component("flat.nrrd", 0);
+    ty_grid_info info = ty_grid_get_info(grid);
+    static const double map[] = {2, 0, 0, 5, 0, 4, 0, 6, 0, 0, 1, 0};
+    assert_int_equal(info.size[0], 3);
+    assert_int_equal(info.size[1], 2);
+    assert_int_equal(info.size[2], 1);
+    assert_memory_equal(info.index_to_local.m, map, sizeof map);
+    assert_true(info.max == 6);
+    ty_grid_release(grid);
+
+    put_nrrd("colors.nrrd",
+             "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 1 2\nkinds: RGB-color space space\n"
+             "space directions: none none none\nencoding: raw\n\n",
+             data, sizeof data);
+    grid = read_component("colors.nrrd", 1);
+    info = ty_grid_get_info(grid);
+    assert_int_equal(info.size[1], 2);
+    assert_true(info.min == 2 && info.max == 5);
+    ty_grid_release(grid);
+
+    put_nrrd("times.nrrd",
+             "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 1 1 1 6\n"
+             "space directions: (1,0,0) (0,1,0) (0,0,1) none\nencoding: raw\n\n",
+             data, sizeof data);
+    grid = read_component("times.nrrd", 4);
+    assert_true(ty_grid_get_info(grid).min == 5);
+    ty_grid_release(grid);
+}
+
 static void broken_headers_are_refused(void** state) {
     (void)state;
     static const struct {
@@ -297,7 +334,7 @@ static void broken_headers_are_refused(void** state) {
         {"NRRD", "not an NRRD file"},
         {"NRRD0004\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nx", "field type is missing"},
         {"NRRD0004\ntype: block\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nx", "\"block\" is not a type"},
-        {"NRRD0004\ntype: uint8\ndimension: 2\nsizes: 1 1\nencoding: raw\n\nx", "neither 3 nor 4"},
+        {"NRRD0004\ntype: uint8\ndimension: 5\nsizes: 1 1 1 1 1\nencoding: raw\n\nx", "is not 2, 3 or 4"},
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1\nencoding: raw\n\nx", "one whole number per axis"},
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1 1\nencoding: raw\n\nx", "one whole number per axis"},
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 0 1\nencoding: raw\n\nx", "without samples"},
@@ -307,7 +344,8 @@ static void broken_headers_are_refused(void** state) {
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 16000 16000 16000\nencoding: raw\n\nx", "spans"},
         {"NRRD0004\ntype: double\ndimension: 3\nsizes: 1500 1500 1500\nendian: big\nencoding: gzip\n\nx", "cut short"},
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1500 1500 1500\nencoding: text\n\n1", "cut short"},
-        {"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 9 9 9 9\nencoding: raw\n\nx", "neither the first nor the last"},
+        {"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 9 9 9 9\nencoding: raw\n\nx",
+         "neither the first nor the last is one"},
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\nencoding: bzip2\n\nx", "\"bzip2\" is not one"},
         {"NRRD0004\ntype: float\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nxxxx", "endian is missing"},
         {"NRRD0004\ntype: float\ndimension: 3\nsizes: 1 1 1\nendian: middle\nencoding: raw\n\nxxxx", "neither little"},
@@ -318,7 +356,7 @@ static void broken_headers_are_refused(void** state) {
          "cannot be inverted"},
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\nspace directions: (1,0) (0,1) (1,1)\nencoding: raw\n\nx",
          "vector of three numbers"},
-        {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\nspace directions: none (0,1,0) (1,1,1)\n"
+        {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\nspace directions: (1,0,0) none none\n"
          "encoding: raw\n\nx",
          "vector of three numbers"},
         {"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\nspace origin: (1,inf,0)\nencoding: raw\n\nx",
@@ -412,6 +450,7 @@ int main(void) {
         cmocka_unit_test(components_come_first_or_last),
         cmocka_unit_test(placement_is_the_files),
         cmocka_unit_test(data_lies_beside_or_below_the_header),
+        cmocka_unit_test(images_and_times_are_read),
         cmocka_unit_test(broken_headers_are_refused),
         cmocka_unit_test(cut_gzip_is_refused),
         cmocka_unit_test(failed_writes_leave_the_old_file),

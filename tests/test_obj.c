@@ -140,6 +140,22 @@ static void numbers_do_not_depend_on_the_locale(void** state) {
     ty_model_free(&model);
 }
 
+static void references_may_lead_on_or_nowhere(void** state) {
+    (void)state;
+    static const char ahead[] = "v 0 0 0\nf 1 2 3\nv 1 0 0\nv 0 1 0\n";
+    static const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    ty_model model;
+    read_well(ahead, NULL, &model);
+    assert_floats(model.meshes[0].positions, positions, 9);
+    ty_model_free(&model);
+    book = (log_book){0};
+    read_well("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2//1 3/4/1\n", NULL, &model);
+    assert_null(model.meshes[0].normals);
+    assert_null(model.meshes[0].uv[0]);
+    assert_non_null(strstr(book.text, "3 corners name normals or texture vertices that are not there"));
+    ty_model_free(&model);
+}
+
 static void broken_files_are_refused(void** state) {
     (void)state;
     static const struct {
@@ -153,13 +169,11 @@ static void broken_files_are_refused(void** state) {
         {"v 1 2 1e99\n", "made.obj:1: a number is not finite"},
         {"v 1 2 nan\n", "made.obj:1: a number is not finite"},
         {"vn 1 2\n", "made.obj:1: numbers are missing or damaged"},
-        {"v 0 0 0\nf 1 2 3\n", "made.obj:2: there is no vertex 2, but 1 so far"},
+        {"v 0 0 0\nf 1 2 3\n", "made.obj:2: there is no vertex 3, but 1"},
         {"v 0 0 0\nf 1 -2 1\n", "made.obj:2: there is no vertex -2, but 1 so far"},
         {"v 0 0 0\nf 0 1 1\n", "made.obj:2: there is no vertex 0"},
-        {"v 0 0 0\nf 1/1 1 1\n", "made.obj:2: there is no texture vertex 1, but 0 so far"},
-        {"v 0 0 0\nf 1//4 1 1\n", "made.obj:2: there is no normal 4"},
         {"v 0 0 0\nf 1 a 1\n", "made.obj:2: a face is damaged"},
-        {"v 0 0 0\nf 1/1/1/1 1 1\n", "made.obj:2: there is no texture vertex 1"},
+        {"v 0 0 0\nf 1/1/1/1 1 1\n", "made.obj:2: a face is damaged"},
         {"v 0 0 0\nf 1 1x 1\n", "made.obj:2: a face is damaged"},
         {"v 0 0 0\nf 99999999999999999999 1 1\n", "made.obj:2: a face is damaged"},
         {"mtllib ../up.mtl\n", "made.obj:1: \"../up.mtl\" leads out of the file's folder"},
@@ -244,11 +258,12 @@ static void short_memory_is_survived(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(corners_become_vertices),        cmocka_unit_test(all_forms_of_corners_are_read),
-        cmocka_unit_test(colours_of_vertices_are_read),   cmocka_unit_test(materials_are_read),
-        cmocka_unit_test(missing_materials_are_survived), cmocka_unit_test(numbers_do_not_depend_on_the_locale),
-        cmocka_unit_test(broken_files_are_refused),       cmocka_unit_test(broken_materials_are_refused),
-        cmocka_unit_test(large_files_are_read),           cmocka_unit_test(short_memory_is_survived),
+        cmocka_unit_test(corners_become_vertices),           cmocka_unit_test(all_forms_of_corners_are_read),
+        cmocka_unit_test(colours_of_vertices_are_read),      cmocka_unit_test(materials_are_read),
+        cmocka_unit_test(missing_materials_are_survived),    cmocka_unit_test(numbers_do_not_depend_on_the_locale),
+        cmocka_unit_test(references_may_lead_on_or_nowhere), cmocka_unit_test(broken_files_are_refused),
+        cmocka_unit_test(broken_materials_are_refused),      cmocka_unit_test(large_files_are_read),
+        cmocka_unit_test(short_memory_is_survived),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

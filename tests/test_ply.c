@@ -43,6 +43,18 @@ static void text_is_read(void** state) {
     ty_model_free(&model);
 }
 
+/* Some writers end lines by carriage returns. */
+static void carriage_returns_end_lines(void** state) {
+    (void)state;
+    char text[sizeof ascii];
+    for (size_t i = 0; i < sizeof ascii; ++i) text[i] = (char)(ascii[i] == '\n' ? '\r' : ascii[i]);
+    ty_model model;
+    read_well(text, strlen(text), &model);
+    assert_int_equal(model.meshes[0].vertex_count, 5);
+    assert_int_equal(model.meshes[0].triangle_count, 4);
+    ty_model_free(&model);
+}
+
 /* Bytes of a binary file being made. */
 typedef struct maker {
     uint8_t bytes[4096];
@@ -209,6 +221,7 @@ static void short_memory_is_survived(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(text_is_read),
+        cmocka_unit_test(carriage_returns_end_lines),
         cmocka_unit_test(both_byte_orders_are_read),
         cmocka_unit_test(normals_become_unit),
         cmocka_unit_test(torn_files_do_no_harm),

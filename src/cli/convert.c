@@ -12,7 +12,7 @@ static bool has_one_of(const char* path, const char* const* extensions) {
 }
 
 static bool is_image(const char* path) {
-    static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", NULL};
+    static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".webp", NULL};
     return has_one_of(path, extensions);
 }
 
@@ -93,7 +93,7 @@ int cli_convert(int count, char** arguments) {
                                "IN OUT [options]",
                                "Converts a volume or an image into a file of another kind.",
                                "Volumes: .vdb, .nvdb, .nrrd, .nhdr and raw files to .vdb, .nvdb, .nrrd.\n"
-                               "Images: .exr, .hdr, .png, .jpg to .exr, .png.",
+                               "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png.",
                                table,
                                sizeof table / sizeof table[0],
                                2,

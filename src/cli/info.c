@@ -236,8 +236,9 @@ static file_kind kind_of(const char* path, const unsigned char* head, size_t siz
     } known[] = {{" BDV", 4, FILE_VOLUME},        {"NanoVDB", 7, FILE_VOLUME},
                  {"NRRD", 4, FILE_NRRD},          {"\x76\x2f\x31\x01", 4, FILE_IMAGE},
                  {"#?", 2, FILE_IMAGE},           {"\x89PNG", 4, FILE_IMAGE},
-                 {"\xff\xd8\xff", 3, FILE_IMAGE}, {"glTF", 4, FILE_MESH},
-                 {"ply\n", 4, FILE_MESH},         {"ply\r", 4, FILE_MESH}};
+                 {"\xff\xd8\xff", 3, FILE_IMAGE}, {"RIFF", 4, FILE_IMAGE},
+                 {"glTF", 4, FILE_MESH},          {"ply\n", 4, FILE_MESH},
+                 {"ply\r", 4, FILE_MESH}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (size >= known[i].size && memcmp(head, known[i].magic, known[i].size) == 0) return known[i].kind;
     if (cli_has_extension(path, ".obj") || cli_has_extension(path, ".gltf")) return FILE_MESH;
@@ -281,8 +282,8 @@ static int info_of_file(cli_session* session, const char* path, const cli_list* 
     case FILE_UNKNOWN: break;
     }
     return cli_fail(CLI_USAGE,
-                    "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd), an image (.exr, .hdr, .png, .jpg) "
-                    "or a mesh (.gltf, .glb, .obj, .ply)",
+                    "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd), an image (.exr, .hdr, .png, .jpg, "
+                    ".webp) or a mesh (.gltf, .glb, .obj, .ply)",
                     path);
 }
 
@@ -306,8 +307,8 @@ int cli_info(int count, char** arguments) {
                                "FILE | --media [MEDIUM] [options]",
                                "Tells what a scene, a volume, an image or a mesh file holds.",
                                "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr and raw files.\n"
-                               "Images: .exr, .hdr, .png, .jpg. Meshes: .gltf, .glb, .obj, .ply, in the units of the\n"
-                               "file. Memory is what a render takes for what is in the file.",
+                               "Images: .exr, .hdr, .png, .jpg, .webp. Meshes: .gltf, .glb, .obj, .ply, in the units\n"
+                               "of the file. Memory is what a render takes for what is in the file.",
                                table,
                                sizeof table / sizeof table[0],
                                0,

@@ -95,7 +95,7 @@ static void print_result(const cli_comparison* comparison) {
 }
 
 static bool is_image(const char* path) {
-    static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg"};
+    static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".webp"};
     for (size_t i = 0; i < sizeof extensions / sizeof *extensions; ++i)
         if (cli_has_extension(path, extensions[i])) return true;
     return false;

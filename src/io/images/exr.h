@@ -17,8 +17,9 @@ enum { TY_EXR_MESSAGE_SIZE = 256 };
 typedef struct ty_exr_stream {
     const uint8_t* bytes; /* reading */
     size_t size;
-    ty_output* output;  /* writing */
-    bool out_of_memory; /* an allocation failed, of which the library does not always tell */
+    ty_output* output;   /* writing */
+    bool out_of_memory;  /* an allocation failed, of which the library does not always tell */
+    size_t refused_size; /* bytes of the allocation that failed last */
     char message[TY_EXR_MESSAGE_SIZE];
 } ty_exr_stream;
 
@@ -41,6 +42,11 @@ typedef struct ty_exr_dwa_part {
 
 ty_result ty_exr_read_dwa(ty_context* context, const char* path, const ty_exr_stream* stream,
                           const ty_exr_dwa_part* part, ty_image* image);
+
+/* Reads an image of luminance and subsampled chroma (Y, RY, BY, and A if alpha is true), which is its only part, as the
+ * planes B, G, R, preceded by A. The image has the size of the data window. */
+ty_result ty_exr_read_chroma(ty_context* context, const char* path, const ty_exr_stream* stream,
+                             const exr_attr_box2i_t* data, bool alpha, ty_image* image);
 
 #ifdef __cplusplus
 }

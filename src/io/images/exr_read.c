@@ -31,6 +31,7 @@ typedef struct reader {
     size_t part_count;
     int64_t channel_count;
     exr_attr_box2i_t data; /* union of the data windows */
+    bool chroma, alpha;    /* luminance and chroma, with alpha */
     ty_image* image;
 } reader;
 
@@ -42,15 +43,35 @@ static int64_t side(int32_t low, int32_t high) {
     return (int64_t)high - low + 1;
 }
 
-static ty_result check_channels(reader* r, const part* p) {
+/* True if the channels are Y, RY and BY, with chroma at every second pixel of every second row, and perhaps A. */
+static bool is_chroma(const exr_attr_chlist_t* channels, bool* alpha) {
+    int found = 0;
+    *alpha = false;
+    for (int i = 0; i < channels->num_channels; ++i) {
+        const exr_attr_chlist_entry_t* channel = &channels->entries[i];
+        const char* name = channel->name.str;
+        const bool chroma = strcmp(name, "RY") == 0 || strcmp(name, "BY") == 0, a = strcmp(name, "A") == 0;
+        const int sampling = chroma ? 2 : 1;
+        if (channel->x_sampling != sampling || channel->y_sampling != sampling) return false;
+        if (!chroma && !a && strcmp(name, "Y") != 0) return false;
+        found += !a;
+        *alpha = *alpha || a;
+    }
+    return found == 3;
+}
+
+static ty_result check_channels(reader* r, const part* p, int parts) {
+    r->chroma = parts == 1 && is_chroma(p->channels, &r->alpha);
+    if (r->chroma) return TY_OK;
     for (int i = 0; i < p->channels->num_channels; ++i)
         if (p->channels->entries[i].x_sampling != 1 || p->channels->entries[i].y_sampling != 1)
-            return ty_fail(r->context, TY_ERROR_INPUT, "%s: channel %s is subsampled, which cannot be read", r->path,
+            return ty_fail(r->context, TY_ERROR_INPUT,
+                           "%s: channel %s is subsampled, which can be read of RY and BY beside Y alone", r->path,
                            p->channels->entries[i].name.str);
     return TY_OK;
 }
 
-static ty_result inspect_part(reader* r, int index, part* p) {
+static ty_result inspect_part(reader* r, int index, int parts, part* p) {
     p->index = index;
     exr_result_t code = exr_get_storage(r->exr, index, &p->storage);
     if (code == EXR_ERR_SUCCESS) code = exr_get_compression(r->exr, index, &p->compression);
@@ -59,8 +80,10 @@ static ty_result inspect_part(reader* r, int index, part* p) {
     if (code == EXR_ERR_SUCCESS) code = exr_get_channels(r->exr, index, &p->channels);
     if (code != EXR_ERR_SUCCESS) return fail(r, code);
     if (p->storage != EXR_STORAGE_SCANLINE && p->storage != EXR_STORAGE_TILED)
-        return ty_fail(r->context, TY_ERROR_INPUT, "%s: deep images cannot be read", r->path);
-    const ty_result result = check_channels(r, p);
+        return ty_fail(r->context, TY_ERROR_INPUT,
+                       "%s: deep images cannot be read; \"oiiotool deep.exr --flatten -o flat.exr\" makes it flat",
+                       r->path);
+    const ty_result result = check_channels(r, p, parts);
     if (result != TY_OK) return result;
     uint64_t unpacked = 0;
     code = exr_get_chunk_unpacked_size(r->exr, index, &unpacked);
@@ -87,7 +110,7 @@ static ty_result inspect(reader* r) {
     r->part_count = (size_t)count;
     for (int i = 0; i < count; ++i) {
         part* p = &r->parts[i];
-        const ty_result result = inspect_part(r, i, p);
+        const ty_result result = inspect_part(r, i, count, p);
         if (result != TY_OK) return result;
         if (memcmp(&p->display, &r->parts[0].display, sizeof p->display) != 0)
             return ty_fail(r->context, TY_ERROR_INPUT, "%s: the display windows of its parts differ", r->path);
@@ -126,8 +149,10 @@ static ty_result name_channels(reader* r, channel_name* names, const char** poin
         if (k > 0) exr_get_name(r->exr, p->index, &name);
         for (int32_t i = 0; i < p->channels->num_channels; ++i) {
             const int32_t at = p->first_channel + i;
-            const int length = snprintf(names[at], sizeof *names, "%s%s%s", name == NULL ? "" : name,
-                                        name == NULL ? "" : ".", p->channels->entries[i].name.str);
+            static const char* const colors[] = {"A", "B", "G", "R"};
+            const char* own = r->chroma ? colors[i + !r->alpha] : p->channels->entries[i].name.str;
+            const int length =
+                snprintf(names[at], sizeof *names, "%s%s%s", name == NULL ? "" : name, name == NULL ? "" : ".", own);
             if (length < 1 || length > TY_IMAGE_NAME_MAX)
                 return ty_fail(r->context, TY_ERROR_INPUT, "%s: the name of a channel is not 1..%d characters long",
                                r->path, (int)TY_IMAGE_NAME_MAX);
@@ -211,11 +236,14 @@ static ty_result read_tiles(reader* r, const part* p, exr_decode_pipeline_t* dec
 }
 
 static ty_result read_part(reader* r, const part* p) {
-    if (p->compression == EXR_COMPRESSION_DWAA || p->compression == EXR_COMPRESSION_DWAB) {
-        /* The C++ library allocates by the header's sizes, so it runs only after the core has validated them. */
-        if (r->stream.message[0] != '\0') return fail(r, EXR_ERR_FILE_BAD_HEADER);
-        const ty_exr_dwa_part dwa = {p->index, p->data, p->channels, p->first_channel, r->data.min.x, r->data.min.y};
-        return ty_exr_read_dwa(r->context, r->path, &r->stream, &dwa, r->image);
+    const bool dwa = p->compression == EXR_COMPRESSION_DWAA || p->compression == EXR_COMPRESSION_DWAB;
+    /* The C++ library allocates by the header's sizes, so it runs only after the core has validated them. */
+    if ((dwa || r->chroma) && r->stream.message[0] != '\0') return fail(r, EXR_ERR_FILE_BAD_HEADER);
+    if (r->chroma) return ty_exr_read_chroma(r->context, r->path, &r->stream, &p->data, r->alpha, r->image);
+    if (dwa) {
+        const ty_exr_dwa_part part_data = {p->index,         p->data,       p->channels,
+                                           p->first_channel, r->data.min.x, r->data.min.y};
+        return ty_exr_read_dwa(r->context, r->path, &r->stream, &part_data, r->image);
     }
     exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
     const ty_result result =

@@ -45,7 +45,10 @@ static int64_t write_bytes(exr_const_context_t exr, void* user, const void* buff
 /* Without memory the library may skip an attribute of a header, such as the data window, and go on. */
 static void* allocate(size_t size) {
     void* block = malloc(size);
-    if (block == NULL && current_stream != NULL) current_stream->out_of_memory = true;
+    if (block == NULL && current_stream != NULL) {
+        current_stream->out_of_memory = true;
+        current_stream->refused_size = size;
+    }
     return block;
 }
 
@@ -71,6 +74,10 @@ void ty_exr_stream_end(void) {
 
 ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, const ty_exr_stream* stream,
                       exr_result_t code) {
+    /* Compression shrinks data 1,032 times at most (deflate): what asks for more is a damaged header. */
+    const bool implausible = !stream->out_of_memory || stream->refused_size / 1032 > stream->size;
+    if (code == EXR_ERR_OUT_OF_MEMORY && stream->bytes != NULL && implausible)
+        return ty_fail(context, TY_ERROR_INPUT, "%s: it declares more than fits into memory", path);
     if (code == EXR_ERR_OUT_OF_MEMORY || stream->out_of_memory)
         return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory for OpenEXR", path);
     return ty_fail(context, result, "%s: %s", path,

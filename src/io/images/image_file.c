@@ -35,6 +35,7 @@ ty_image_format ty_image_format_of(const uint8_t* bytes, size_t size) {
                   {TY_IMAGE_JPEG, 3, {0xff, 0xd8, 0xff}}};
     for (size_t i = 0; i < sizeof magics / sizeof *magics; ++i)
         if (size >= magics[i].size && memcmp(bytes, magics[i].bytes, magics[i].size) == 0) return magics[i].format;
+    if (size >= 12 && memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0) return TY_IMAGE_WEBP;
     return TY_IMAGE_UNKNOWN;
 }
 
@@ -58,10 +59,12 @@ ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8
     case TY_IMAGE_HDR: return ty_read_hdr(context, path, bytes, size, out);
     case TY_IMAGE_PNG: return read_samples(context, path, bytes, size, ty_read_png, use, largest, out);
     case TY_IMAGE_JPEG: return read_samples(context, path, bytes, size, ty_read_jpeg, use, largest, out);
+    case TY_IMAGE_WEBP: return read_samples(context, path, bytes, size, ty_read_webp, use, largest, out);
     case TY_IMAGE_UNKNOWN: break;
     }
     if (size == 0) return ty_fail(context, TY_ERROR_INPUT, "%s: the file is empty", path);
-    return ty_fail(context, TY_ERROR_INPUT, "%s: neither an OpenEXR, a Radiance .hdr, a PNG nor a JPEG image", path);
+    return ty_fail(context, TY_ERROR_INPUT, "%s: neither an OpenEXR, a Radiance .hdr, a PNG, a JPEG nor a WebP image",
+                   path);
 }
 
 static ty_result read_file(ty_context* context, const char* path, ty_sample_use use, int32_t* largest, ty_image** out) {

@@ -9,7 +9,8 @@ typedef enum ty_image_format {
     TY_IMAGE_EXR,
     TY_IMAGE_HDR,
     TY_IMAGE_PNG,
-    TY_IMAGE_JPEG
+    TY_IMAGE_JPEG,
+    TY_IMAGE_WEBP
 } ty_image_format;
 
 /* Detects the format from the first bytes. */
@@ -18,7 +19,7 @@ ty_image_format ty_image_format_of(const uint8_t* bytes, size_t size);
 ty_result ty_read_exr(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
 ty_result ty_read_hdr(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
 
-/* Samples of a PNG or JPEG file: rows from the top, interleaved gray (1 channel), gray and alpha (2), RGB (3) or
+/* Samples of a PNG, JPEG or WebP file: rows from the top, interleaved gray (1 channel), gray and alpha (2), RGB (3) or
  * RGBA (4). */
 typedef struct ty_samples {
     int32_t width, height, channels;
@@ -34,6 +35,7 @@ void ty_free_samples(ty_context* context, ty_samples* samples);
 
 ty_result ty_read_png(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out);
 ty_result ty_read_jpeg(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out);
+ty_result ty_read_webp(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out);
 
 /* Conversion of samples to floats. */
 typedef enum ty_sample_use {
@@ -45,12 +47,13 @@ typedef enum ty_sample_use {
 /* Channels R, G, B or Y, and A if present. */
 ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, ty_sample_use use, ty_image** out);
 
-/* Decodes a PNG or JPEG to 8-bit RGBA in the file's sRGB encoding (16-bit samples are rounded, missing alpha is
+/* Decodes a PNG, JPEG or WebP to 8-bit RGBA in the file's sRGB encoding (16-bit samples are rounded, missing alpha is
  * 255); freed with ty_free_array(context, rgba8, width * height, 4). Thread-safe. */
 ty_result ty_decode_rgba8(ty_context* context, const char* path, const uint8_t* bytes, size_t size, int32_t* width,
                           int32_t* height, uint8_t** rgba8);
 
-/* Reads an image of any format. largest: maximum of a PNG's or JPEG's samples, 0 for other formats; may be NULL. */
+/* Reads an image of any format. largest: maximum of a PNG's, JPEG's or WebP's samples, 0 for other formats; may be
+ * NULL. */
 ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size,
                               ty_sample_use use, int32_t* largest, ty_image** out);
 

@@ -1,4 +1,4 @@
-/* Conversion of 8- and 16-bit samples of PNG and JPEG files to images and textures. */
+/* Conversion of 8- and 16-bit samples of PNG, JPEG and WebP files to images and textures. */
 #include "io/images/image_file.h"
 
 #include "base/context.h"
@@ -72,7 +72,8 @@ static ty_result read_samples(ty_context* context, const char* path, const uint8
     switch (ty_image_format_of(bytes, size)) {
     case TY_IMAGE_PNG: return ty_read_png(context, path, bytes, size, out);
     case TY_IMAGE_JPEG: return ty_read_jpeg(context, path, bytes, size, out);
-    default: return ty_fail(context, TY_ERROR_INPUT, "%s: neither a PNG nor a JPEG image", path);
+    case TY_IMAGE_WEBP: return ty_read_webp(context, path, bytes, size, out);
+    default: return ty_fail(context, TY_ERROR_INPUT, "%s: neither a PNG, a JPEG nor a WebP image", path);
     }
 }
 

@@ -63,8 +63,23 @@ static ty_result parse_json(ty_gltf* gltf, const uint8_t* text, size_t length) {
 /* ---- extensions ---- */
 
 static bool is_known(const char* name) {
-    static const char* const known[] = {"KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit",
-                                        "KHR_mesh_quantization", "KHR_texture_transform"};
+    /* Textures of the last five have another source, or are refused where they are used. */
+    static const char* const known[] = {"EXT_mesh_gpu_instancing",
+                                        "EXT_meshopt_compression",
+                                        "EXT_texture_webp",
+                                        "KHR_draco_mesh_compression",
+                                        "KHR_lights_punctual",
+                                        "KHR_materials_emissive_strength",
+                                        "KHR_materials_pbrSpecularGlossiness",
+                                        "KHR_materials_unlit",
+                                        "KHR_materials_variants",
+                                        "KHR_mesh_quantization",
+                                        "KHR_texture_transform",
+                                        "EXT_texture_avif",
+                                        "GOOGLE_texture_basis",
+                                        "KHR_texture_basisu",
+                                        "KHR_texture_ktx",
+                                        "MSFT_texture_dds"};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (strcmp(name, known[i]) == 0) return true;
     return false;
@@ -110,12 +125,14 @@ ty_result ty_gltf_create_tables(ty_gltf* gltf) {
     const ty_result result = ty_gltf_check_shape(gltf);
     if (result != TY_OK) return result;
     gltf->buffers = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "buffers"), sizeof *gltf->buffers, true);
+    gltf->views = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "bufferViews"), sizeof *gltf->views, true);
     gltf->meshes = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "meshes"), sizeof *gltf->meshes, true);
     gltf->images = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "images"), sizeof *gltf->images, true);
     gltf->textures = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "textures"), sizeof *gltf->textures, true);
     gltf->visited = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "nodes"), sizeof *gltf->visited, true);
-    const bool all = gltf->buffers != NULL && gltf->meshes != NULL && gltf->images != NULL && gltf->textures != NULL &&
-                     gltf->visited != NULL;
+    gltf->parents = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "nodes"), sizeof *gltf->parents, true);
+    const bool all = gltf->buffers != NULL && gltf->views != NULL && gltf->meshes != NULL && gltf->images != NULL &&
+                     gltf->textures != NULL && gltf->visited != NULL && gltf->parents != NULL;
     return all ? TY_OK : TY_ERROR_MEMORY;
 }
 
@@ -125,6 +142,7 @@ void ty_gltf_close(ty_gltf* gltf) {
     ty_free_array(gltf->context, gltf->images, ty_gltf_count(gltf, "images"), sizeof *gltf->images);
     ty_free_array(gltf->context, gltf->textures, ty_gltf_count(gltf, "textures"), sizeof *gltf->textures);
     ty_free_array(gltf->context, gltf->visited, ty_gltf_count(gltf, "nodes"), sizeof *gltf->visited);
+    ty_free_array(gltf->context, gltf->parents, ty_gltf_count(gltf, "nodes"), sizeof *gltf->parents);
     json_decref(gltf->root);
 }
 
@@ -134,11 +152,9 @@ static void warn(const ty_gltf* gltf) {
     if (gltf->skipped > 0)
         ty_log(gltf->context, TY_LOG_WARNING, "%s: %zu primitives that are no triangles are left out", gltf->path,
                gltf->skipped);
-    const bool skins = json_array_size(json_object_get(gltf->root, "skins")) > 0;
-    const bool animations = json_array_size(json_object_get(gltf->root, "animations")) > 0;
-    if (skins || animations || gltf->morphs)
-        ty_log(gltf->context, TY_LOG_WARNING, "%s: ignored, meshes stay as modelled:%s%s%s", gltf->path,
-               skins ? " skins" : "", animations ? " animations" : "", gltf->morphs ? " morph targets" : "");
+    if (json_array_size(json_object_get(gltf->root, "animations")) > 0)
+        ty_log(gltf->context, TY_LOG_WARNING, "%s: animations are not played: meshes are in their rest pose",
+               gltf->path);
 }
 
 ty_result ty_read_gltf(ty_context* context, const char* path, const char* folder, const uint8_t* bytes, size_t size,

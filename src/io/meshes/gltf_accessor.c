@@ -96,7 +96,7 @@ static size_t component_count(const char* type) {
     static const char* const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
     for (size_t i = 0; i < 4 && type != NULL; ++i)
         if (strcmp(type, types[i]) == 0) return i + 1;
-    return 0;
+    return type != NULL && strcmp(type, "MAT4") == 0 ? 16 : 0;
 }
 
 ty_result ty_gltf_open_accessor(ty_gltf* gltf, size_t index, ty_gltf_accessor* accessor) {
@@ -112,7 +112,7 @@ ty_result ty_gltf_open_accessor(ty_gltf* gltf, size_t index, ty_gltf_accessor* a
     if (component_size(type) == 0)
         return ty_gltf_fail(gltf, &accessor->json_path, "%lld is not a componentType", (long long)type);
     if (accessor->components == 0)
-        return ty_gltf_fail(gltf, &accessor->json_path, "the type is not SCALAR, VEC2, VEC3 or VEC4");
+        return ty_gltf_fail(gltf, &accessor->json_path, "the type is not SCALAR, VEC2, VEC3, VEC4 or MAT4");
     accessor->count = (size_t)count;
     accessor->type = (int32_t)type;
     accessor->normalized = json_is_true(json_object_get(json, "normalized"));
@@ -158,7 +158,7 @@ static void load_element(const ty_gltf_accessor* accessor, const uint8_t* at, si
 }
 
 void ty_gltf_read_floats(const ty_gltf_accessor* accessor, size_t first, size_t count, size_t width, float* out) {
-    static const uint8_t zeros[4 * sizeof(float)];
+    static const uint8_t zeros[16 * sizeof(float)];
     for (size_t i = 0; i < count; ++i)
         load_element(accessor, accessor->data == NULL ? zeros : accessor->data + (first + i) * accessor->stride, width,
                      out + i * width);

@@ -90,7 +90,7 @@ static ty_result load_file(const ty_gltf* gltf, const ty_json_path* json_path, c
                            ? ty_model_inner_path(gltf->context, message, gltf->folder, name, &path)
                            : ty_gltf_fail(gltf, json_path, "a URI with a damaged %% escape");
     ty_free_array(gltf->context, name, length, 1);
-    if (result == TY_OK) result = ty_read_file(gltf->context, path, file_size_max, bytes, size);
+    if (result == TY_OK) result = ty_model_read_reference(gltf->context, message, path, file_size_max, bytes, size);
     ty_free_text(gltf->context, path);
     return result;
 }
@@ -144,6 +144,8 @@ ty_result ty_gltf_open_view(ty_gltf* gltf, size_t index, const uint8_t** data, s
     if (result != TY_OK) return result;
     if (from < 0 || length == 0)
         return ty_gltf_fail(gltf, &json_path, "%s is missing", from < 0 ? "buffer" : "byteLength");
+    *stride = (size_t)apart;
+    if (ty_gltf_packed_view(json) != NULL) return ty_gltf_unpack_view(gltf, index, data, size);
     const ty_gltf_buffer* buffer = NULL;
     result = ty_gltf_open_buffer(gltf, (size_t)from, &buffer);
     if (result != TY_OK) return result;
@@ -151,15 +153,17 @@ ty_result ty_gltf_open_view(ty_gltf* gltf, size_t index, const uint8_t** data, s
         return ty_gltf_fail(gltf, &json_path, "reaches past the end of its buffer");
     *data = buffer->data + offset;
     *size = (size_t)length;
-    *stride = (size_t)apart;
     return TY_OK;
 }
 
+static void free_buffers(ty_gltf* gltf, ty_gltf_buffer* buffers, size_t count) {
+    for (size_t i = 0; i < count && buffers != NULL; ++i)
+        if (buffers[i].owned != NULL) ty_free_file(gltf->context, buffers[i].owned, buffers[i].owned_size);
+    ty_free_array(gltf->context, buffers, count, sizeof *buffers);
+}
+
 void ty_gltf_free_buffers(ty_gltf* gltf) {
-    const size_t count = ty_gltf_count(gltf, "buffers");
-    for (size_t i = 0; i < count && gltf->buffers != NULL; ++i)
-        if (gltf->buffers[i].owned != NULL)
-            ty_free_file(gltf->context, gltf->buffers[i].owned, gltf->buffers[i].owned_size);
-    ty_free_array(gltf->context, gltf->buffers, count, sizeof *gltf->buffers);
-    gltf->buffers = NULL;
+    free_buffers(gltf, gltf->buffers, ty_gltf_count(gltf, "buffers"));
+    free_buffers(gltf, gltf->views, ty_gltf_count(gltf, "bufferViews"));
+    gltf->buffers = gltf->views = NULL;
 }

@@ -26,8 +26,8 @@ ty_json_path ty_gltf_json_path(const char* array, size_t index) {
 }
 
 ty_result ty_gltf_check_shape(const ty_gltf* gltf) {
-    static const char* const arrays[] = {"accessors", "buffers", "bufferViews", "cameras", "images",  "materials",
-                                         "meshes",    "nodes",   "samplers",    "scenes",  "textures"};
+    static const char* const arrays[] = {"accessors", "buffers", "bufferViews", "cameras", "images", "materials",
+                                         "meshes",    "nodes",   "samplers",    "scenes",  "skins",  "textures"};
     for (size_t a = 0; a < sizeof arrays / sizeof *arrays; ++a) {
         const json_t* array = json_object_get(gltf->root, arrays[a]);
         const ty_json_path root = {.depth = 0};
@@ -62,16 +62,25 @@ static ty_result fail_value(const ty_gltf* gltf, const ty_json_path* json_path, 
     return ty_gltf_fail(gltf, json_path, "expected %s, found %s", what, text);
 }
 
+static bool is_whole(const json_t* value) {
+    const double number = json_number_value(value);
+    return json_is_number(value) && number >= -0x1p62 && number <= 0x1p62 &&
+           number == (double)(int64_t)number; /* some writers store 3.0 for 3 */
+}
+
+int64_t ty_gltf_node_number(const ty_gltf* gltf, const json_t* value) {
+    const double number = is_whole(value) ? json_number_value(value) : -1;
+    return number >= 0 && number < (double)ty_gltf_count(gltf, "nodes") ? (int64_t)number : -1;
+}
+
 ty_result ty_gltf_read_integer(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path,
                                const char* key, int64_t low, int64_t high, int64_t* out) {
     const json_t* value = json_object_get(object, key);
     if (value == NULL) return TY_OK;
     const ty_json_path here = ty_json_path_key(json_path, key);
-    const double number = json_number_value(value);
-    const bool whole = json_is_number(value) && number >= -0x1p62 && number <= 0x1p62 &&
-                       number == (double)(int64_t)number; /* some writers store 3.0 for 3 */
-    if (!whole) return fail_value(gltf, &here, value, "a whole number");
-    const int64_t found = json_is_integer(value) ? (int64_t)json_integer_value(value) : (int64_t)number;
+    if (!is_whole(value)) return fail_value(gltf, &here, value, "a whole number");
+    const int64_t found =
+        json_is_integer(value) ? (int64_t)json_integer_value(value) : (int64_t)json_number_value(value);
     if (found < low || found > high)
         return ty_gltf_fail(gltf, &here, "%lld is outside [%lld, %lld]", (long long)found, (long long)low,
                             (long long)high);

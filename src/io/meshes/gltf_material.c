@@ -1,4 +1,5 @@
-/* glTF materials and textures. Of the metallic-roughness model only the base color is used. */
+/* glTF materials and textures. Of the metallic-roughness model only the base color is used, of the specular-glossiness
+ * model only the diffuse color. */
 #include "base/context.h"
 #include "io/file.h"
 #include "io/meshes/gltf.h"
@@ -76,6 +77,24 @@ static ty_result read_sampler(const ty_gltf* gltf, size_t index, ty_model_textur
     return result;
 }
 
+/* Image of a texture: its source, or the WebP image of an extension. Other kinds of images are refused. */
+static ty_result read_source(const ty_gltf* gltf, const json_t* json, const ty_json_path* json_path, int64_t* source) {
+    static const char* const others[] = {"KHR_texture_basisu", "KHR_texture_ktx", "GOOGLE_texture_basis",
+                                         "MSFT_texture_dds", "EXT_texture_avif"};
+    ty_result result = ty_gltf_read_reference(gltf, json, json_path, "source", "images", source);
+    const json_t* webp = ty_gltf_extension(json, "EXT_texture_webp");
+    if (result == TY_OK && *source < 0 && webp != NULL)
+        result = ty_gltf_read_reference(gltf, webp, json_path, "source", "images", source);
+    if (result != TY_OK || *source >= 0) return result;
+    for (size_t i = 0; i < sizeof others / sizeof *others; ++i)
+        if (ty_gltf_extension(json, others[i]) != NULL)
+            return ty_gltf_fail(gltf, json_path,
+                                "its only image is one of %s, which cannot be read; convert it to PNG or JPEG, as "
+                                "\"gltf-transform ktxdecompress\" does for KTX2",
+                                others[i]);
+    return ty_gltf_fail(gltf, json_path, "it has no source that can be read");
+}
+
 /* Index of the model's texture for a glTF texture, created on first use. */
 static ty_result use_texture(ty_gltf* gltf, size_t index, int32_t* out) {
     if (gltf->textures[index] == 0) {
@@ -83,9 +102,8 @@ static ty_result use_texture(ty_gltf* gltf, size_t index, int32_t* out) {
         const json_t* json = ty_gltf_item(gltf, "textures", index);
         ty_model_texture texture = {0};
         int64_t source = -1, sampler = -1;
-        ty_result result = ty_gltf_read_reference(gltf, json, &json_path, "source", "images", &source);
+        ty_result result = read_source(gltf, json, &json_path, &source);
         if (result == TY_OK) result = ty_gltf_read_reference(gltf, json, &json_path, "sampler", "samplers", &sampler);
-        if (result == TY_OK && source < 0) return ty_gltf_fail(gltf, &json_path, "it has no source that can be read");
         if (result == TY_OK && sampler >= 0) result = read_sampler(gltf, (size_t)sampler, &texture);
         if (result == TY_OK) result = use_image(gltf, (size_t)source, &texture.image);
         if (result == TY_OK) result = ty_model_add_texture(gltf->model, &texture);
@@ -133,16 +151,19 @@ static ty_result read_texture(ty_gltf* gltf, const json_t* object, const ty_json
 
 static ty_result read_surface(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
                               ty_model_material* material) {
-    const json_t* surface = json_object_get(json, "pbrMetallicRoughness");
-    const ty_json_path here = ty_json_path_key(json_path, "pbrMetallicRoughness");
+    const json_t* diffuse = ty_gltf_extension(json, "KHR_materials_pbrSpecularGlossiness");
+    const char* name = diffuse != NULL ? "KHR_materials_pbrSpecularGlossiness" : "pbrMetallicRoughness";
+    const json_t* surface = diffuse != NULL ? diffuse : json_object_get(json, name);
+    const ty_json_path here = ty_json_path_key(json_path, name);
     ty_material_def* def = &material->def;
     double color[4] = {1, 1, 1, 1};
-    const ty_result result = ty_gltf_read_numbers(gltf, surface, &here, "baseColorFactor", 4, 0, 1, color);
+    const ty_result result = ty_gltf_read_numbers(
+        gltf, surface, &here, diffuse != NULL ? "diffuseFactor" : "baseColorFactor", 4, 0, 1, color);
     if (result != TY_OK) return result;
     for (int c = 0; c < 3; ++c) def->albedo[c] = (float)color[c];
     def->alpha = (float)color[3];
-    return read_texture(gltf, surface, &here, "baseColorTexture", &material->albedo_texture, &def->albedo_uv,
-                        def->albedo_map);
+    return read_texture(gltf, surface, &here, diffuse != NULL ? "diffuseTexture" : "baseColorTexture",
+                        &material->albedo_texture, &def->albedo_uv, def->albedo_map);
 }
 
 static ty_result read_emission(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,

@@ -12,17 +12,21 @@ enum { DEPTH_MAX = 512, INSTANCES_MAX = 1 << 20 };
 
 /* ---- transforms ---- */
 
-/* Rotation by a quaternion x, y, z, w, not necessarily unit. */
-static ty_affine rotation(const double q[4]) {
-    const double n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], s = n > 0 ? 2 / n : 0;
-    const double x = q[0], y = q[1], z = q[2], w = q[3];
-    return (ty_affine){{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), 0, s * (x * y + w * z),
-                        1 - s * (x * x + z * z), s * (y * z - w * x), 0, s * (x * z - w * y), s * (y * z + w * x),
-                        1 - s * (x * x + y * y), 0}};
+ty_affine ty_gltf_compose(const double translation[3], const double quaternion[4], const double scale[3]) {
+    const double *q = quaternion, x = q[0], y = q[1], z = q[2], w = q[3];
+    const double n = x * x + y * y + z * z + w * w, s = n > 0 ? 2 / n : 0; /* it need not be unit */
+    ty_affine out = {{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), 0, s * (x * y + w * z),
+                      1 - s * (x * x + z * z), s * (y * z - w * x), 0, s * (x * z - w * y), s * (y * z + w * x),
+                      1 - s * (x * x + y * y), 0}};
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) out.m[4 * r + c] *= scale[c];
+        out.m[4 * r + 3] = translation[r];
+    }
+    return out;
 }
 
-static ty_result read_transform(const ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
-                                ty_affine* out) {
+ty_result ty_gltf_read_transform(const ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
+                                 ty_affine* out) {
     double matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     double translation[3] = {0, 0, 0}, quaternion[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
     ty_result result = ty_gltf_read_numbers(gltf, json, json_path, "matrix", 16, -NUMBER_MAX, NUMBER_MAX, matrix);
@@ -33,11 +37,7 @@ static ty_result read_transform(const ty_gltf* gltf, const json_t* json, const t
         result = ty_gltf_read_numbers(gltf, json, json_path, "scale", 3, -NUMBER_MAX, NUMBER_MAX, scale);
     if (result != TY_OK) return result;
     if (json_object_get(json, "matrix") == NULL) {
-        *out = rotation(quaternion);
-        for (int r = 0; r < 3; ++r) {
-            for (int c = 0; c < 3; ++c) out->m[4 * r + c] *= scale[c];
-            out->m[4 * r + 3] = translation[r];
-        }
+        *out = ty_gltf_compose(translation, quaternion, scale);
         return TY_OK;
     }
     if (matrix[3] != 0 || matrix[7] != 0 || matrix[11] != 0 || matrix[15] != 1)
@@ -141,35 +141,62 @@ static ty_result read_camera(ty_gltf* gltf, const json_t* node, const ty_json_pa
 
 /* ---- nodes ---- */
 
+static bool is_finite(const ty_affine* transform) {
+    for (int i = 0; i < 12; ++i)
+        if (!(fabs(transform->m[i]) <= NUMBER_MAX)) return false;
+    return true;
+}
+
 /* Name of a mesh, or else of its node. */
 static const char* mesh_name(const ty_gltf* gltf, int64_t mesh, const json_t* node) {
     const char* name = json_string_value(json_object_get(ty_gltf_item(gltf, "meshes", (size_t)mesh), "name"));
     return name != NULL && name[0] != '\0' ? name : json_string_value(json_object_get(node, "name"));
 }
 
-static ty_result add_mesh_instance(ty_gltf* gltf, int64_t number, const json_t* node, const ty_json_path* json_path,
-                                   const ty_affine* transform) {
-    int64_t index = -1;
-    ty_result result = ty_gltf_read_reference(gltf, node, json_path, "mesh", "meshes", &index);
-    if (result == TY_OK && index >= 0) result = ty_gltf_read_mesh(gltf, (size_t)index);
-    if (result != TY_OK || index < 0) return result;
-    const ty_gltf_mesh* mesh = &gltf->meshes[index];
-    for (size_t i = 0; i < mesh->count; ++i) {
+static ty_result add_instances(ty_gltf* gltf, int64_t number, const char* name, const ty_json_path* json_path,
+                               const ty_gltf_mesh* mesh, const ty_affine* transform) {
+    ty_result result = TY_OK;
+    for (size_t i = 0; i < mesh->count && result == TY_OK; ++i) {
         gltf->triangles += (int64_t)gltf->model->meshes[mesh->first + i].triangle_count;
         if (gltf->model->instance_count == INSTANCES_MAX || gltf->triangles > INT32_MAX)
             return ty_gltf_fail(gltf, json_path, "more than %d primitives or 2^31 - 1 triangles in all nodes together",
                                 (int)INSTANCES_MAX);
-        result = ty_model_add_instance(gltf->model, mesh->first + i, transform, (int32_t)number,
-                                       mesh_name(gltf, index, node));
-        if (result != TY_OK) return result;
+        result = ty_model_add_instance(gltf->model, mesh->first + i, transform, (int32_t)number, name);
     }
-    return TY_OK;
+    return result;
 }
 
-static bool is_finite(const ty_affine* transform) {
-    for (int i = 0; i < 12; ++i)
-        if (!(fabs(transform->m[i]) <= NUMBER_MAX)) return false;
-    return true;
+/* Vertices of a skinned mesh are in scene space, whatever the transform of its node. */
+static ty_result add_posed_mesh(ty_gltf* gltf, int64_t number, size_t index, const json_t* node,
+                                const ty_json_path* json_path, const ty_affine* transform) {
+    ty_gltf_pose pose;
+    ty_gltf_mesh mesh = {.count = 0};
+    ty_affine* maps = NULL;
+    size_t map_count = 0;
+    const ty_affine identity = ty_affine_identity();
+    const char* name = mesh_name(gltf, (int64_t)index, node);
+    ty_result result = ty_gltf_read_pose(gltf, node, json_path, index, transform, &pose);
+    const bool posed = pose.weight_count + pose.joint_count > 0;
+    if (result == TY_OK) result = ty_gltf_read_mesh(gltf, index, posed ? &pose : NULL, &mesh);
+    if (result == TY_OK) result = ty_gltf_read_instances(gltf, node, &maps, &map_count);
+    if (result == TY_OK && map_count == 0)
+        result = add_instances(gltf, number, name, json_path, &mesh, pose.joint_count > 0 ? &identity : transform);
+    for (size_t i = 0; i < map_count && result == TY_OK; ++i) {
+        const ty_affine map = ty_affine_multiply(transform, &maps[i]);
+        result = is_finite(&map) ? add_instances(gltf, number, name, json_path, &mesh, &map)
+                                 : ty_gltf_fail(gltf, json_path, "instance %zu is too far away", i);
+    }
+    ty_free_array(gltf->context, maps, map_count, sizeof *maps);
+    ty_gltf_free_pose(gltf, &pose);
+    return result;
+}
+
+static ty_result add_mesh_instance(ty_gltf* gltf, int64_t number, const json_t* node, const ty_json_path* json_path,
+                                   const ty_affine* transform) {
+    int64_t index = -1;
+    const ty_result result = ty_gltf_read_reference(gltf, node, json_path, "mesh", "meshes", &index);
+    return result != TY_OK || index < 0 ? result
+                                        : add_posed_mesh(gltf, number, (size_t)index, node, json_path, transform);
 }
 
 static ty_result read_node(ty_gltf* gltf, int64_t index, const ty_affine* parent, int depth);
@@ -184,9 +211,8 @@ static ty_result read_children(ty_gltf* gltf, const json_t* object, const ty_jso
     json_t* child;
     json_array_foreach(children, i, child) {
         const ty_json_path at = ty_json_path_index(&here, i);
-        const json_int_t number = json_is_integer(child) ? json_integer_value(child) : -1;
-        if (number < 0 || number >= (json_int_t)ty_gltf_count(gltf, "nodes"))
-            return ty_gltf_fail(gltf, &at, "it is not the number of a node");
+        const int64_t number = ty_gltf_node_number(gltf, child);
+        if (number < 0) return ty_gltf_fail(gltf, &at, "it is not the number of a node");
         result = read_node(gltf, number, transform, depth);
         if (result != TY_OK) break;
     }
@@ -200,7 +226,7 @@ static ty_result read_node(ty_gltf* gltf, int64_t index, const ty_affine* parent
     if (depth >= DEPTH_MAX) return ty_gltf_fail(gltf, &json_path, "nodes are nested more than %d deep", (int)DEPTH_MAX);
     gltf->visited[index] = true;
     ty_affine local;
-    ty_result result = read_transform(gltf, node, &json_path, &local);
+    ty_result result = ty_gltf_read_transform(gltf, node, &json_path, &local);
     if (result != TY_OK) return result;
     const ty_affine transform = ty_affine_multiply(parent, &local);
     if (!is_finite(&transform)) return ty_gltf_fail(gltf, &json_path, "its transform leads too far away");
@@ -214,23 +240,24 @@ static ty_result read_node(ty_gltf* gltf, int64_t index, const ty_affine* parent
 
 /* Without scenes, the roots are all nodes without a parent. */
 static ty_result read_roots(ty_gltf* gltf) {
+    const ty_affine identity = ty_affine_identity();
+    ty_result result = TY_OK;
+    for (size_t i = 0; i < ty_gltf_count(gltf, "nodes") && result == TY_OK; ++i)
+        if (gltf->parents[i] < 0) result = read_node(gltf, (int64_t)i, &identity, 0);
+    return result;
+}
+
+static void find_parents(ty_gltf* gltf) {
     const size_t count = ty_gltf_count(gltf, "nodes");
-    bool* child = ty_alloc_array(gltf->context, count, sizeof *child, true);
-    if (child == NULL) return TY_ERROR_MEMORY;
+    for (size_t i = 0; i < count; ++i) gltf->parents[i] = -1;
     for (size_t i = 0; i < count; ++i) {
         size_t k;
         json_t* number;
         json_array_foreach(json_object_get(ty_gltf_item(gltf, "nodes", i), "children"), k, number) {
-            const json_int_t index = json_is_integer(number) ? json_integer_value(number) : -1;
-            if (index >= 0 && index < (json_int_t)count) child[index] = true;
+            const int64_t index = ty_gltf_node_number(gltf, number);
+            if (index >= 0) gltf->parents[index] = (int32_t)i;
         }
     }
-    const ty_affine identity = ty_affine_identity();
-    ty_result result = TY_OK;
-    for (size_t i = 0; i < count && result == TY_OK; ++i)
-        if (!child[i]) result = read_node(gltf, (int64_t)i, &identity, 0);
-    ty_free_array(gltf->context, child, count, sizeof *child);
-    return result;
 }
 
 ty_result ty_gltf_read_scene(ty_gltf* gltf) {
@@ -239,6 +266,7 @@ ty_result ty_gltf_read_scene(ty_gltf* gltf) {
     int64_t scene = -1;
     const ty_result result = ty_gltf_read_reference(gltf, gltf->root, &root, "scene", "scenes", &scene);
     if (result != TY_OK) return result;
+    find_parents(gltf);
     if (ty_gltf_count(gltf, "scenes") == 0) return read_roots(gltf);
     if (scene < 0) scene = 0;
     const ty_json_path json_path = ty_gltf_json_path("scenes", (size_t)scene);

@@ -333,8 +333,24 @@ static ty_result write_glb(writer* w, const char* path) {
     return result;
 }
 
+/* Vertices of compressed meshes have no place in the file to which colors could be added. */
+static ty_result refuse_compressed(const writer* w) {
+    static const char* const names[] = {"EXT_meshopt_compression", "KHR_draco_mesh_compression"};
+    size_t i;
+    json_t* used;
+    json_array_foreach(json_object_get(w->gltf.root, "extensionsUsed"), i, used) {
+        for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
+            if (json_is_string(used) && strcmp(json_string_value(used), names[k]) == 0)
+                return ty_fail(w->gltf.context, TY_ERROR_INPUT,
+                               "%s: colours cannot be added to a file with %s; \"gltf-transform copy\" decompresses it",
+                               w->gltf.path, names[k]);
+    }
+    return TY_OK;
+}
+
 static ty_result open_file(writer* w, const uint8_t* bytes, size_t size) {
     ty_result result = ty_gltf_open(&w->gltf, bytes, size);
+    if (result == TY_OK) result = refuse_compressed(w);
     if (result == TY_OK) result = ty_gltf_create_tables(&w->gltf);
     if (result != TY_OK) return result;
     w->root = json_deep_copy(w->gltf.root);

@@ -6,6 +6,7 @@
 #include "io/images/image_file.h"
 #include "io/schema_text.h"
 
+#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -223,4 +224,15 @@ ty_result ty_model_inner_path(ty_context* context, const char* location, const c
         return ty_fail(context, TY_ERROR_INPUT, "%s: %s leads out of the file's folder", location, quoted);
     *out = ty_join_path(context, folder, name);
     return *out == NULL ? TY_ERROR_MEMORY : TY_OK;
+}
+
+ty_result ty_model_read_reference(ty_context* context, const char* location, const char* path, size_t limit,
+                                  uint8_t** bytes, size_t* size) {
+    uint64_t length = 0;
+    FILE* stream = ty_open_regular(path, &length);
+    if (stream == NULL)
+        return ty_fail(context, TY_ERROR_FILE, "%s: cannot open %s: %s", location, path,
+                       errno != 0 ? strerror(errno) : "not a regular file");
+    fclose(stream);
+    return ty_read_file(context, path, limit, bytes, size);
 }

@@ -120,6 +120,9 @@ ty_result ty_model_decode_images(ty_model* model);
 /* Number of triangles over all instances. */
 int64_t ty_model_triangles(const ty_model* model);
 
+/* The same as ty_read_file for a file that another one names at `location`, which stands before the message. */
+ty_result ty_model_read_reference(ty_context* context, const char* location, const char* path, size_t limit,
+                                  uint8_t** bytes, size_t* size);
 /* Path of a file referenced by another one: folder/name. Absolute names and names that lead out of the folder are
  * refused, as are all if folder is NULL; `location` names the reference in messages. Freed with ty_free_text. */
 ty_result ty_model_inner_path(ty_context* context, const char* location, const char* folder, const char* name,

@@ -78,22 +78,29 @@ static ty_result read_normal(ty_obj* obj, ty_words* line) {
 
 /* ---- faces ---- */
 
-/* References count from 1, or backwards from the last element with -1. */
+/* References count from 1, or backwards from the last element with -1. They may lead to later lines. */
 static ty_result read_index(const ty_obj* obj, const char** at, size_t count, const char* what, int32_t* out) {
     const char* after = *at;
     const int64_t number = ty_parse_integer(*at, &after);
     if (after == *at) return fail(obj, "a face is damaged");
     *at = after;
     const int64_t index = number < 0 ? (int64_t)count + number : number - 1;
-    if (index < 0 || index >= (int64_t)count)
+    if (index < 0 || index > INT32_MAX)
         return ty_fail(obj->context, TY_ERROR_INPUT, "%s:%zu: there is no %s %lld, but %zu so far", obj->path,
                        obj->line, what, (long long)number, count);
     *out = (int32_t)index;
     return TY_OK;
 }
 
+/* Keeps the line of the first reference to the farthest position, for the check once all are known. */
+static void note_position(ty_obj* obj, int32_t position) {
+    if ((size_t)position < obj->position_reach) return;
+    obj->position_reach = (size_t)position + 1;
+    obj->position_reach_line = obj->line;
+}
+
 /* "7", "7/3", "7/3/5", "7//5" */
-static ty_result read_corner(const ty_obj* obj, ty_word word, ty_obj_corner* corner) {
+static ty_result read_corner(ty_obj* obj, ty_word word, ty_obj_corner* corner) {
     const char *at = word.text, *end = word.text + word.length;
     *corner = (ty_obj_corner){-1, -1, -1};
     ty_result result = read_index(obj, &at, obj->position_count, "vertex", &corner->position);
@@ -105,7 +112,25 @@ static ty_result read_corner(const ty_obj* obj, ty_word word, ty_obj_corner* cor
         ++at;
         result = at < end ? read_index(obj, &at, obj->normal_count, "normal", &corner->normal) : TY_OK;
     }
+    if (result == TY_OK) note_position(obj, corner->position);
     return result == TY_OK && at != end ? fail(obj, "a face is damaged") : result;
+}
+
+/* Faces must name positions that are there. Without the normal or the texture vertex that it names, a corner has
+ * none. */
+static ty_result check_references(ty_obj* obj) {
+    if (obj->position_reach > obj->position_count)
+        return ty_fail(obj->context, TY_ERROR_INPUT, "%s:%zu: there is no vertex %zu, but %zu", obj->path,
+                       obj->position_reach_line, obj->position_reach, obj->position_count);
+    for (size_t i = 0; i < 3 * obj->triangle_count; ++i) {
+        ty_obj_corner* corner = &obj->triangles[i / 3].corners[i % 3];
+        const bool uv = corner->uv >= 0 && (size_t)corner->uv >= obj->uv_count;
+        const bool normal = corner->normal >= 0 && (size_t)corner->normal >= obj->normal_count;
+        if (uv) corner->uv = -1;
+        if (normal) corner->normal = -1;
+        obj->dangling += uv || normal;
+    }
+    return TY_OK;
 }
 
 static ty_result read_face(ty_obj* obj, ty_words* line) {
@@ -197,6 +222,9 @@ static void warn(const ty_obj* obj) {
     if (obj->skipped > 0)
         ty_log(obj->context, TY_LOG_WARNING, "%s: %zu elements that are no polygons are left out", obj->path,
                obj->skipped);
+    if (obj->dangling > 0)
+        ty_log(obj->context, TY_LOG_WARNING, "%s: %zu corners name normals or texture vertices that are not there",
+               obj->path, obj->dangling);
     if (obj->unknown > 0)
         ty_log(obj->context, TY_LOG_WARNING, "%s: %zu uses of materials that are in no material file", obj->path,
                obj->unknown);
@@ -234,6 +262,7 @@ ty_result ty_read_obj(ty_context* context, const char* path, const char* folder,
     }
     if (result == TY_OK && obj.triangle_count == 0)
         result = ty_fail(context, TY_ERROR_INPUT, "%s: there are no faces", path);
+    if (result == TY_OK) result = check_references(&obj);
     /* Vertex colors replace those of the material. */
     if (result == TY_OK && obj.colored && model->material_count > 0)
         for (int c = 0; c < 3; ++c) model->materials[0].def.albedo[c] = 1;

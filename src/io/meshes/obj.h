@@ -34,6 +34,8 @@ typedef struct ty_obj {
     int32_t material; /* current material */
     size_t skipped;   /* lines, points, curves, degenerate faces */
     size_t unknown;   /* uses of undefined materials */
+    size_t dangling;  /* corners with references to normals or texture vertices that are not in the file */
+    size_t position_reach, position_reach_line; /* highest position in use plus one, and the line that names it */
 } ty_obj;
 
 /* obj_material.c: adds the materials of an .mtl text, which is followed by a zero byte not counted in size. */

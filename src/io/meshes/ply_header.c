@@ -127,14 +127,26 @@ static ty_result check_elements(const ty_ply* ply) {
     return TY_OK;
 }
 
+/* Reads a line up to a carriage return, which ends the lines of some files; data may begin with a newline. */
+static bool next_cr_line(ty_words* text, ty_words* line, size_t* number) {
+    if (text->at == text->end) return false;
+    const char* end = memchr(text->at, '\r', (size_t)(text->end - text->at));
+    *line = (ty_words){text->at, end != NULL ? end : text->end};
+    text->at = end != NULL ? end + 1 : text->end;
+    ++*number;
+    return true;
+}
+
 ty_result ty_ply_read_header(ty_ply* ply) {
+    const bool returns = ply->data.end - ply->data.at > 4 && ply->data.at[3] == '\r' && ply->data.at[4] != '\n';
+    bool (*next_line)(ty_words*, ty_words*, size_t*) = returns ? next_cr_line : ty_next_line;
     ty_words line;
     ty_word word;
     size_t number = 0;
     bool format = false;
-    if (!ty_next_line(&ply->data, &line, &number) || !ty_next_word(&line, &word) || !ty_word_is(word, "ply"))
+    if (!next_line(&ply->data, &line, &number) || !ty_next_word(&line, &word) || !ty_word_is(word, "ply"))
         return ty_fail(ply->context, TY_ERROR_INPUT, "%s: not a PLY file", ply->path);
-    while (ty_next_line(&ply->data, &line, &number)) {
+    while (next_line(&ply->data, &line, &number)) {
         ty_result result = TY_OK;
         if (!ty_next_word(&line, &word)) continue;
         if (ty_word_is(word, "end_header"))

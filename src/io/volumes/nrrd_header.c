@@ -246,8 +246,7 @@ static ty_result read_skip(const header* h, field which, int64_t min_value, int6
 static ty_result read_axes(header* h) {
     const char *end, *text = h->fields[FIELD_DIMENSION];
     const int64_t axes = ty_parse_integer(text, &end);
-    if (end == text || *end != '\0' || (axes != 3 && axes != 4))
-        return fail_field(h, FIELD_DIMENSION, "is neither 3 nor 4");
+    if (end == text || *end != '\0' || axes < 2 || axes > 4) return fail_field(h, FIELD_DIMENSION, "is not 2, 3 or 4");
     h->axes = (int)axes;
     text = h->fields[FIELD_SIZES];
     for (int a = 0; a < h->axes; ++a) {
@@ -277,8 +276,35 @@ static bool is_component_kind(const char* text, size_t length) {
     return length > 0;
 }
 
-/* Component axis of four: the only one so declared by kinds, else the first or the last if it is short; -1 if
- * ambiguous. */
+static int find_time_axis(const header* h) {
+    const char* kinds = h->fields[FIELD_KINDS];
+    for (int a = 0; a < h->axes && kinds != NULL; ++a) {
+        const size_t length = next_word(&kinds);
+        if (word_is(kinds, length, "time")) return a;
+        kinds += length;
+    }
+    return -1;
+}
+
+/* The only axis without a direction, if all others have one; -1 otherwise. */
+static int find_axis_without_direction(const header* h) {
+    const char* text = h->fields[FIELD_DIRECTIONS];
+    int found = -1, count = 0;
+    for (int a = 0; a < h->axes && text != NULL; ++a) {
+        const size_t length = next_word(&text);
+        if (word_is(text, length, "none")) {
+            found = a;
+            ++count;
+            text += length;
+        } else if ((text = strchr(text, ')')) != NULL) {
+            ++text;
+        }
+    }
+    return count == 1 ? found : -1;
+}
+
+/* Axis of components or times: the only one so declared by kinds or without a direction in space, else, of four, the
+ * first or the last if it is short; -1 if there is none or it is ambiguous. */
 static int find_component_axis(const header* h) {
     int found = -1, count = 0;
     const char* kinds = h->fields[FIELD_KINDS];
@@ -291,40 +317,63 @@ static int find_component_axis(const header* h) {
         kinds += length;
     }
     if (count > 0) return count == 1 ? found : -1;
+    const int bare = find_axis_without_direction(h);
+    if (bare >= 0 || h->axes < AXES_MAX) return bare;
+    if (find_time_axis(h) >= 0) return find_time_axis(h);
     return h->sizes[0] <= COMPONENTS_GUESSED_MAX ? 0 : h->sizes[3] <= COMPONENTS_GUESSED_MAX ? 3 : -1;
 }
 
 static ty_result choose_axes(header* h, ty_nrrd* out) {
     h->component_axis = -1;
     out->components = 1;
-    if (h->axes == 4) {
-        h->component_axis = find_component_axis(h);
-        if (h->component_axis != 0 && h->component_axis != 3)
-            return fail_field(h, FIELD_SIZES, "has four axes of which neither the first nor the last is of components");
+    h->component_axis = h->axes == 2 ? -1 : find_component_axis(h);
+    const int last = h->axes - 1;
+    if (h->axes == 4 || h->component_axis >= 0) {
+        if (h->component_axis != 0 && h->component_axis != last)
+            return fail_field(h, FIELD_SIZES,
+                              "has an axis of components or times, but neither the first nor the last is one");
         const int64_t components = h->sizes[h->component_axis];
         if (components > COMPONENTS_MAX) return fail_field(h, FIELD_SIZES, "has too many values per voxel");
         out->components = (int32_t)components;
-        out->components_last = h->component_axis == 3;
+        out->components_last = h->component_axis == last;
     }
-    const int first = h->component_axis == 0 ? 1 : 0;
-    const ty_result result = ty_check_volume_size(h->context, h->path, h->sizes + first, &out->voxels);
-    for (int a = 0; a < 3 && result == TY_OK; ++a) out->size[a] = (int32_t)h->sizes[first + a];
+    const int first = h->component_axis == 0 ? 1 : 0, count = h->axes - (h->component_axis >= 0);
+    int64_t sizes[3] = {1, 1, 1}; /* an image is a volume one voxel deep */
+    for (int a = 0; a < count; ++a) sizes[a] = h->sizes[first + a];
+    const ty_result result = ty_check_volume_size(h->context, h->path, sizes, &out->voxels);
+    for (int a = 0; a < 3 && result == TY_OK; ++a) out->size[a] = (int32_t)sizes[a];
     return result;
 }
 
-/* Parses "(x, y, z)"; false for other text. */
-static bool read_vector(const char** text, double vector[3]) {
+/* Parses "(x, y, z)" or, of images, "(x, y)"; false for other text. */
+static bool read_vector(const header* h, const char** text, double vector[3]) {
     const char* at = skip_blanks(*text);
+    int count = 0;
     if (*at != '(') return false;
-    for (int r = 0; r < 3; ++r) {
+    do {
         const char* end;
-        vector[r] = ty_parse_number(at + 1, &end);
-        if (end == at + 1 || !isfinite(vector[r])) return false;
+        vector[count] = ty_parse_number(at + 1, &end);
+        if (end == at + 1 || !isfinite(vector[count])) return false;
         at = skip_blanks(end);
-        if (*at != (r < 2 ? ',' : ')')) return false;
-    }
+    } while (++count < 3 && *at == ',');
+    if (*at != ')' || count < (h->axes - (h->component_axis >= 0) < 3 ? 2 : 3)) return false;
+    if (count == 2) vector[2] = 0;
     *text = at + 1;
     return true;
+}
+
+/* Directions that are "none" for every axis say nothing. */
+static bool has_directions(const header* h) {
+    const char* text = h->fields[FIELD_DIRECTIONS];
+    return text != NULL && strchr(text, '(') != NULL;
+}
+
+/* The third axis of an image is perpendicular to it, one unit long. */
+static void add_perpendicular(ty_affine* map) {
+    double* m = map->m;
+    const double n[3] = {m[4] * m[9] - m[8] * m[5], m[8] * m[1] - m[0] * m[9], m[0] * m[5] - m[4] * m[1]};
+    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int r = 0; r < 3; ++r) m[4 * r + 2] = length > 0 ? n[r] / length : 0;
 }
 
 static ty_result read_directions(const header* h, ty_affine* map) {
@@ -336,15 +385,16 @@ static ty_result read_directions(const header* h, ty_affine* map) {
             const size_t length = next_word(&text);
             if (word_is(text, length, "none"))
                 text += length;
-            else if (!read_vector(&text, vector))
+            else if (!read_vector(h, &text, vector))
                 return fail_field(h, FIELD_DIRECTIONS, "is not a vector of three numbers or none per axis");
             continue;
         }
-        if (!read_vector(&text, vector))
+        if (!read_vector(h, &text, vector))
             return fail_field(h, FIELD_DIRECTIONS, "does not give each axis of space a vector of three numbers");
         for (int r = 0; r < 3; ++r) map->m[4 * r + column] = vector[r];
         ++column;
     }
+    if (column == 2) add_perpendicular(map);
     ty_affine inverse;
     if (*skip_blanks(text) != '\0') return fail_field(h, FIELD_DIRECTIONS, "gives more vectors than there are axes");
     if (!ty_affine_invert(map, &inverse)) return fail_field(h, FIELD_DIRECTIONS, "cannot be inverted");
@@ -371,14 +421,14 @@ static ty_result read_spacings(const header* h, ty_affine* map) {
 static ty_result read_placement(const header* h, ty_nrrd* out) {
     out->index_to_local = ty_affine_identity();
     ty_result result = TY_OK;
-    if (h->fields[FIELD_DIRECTIONS] != NULL)
+    if (has_directions(h))
         result = read_directions(h, &out->index_to_local);
     else if (h->fields[FIELD_SPACINGS] != NULL)
         result = read_spacings(h, &out->index_to_local);
     if (result != TY_OK || h->fields[FIELD_ORIGIN] == NULL) return result;
     const char* text = h->fields[FIELD_ORIGIN];
     double origin[3];
-    if (!read_vector(&text, origin) || *skip_blanks(text) != '\0')
+    if (!read_vector(h, &text, origin) || *skip_blanks(text) != '\0')
         return fail_field(h, FIELD_ORIGIN, "is not a vector of three numbers");
     for (int r = 0; r < 3; ++r) out->index_to_local.m[4 * r + 3] = origin[r];
     return TY_OK;

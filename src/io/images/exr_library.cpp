@@ -1,5 +1,5 @@
-/* The only file that includes OpenEXR's C++ library, for DWA compression, which the C core does not decode. No
- * exception leaves it. */
+/* The only file that includes OpenEXR's C++ library: DWA compression, which the C core does not decode, and luminance
+ * with subsampled chroma. No exception leaves it. */
 #include "io/images/exr.h"
 
 extern "C" {
@@ -12,10 +12,12 @@ extern "C" {
 #include <ImfIO.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
+#include <ImfRgbaFile.h>
 
 #include <cstring>
 #include <new>
 #include <stdexcept>
+#include <vector>
 
 namespace {
 
@@ -70,12 +72,34 @@ void read_pixels(const char* path, const ty_exr_stream* stream, const ty_exr_dwa
     input.readPixels(window.min.y, window.max.y);
 }
 
-} // namespace
+void read_chroma(const char* path, const ty_exr_stream* stream, const exr_attr_box2i_t* data, bool alpha,
+                 ty_image* image) {
+    memory_stream memory(path, stream);
+    Imf::RgbaInputFile file(memory, 0);
+    const Imath::Box2i window = file.dataWindow();
+    check_window(window, *data);
+    const size_t width = static_cast<size_t>(image->width), height = static_cast<size_t>(image->height);
+    std::vector<Imf::Rgba> pixels(width * height);
+    /* The library counts from the pixel (0, 0) of the file. */
+    Imf::Rgba* origin = pixels.data() - window.min.x - static_cast<int64_t>(window.min.y) * image->width;
+    file.setFrameBuffer(origin, 1, width);
+    file.readPixels(window.min.y, window.max.y);
+    float* planes[4];
+    for (int c = 0; c < 3 + alpha; ++c) planes[c] = ty_image_plane(image, c);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+        const Imf::Rgba& pixel = pixels[i];
+        if (alpha) planes[0][i] = pixel.a;
+        planes[alpha][i] = pixel.b;
+        planes[alpha + 1][i] = pixel.g;
+        planes[alpha + 2][i] = pixel.r;
+    }
+}
 
-ty_result ty_exr_read_dwa(ty_context* context, const char* path, const ty_exr_stream* stream,
-                          const ty_exr_dwa_part* part, ty_image* image) {
+/* Calls a reader and turns its exceptions into errors. */
+template <typename reader>
+ty_result guard(ty_context* context, const char* path, const reader& read) {
     try {
-        read_pixels(path, stream, part, image);
+        read();
         return TY_OK;
     } catch (const std::bad_alloc&) {
         return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory for OpenEXR", path);
@@ -84,4 +108,16 @@ ty_result ty_exr_read_dwa(ty_context* context, const char* path, const ty_exr_st
     } catch (...) {
         return ty_fail(context, TY_ERROR_INTERNAL, "%s: OpenEXR failed", path);
     }
+}
+
+} // namespace
+
+ty_result ty_exr_read_dwa(ty_context* context, const char* path, const ty_exr_stream* stream,
+                          const ty_exr_dwa_part* part, ty_image* image) {
+    return guard(context, path, [&] { read_pixels(path, stream, part, image); });
+}
+
+ty_result ty_exr_read_chroma(ty_context* context, const char* path, const ty_exr_stream* stream,
+                             const exr_attr_box2i_t* data, bool alpha, ty_image* image) {
+    return guard(context, path, [&] { read_chroma(path, stream, data, alpha, image); });
 }
