@@ -46,28 +46,47 @@ TY_FN float ty_spans_broadest_g(TY_GLOBAL const ty_medium_view* media, const ty_
     return ty_clampf(g, -0.98f, 0.98f);
 }
 
-/* Samples t in an interval in proportion to c(phi, g) / d^2; returns the density of *t, 1/m. In x =
- * (1 + g) / (1 - g) tan(phi / 2) the cumulative distribution is an arc tangent. */
+/* Angles phi of an interval of a ray, of the distribution c(phi, g) in x = (1 + g) / (1 - g) tan(phi / 2), whose
+ * cumulative distribution is an arc tangent. */
+typedef struct ty_lamp_arc {
+    float from, to; /* x at both ends */
+    float range;    /* atan(to) - atan(from) */
+} ty_lamp_arc;
+
+TY_FN ty_lamp_arc ty_lamp_arc_make(float half_tangent_from, float half_tangent_to, float g) {
+    const float stretch = (1.0f + g) / (1.0f - g);
+    const float from = stretch * half_tangent_from, to = stretch * half_tangent_to;
+    return (ty_lamp_arc){from, to, ty_maxf(atan2f(to - from, 1.0f + from * to), 1e-30f)};
+}
+
+/* x at the fraction u of the arc. */
+TY_FN float ty_lamp_arc_sample(const ty_lamp_arc* arc, float u) {
+    float x;
+    if (arc->from < 1.0f) {
+        x = tanf(atanf(arc->from) + u * arc->range);
+    } else {
+        const float part = tanf(u * arc->range);
+        x = (arc->from + part) / (1.0f - arc->from * part);
+    }
+    if (x >= arc->from && x <= arc->to) return x;
+    return x >= arc->from || x < 0.0f ? arc->to : arc->from;
+}
+
+/* Samples t in an interval: phi uniform for one half of the samples, for what only a part of the ray receives (the
+ * cone of a spot light, shadows), and in proportion to c(phi, g) for the other, for the peak of p. Returns the density
+ * of *t by both, 1/m. */
 TY_FN float ty_lamp_distance_sample(ty_media_interval interval, const ty_closest_approach* closest, float g, float u,
                                     float* t) {
-    const float distance = sqrtf(closest->distance2), stretch = (1.0f + g) / (1.0f - g);
-    const float leave = ty_minf(interval.leave, TY_LAMP_FAR);
-    const float from = stretch * ty_lamp_half_tangent(distance, closest->t - interval.enter);
-    const float to = stretch * ty_lamp_half_tangent(distance, closest->t - leave);
-    const float range = ty_maxf(atan2f(to - from, 1.0f + from * to), 1e-30f);
-    float x;
-    if (from < 1.0f) {
-        x = tanf(atanf(from) + u * range);
-    } else {
-        const float part = tanf(u * range);
-        x = (from + part) / (1.0f - from * part);
-    }
-    if (!(x >= from && x <= to)) x = x >= from || x < 0.0f ? to : from;
-    x /= stretch;
+    const float distance = sqrtf(closest->distance2), leave = ty_minf(interval.leave, TY_LAMP_FAR);
+    const float from = ty_lamp_half_tangent(distance, closest->t - interval.enter);
+    const float to = ty_lamp_half_tangent(distance, closest->t - leave);
+    const ty_lamp_arc uniform = ty_lamp_arc_make(from, to, 0.0f), peaked = ty_lamp_arc_make(from, to, g);
+    const float x = u < 0.5f ? ty_lamp_arc_sample(&uniform, 2.0f * u)
+                             : ty_lamp_arc_sample(&peaked, 2.0f * u - 1.0f) * (1.0f - g) / (1.0f + g);
     *t = ty_clampf(closest->t - 0.5f * distance * (1.0f / x - x), interval.enter, leave);
     const float before = closest->t - *t, d2 = closest->distance2 + before * before;
     const float angle_pdf = ty_wrapped_cauchy(ty_lamp_tilt(closest->distance2, before, sqrtf(d2)), g);
-    return 0.5f * TY_PI * angle_pdf * distance / (range * d2);
+    return 0.25f * (1.0f / uniform.range + TY_PI * angle_pdf / peaked.range) * distance / d2;
 }
 
 /* Number of lamp directions, at most 1, of a vertex at closest->radius2 from a lamp. rate: that beside the lamp. */
