@@ -251,7 +251,7 @@ static void changes_lead_to_the_same_image(void** state) {
     journal* j = calloc(1, sizeof *j);
     assert_non_null(j);
     ty_path_def def = journal_def(j);
-    ty_path_stats plain_stats, stats;
+    ty_path_stats plain_stats = ty_default_path_stats(), stats = ty_default_path_stats();
     ty_image* plain = render(scene, &def, &plain_stats);
     assert_true(j->changes > 2 && j->before_size > j->before_first + 997);
     def = kept_def(6, NULL);
@@ -331,7 +331,7 @@ static void damaged_states_are_refused(void** state) {
     size_t size;
     uint8_t* bytes = stopped_state(scene, &def, 2, &size);
     for (size_t cut = 0; cut < size; cut += cut < 200 ? 1 : 61)
-        refuse(*state, scene, def, bytes, cut, cut < 150 ? "is cut short" : "the state is");
+        refuse(*state, scene, def, bytes, cut, cut < 152 ? "is cut short" : "the state is");
     for (size_t i = 0; i < size; ++i) {
         bytes[i] ^= 0x10;
         refuse(*state, scene, def, bytes, size, i < 8 ? "not the state of a render" : "the state ");
