@@ -255,6 +255,9 @@ static void rays_pick_lamps_only(void** state) {
                 ty_light_tree_sample_ray(tree->nodes, origin, direction, enter, leave, &u, &probability);
             assert_true(light >= 0 && views[light].kind != TY_KIND_SPHERE && probability > 0);
             assert_true(chances[light] == 0 || chances[light] == (double)probability);
+            const float again =
+                ty_light_tree_ray_probability(tree->nodes, tree->trails, light, origin, direction, enter, leave);
+            assert_true(memcmp(&again, &probability, sizeof again) == 0);
             chances[light] = (double)probability;
             ++hits[light];
         }

@@ -110,6 +110,7 @@ void cli_report_stats(json_writer* json, const void* user) {
     json_unsigned(json, "paths", report->run.path.paths);
     json_unsigned(json, "vertices", report->run.path.vertices);
     json_number(json, "error", report->run.path.error);
+    json_number(json, "error_pixels", report->run.path.error_pixels);
     json_text(json, "isa", report->run.path.isa == NULL ? "" : report->run.path.isa);
     write_own_stats(json, report);
     json_number(json, "load_seconds", report->load_seconds);
@@ -136,6 +137,7 @@ ty_result cli_report_metadata(ty_image* image, const cli_report* report) {
         {"tyndall.seconds", report->run.path.seconds},
         {"tyndall.own_seconds", report->run.own_seconds},
         {"tyndall.error", report->run.path.error},
+        {"tyndall.error_pixels", report->run.path.error_pixels},
         {"tyndall.complete", report->complete ? 1 : 0},
     };
     ty_result result = TY_OK;

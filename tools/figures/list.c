@@ -17,6 +17,7 @@ const figure_paper figure_papers[FIGURE_PAPERS] = {
                                              "Precomputing Light from Volumetric Media (2019)"},
     [FIGURE_DOM] = {"Discrete ordinates", ""},
     [FIGURE_AUTO] = {"Method auto", ""},
+    [FIGURE_PATH] = {"Path tracing", ""},
 };
 
 #define FIGURE_ENTRY(method, subject, paper, number, title)                                                            \

@@ -14,6 +14,7 @@ typedef enum figure_paper_index {
     FIGURE_IMPULSE,
     FIGURE_DOM,
     FIGURE_AUTO,
+    FIGURE_PATH,
     FIGURE_PAPERS
 } figure_paper_index;
 

@@ -15,6 +15,11 @@ static const float contribution_fraction = 0.5f;
  * many, and the squared length of the optical thickness, both over the squared reach of the lamp. */
 static const double lamp_rate = 0.5, lamp_reach_factor = 60, thickness_factor = 1 / 0.015;
 
+/* Within sqrt(lamp_near) reaches of a lamp, rays sample the light that it sends into them, peak of the phase function
+ * included: in thick media, where rays that do not point at a lamp are scattered towards it, and in thin ones, where
+ * such samples only cost time. */
+static const double lamp_near_thick = 10, lamp_near_thin = 3;
+
 /* Chooses the guiding lights of high-g media: local and directional lights, most probable first. */
 static void choose_guides(ty_path_request* request) {
     const ty_scene_view* scene = request->scene;
@@ -89,6 +94,7 @@ static void set_lamp_rate(ty_path_run* run) {
     float reach2 = 0;
     for (int32_t i = 0; i < lights->count; ++i)
         if (ty_light_is_lamp(lights->lights[i].kind)) reach2 = fmaxf(reach2, lights->lights[i].reach2);
+    run->request.lamp_near = 1;
     if (!run->known.lamp_directions || run->request.unscattered != 0 || run->view.medium_count == 0 || !(reach2 > 0))
         return;
     double scattering = 0, forward = 0;
@@ -98,6 +104,7 @@ static void set_lamp_rate(ty_path_run* run) {
         forward += (double)medium->sigma_s[1] * medium->g[1];
     }
     run->request.lamp_rate = (float)fmin(lamp_rate * scattering * sqrt(thickness_factor * (double)reach2), 1);
+    run->request.lamp_near = (float)fmax(lamp_near_thick * (double)run->request.lamp_rate, lamp_near_thin);
     run->request.lamp_g = scattering > 0 ? (float)fmin(fmax(forward / scattering, 0), 0.98) : 0;
     run->request.lamp_reach2 = (float)(lamp_reach_factor * (double)reach2);
 }

@@ -32,6 +32,7 @@ typedef struct ty_path_request {
     float min_contribution; /* contributions with a radiance below this are traced by chance (Russian roulette) */
     float lamp_rate;        /* lamp directions per vertex beside a lamp, at most 1; 0: none are sampled */
     float lamp_reach2;      /* squared distance of a vertex to a lamp at which they are half as many, m^2 */
+    float lamp_near;        /* factor of lamps' reach2 where rays sample the light that lamps send into them */
     float lamp_g;           /* mean cosine of the media's scattering, at least 0 */
     int32_t first_hit;      /* pixels: nonzero if first-hit channels are needed */
 } ty_path_request;

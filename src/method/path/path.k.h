@@ -55,6 +55,11 @@ TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
     for (int c = 0; c < 3; ++c) path->radiance[path->path_class][c] += radiance[c];
 }
 
+/* The squared distance from a local light within which rays sample the light that it sends into them, m^2. */
+TY_FN float ty_path_near2(const ty_path* path, const ty_light_view* light) {
+    return light->reach2 * (ty_light_is_lamp(light->kind) ? path->request->lamp_near : 1.0f);
+}
+
 /* A ray's surface intersection and the material at that point. */
 typedef struct ty_intersection {
     ty_hit hit;
@@ -74,7 +79,7 @@ TY_FN float ty_path_mis_weight_emission(const ty_path* path, const ty_intersecti
         weight = path->pdf / (path->pdf + chosen * density);
     }
     if (path->scattered != 0 && ty_light_is_local(light->kind))
-        weight *= ty_mis_weight_collision(distance * distance, light->reach2, density, path->phase);
+        weight *= ty_mis_weight_collision(distance * distance, ty_path_near2(path, light), density, path->phase);
     return weight;
 }
 
@@ -272,16 +277,17 @@ TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, f
     float weight = 1.0f / chosen, weighted[3], radiance[3];
     if (sample->pdf > 0.0f) weight = sample->pdf / (chosen * sample->pdf + pdf);
     if (path->scattered != 0 && ty_light_is_local(light->kind))
-        weight *= ty_mis_weight_collision(sample->distance * sample->distance, light->reach2, sample->pdf, phase);
+        weight *= ty_mis_weight_collision(sample->distance * sample->distance, ty_path_near2(path, light), sample->pdf,
+                                          phase);
     for (int c = 0; c < 3; ++c) weighted[c] = path->beta[c] * factor[c] * weight;
     ty_path_add_light(path, path->origin, sample, weighted, radiance);
     ty_path_add(path, radiance);
 }
 
 /* Russian roulette for a ray that passes a point of a local light at a distance: the probability to go on with it. */
-TY_FN float ty_path_pass_chance(const ty_closest_approach* closest, ty_media_interval interval, float reach2) {
+TY_FN float ty_path_pass_chance(const ty_closest_approach* closest, ty_media_interval interval, float near2) {
     const float beyond = closest->t - ty_clampf(closest->t, interval.enter, interval.leave);
-    return ty_mis_near_weight(closest->distance2 + beyond * beyond, reach2);
+    return ty_mis_near_weight(closest->distance2 + beyond * beyond, near2);
 }
 
 /* Adds the light that a point of a local light sends into a ray by one scattering: at one distance, sampled equiangular
@@ -299,7 +305,7 @@ TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, t
     const ty_vec at = ty_mad(path->origin, path->direction, t);
     ty_light_sample sample;
     if (!ty_light_sample_from(light, at, u, v, &sample)) return;
-    const float near = ty_mis_near_weight(sample.distance * sample.distance, light->reach2);
+    const float near = ty_mis_near_weight(sample.distance * sample.distance, ty_path_near2(path, light));
     float mu = ty_clampf(ty_dot(path->direction, sample.wi), -1.0f, 1.0f);
     weight *= near / density;
     if (lamp) {
@@ -343,7 +349,7 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
     const ty_vec place = flat ? ty_light_point(light, u, v, &b1, &b2) : light->position;
     const ty_closest_approach closest = ty_closest_approach_find(path->origin, path->direction, place, light->reach2);
-    const float chance = ty_path_pass_chance(&closest, interval, light->reach2);
+    const float chance = ty_path_pass_chance(&closest, interval, ty_path_near2(path, light));
     if (ty_rng_uniform(&path->random) >= chance) return;
     float weight = 1.0f / (chosen * chance);
     if (path->lamp_rate > 0.0f && ty_light_is_lamp(light->kind)) {
@@ -398,7 +404,7 @@ TY_FN void ty_path_add_lamp_direction(ty_path* path, const ty_light_view* lamp, 
     const ty_media_interval interval = ty_spans_interval(&spans);
     const ty_closest_approach closest =
         ty_closest_approach_find(path->origin, path->direction, lamp->position, lamp->reach2);
-    const float chance = ty_path_pass_chance(&closest, interval, lamp->reach2);
+    const float chance = ty_path_pass_chance(&closest, interval, ty_path_near2(path, lamp));
     if (ty_rng_uniform(&path->random) >= chance) return;
     const float chosen = ty_lights_local_probability(&scene->lights, (int32_t)(lamp - scene->lights.lights),
                                                      path->origin, path->direction, interval.enter, interval.leave);

@@ -42,16 +42,29 @@ typedef struct sampling {
     _Atomic bool cancelled, out_of_time;
 } sampling;
 
-/* Root mean square standard error divided by the mean, over all items and channels. */
-static double relative_error(const ty_path_run* run) {
-    double variance = 0, mean = 0;
-    for (int64_t i = 0; i < run->item_count; ++i)
+/* Root mean square standard error divided by the mean, over all items and channels, and the number of items that it
+ * rests on: the effective sample size of the sum of their variances (Kish 1965). Where the samples' distribution has a
+ * heavy tail, few items with the largest samples make the sum. */
+static void estimate_error(ty_path_run* run) {
+    double variance = 0, square = 0, mean = 0;
+    for (int64_t i = 0; i < run->item_count; ++i) {
+        double of_item = 0;
         for (int c = 0; c < 3; ++c) {
-            variance += ty_path_item_variance(&run->items[i], c);
+            of_item += ty_path_item_variance(&run->items[i], c);
             mean += ty_path_item_mean(&run->items[i], c);
         }
+        variance += of_item;
+        square += of_item * of_item;
+    }
     const double n = 3.0 * (double)run->item_count;
-    return mean > 0 ? sqrt(variance / n) / (mean / n) : 0;
+    run->stats.error = mean > 0 ? sqrt(variance / n) / (mean / n) : 0;
+    run->stats.error_pixels = square > 0 ? variance * variance / square : 0;
+}
+
+/* The error with two standard deviations of the sum of variances added to it: 1 / sqrt(error_pixels) of the sum each.
+ */
+static double error_bound(const ty_path_stats* stats) {
+    return stats->error_pixels > 0 ? stats->error * sqrt(1 + 2 / sqrt(stats->error_pixels)) : stats->error;
 }
 
 static int64_t block_count(const ty_path_run* run) {
@@ -64,7 +77,7 @@ static double fraction_done(const sampling* pass, double seconds, double samples
     double fraction = samples / def->spp;
     if (def->seconds > 0) fraction = fmax(fraction, seconds / def->seconds);
     if (def->error > 0 && pass->run->stats.error > 0 && pass->done_before > 0) {
-        const double needed = pass->done_before * pow(pass->run->stats.error / def->error, 2);
+        const double needed = pass->done_before * pow(error_bound(&pass->run->stats) / def->error, 2);
         fraction = fmax(fraction, samples / needed);
     }
     return fmin(fraction, 1);
@@ -254,8 +267,8 @@ static uint32_t min_samples(const ty_path_run* run, bool* uniform) {
 static bool bounds_met(sampling* pass) {
     ty_path_run* run = pass->run;
     if (run->def->error > 0 && pass->done_before > 0) {
-        run->stats.error = relative_error(run);
-        if (pass->done_before >= 4 && run->stats.error <= run->def->error) return true;
+        estimate_error(run);
+        if (pass->done_before >= 4 && error_bound(&run->stats) <= run->def->error) return true;
     }
     return run->def->seconds > 0 && pass->done_before > 0 && ty_wall_seconds() - pass->begun >= run->def->seconds;
 }
@@ -302,7 +315,7 @@ ty_result ty_path_sample(ty_path_run* run) {
     const bool cancelled = atomic_load(&pass.cancelled) && pass.done_before < (uint32_t)run->def->spp;
     report(&pass, true);
     run->stats = totals(&pass);
-    run->stats.error = relative_error(run);
+    estimate_error(run);
     save(&pass, true);
     pthread_mutex_destroy(&pass.lock);
     pthread_rwlock_destroy(&pass.items);
