@@ -72,21 +72,22 @@ TY_FN float ty_lamp_arc_sample(const ty_lamp_arc* arc, float u) {
     return x >= arc->from || x < 0.0f ? arc->to : arc->from;
 }
 
-/* Samples t in an interval: phi uniform for one half of the samples, for what only a part of the ray receives (the
- * cone of a spot light, shadows), and in proportion to c(phi, g) for the other, for the peak of p. Returns the density
- * of *t by both, 1/m. */
-TY_FN float ty_lamp_distance_sample(ty_media_interval interval, const ty_closest_approach* closest, float g, float u,
-                                    float* t) {
+/* Samples t in an interval: in proportion to c(phi, g), for the peak of p, but for the fraction `uniform` of the
+ * samples with phi uniform, for lights of which only a part of the ray receives any (the cone of a spot light). Returns
+ * the density of *t by both, 1/m. */
+TY_FN float ty_lamp_distance_sample(ty_media_interval interval, const ty_closest_approach* closest, float g,
+                                    float uniform, float u, float* t) {
     const float distance = sqrtf(closest->distance2), leave = ty_minf(interval.leave, TY_LAMP_FAR);
     const float from = ty_lamp_half_tangent(distance, closest->t - interval.enter);
     const float to = ty_lamp_half_tangent(distance, closest->t - leave);
-    const ty_lamp_arc uniform = ty_lamp_arc_make(from, to, 0.0f), peaked = ty_lamp_arc_make(from, to, g);
-    const float x = u < 0.5f ? ty_lamp_arc_sample(&uniform, 2.0f * u)
-                             : ty_lamp_arc_sample(&peaked, 2.0f * u - 1.0f) * (1.0f - g) / (1.0f + g);
+    const ty_lamp_arc even = ty_lamp_arc_make(from, to, 0.0f), peaked = ty_lamp_arc_make(from, to, g);
+    const float x = u < uniform
+                        ? ty_lamp_arc_sample(&even, u / uniform)
+                        : ty_lamp_arc_sample(&peaked, (u - uniform) / (1.0f - uniform)) * (1.0f - g) / (1.0f + g);
     *t = ty_clampf(closest->t - 0.5f * distance * (1.0f / x - x), interval.enter, leave);
     const float before = closest->t - *t, d2 = closest->distance2 + before * before;
     const float angle_pdf = ty_wrapped_cauchy(ty_lamp_tilt(closest->distance2, before, sqrtf(d2)), g);
-    return 0.25f * (1.0f / uniform.range + TY_PI * angle_pdf / peaked.range) * distance / d2;
+    return 0.5f * (uniform / even.range + (1.0f - uniform) * TY_PI * angle_pdf / peaked.range) * distance / d2;
 }
 
 /* Number of lamp directions, at most 1, of a vertex at closest->radius2 from a lamp. rate: that beside the lamp. */

@@ -298,9 +298,10 @@ TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, t
                                          const ty_closest_approach* closest, const float throughput[3], float weight) {
     const ty_scene_view* scene = path->request->scene;
     const bool lamp = ty_light_is_lamp(light->kind);
+    const float uniform = light->kind == TY_KIND_SPOT ? 0.5f : 0.0f;
     float t;
     const float density =
-        lamp ? ty_lamp_distance_sample(interval, closest, ty_spans_broadest_g(scene->media, spans), along, &t)
+        lamp ? ty_lamp_distance_sample(interval, closest, ty_spans_broadest_g(scene->media, spans), uniform, along, &t)
              : ty_equiangular_sample(interval, closest->t, sqrtf(closest->distance2), along, &t);
     const ty_vec at = ty_mad(path->origin, path->direction, t);
     ty_light_sample sample;
