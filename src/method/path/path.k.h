@@ -364,7 +364,7 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
 
 /* ---- lamp directions ---- */
 
-/* What a vertex is for a direction that it does not sample itself: scatter, surface, or neither for a point that
+/* The kind of a vertex, for a direction that it does not sample itself: scatter, surface, or neither for a point that
  * receives light evenly. */
 typedef struct ty_vertex_response {
     const ty_scatter_vertex* scatter;
