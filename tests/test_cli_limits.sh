@@ -18,7 +18,7 @@ limited() {
   shift 3
   what="ulimit $limit; tyndall $*"
   # shellcheck disable=SC2086
-  (ulimit $limit && exec "$tyndall" "$@" > out.txt 2> err.txt < /dev/null)
+  (exec > out.txt 2> err.txt < /dev/null && ulimit $limit && exec "$tyndall" "$@")
   status=$?
   checks=$((checks + 1))
   [ "$status" -eq "$wanted" ] || fail "exit status $status instead of $wanted: $(head -c 500 err.txt)"

@@ -380,7 +380,7 @@ test_gltf() {
   bad_mesh plain.gltf 'asset.version'
   printf '{\n"asset":' > cut.gltf
   bad_mesh cut.gltf 'cut.gltf:2: '
-  gltf 'requires' '"extensionsRequired": ["KHR_draco_mesh_compression"]'
+  gltf 'requires' '"extensionsRequired": ["KHR_techniques_webgl"]'
   gltf 'nodes\[0\]' '"nodes": [{"children": [0]}], "scenes": [{"nodes": [0]}]'
   gltf 'mesh' '"nodes": [{"mesh": 3}], "scenes": [{"nodes": [0]}]'
   triangle='"nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],

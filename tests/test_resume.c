@@ -318,7 +318,7 @@ static void states_of_other_renders_are_refused(void** state) {
     def.ignore_media = true;
     refuse(*state, scene, def, bytes, size, "the state is of the scene with its media");
     def = same;
-    def.unscattered = true;
+    def.unscattered = 1;
     refuse(*state, scene, def, bytes, size, "the state is of all light");
     free(bytes);
     ty_scene_destroy(scene);

@@ -2,9 +2,8 @@
  * A diffusion source of (1 - g) sigma_s R puts forward-scattered light, R - U (direct/single/forward.k.h), on a line:
  * its second moment is R - U instead of S - U, and none of it leaves a narrow medium by its sides. Delta-Eddington with
  * f = g^2 (Joseph, Wiscombe, Weinman 1976) is exact up to second moments: only S lies on a line, and the diffusion has
- * the sources q_0 = (1 - g^2) sigma_s S and q_1 = g (1 - g) sigma_s S along the beam. These make a flux E* = q_1 /
- * (sigma_t
- * - g sigma_s) in addition to that of the gradient.
+ * the sources q_0 = (1 - g^2) sigma_s S and q_1 = g (1 - g) sigma_s S along the beam. These make a flux
+ * E* = q_1 / (sigma_t - g sigma_s) in addition to that of the gradient.
  * In thin cells E* exceeds the emission, since light builds this flux up over a distance. E is therefore bounded by
  * the flux from upstream plus the cell's own emission, and by a fraction of E*: q_0 - div E is nowhere negative, and
  * all of q_0 is emitted somewhere. The diffusion's light is then everything but S; the overlap with the lobes, R - S
