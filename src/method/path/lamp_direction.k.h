@@ -25,12 +25,12 @@ TY_FN float ty_wrapped_cauchy(float tilt, float g) {
 
 /* 1 - cos(phi) of a point at `before` along the ray from its closest approach, negative past it; d: distance of the
  * point. */
-TY_FN float ty_lamp_tilt(float distance2, float before, float d) {
+TY_FN float ty_point_light_tilt(float distance2, float before, float d) {
     return before > 0.0f ? distance2 / (d * (d + before)) : 1.0f - before / d;
 }
 
 /* tan(phi / 2) */
-TY_FN float ty_lamp_half_tangent(float distance, float before) {
+TY_FN float ty_point_light_half_tangent(float distance, float before) {
     const float d = sqrtf(distance * distance + before * before);
     return before > 0.0f ? distance / (d + before) : (d - before) / distance;
 }
@@ -48,19 +48,19 @@ TY_FN float ty_spans_broadest_g(TY_GLOBAL const ty_medium_view* media, const ty_
 
 /* Angles phi of an interval of a ray, of the distribution c(phi, g) in x = (1 + g) / (1 - g) tan(phi / 2), whose
  * cumulative distribution is an arc tangent. */
-typedef struct ty_lamp_arc {
+typedef struct ty_point_light_arc {
     float from, to; /* x at both ends */
     float range;    /* atan(to) - atan(from) */
-} ty_lamp_arc;
+} ty_point_light_arc;
 
-TY_FN ty_lamp_arc ty_lamp_arc_make(float half_tangent_from, float half_tangent_to, float g) {
+TY_FN ty_point_light_arc ty_point_light_arc_make(float half_tangent_from, float half_tangent_to, float g) {
     const float stretch = (1.0f + g) / (1.0f - g);
     const float from = stretch * half_tangent_from, to = stretch * half_tangent_to;
-    return (ty_lamp_arc){from, to, ty_maxf(atan2f(to - from, 1.0f + from * to), 1e-30f)};
+    return (ty_point_light_arc){from, to, ty_maxf(atan2f(to - from, 1.0f + from * to), 1e-30f)};
 }
 
 /* x at the fraction u of the arc. */
-TY_FN float ty_lamp_arc_sample(const ty_lamp_arc* arc, float u) {
+TY_FN float ty_point_light_arc_sample(const ty_point_light_arc* arc, float u) {
     float x;
     if (arc->from < 1.0f) {
         x = tanf(atanf(arc->from) + u * arc->range);
@@ -75,30 +75,32 @@ TY_FN float ty_lamp_arc_sample(const ty_lamp_arc* arc, float u) {
 /* Samples t in an interval: in proportion to c(phi, g), for the peak of p, but for the fraction `uniform` of the
  * samples with phi uniform, for lights of which only a part of the ray receives any (the cone of a spot light). Returns
  * the density of *t by both, 1/m. */
-TY_FN float ty_lamp_distance_sample(ty_media_interval interval, const ty_closest_approach* closest, float g,
-                                    float uniform, float u, float* t) {
+TY_FN float ty_point_light_distance_sample(ty_media_interval interval, const ty_closest_approach* closest, float g,
+                                           float uniform, float u, float* t) {
     const float distance = sqrtf(closest->distance2), leave = ty_minf(interval.leave, TY_LAMP_FAR);
-    const float from = ty_lamp_half_tangent(distance, closest->t - interval.enter);
-    const float to = ty_lamp_half_tangent(distance, closest->t - leave);
-    const ty_lamp_arc even = ty_lamp_arc_make(from, to, 0.0f), peaked = ty_lamp_arc_make(from, to, g);
-    const float x = u < uniform
-                        ? ty_lamp_arc_sample(&even, u / uniform)
-                        : ty_lamp_arc_sample(&peaked, (u - uniform) / (1.0f - uniform)) * (1.0f - g) / (1.0f + g);
+    const float from = ty_point_light_half_tangent(distance, closest->t - interval.enter);
+    const float to = ty_point_light_half_tangent(distance, closest->t - leave);
+    const ty_point_light_arc even = ty_point_light_arc_make(from, to, 0.0f),
+                             peaked = ty_point_light_arc_make(from, to, g);
+    const float x =
+        u < uniform ? ty_point_light_arc_sample(&even, u / uniform)
+                    : ty_point_light_arc_sample(&peaked, (u - uniform) / (1.0f - uniform)) * (1.0f - g) / (1.0f + g);
     *t = ty_clampf(closest->t - 0.5f * distance * (1.0f / x - x), interval.enter, leave);
     const float before = closest->t - *t, d2 = closest->distance2 + before * before;
-    const float angle_pdf = ty_wrapped_cauchy(ty_lamp_tilt(closest->distance2, before, sqrtf(d2)), g);
+    const float angle_pdf = ty_wrapped_cauchy(ty_point_light_tilt(closest->distance2, before, sqrtf(d2)), g);
     return 0.5f * (uniform / even.range + (1.0f - uniform) * TY_PI * angle_pdf / peaked.range) * distance / d2;
 }
 
 /* Number of lamp directions, at most 1, of a vertex at closest->radius2 from a lamp. rate: that beside the lamp. */
-TY_FN float ty_lamp_direction_rate(const ty_path_request* request, float rate, const ty_closest_approach* closest) {
+TY_FN float ty_point_light_direction_rate(const ty_path_request* request, float rate,
+                                          const ty_closest_approach* closest) {
     return rate / (1.0f + closest->radius2 / request->lamp_reach2);
 }
 
 /* Samples a direction at the angle theta from that from `origin` to `lamp` with density c(theta, g); u, turn in
  * [0, 1). */
-TY_FN ty_vec ty_lamp_direction_sample(ty_vec origin, ty_vec lamp, float g, float u, float turn) {
-    const ty_vec to = ty_sub(lamp, origin);
+TY_FN ty_vec ty_point_light_direction_sample(ty_vec origin, ty_vec point_light, float g, float u, float turn) {
+    const ty_vec to = ty_sub(point_light, origin);
     const float d2 = ty_dot(to, to);
     const ty_vec axis = d2 > 1e-30f ? ty_scale(to, 1.0f / sqrtf(d2)) : ty_vec_make(0, 0, 1);
     const float half_tangent = ty_minf((1.0f - g) / (1.0f + g) * tanf(0.5f * TY_PI * u), 1e9f);
@@ -112,9 +114,9 @@ TY_FN ty_vec ty_lamp_direction_sample(ty_vec origin, ty_vec lamp, float g, float
     return ty_mad(ty_mad(ty_scale(axis, along), s, across * cosine), t, across * sine);
 }
 
-/* The density of ty_lamp_direction_sample for a ray, 1/sr. */
-TY_FN float ty_lamp_direction_pdf(const ty_closest_approach* closest, float g) {
-    const float r = sqrtf(closest->radius2), tilt = ty_lamp_tilt(closest->distance2, closest->t, r);
+/* The density of ty_point_light_direction_sample for a ray, 1/sr. */
+TY_FN float ty_point_light_direction_pdf(const ty_closest_approach* closest, float g) {
+    const float r = sqrtf(closest->radius2), tilt = ty_point_light_tilt(closest->distance2, closest->t, r);
     return ty_wrapped_cauchy(tilt, g) * r / (2.0f * TY_PI * sqrtf(closest->distance2));
 }
 

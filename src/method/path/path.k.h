@@ -120,7 +120,7 @@ typedef struct ty_scatter_vertex {
     int32_t guide_count;
     ty_vec axis[TY_GUIDES_MAX];
     const float* axis_share;
-    int32_t lamp[TY_GUIDES_MAX]; /* nonzero if the guiding light is a lamp */
+    int32_t point_light[TY_GUIDES_MAX]; /* nonzero if the guiding light is a lamp */
 } ty_scatter_vertex;
 
 TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
@@ -163,7 +163,7 @@ TY_FN void ty_scatter_vertex_begin(ty_scatter_vertex* s, const ty_path* path, co
     for (int32_t i = 0; i < s->guide_count; ++i) {
         const ty_light_view* light = &request->scene->lights.lights[request->guide_light[i]];
         s->axis[i] = ty_light_axis(light, path->origin);
-        s->lamp[i] = ty_light_is_lamp(light->kind);
+        s->point_light[i] = ty_light_is_lamp(light->kind);
     }
 }
 
@@ -200,7 +200,7 @@ TY_FN ty_vec ty_scatter_vertex_sample(const ty_scatter_vertex* s, ty_sampler* ra
         g = s->guide_g[lobe];
         /* Few bits of u are left, and the first of its values is the axis itself. A ray that meets a lamp would have
          * that probability, and not 0: the missing bits are drawn. */
-        if (s->lamp[guide] != 0) {
+        if (s->point_light[guide] != 0) {
             ty_sampler bits = ty_sampler_branch(random);
             u += ty_rng_uniform(&bits) * 3.0f * 0x1p-24f / (s->guided * s->axis_share[guide]);
             return ty_hg_sample_narrow(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
@@ -297,19 +297,20 @@ TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, t
                                          const ty_light_view* light, float u, float v, float along,
                                          const ty_closest_approach* closest, const float throughput[3], float weight) {
     const ty_scene_view* scene = path->request->scene;
-    const bool lamp = ty_light_is_lamp(light->kind);
+    const bool point_light = ty_light_is_lamp(light->kind);
     const float uniform = light->kind == TY_KIND_SPOT ? 0.5f : 0.0f;
     float t;
     const float density =
-        lamp ? ty_lamp_distance_sample(interval, closest, ty_spans_broadest_g(scene->media, spans), uniform, along, &t)
-             : ty_equiangular_sample(interval, closest->t, sqrtf(closest->distance2), along, &t);
+        point_light ? ty_point_light_distance_sample(interval, closest, ty_spans_broadest_g(scene->media, spans),
+                                                     uniform, along, &t)
+                    : ty_equiangular_sample(interval, closest->t, sqrtf(closest->distance2), along, &t);
     const ty_vec at = ty_mad(path->origin, path->direction, t);
     ty_light_sample sample;
     if (!ty_light_sample_from(light, at, u, v, &sample)) return;
     const float near = ty_mis_near_weight(sample.distance * sample.distance, ty_path_near2(path, light));
     float mu = ty_clampf(ty_dot(path->direction, sample.wi), -1.0f, 1.0f);
     weight *= near / density;
-    if (lamp) {
+    if (point_light) {
         /* The rounding of `at` is of the size of the distance to the lamp on rays that nearly meet it; the density and
          * 1/d^2 cancel only if both are those of the ray. */
         const float before = closest->t - t, d2 = closest->distance2 + before * before;
@@ -340,12 +341,12 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     const ty_light_set* lights = &path->request->scene->lights;
     const ty_media_interval interval = ty_spans_interval(spans);
     float pick = lights->local_count > 1 ? ty_rng_uniform(&path->random) : 0.0f, chosen = 1.0f;
-    const int32_t lamp =
+    const int32_t point_light =
         ty_lights_choose_local(lights, path->origin, path->direction, interval.enter, interval.leave, &pick, &chosen);
     const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
     const float along = ty_sobol_next(&path->random);
-    if (lamp < 0) return;
-    const ty_light_view* light = &lights->lights[lamp];
+    if (point_light < 0) return;
+    const ty_light_view* light = &lights->lights[point_light];
     float b1, b2;
     const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
     const ty_vec place = flat ? ty_light_point(light, u, v, &b1, &b2) : light->position;
@@ -355,9 +356,10 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     float weight = 1.0f / (chosen * chance);
     if (path->lamp_rate > 0.0f && ty_light_is_lamp(light->kind)) {
         /* The balance heuristic against lamp directions. */
-        const float probability = ty_lights_probability(lights, lamp, path->origin, path->normal) *
-                                  ty_lamp_direction_rate(path->request, path->lamp_rate, &closest);
-        const float both = path->pdf * chosen + probability * ty_lamp_direction_pdf(&closest, path->request->lamp_g);
+        const float probability = ty_lights_probability(lights, point_light, path->origin, path->normal) *
+                                  ty_point_light_direction_rate(path->request, path->lamp_rate, &closest);
+        const float both =
+            path->pdf * chosen + probability * ty_point_light_direction_pdf(&closest, path->request->lamp_g);
         weight *= path->pdf * chosen / both;
     }
     ty_path_add_single_scattering(path, spans, interval, light, u, v, along, &closest, path->beta, weight);
@@ -387,14 +389,15 @@ TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_v
 }
 
 /* Light that a lamp sends to the vertex at path->origin by one scattering, along a direction sampled about the lamp. */
-TY_FN void ty_path_add_lamp_direction(ty_path* path, const ty_light_view* lamp, float probability,
+TY_FN void ty_path_add_lamp_direction(ty_path* path, const ty_light_view* point_light, float probability,
                                       const ty_vertex_response* response) {
     const ty_scene_view* scene = path->request->scene;
     const float u = ty_rng_uniform(&path->random), turn = ty_rng_uniform(&path->random);
     float throughput[3];
     ty_hit hit;
     ty_spans spans;
-    path->direction = ty_lamp_direction_sample(path->origin, lamp->position, path->request->lamp_g, u, turn);
+    path->direction =
+        ty_point_light_direction_sample(path->origin, point_light->position, path->request->lamp_g, u, turn);
     const float pdf = ty_vertex_response_evaluate(response, path->direction, throughput);
     if (!(pdf > 0.0f)) return;
     const bool on_surface =
@@ -404,16 +407,16 @@ TY_FN void ty_path_add_lamp_direction(ty_path* path, const ty_light_view* lamp, 
     if (spans.count == 0) return;
     const ty_media_interval interval = ty_spans_interval(&spans);
     const ty_closest_approach closest =
-        ty_closest_approach_find(path->origin, path->direction, lamp->position, lamp->reach2);
-    const float chance = ty_path_pass_chance(&closest, interval, ty_path_near2(path, lamp));
+        ty_closest_approach_find(path->origin, path->direction, point_light->position, point_light->reach2);
+    const float chance = ty_path_pass_chance(&closest, interval, ty_path_near2(path, point_light));
     if (ty_rng_uniform(&path->random) >= chance) return;
-    const float chosen = ty_lights_local_probability(&scene->lights, (int32_t)(lamp - scene->lights.lights),
+    const float chosen = ty_lights_local_probability(&scene->lights, (int32_t)(point_light - scene->lights.lights),
                                                      path->origin, path->direction, interval.enter, interval.leave);
-    const float both = pdf * chosen + probability * ty_lamp_direction_pdf(&closest, path->request->lamp_g);
+    const float both = pdf * chosen + probability * ty_point_light_direction_pdf(&closest, path->request->lamp_g);
     const float weight = 1.0f / (chance * both);
     for (int c = 0; c < 3; ++c) throughput[c] *= path->beta[c];
-    ty_path_add_single_scattering(path, &spans, interval, lamp, 0.5f, 0.5f, ty_rng_uniform(&path->random), &closest,
-                                  throughput, weight);
+    ty_path_add_single_scattering(path, &spans, interval, point_light, 0.5f, 0.5f, ty_rng_uniform(&path->random),
+                                  &closest, throughput, weight);
 }
 
 /* Lamp directions of the vertex at path->origin, for the light that its next-event estimation chose with probability
@@ -424,15 +427,15 @@ TY_FN float ty_path_sample_lamp_direction(ty_path* path, int32_t light, float ch
     const ty_scene_view* scene = request->scene;
     const float rate = ty_path_is_last(path) ? 0.0f : request->lamp_rate;
     if (!(rate > 0.0f) || light < 0 || !ty_light_is_lamp(scene->lights.lights[light].kind)) return rate;
-    const ty_light_view* lamp = &scene->lights.lights[light];
-    const ty_vec to = ty_sub(lamp->position, path->origin);
+    const ty_light_view* point_light = &scene->lights.lights[light];
+    const ty_vec to = ty_sub(point_light->position, path->origin);
     const ty_closest_approach beside = {0.0f, 0.0f, ty_dot(to, to)};
-    const float probability = ty_lamp_direction_rate(request, rate, &beside);
+    const float probability = ty_point_light_direction_rate(request, rate, &beside);
     const ty_sampler own = path->random;
     const ty_vec direction = path->direction;
     path->random = ty_sampler_branch(&own);
     if (ty_rng_uniform(&path->random) < probability)
-        ty_path_add_lamp_direction(path, lamp, chosen * probability, response);
+        ty_path_add_lamp_direction(path, point_light, chosen * probability, response);
     path->random = own;
     path->direction = direction;
     return rate;
