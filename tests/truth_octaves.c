@@ -109,7 +109,7 @@ static void nebulae(void** state) {
 
 static void spot_light_in_a_box(void** state) {
     check_case(*state, &(octaves_case){
-                           {"builtin:fog_cornell", NULL, {NULL}, 48, 36, fewer(256, 2), 0.62, 0, 0}, 0.58, 0.68, 0.09});
+                           {"builtin:fog_cornell", NULL, {NULL}, 48, 36, fewer(256, 2), 0.62, 0, 0}, 0.58, 0.68, 0.11});
 }
 
 static void smoke(void** state) {
