@@ -48,7 +48,6 @@ declare -A parts_below=(
   [method/pop/grid]=""
   [method/pop/merge]="method/pop/grid"
   [method/pop/published]="method/pop/grid method/pop/merge"
-  [method/pop/fine]="method/pop/ordinate"
   [method/dom/solve]=""
   [method/dom/sources]="method/dom/solve"
   [method/dom/view]="method/dom/sources"

@@ -1,5 +1,5 @@
 /* What leaves a beam's forward lobe, and how far it is delta_source before it is diffuse. */
-#include "method/pop/fine/delta_source.h"
+#include "method/pop/delta_source.h"
 #include "pop_merge_maker.h"
 
 /* Cells of different sides, fine and merged. */

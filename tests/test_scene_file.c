@@ -433,7 +433,7 @@ static const char every_key[] =
     "\"emission\":1},"
     "\"transform\":{}},{\"file\":\"tetra.obj\",\"meshes\":true,\"lights\":true,\"light_scale\":1,"
     "\"emission_scale\":1,\"material\":{}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,0],\"radius\":1}}],"
-    "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0,\"lamp_directions\":true},"
+    "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0,\"point_light_directions\":true},"
     "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":\"auto\",\"environment\":"
     "\"none\","
     "\"balance\":false},"

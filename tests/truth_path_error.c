@@ -60,7 +60,7 @@ static double value_of(const ty_image* image, int i) {
     return (double)ty_image_plane_const(image, i / PIXELS)[i % PIXELS];
 }
 
-static void render_seeds(ty_context* context, const ty_scene* scene, bool lamp_directions, seed_images* out) {
+static void render_seeds(ty_context* context, const ty_scene* scene, bool point_light_directions, seed_images* out) {
     memset(out, 0, sizeof *out);
     out->count = in_full() ? SEEDS_MOST : SEEDS_QUICK;
     for (int s = 0; s < out->count; ++s) {
@@ -69,7 +69,7 @@ static void render_seeds(ty_context* context, const ty_scene* scene, bool lamp_d
         def.width = def.height = SIDE;
         def.spp = fewer(128, 4);
         def.seed = (uint64_t)s + 1;
-        def.lamp_directions = lamp_directions;
+        def.point_light_directions = point_light_directions;
         must(context, ty_path_render(scene, &def, &out->image[s], &stats));
         out->reported[s] = stats.error;
         out->pixels[s] = stats.error_pixels;
@@ -87,10 +87,10 @@ static double true_error(const seed_images* seeds, int s) {
 
 /* Every image's error is within a factor of two of what it reports, with lamp directions and without. Where it rests on
  * many pixels, it is also that of the other seeds. */
-static void check_errors(ty_context* context, const error_case* c, bool lamp_directions) {
+static void check_errors(ty_context* context, const error_case* c, bool point_light_directions) {
     static seed_images seeds;
     ty_scene* scene = make_scene(context, c->kind, c->g);
-    render_seeds(context, scene, lamp_directions, &seeds);
+    render_seeds(context, scene, point_light_directions, &seeds);
     double least = 1e9, most = 0, square = 0, fewest = 1e9;
     for (int s = 0; s < seeds.count; ++s) {
         const double error = true_error(&seeds, s), ratio = seeds.reported[s] / error;
@@ -100,11 +100,11 @@ static void check_errors(ty_context* context, const error_case* c, bool lamp_dir
         square += error * error / seeds.count;
     }
     printf("%-12s %s lamp directions: error %.3f, reported over true %.2f to %.2f, by at least %.0f pixels\n", c->name,
-           lamp_directions ? "with   " : "without", sqrt(square), least, most, fewest);
+           point_light_directions ? "with   " : "without", sqrt(square), least, most, fewest);
     if (!(least > 0.5 && most < 2)) fail_msg("%s: reported over true from %g to %g", c->name, least, most);
     for (int s = 0; s < seeds.count; ++s) {
         const double ratio = seeds.reported[s] / sqrt(square);
-        if (seeds.pixels[s] >= 10 && lamp_directions && !(ratio > 0.5 && ratio < 2))
+        if (seeds.pixels[s] >= 10 && point_light_directions && !(ratio > 0.5 && ratio < 2))
             fail_msg("%s: seed %d reports %g of the error of all", c->name, s + 1, ratio);
         ty_image_destroy(seeds.image[s]);
     }

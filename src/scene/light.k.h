@@ -42,7 +42,7 @@ TY_FN bool ty_light_is_local(int32_t kind) {
 }
 
 /* Lamps: local lights without extent, which only sampling finds. */
-TY_FN bool ty_light_is_lamp(int32_t kind) {
+TY_FN bool ty_light_is_point_or_spot(int32_t kind) {
     return kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
 }
 

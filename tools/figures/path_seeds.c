@@ -29,7 +29,8 @@ static int seed_count(const figure_run* run) {
     return run->options->quick ? SEEDS_QUICK : SEEDS;
 }
 
-static ty_result render_mean(figure_run* run, const ty_scene* scene, bool lamp_directions, int seed, double* mean) {
+static ty_result render_mean(figure_run* run, const ty_scene* scene, bool point_light_directions, int seed,
+                             double* mean) {
     ty_path_def def = ty_default_path_def();
     int32_t size[2];
     ty_image* image = NULL;
@@ -38,7 +39,7 @@ static ty_result render_mean(figure_run* run, const ty_scene* scene, bool lamp_d
     def.height = size[1];
     def.spp = figure_samples(run, run->options->quick ? SAMPLES_QUICK : SAMPLES);
     def.seed = (uint64_t)seed + 1;
-    def.lamp_directions = lamp_directions;
+    def.point_light_directions = point_light_directions;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
     const ty_result result = ty_path_render(scene, &def, &image, NULL);

@@ -13,12 +13,12 @@ static const float contribution_fraction = 0.5f;
 /* Lamp directions per vertex beside a lamp and unit optical thickness of the scene, at most 1 in all: in thin media
  * light that is scattered twice is a small part, and they cost time. The squared distance at which they are half as
  * many, and the squared length of the optical thickness, both over the squared reach of the lamp. */
-static const double lamp_rate = 0.5, lamp_reach_factor = 60, thickness_factor = 1 / 0.015;
+static const double point_light_rate = 0.5, point_light_reach_factor = 60, thickness_factor = 1 / 0.015;
 
-/* Within sqrt(lamp_near) reaches of a lamp, rays sample the light that it sends into them, peak of the phase function
- * included: in thick media, where rays that do not point at a lamp are scattered towards it, and in thin ones, where
- * such samples only cost time. */
-static const double lamp_near_thick = 10, lamp_near_thin = 3;
+/* Within sqrt(point_light_near) reaches of a lamp, rays sample the light that it sends into them, peak of the phase
+ * function included: in thick media, where rays that do not point at a lamp are scattered towards it, and in thin ones,
+ * where such samples only cost time. */
+static const double near_factor_thick = 10, near_factor_thin = 3;
 
 /* Chooses the guiding lights of high-g media: local and directional lights, most probable first. */
 static void choose_guides(ty_path_request* request) {
@@ -89,13 +89,14 @@ static ty_result allocate_items(ty_path_run* run, bool with_aov_sums) {
 }
 
 /* Rates of lamp directions, where lamps shine into media: off if the def, or the request, leaves no light for them. */
-static void set_lamp_rate(ty_path_run* run) {
+static void set_point_light_rate(ty_path_run* run) {
     const ty_light_set* lights = &run->view.lights;
     float reach2 = 0;
     for (int32_t i = 0; i < lights->count; ++i)
-        if (ty_light_is_lamp(lights->lights[i].kind)) reach2 = fmaxf(reach2, lights->lights[i].reach2);
-    run->request.lamp_near = 1;
-    if (!run->known.lamp_directions || run->request.unscattered != 0 || run->view.medium_count == 0 || !(reach2 > 0))
+        if (ty_light_is_point_or_spot(lights->lights[i].kind)) reach2 = fmaxf(reach2, lights->lights[i].reach2);
+    run->request.point_light_near = 1;
+    if (!run->known.point_light_directions || run->request.unscattered != 0 || run->view.medium_count == 0 ||
+        !(reach2 > 0))
         return;
     double scattering = 0, forward = 0;
     for (int32_t m = 0; m < run->view.medium_count; ++m) {
@@ -103,10 +104,12 @@ static void set_lamp_rate(ty_path_run* run) {
         scattering += (double)medium->sigma_s[1];
         forward += (double)medium->sigma_s[1] * medium->g[1];
     }
-    run->request.lamp_rate = (float)fmin(lamp_rate * scattering * sqrt(thickness_factor * (double)reach2), 1);
-    run->request.lamp_near = (float)fmax(lamp_near_thick * (double)run->request.lamp_rate, lamp_near_thin);
-    run->request.lamp_g = scattering > 0 ? (float)fmin(fmax(forward / scattering, 0), 0.98) : 0;
-    run->request.lamp_reach2 = (float)(lamp_reach_factor * (double)reach2);
+    run->request.point_light_rate =
+        (float)fmin(point_light_rate * scattering * sqrt(thickness_factor * (double)reach2), 1);
+    run->request.point_light_near =
+        (float)fmax(near_factor_thick * (double)run->request.point_light_rate, near_factor_thin);
+    run->request.point_light_g = scattering > 0 ? (float)fmin(fmax(forward / scattering, 0), 0.98) : 0;
+    run->request.point_light_reach2 = (float)(point_light_reach_factor * (double)reach2);
 }
 
 ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_aov_sums) {
@@ -117,7 +120,7 @@ ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_a
         return result;
     }
     choose_guides(&run->request);
-    set_lamp_rate(run);
+    set_point_light_rate(run);
     run->request.min_contribution = contribution_threshold(&run->view.lights);
     return TY_OK;
 }

@@ -29,12 +29,12 @@ typedef struct ty_path_request {
     int32_t guide_count; /* guiding lights of high-g media and their probabilities, which sum to 1 */
     int32_t guide_light[TY_GUIDES_MAX];
     float guide_weight[TY_GUIDES_MAX];
-    float min_contribution; /* contributions with a radiance below this are traced by chance (Russian roulette) */
-    float lamp_rate;        /* lamp directions per vertex beside a lamp, at most 1; 0: none are sampled */
-    float lamp_reach2;      /* squared distance of a vertex to a lamp at which they are half as many, m^2 */
-    float lamp_near;        /* factor of lamps' reach2 where rays sample the light that lamps send into them */
-    float lamp_g;           /* mean cosine of the media's scattering, at least 0 */
-    int32_t first_hit;      /* pixels: nonzero if first-hit channels are needed */
+    float min_contribution;   /* contributions with a radiance below this are traced by chance (Russian roulette) */
+    float point_light_rate;   /* lamp directions per vertex beside a lamp, at most 1; 0: none are sampled */
+    float point_light_reach2; /* squared distance of a vertex to a lamp at which they are half as many, m^2 */
+    float point_light_near;   /* factor of lamps' reach2 where rays sample the light that lamps send into them */
+    float point_light_g;      /* mean cosine of the media's scattering, at least 0 */
+    int32_t first_hit;        /* pixels: nonzero if first-hit channels are needed */
 } ty_path_request;
 
 /* Sums over an item's samples in sample order, so that the division into passes changes no result. */

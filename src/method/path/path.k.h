@@ -4,7 +4,7 @@
 #define TY_PATH_PATH_K_H
 
 #include "method/path/equiangular.k.h"
-#include "method/path/lamp_direction.k.h"
+#include "method/path/point_light_direction.k.h"
 #include "scene/phase.k.h"
 
 /* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
@@ -29,10 +29,10 @@ typedef struct ty_path {
     float pdf;           /* solid-angle density of direction, 1/sr; 0 at the camera, where no light was sampled */
     int32_t scattered; /* nonzero if the last vertex is in a medium, where equiangular sampling shares the MIS weight */
     float phase;       /* phase function (green) of that vertex in direction, 1/sr */
-    float lamp_rate;   /* lamp directions per direction at that vertex, beside the lamp; 0: none were sampled */
-    int32_t depth;     /* scatterings and reflections so far */
-    int32_t run;       /* scatterings since the last reflection */
-    int32_t path_class;                     /* class of the light that the path finds next */
+    float point_light_rate; /* lamp directions per direction at that vertex, beside the lamp; 0: none were sampled */
+    int32_t depth;          /* scatterings and reflections so far */
+    int32_t run;            /* scatterings since the last reflection */
+    int32_t path_class;     /* class of the light that the path finds next */
     float radiance[TY_PATH_CLASS_COUNT][3]; /* estimate so far per class, W m^-2 sr^-1 */
 } ty_path;
 
@@ -57,7 +57,7 @@ TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
 
 /* The squared distance from a local light within which rays sample the light that it sends into them, m^2. */
 TY_FN float ty_path_near2(const ty_path* path, const ty_light_view* light) {
-    return light->reach2 * (ty_light_is_lamp(light->kind) ? path->request->lamp_near : 1.0f);
+    return light->reach2 * (ty_light_is_point_or_spot(light->kind) ? path->request->point_light_near : 1.0f);
 }
 
 /* A ray's surface intersection and the material at that point. */
@@ -163,7 +163,7 @@ TY_FN void ty_scatter_vertex_begin(ty_scatter_vertex* s, const ty_path* path, co
     for (int32_t i = 0; i < s->guide_count; ++i) {
         const ty_light_view* light = &request->scene->lights.lights[request->guide_light[i]];
         s->axis[i] = ty_light_axis(light, path->origin);
-        s->point_light[i] = ty_light_is_lamp(light->kind);
+        s->point_light[i] = ty_light_is_point_or_spot(light->kind);
     }
 }
 
@@ -297,7 +297,7 @@ TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, t
                                          const ty_light_view* light, float u, float v, float along,
                                          const ty_closest_approach* closest, const float throughput[3], float weight) {
     const ty_scene_view* scene = path->request->scene;
-    const bool point_light = ty_light_is_lamp(light->kind);
+    const bool point_light = ty_light_is_point_or_spot(light->kind);
     const float uniform = light->kind == TY_KIND_SPOT ? 0.5f : 0.0f;
     float t;
     const float density =
@@ -354,12 +354,12 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     const float chance = ty_path_pass_chance(&closest, interval, ty_path_near2(path, light));
     if (ty_rng_uniform(&path->random) >= chance) return;
     float weight = 1.0f / (chosen * chance);
-    if (path->lamp_rate > 0.0f && ty_light_is_lamp(light->kind)) {
+    if (path->point_light_rate > 0.0f && ty_light_is_point_or_spot(light->kind)) {
         /* The balance heuristic against lamp directions. */
         const float probability = ty_lights_probability(lights, point_light, path->origin, path->normal) *
-                                  ty_point_light_direction_rate(path->request, path->lamp_rate, &closest);
+                                  ty_point_light_direction_rate(path->request, path->point_light_rate, &closest);
         const float both =
-            path->pdf * chosen + probability * ty_point_light_direction_pdf(&closest, path->request->lamp_g);
+            path->pdf * chosen + probability * ty_point_light_direction_pdf(&closest, path->request->point_light_g);
         weight *= path->pdf * chosen / both;
     }
     ty_path_add_single_scattering(path, spans, interval, light, u, v, along, &closest, path->beta, weight);
@@ -389,15 +389,15 @@ TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_v
 }
 
 /* Light that a lamp sends to the vertex at path->origin by one scattering, along a direction sampled about the lamp. */
-TY_FN void ty_path_add_lamp_direction(ty_path* path, const ty_light_view* point_light, float probability,
-                                      const ty_vertex_response* response) {
+TY_FN void ty_path_add_point_light_direction(ty_path* path, const ty_light_view* point_light, float probability,
+                                             const ty_vertex_response* response) {
     const ty_scene_view* scene = path->request->scene;
     const float u = ty_rng_uniform(&path->random), turn = ty_rng_uniform(&path->random);
     float throughput[3];
     ty_hit hit;
     ty_spans spans;
     path->direction =
-        ty_point_light_direction_sample(path->origin, point_light->position, path->request->lamp_g, u, turn);
+        ty_point_light_direction_sample(path->origin, point_light->position, path->request->point_light_g, u, turn);
     const float pdf = ty_vertex_response_evaluate(response, path->direction, throughput);
     if (!(pdf > 0.0f)) return;
     const bool on_surface =
@@ -412,7 +412,8 @@ TY_FN void ty_path_add_lamp_direction(ty_path* path, const ty_light_view* point_
     if (ty_rng_uniform(&path->random) >= chance) return;
     const float chosen = ty_lights_local_probability(&scene->lights, (int32_t)(point_light - scene->lights.lights),
                                                      path->origin, path->direction, interval.enter, interval.leave);
-    const float both = pdf * chosen + probability * ty_point_light_direction_pdf(&closest, path->request->lamp_g);
+    const float both =
+        pdf * chosen + probability * ty_point_light_direction_pdf(&closest, path->request->point_light_g);
     const float weight = 1.0f / (chance * both);
     for (int c = 0; c < 3; ++c) throughput[c] *= path->beta[c];
     ty_path_add_single_scattering(path, &spans, interval, point_light, 0.5f, 0.5f, ty_rng_uniform(&path->random),
@@ -420,13 +421,13 @@ TY_FN void ty_path_add_lamp_direction(ty_path* path, const ty_light_view* point_
 }
 
 /* Lamp directions of the vertex at path->origin, for the light that its next-event estimation chose with probability
- * `chosen`; returns path->lamp_rate of that vertex. The path's own random numbers stay as they are. */
-TY_FN float ty_path_sample_lamp_direction(ty_path* path, int32_t light, float chosen,
-                                          const ty_vertex_response* response) {
+ * `chosen`; returns path->point_light_rate of that vertex. The path's own random numbers stay as they are. */
+TY_FN float ty_path_sample_point_light_direction(ty_path* path, int32_t light, float chosen,
+                                                 const ty_vertex_response* response) {
     const ty_path_request* request = path->request;
     const ty_scene_view* scene = request->scene;
-    const float rate = ty_path_is_last(path) ? 0.0f : request->lamp_rate;
-    if (!(rate > 0.0f) || light < 0 || !ty_light_is_lamp(scene->lights.lights[light].kind)) return rate;
+    const float rate = ty_path_is_last(path) ? 0.0f : request->point_light_rate;
+    if (!(rate > 0.0f) || light < 0 || !ty_light_is_point_or_spot(scene->lights.lights[light].kind)) return rate;
     const ty_light_view* point_light = &scene->lights.lights[light];
     const ty_vec to = ty_sub(point_light->position, path->origin);
     const ty_closest_approach beside = {0.0f, 0.0f, ty_dot(to, to)};
@@ -435,7 +436,7 @@ TY_FN float ty_path_sample_lamp_direction(ty_path* path, int32_t light, float ch
     const ty_vec direction = path->direction;
     path->random = ty_sampler_branch(&own);
     if (ty_rng_uniform(&path->random) < probability)
-        ty_path_add_lamp_direction(path, point_light, chosen * probability, response);
+        ty_path_add_point_light_direction(path, point_light, chosen * probability, response);
     path->random = own;
     path->direction = direction;
     return rate;
@@ -456,7 +457,8 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
                                  sample.pdf > 0.0f ? ty_scatter_vertex_pdf(&scatter, sample.wi, phase) : 0.0f,
                                  phase[1]);
     }
-    path->lamp_rate = ty_path_sample_lamp_direction(path, light, chosen, &(ty_vertex_response){&scatter, NULL});
+    path->point_light_rate =
+        ty_path_sample_point_light_direction(path, light, chosen, &(ty_vertex_response){&scatter, NULL});
     path->direction = ty_scatter_vertex_sample(&scatter, &path->random);
     ty_scatter_vertex_phase(&scatter, path->direction, phase);
     path->phase = phase[1];
@@ -470,7 +472,7 @@ TY_FN void ty_path_sample_cosine_hemisphere(ty_path* path) {
     const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
     path->direction = ty_direction_about(path->normal, cosine, v);
     path->pdf = cosine * (1.0f / TY_PI);
-    path->lamp_rate = 0.0f;
+    path->point_light_rate = 0.0f;
 }
 
 /* Samples a direction uniformly on the sphere. */
@@ -478,7 +480,7 @@ TY_FN void ty_path_sample_sphere(ty_path* path) {
     const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
     path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
     path->pdf = TY_INV_4PI;
-    path->lamp_rate = 0.0f;
+    path->point_light_rate = 0.0f;
 }
 
 /* A vertex on a Lambertian surface: next-event estimation, then the next direction. Cosines use the shading normal;
@@ -496,9 +498,9 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     if (facing > 0.0f)
         ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, facing,
                                  0.0f);
-    const float lamp_rate = ty_path_sample_lamp_direction(path, light, chosen, &response);
+    const float point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
     ty_path_sample_cosine_hemisphere(path);
-    path->lamp_rate = lamp_rate;
+    path->point_light_rate = point_light_rate;
     const bool outside = ty_dot(point->ng, path->direction) > 0.0f;
     for (int c = 0; c < 3; ++c) path->beta[c] *= outside ? point->albedo[c] : 0.0f;
     path->rr_throughput *= ty_max3(point->albedo);
@@ -630,7 +632,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->pdf = 0.0f;
     path->scattered = 0;
     path->phase = 0.0f;
-    path->lamp_rate = 0.0f;
+    path->point_light_rate = 0.0f;
     path->depth = 0;
     path->run = 0;
     path->path_class = TY_PATH_UNCOLLIDED;

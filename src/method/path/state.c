@@ -20,7 +20,7 @@ typedef struct state_header {
     char library[16];                  /* library version, since another one may trace other paths */
     uint64_t scene, seed;
     int32_t width, height, crop[4], max_depth;
-    uint32_t aovs, ignore_media, unscattered, lamp_directions;
+    uint32_t aovs, ignore_media, unscattered, point_light_directions;
     double seconds, cpu_seconds; /* elapsed */
     uint64_t paths, vertices;
 } state_header;
@@ -87,7 +87,7 @@ static state_header make_header(const ty_path_run* run, const ty_path_stats* sta
     header.aovs = run->def->aovs;
     header.ignore_media = run->def->ignore_media;
     header.unscattered = run->def->unscattered;
-    header.lamp_directions = run->def->lamp_directions;
+    header.point_light_directions = run->def->point_light_directions;
     header.seconds = stats->seconds;
     header.cpu_seconds = stats->cpu_seconds;
     header.paths = stats->paths;
@@ -170,9 +170,9 @@ static ty_result check_render(ty_context* context, const state_header* was, cons
     if (was->unscattered != is->unscattered)
         return ty_fail(context, TY_ERROR_INPUT, "the state is of %s",
                        was->unscattered != 0 ? "light that no medium scattered" : "all light, scattered by media, too");
-    if (was->lamp_directions != is->lamp_directions)
+    if (was->point_light_directions != is->point_light_directions)
         return ty_fail(context, TY_ERROR_INPUT, "the state is with%s lamp directions",
-                       was->lamp_directions != 0 ? "" : "out");
+                       was->point_light_directions != 0 ? "" : "out");
     if (was->aovs != is->aovs)
         return ty_fail(context, TY_ERROR_INPUT,
                        "the state has other channels beside R, G and B: aovs %" PRIu32 ", not %" PRIu32, was->aovs,

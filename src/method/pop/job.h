@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_POP_JOB_H
 #define TY_METHOD_POP_JOB_H
 
-#include "method/pop/fine/delta_source.h"
+#include "method/pop/delta_source.h"
 #include "method/pop/solution.h"
 #include "method/volume_method.h"
 #include "scene/scene.h"

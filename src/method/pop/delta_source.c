@@ -1,5 +1,5 @@
 /* Delta-Eddington source of a beam: the light that scatters out of its forward lobe, with the flux that it keeps. */
-#include "method/pop/fine/delta_source.h"
+#include "method/pop/delta_source.h"
 
 #include "base/context.h"
 

@@ -8,8 +8,8 @@
  * the flux from upstream plus the cell's own emission, and by a fraction of E*: q_0 - div E is nowhere negative, and
  * all of q_0 is emitted somewhere. The diffusion's light is then everything but S; the overlap with the lobes, R - S
  * as both fluence and flux, is subtracted. */
-#ifndef TY_METHOD_POP_FINE_DELTA_SOURCE_H
-#define TY_METHOD_POP_FINE_DELTA_SOURCE_H
+#ifndef TY_METHOD_POP_DELTA_SOURCE_H
+#define TY_METHOD_POP_DELTA_SOURCE_H
 
 #include "direct/media/grid_medium.h"
 #include "direct/single/single.k.h"

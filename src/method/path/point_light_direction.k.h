@@ -10,13 +10,13 @@
  * c(phi, g) = (1 - g^2) / (pi (1 + g^2 - 2 g cos phi)), phi = 0 .. pi (the wrapped Cauchy distribution),
  * which has a closed inverse and the tails that p and its integral have for Henyey-Greenstein scattering (own
  * derivation; Georgiev et al. 2013 sample the two directions jointly). */
-#ifndef TY_PATH_LAMP_DIRECTION_K_H
-#define TY_PATH_LAMP_DIRECTION_K_H
+#ifndef TY_PATH_POINT_LIGHT_DIRECTION_K_H
+#define TY_PATH_POINT_LIGHT_DIRECTION_K_H
 
 #include "method/path/equiangular.k.h"
 
 /* Bound of distances along rays, m: squares of it, and their products with other distances, are finite. */
-#define TY_LAMP_FAR 1e12f
+#define TY_POINT_LIGHT_FAR 1e12f
 
 /* c(phi, g); tilt: 1 - cos(phi). */
 TY_FN float ty_wrapped_cauchy(float tilt, float g) {
@@ -77,7 +77,7 @@ TY_FN float ty_point_light_arc_sample(const ty_point_light_arc* arc, float u) {
  * the density of *t by both, 1/m. */
 TY_FN float ty_point_light_distance_sample(ty_media_interval interval, const ty_closest_approach* closest, float g,
                                            float uniform, float u, float* t) {
-    const float distance = sqrtf(closest->distance2), leave = ty_minf(interval.leave, TY_LAMP_FAR);
+    const float distance = sqrtf(closest->distance2), leave = ty_minf(interval.leave, TY_POINT_LIGHT_FAR);
     const float from = ty_point_light_half_tangent(distance, closest->t - interval.enter);
     const float to = ty_point_light_half_tangent(distance, closest->t - leave);
     const ty_point_light_arc even = ty_point_light_arc_make(from, to, 0.0f),
@@ -94,7 +94,7 @@ TY_FN float ty_point_light_distance_sample(ty_media_interval interval, const ty_
 /* Number of lamp directions, at most 1, of a vertex at closest->radius2 from a lamp. rate: that beside the lamp. */
 TY_FN float ty_point_light_direction_rate(const ty_path_request* request, float rate,
                                           const ty_closest_approach* closest) {
-    return rate / (1.0f + closest->radius2 / request->lamp_reach2);
+    return rate / (1.0f + closest->radius2 / request->point_light_reach2);
 }
 
 /* Samples a direction at the angle theta from that from `origin` to `lamp` with density c(theta, g); u, turn in

@@ -29,7 +29,7 @@ typedef struct seed_spread {
     double mean, deviation; /* of image means; the deviation relative to the mean */
 } seed_spread;
 
-static seed_spread spread_over_seeds(ty_context* context, const ty_scene* scene, bool lamp_directions, int seeds,
+static seed_spread spread_over_seeds(ty_context* context, const ty_scene* scene, bool point_light_directions, int seeds,
                                      int32_t spp) {
     double sum = 0, square = 0;
     for (int seed = 1; seed <= seeds; ++seed) {
@@ -38,7 +38,7 @@ static seed_spread spread_over_seeds(ty_context* context, const ty_scene* scene,
         def.width = def.height = SIDE;
         def.spp = spp;
         def.seed = (uint64_t)seed;
-        def.lamp_directions = lamp_directions;
+        def.point_light_directions = point_light_directions;
         must(context, ty_path_render(scene, &def, &image, NULL));
         const double mean = green_mean(image);
         ty_image_destroy(image);
