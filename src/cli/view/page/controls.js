@@ -32,9 +32,10 @@ export const numberControl = ({ limits, name, change }) => {
 };
 
 /* One number for all channels, or three. The slider is of the largest, and keeps the colour. */
-export const amountControl = ({ limits, name, change }) => {
+export const amountControl = ({ limits, name, change, spatial = false }) => {
   let rgb = [0, 0, 0], split = false, reference = NaN;
-  const relative = !(range(limits)[1] <= 1), signed = range(limits)[0] < 0;
+  const relative = !(range(limits)[1] <= 1), signed = range(limits)[0] < 0, whole = limits.type === "integer";
+  const letters = spatial ? "xyz" : "RGB";
   const topOf = values => Math.max(...values);
   const send = moving => {
     refresh();
@@ -42,7 +43,7 @@ export const amountControl = ({ limits, name, change }) => {
   };
   const scaleTo = (value, moving) => {
     const top = topOf(rgb);
-    rgb = signed || !(top > 0) ? [value, value, value] : rgb.map(x => x * value / top);
+    rgb = signed || !(top > 0) ? [value, value, value] : rgb.map(x => whole ? Math.max(1, Math.round(x * value / top)) : x * value / top);
     send(moving);
   };
   const slider = makeSlider(limits, name, scaleTo), field = makeNumber(limits, name, scaleTo);
@@ -52,27 +53,27 @@ export const amountControl = ({ limits, name, change }) => {
     split = true;
     send(moving);
   });
-  const fields = ["red", "green", "blue"].map((word, c) => makeNumber(limits, `${name}, ${word}`, (value, moving) => {
+  const fields = [0, 1, 2].map(c => makeNumber(limits, `${name}, ${letters[c]}`, (value, moving) => {
     rgb[c] = value;
     send(moving);
   }));
-  const toggle = make("button", { type: "button", class: "split", "aria-label": `${name}: three channels`, click: () => {
+  const toggle = make("button", { type: "button", class: "split", "aria-label": `${name}: three values`, click: () => {
     split = !split;
     if (!split) rgb = rgb.map(() => signed ? rgb.reduce((a, b) => a + b) / 3 : topOf(rgb));
     send(false);
-  } }, "RGB");
+  } }, letters);
   const channels = make("div", { class: "channels" },
-    ...fields.map(({ element }, c) => make("label", { class: "channel" }, make("span", {}, "RGB"[c]), element)));
+    ...fields.map(({ element }, c) => make("label", { class: "channel" }, make("span", {}, letters[c]), element)));
   const refresh = () => {
     const top = signed ? rgb.reduce((a, b) => a + b) / 3 : topOf(rgb);
     slider.update(top, reference);
     field.update(top);
     fields.forEach((one, c) => one.update(rgb[c]));
-    if (!signed) color.value = hexOf(rgb, relative);
+    if (!color.hidden) color.value = hexOf(rgb, relative);
     channels.hidden = !split;
     toggle.setAttribute("aria-pressed", split);
   };
-  color.hidden = signed;
+  color.hidden = signed || spatial;
   return {
     element: make("div", { class: "amount" },
       make("div", { class: "pair" }, slider.element, field.element, color, toggle), channels),

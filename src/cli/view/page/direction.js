@@ -4,7 +4,7 @@ import { clamp, make, makeSvg } from "./dom.js";
 import { makeNumber } from "./field.js";
 import { state } from "./state.js";
 
-const WIDTH = 200, HEIGHT = 100;
+const WIDTH = 300, HEIGHT = 100;
 
 const isZUp = () => state.document?.up_axis === "z";
 

@@ -3,11 +3,14 @@
 import { clamp, make, number, tidy } from "./dom.js";
 import { range } from "./schema.js";
 
+/* To a whole number, or to a multiple of what the schema says. */
+const roundTo = ({ multipleOf = 1 }, value) => multipleOf * Math.round(value / multipleOf);
+
 /* The scale of a slider: place 0..1 to value and back. A range of three decades or more is logarithmic, around a value where
  * it has no natural ends; 0 lies at the very left where it is allowed. */
 export const scaleOf = (limits, around) => {
   const [low, high] = range(limits), whole = limits.type === "integer";
-  const round = value => clamp(whole ? Math.round(value) : tidy(value), low, high);
+  const round = value => clamp(whole ? roundTo(limits, value) : tidy(value), low, high);
   if (low < 0 && high - low < 1e4) // such as g, stops and angles
     return { toValue: t => round(low + t * (high - low)), toPlace: v => (v - low) / (high - low) };
   if (low < 0) {
@@ -58,7 +61,7 @@ export const makeSlider = (limits, name, change) => {
     event.preventDefault();
     const from = Number(input.value), by = Math.sign(step) * Math.abs(step) * (event.shiftKey ? 0.1 : 1) * 0.01;
     let next = scale.toValue(clamp(from + by, 0, 1));
-    if (limits.type === "integer" && next === value) next = clamp(value + Math.sign(step), ...range(limits));
+    if (limits.type === "integer" && next === value) next = clamp(value + Math.sign(step) * (limits.multipleOf ?? 1), ...range(limits));
     value = next;
     place();
     change(value, false);
@@ -78,21 +81,26 @@ export const makeSlider = (limits, name, change) => {
 
 /* A field for a number. Arrow keys step, with shift by ten; dragging it sideways with the mouse scrubs. */
 export const makeNumber = (limits, name, change, { scrub = 0 } = {}) => {
-  let value = 0, drag = null;
+  let value = 0, drag = null, typed = false;
   const input = make("input", { type: "text", inputmode: "decimal", spellcheck: "false", autocomplete: "off", "aria-label": name });
   const bounds = range(limits), whole = limits.type === "integer";
-  const show = () => input.value = Number.isFinite(value) ? number(value, 5) : "";
+  const show = () => {
+    typed = false;
+    input.value = Number.isFinite(value) ? number(value, 5) : "";
+  };
   const set = (next, moving) => {
-    value = clamp(whole ? Math.round(next) : next, ...bounds);
+    value = clamp(whole ? roundTo(limits, next) : next, ...bounds);
     show();
     change(value, moving);
   };
-  const stepOf = () => whole ? 1 : scrub || 10 ** Math.floor(Math.log10(Math.abs(value) || 1) - 1);
+  const stepOf = () => whole ? limits.multipleOf ?? 1 : scrub || 10 ** Math.floor(Math.log10(Math.abs(value) || 1) - 1);
   const accept = () => {
+    typed = false;
     const next = Number(input.value.trim().replace("−", "-").replace(",", "."));
     if (input.value.trim() === "" || !Number.isFinite(next)) show();
     else if (next !== Number(number(value, 5))) set(next, false);
   };
+  input.addEventListener("input", () => typed = true);
   input.addEventListener("change", accept);
   input.addEventListener("keydown", event => {
     const way = { ArrowUp: 1, ArrowDown: -1 }[event.key];
@@ -134,7 +142,7 @@ export const makeNumber = (limits, name, change, { scrub = 0 } = {}) => {
     element: input,
     update: next => {
       value = next;
-      if (document.activeElement !== input || drag?.moved) show();
+      if (!typed) show();
     },
   };
 };

@@ -12,47 +12,55 @@ import { display, state } from "./state.js";
 const CURVES = ["filmic", "srgb", "reinhard", "linear"];
 const channel = name => () => display({ channel: state.display.channel === name ? "rgb" : name });
 
-/* Key, what it does in words, and what it does. */
-const KEYS = [
-  ["m", "the method alone", () => setMode("method")],
-  ["w", "wipe: method left, path right", () => setMode(state.display.mode === "wipe" ? "method" : "wipe")],
-  ["p", "path alone", () => setMode(state.display.mode === "path" ? "method" : "path")],
-  ["d", "difference: method minus path", () => setMode(state.display.mode === "difference" ? "method" : "difference")],
-  ["c", "path in the background, on or off", () => setCompare(!state.view.compare)],
-  [" ", "pause or go on", togglePause],
-  ["[", "exposure down by a third of a stop", () => expose(state.display.exposure - 1 / 3)],
-  ["]", "exposure up by a third of a stop", () => expose(state.display.exposure + 1 / 3)],
-  ["a", "exposure, or the range of the colours, from the image", autoAll],
-  ["k", "the next curve", () => display({ curve: CURVES[(CURVES.indexOf(state.display.curve) + 1) % CURVES.length] })],
-  ["v", "false colour", () => setLook(state.display.look === "false" ? "color" : "false")],
-  ["r", "red alone", channel("r")],
-  ["g", "green alone", channel("g")],
-  ["b", "blue alone", channel("b")],
-  ["l", "luminance alone", channel("luminance")],
-  ["n", "mark pixels that are no numbers", () => display({ markers: !state.display.markers })],
-  ["f", "fit the window", () => setZoom(0)],
-  ["0", "1:1, a pixel of the image for one of the screen", () => setZoom(1)],
-  ["i", "pin the probe or free it; arrows move it", togglePin],
-  ["Home", "the file's camera", goHome],
-  [",", "the frame before", () => stepFrame(-1)],
-  [".", "the next frame", () => stepFrame(1)],
-  ["y", "play the frames or stop", togglePlay],
-  ["s", "save a PNG of what is shown", savePng],
-  ["h", "panels on or off", togglePanels],
-  ["t", "dark, light, as the system", nextTheme],
-  ["?", "this list", () => openHelp()],
-];
-const actions = new Map(KEYS.map(([key, , action]) => [key, action]));
+/* Groups of keys: the key, what it does in words, and what it does. */
+const KEYS = {
+  "What is shown": [
+    ["m", "the method alone", () => setMode("method")],
+    ["w", "wipe: method left, path right", () => setMode(state.display.mode === "wipe" ? "method" : "wipe")],
+    ["p", "path alone", () => setMode(state.display.mode === "path" ? "method" : "path")],
+    ["d", "difference: method minus path", () => setMode(state.display.mode === "difference" ? "method" : "difference")],
+    ["c", "path in the background, on or off", () => setCompare(!state.view.compare)],
+    [" ", "pause or go on", togglePause],
+  ],
+  Display: [
+    ["[", "exposure down by a third of a stop", () => expose(state.display.exposure - 1 / 3)],
+    ["]", "exposure up by a third of a stop", () => expose(state.display.exposure + 1 / 3)],
+    ["a", "exposure or range from the image", autoAll],
+    ["k", "the next curve", () => display({ curve: CURVES[(CURVES.indexOf(state.display.curve) + 1) % CURVES.length] })],
+    ["v", "false colour", () => setLook(state.display.look === "false" ? "color" : "false")],
+    ["r", "red alone", channel("r")],
+    ["g", "green alone", channel("g")],
+    ["b", "blue alone", channel("b")],
+    ["l", "luminance alone", channel("luminance")],
+    ["n", "mark pixels that are no numbers", () => display({ markers: !state.display.markers })],
+    ["f", "fit the window", () => setZoom(0)],
+    ["0", "1:1", () => setZoom(1)],
+    ["i", "pin the probe or free it; arrows move it", togglePin],
+  ],
+  Scene: [
+    ["Home", "the file's camera", goHome],
+    [",", "the frame before", () => stepFrame(-1)],
+    [".", "the next frame", () => stepFrame(1)],
+    ["y", "play the frames or stop", togglePlay],
+    ["s", "save a PNG of what is shown", savePng],
+  ],
+  Page: [
+    ["h", "panels on or off", togglePanels],
+    ["t", "dark, light, as the system", nextTheme],
+    ["?", "this list", () => openHelp()],
+  ],
+};
+const actions = new Map(Object.values(KEYS).flat().map(([key, , action]) => [key, action]));
 
-const MOUSE = [
-  ["drag", "orbit about the target"], ["Shift or middle + drag", "pan"], ["wheel", "dolly"],
-  ["right + drag", "look around; with W A S D Q E fly, Shift faster, wheel sets the speed"], ["Ctrl + wheel", "zoom into the image"],
-  ["Shift + click", "pin the probe"], ["drag a number", "change it"],
-];
-const MORE = [
-  ["1 … 9", "the method of that number"], ["arrows", "orbit, with Shift pan"], ["+ −", "dolly"],
-  ["Ctrl Z", "undo"], ["Ctrl Shift Z", "redo"], ["Ctrl S", "save the scene"], ["Esc", "free the probe, close"],
-];
+/* What else the list says. */
+const MORE = {
+  "What is shown": [["1 … 9", "the method of that number"]],
+  Scene: [["Ctrl Z", "undo"], ["Ctrl Shift Z", "redo"], ["Ctrl S", "save the scene"]],
+  Page: [["Esc", "free the probe, close"]],
+  Camera: [["drag, arrows", "orbit about the target"], ["Shift + drag", "pan; also the middle button, Shift + arrows"],
+    ["wheel, + −", "dolly"], ["right + drag", "look around; with W A S D Q E fly, with Shift faster, by the wheel set the speed"]],
+  Mouse: [["Ctrl + wheel", "zoom into the image"], ["Shift + click", "pin the probe"], ["drag a number", "change it"]],
+};
 
 export const openHelp = () => {
   const dialog = find("#keys");
@@ -62,8 +70,9 @@ export const openHelp = () => {
   }
   const row = ([key, words]) => make("div", {}, make("dt", {}, make("kbd", {}, key === " " ? "Space" : key.length === 1 ? key.toUpperCase() : key)),
     make("dd", {}, words));
-  dialog.replaceChildren(make("h2", {}, "Keys"), make("div", { class: "columns" },
-    make("dl", {}, ...KEYS.map(row)), make("dl", {}, ...MORE.map(row), make("h3", {}, "Mouse"), ...MOUSE.map(row))),
+  const titles = [...new Set([...Object.keys(KEYS), ...Object.keys(MORE)])];
+  dialog.replaceChildren(make("h2", {}, "Keys"), make("div", { class: "columns" }, ...titles.map(title =>
+    make("dl", {}, make("h3", {}, title), ...[...MORE[title] ?? [], ...KEYS[title] ?? []].map(row)))),
   make("form", { method: "dialog" }, make("button", { autofocus: true }, "Close")));
   dialog.showModal();
 };

@@ -2,7 +2,6 @@
 
 import * as bar from "./bar.js";
 import * as camera from "./camera.js";
-import { find } from "./dom.js";
 import * as keep from "./keep.js";
 import * as keys from "./keys.js";
 import { connect } from "./link.js";
@@ -31,7 +30,6 @@ if (screen.start()) {
   keep.start();
   keys.start();
   connect();
-  find("#screen").focus({ preventScroll: true });
 } else {
   emit("trouble", { text: "This browser has no WebGL2, which the image needs." });
 }

@@ -16,7 +16,7 @@ const MAKERS = {
   text: textControl, numbers: numbersControl, direction: directionControl, json: jsonControl,
 };
 const SHOWN_UNSET = new Set(["number", "amount", "auto", "check", "select", "direction"]);
-const WIDE = new Set(["amount", "direction", "numbers", "number", "auto", "json"]);
+const WIDE = new Set(["amount", "direction", "numbers", "json"]);
 
 let rows = [];                 // what is shown: {path, element, control, fallback}
 const opened = new Map();      // which groups the user has opened or closed, by path
@@ -27,6 +27,8 @@ const reset = path => edit([{ path, value: copy(get(state.original, path)) }]);
 
 const refreshRow = row => {
   const value = get(state.document, row.path), original = get(state.original, row.path);
+  const line = row.element.querySelector(".refused");
+  if (!line.hidden && !same(value, row.refused)) line.hidden = true;
   row.control.update(value ?? copy(row.fallback), original ?? row.fallback);
   row.element.classList.toggle("changed", !same(value, original));
   row.element.classList.toggle("unset", value === undefined);
@@ -39,9 +41,9 @@ const stepOf = () => {
 };
 
 /* A row of a label, a control and a unit. take: what a change does; by default it sets the value. */
-export const makeRow = (path, key, schema, { name = label(key), control = null, fallback = schema.default, take = null } = {}) => {
+export const makeRow = (path, key, schema, { name = label(key, path), control = null, fallback = schema.default, take = null } = {}) => {
   const change = take ?? ((value, moving) => edit([{ path, value }], moving));
-  const found = controlOf(schema, get(state.document, path) ?? fallback);
+  const found = control ? { kind: "select", limits: {} } : controlOf(schema, get(state.document, path) ?? fallback);
   const made = control ?? MAKERS[found.kind]({ ...found, name, change, step: stepOf() });
   const text = make("span", { class: "name" }, name), unit = unitOf(schema);
   const element = make("div", { class: `row${WIDE.has(found.kind) ? " wide" : ""}`, "data-path": path },
@@ -95,10 +97,15 @@ const makeAdder = (path, candidates) => {
 };
 
 /* The value of a key: a row, or a group of what is in it. */
+const CLOSED = new Set(["noise", "bounds", "transform", "raw"]);
 const makePart = (path, key, schema, value) => {
   const { kind, limits } = controlOf(schema, value), removable = { remove: () => edit([{ path, value: undefined }]) };
+  const [inner] = Object.keys(limits.properties ?? {}), only = kind === "object" && Object.keys(limits.properties ?? {}).length === 1;
+  if (only && value[inner] !== undefined && controlOf(resolve(limits.properties[inner]), value[inner]).kind === "object")
+    return makeGroup(path, `${label(key)}: ${inner}`, false,
+      () => makeObject(join(path, inner), variantOf(resolve(limits.properties[inner]), value[inner])), removable);
   if (kind === "object")
-    return makeGroup(path, label(key), true, () => makeObject(path, limits), schema.needed ? {} : removable);
+    return makeGroup(path, label(key), !CLOSED.has(key), () => makeObject(path, limits), schema.needed ? {} : removable);
   if (kind === "list") {
     const items = resolve(limits.items);
     return makeGroup(path, `${label(key)} (${value.length})`, false, () => value.map((item, i) =>
@@ -108,9 +115,10 @@ const makePart = (path, key, schema, value) => {
 };
 
 /* All keys of an object: those it has, those whose default a control can show, and a menu of the others. */
-export const makeObject = (path, schema, { skip = [], before = [] } = {}) => {
+export const makeObject = (path, schema, { skip = [], before = [], last = [] } = {}) => {
   const value = get(state.document, path) ?? {}, elements = [...before], candidates = [];
-  for (const [key, part] of Object.entries(schema.properties ?? {})) {
+  const parts = Object.entries(schema.properties ?? {});
+  for (const [key, part] of [...parts.filter(([key]) => !last.includes(key)), ...parts.filter(([key]) => last.includes(key))]) {
     const full = resolve(part);
     if (skip.includes(key) || full.const !== undefined) continue;
     const at = join(path, key);
@@ -141,7 +149,7 @@ const makeItem = (key, item, index, count) => {
   const path = join(key, index), schema = variantOf(resolve(schemaOf(key).items), item);
   return makeGroup(path, titleOf(key, item, index), count <= 2, () => {
     const { skip = [], before = [] } = key === "media" ? coefficientRows(path, item, schema, makeRow) : {};
-    return makeObject(path, schema, { skip, before });
+    return makeObject(path, schema, { skip, before, last: ["density", "bounds", "transform"] });
   }, { remove: () => removeItem(key, index) });
 };
 
@@ -153,7 +161,7 @@ const makeList = (key, title) => {
   return makeGroup(key, `${title}${items.length > 1 ? ` (${items.length})` : ""}`, items.length > 0, () => {
     const select = make("select", { class: "adder", "aria-label": `Add to ${title}`,
       change: () => addItem(key, choices[select.selectedIndex - 1]) },
-      make("option", {}, "Add …"), ...choices.map(schema => make("option", {}, name(schema) ?? "medium")));
+      make("option", {}, { media: "Add a medium …", lights: "Add a light …", geometry: "Add a surface …" }[key]), ...choices.map(schema => make("option", {}, name(schema) ?? "medium")));
     return [...items.map((one, i) => makeItem(key, one, i, items.length)), select];
   }, { section: true });
 };
@@ -198,6 +206,7 @@ export const showRefusal = (path, text) => {
   if (!line) return false;
   line.replaceChildren(text, make("button", { type: "button", "aria-label": "Dismiss", click: () => line.hidden = true }, "×"));
   line.hidden = false;
+  row.refused = copy(get(state.document, row.path));
   return true;
 };
 

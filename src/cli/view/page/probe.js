@@ -6,7 +6,7 @@ import { valueAt } from "./frame.js";
 import { frameSize, toFrame, toWindow } from "./screen.js";
 import { on, state } from "./state.js";
 
-const canvas = find("#screen"), table = find("#probe"), pin = find("#pin");
+const canvas = find("#screen"), card = find("#probe"), pin = find("#pin");
 let hovered = null, pinned = null;
 
 /* R, G, B and luminance of a channel at a pixel of the full frame, or null. */
@@ -24,8 +24,8 @@ const rowOf = (found, word) => make("tr", {}, make("th", { scope: "row" }, word)
 const refresh = () => {
   const at = pinned ?? hovered, both = state.view.compare || state.display.mode !== "method";
   const found = at === null ? [] : [probe(...at, 0), both ? probe(...at, 1) : null];
-  table.hidden = !found.some(Boolean);
-  if (table.hidden) {
+  card.hidden = !found.some(Boolean);
+  if (card.hidden) {
     pin.toggleAttribute("hidden", true);
     return;
   }
@@ -34,9 +34,10 @@ const refresh = () => {
   if (path) rows.push(rowOf(path, "path"));
   if (method && path) rows.push(make("tr", { class: "ratio" }, make("th", { scope: "row" }, "ratio"),
     ...["r", "g", "b", "luminance"].map(key => make("td", {}, path[key] !== 0 ? number(method[key] / path[key], 4) : "–"))));
-  table.replaceChildren(make("thead", {}, make("tr", {},
+  card.firstChild.replaceChildren(make("thead", {}, make("tr", {},
     make("th", {}, `${at[0]}, ${at[1]}`), ...NAMES.map(name => make("th", { scope: "col" }, name)))),
-    make("tbody", {}, ...rows), make("caption", {}, pinned ? "W m⁻² sr⁻¹, pinned: Esc frees it" : "W m⁻² sr⁻¹, Shift+click pins"));
+    make("tbody", {}, ...rows));
+  card.lastChild.textContent = `W m⁻² sr⁻¹, ${pinned ? "pinned; Esc frees it" : "Shift+click pins"}`;
   pin.toggleAttribute("hidden", pinned === null);
   if (pinned !== null) {
     const [x, y] = toWindow(pinned[0] + 0.5, pinned[1] + 0.5);

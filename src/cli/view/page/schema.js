@@ -43,12 +43,15 @@ export const variantOf = (schema, value) => {
 const isNumber = schema => schema.type === "number" || schema.type === "integer";
 export const isTriple = schema => schema.type === "array" && schema.minItems === 3 && schema.maxItems === 3;
 
+/* Triples that are no colours: along axes. */
+const SPATIAL = /[Vv]oxels along|between voxels|^$/;
+
 /* What a control for a value is: its kind, and the schema of its numbers. */
 export const controlOf = (schema, value) => {
   const choices = variants(schema), numeric = choices.find(isNumber), triple = choices.find(isTriple);
   const plain = value === undefined ? schema : variantOf(schema, value);
   if (numeric && triple && (value === undefined || typeof value === "number" || suits(triple, value)))
-    return { kind: "amount", limits: { ...numeric, default: schema.default } };
+    return { kind: "amount", limits: { ...numeric, default: schema.default }, spatial: SPATIAL.test(schema.description ?? "") };
   if (numeric && choices.some(choice => choice.const === "auto" || choice.enum?.includes("auto")))
     return { kind: "auto", limits: { ...numeric, default: schema.default } };
   if (plain.enum) return { kind: "select", limits: plain };
@@ -89,8 +92,8 @@ export const unitOf = ({ description = "", type, items }) => {
 
 const WORDS = {
   sigma_t: "Extinction σt", sigma_s: "Scattering σs", sigma_a: "Absorption σa", g: "Mean cosine g", spp: "Samples per pixel",
-  fov_y: "Field of view", meters_per_unit: "Metres per unit", kelvin: "Temperatures, K",
+  fov_y: "Field of view", meters_per_unit: "Metres per unit", kelvin: "Temperatures, K", solar: "Solar irradiance", irradiance: "Irradiance E", intensity: "Intensity I",
 };
 
 /* A key in the field's words. */
-export const label = key => WORDS[key] ?? key.charAt(0).toUpperCase() + key.slice(1).replaceAll("_", " ");
+export const label = (key, path = "") => /^media\[\d+\]\.scale$/.test(path) ? "Density scale" : WORDS[key] ?? key.charAt(0).toUpperCase() + key.slice(1).replaceAll("_", " ");

@@ -81,6 +81,17 @@ const drawRamp = ramp => {
 
 const decade = power => Number.isInteger(power) ? `10${[...String(power)].map(c => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c] ?? "⁻").join("")}` : "";
 
+/* Places 0..1 and words of whole decades; of two decades or less also of 2 and 5. */
+const decades = (low, high) => {
+  const steps = high - low <= 2 ? [1, 2, 5] : [1], ticks = [];
+  for (let power = Math.floor(low); power <= high; ++power)
+    for (const step of steps) {
+      const at = (power + Math.log10(step) - low) / (high - low);
+      if (at >= -1e-6 && at <= 1 + 1e-6) ticks.push([at, steps.length > 1 ? shown(step * 10 ** power, 1) : decade(power)]);
+    }
+  return ticks;
+};
+
 const refreshLegend = () => {
   const { mode, look, channel, falseRange: [low, high], differenceRange } = state.display;
   const legend = find("#legend"), signed = mode === "difference";
@@ -88,8 +99,7 @@ const refreshLegend = () => {
   if (legend.hidden) return;
   drawRamp(signed ? ramps.difference : ramps.radiance);
   const ticks = signed ? [-1, -0.5, 0, 0.5, 1].map(t => [0.5 + t / 2, shown(t * differenceRange, 3)])
-    : Array.from({ length: Math.floor(high) - Math.ceil(low) + 1 }, (_, i) => Math.ceil(low) + i)
-      .map(power => [(power - low) / (high - low), decade(power)]);
+    : decades(low, high);
   legend.querySelector(".ticks").replaceChildren(...ticks.map(([at, text]) => {
     const tick = make("span", {}, text);
     tick.style.left = `${100 * at}%`;
@@ -143,7 +153,7 @@ const listenToDivider = () => {
 /* ---- the panel ---- */
 
 /* The size in the file, that of the window, and its half. */
-const SIZES = [["file", "As the scene"], ["window", "Window"], ["half", "Half of the window"]];
+const SIZES = [["file", "Scene"], ["window", "Window"], ["half", "Half of the window"]];
 let sizeChoice = "file", fileSize = null;
 
 const applySize = () => {
@@ -174,7 +184,7 @@ const refresh = () => {
   zoom.options[zoom.options.length - 1].textContent = `${number(100 * place().zoom, 3)} %`;
   zoom.value = known ? String(now.zoom) : "";
   const [width, height] = frameSize();
-  find("#size").options[0].textContent = sizeChoice === "file" ? `As the scene, ${width} × ${height}` : "As the scene";
+  find("#size").options[0].textContent = sizeChoice === "file" ? `Scene, ${width} × ${height}` : "Scene";
   refreshLegend();
   refreshDivider();
 };

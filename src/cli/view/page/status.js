@@ -34,13 +34,14 @@ const showTimes = (times = {}) => {
   }));
   find("#times span").replaceChildren(...own.map(([name, value]) =>
     make("span", { class: "time" }, make("i", { class: `time-${STAGES.indexOf(name) + 1}` }), `${name.replaceAll("_", " ")} ${milliseconds(value)}`)));
+  find("#times").title = own.map(([name, value]) => `${name.replaceAll("_", " ")} ${milliseconds(value)}`).join("\n");
   find("#times").hidden = own.length === 0;
 };
 
-const differenceText = ({ mean_ratio, rmse, noise }) =>
-  [make("span", { class: "figure" }, "mean ", make("b", {}, mean_ratio.toFixed(3))),
-    make("span", { class: "figure" }, "RMSE ", make("b", {}, percent(rmse))),
-    make("span", { class: "figure" }, "its noise ", make("b", {}, percent(noise)))];
+const figure = (word, value, after = "") => make("span", { class: "figure" }, word, make("b", {}, value), after);
+
+const differenceText = ({ mean_ratio, rmse, noise }) => [make("span", { class: "against" }, `${state.view.method} : path`),
+  figure("mean ", mean_ratio.toFixed(3)), figure("RMSE ", percent(rmse)), figure("of it noise ", percent(noise))];
 
 const showStatus = () => {
   const { status, view } = state;
@@ -55,15 +56,15 @@ const showStatus = () => {
   const { path } = status, seen = view.compare && path && path.spp > 0;
   find("#path-state").hidden = !seen;
   if (seen)
-    find("#path-state").replaceChildren(make("span", { class: "figure" }, "path ", make("b", {}, `${shown(path.spp, 6)} spp`)),
-      ...path.error > 0 ? [make("span", { class: "figure" }, "± ", make("b", {}, percent(path.error)))] : []);
+    find("#path-state").replaceChildren(figure("path ", `${shown(path.spp, 6)} spp`),
+      ...path.error > 0 ? [figure("error ", percent(path.error))] : []);
   const known = view.compare && status.difference;
   find("#difference").hidden = !known;
   if (known) find("#difference").replaceChildren(...differenceText(status.difference));
   showTimes(status.times);
   const latency = status.times?.latency;
-  find("#speed").replaceChildren(...status.fps > 0 ? [make("span", { class: "figure" }, make("b", {}, shown(status.fps, 3)), " fps")] : [],
-    ...latency > 0 ? [make("span", { class: "figure" }, "latency ", make("b", {}, milliseconds(latency)))] : []);
+  find("#speed").replaceChildren(...status.fps > 0 ? [figure("", shown(status.fps, 3), " fps")] : [],
+    ...latency > 0 ? [figure("latency ", milliseconds(latency))] : []);
 };
 
 /* ---- troubles ---- */
