@@ -1,4 +1,5 @@
 /* The viewer's texts for its clients (docs/view_protocol.md). */
+#define _GNU_SOURCE
 #include "cli/view/live_state.h"
 
 #include "base/number.h"
@@ -189,7 +190,7 @@ static void append_word(char** text, size_t* size, const char* word) {
 static char* command_of(view_live* live, char** changes, int32_t count) {
     char *text = NULL, number_text[32];
     size_t size = 0;
-    const char* const first[] = {"tyndall", "render", live->path, "--method", live->method->name, "--size"};
+    const char* const first[] = {"tyndall", "render", live->scene_path, "--method", live->method->name, "--size"};
     for (size_t i = 0; i < sizeof first / sizeof first[0]; ++i) append_word(&text, &size, first[i]);
     snprintf(number_text, sizeof number_text, "%dx%d", (int)live->width, (int)live->height);
     append_word(&text, &size, number_text);

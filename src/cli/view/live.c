@@ -1,3 +1,4 @@
+#define _GNU_SOURCE
 #include "cli/view/live_state.h"
 
 #include "cli/session.h"
@@ -33,7 +34,9 @@ static bool set_method(view_live* live, const char* name) {
     live->method = method;
     live->shown = VIEW_SHOWN_NOTHING;
     live->failed = false;
-    live->view_seconds = live->full_solve_seconds = 0;
+    live->view_seconds = 0;
+    memset(live->solve_seconds, 0, sizeof live->solve_seconds);
+    memset(live->coarse_seconds, 0, sizeof live->coarse_seconds);
     live->has_difference = false;
     live->message[0] = '\0';
     return true;
@@ -340,7 +343,7 @@ ty_result view_live_open(const view_live_def* def, view_live** out) {
     live->compare = def->compare;
     live->remote = def->remote;
     live->record = def->record;
-    live->path = def->path;
+    live->scene_path = def->path;
     live->revision = 1;
     const char* slash = strrchr(def->path, '/');
     snprintf(live->name, sizeof live->name, "%s", slash != NULL ? slash + 1 : def->path);

@@ -39,7 +39,7 @@ struct view_live {
     ty_scene_editor* editor;
     view_server* server;
     char name[256];   /* of the scene's file */
-    const char* path; /* as given */
+    const char* scene_path; /* as given */
     ty_axis up_axis;
     const char* record;
     bool remote;
@@ -71,10 +71,10 @@ struct view_live {
     double moved;    /* s: time of the last request that said that more follow; 0: at rest */
     double received; /* s: of the oldest request that the next image answers */
 
-    void* light; /* of light_method; NULL: none */
     const ty_method* light_method;
-    ty_solve_quality light_quality;
-    double full_solve_seconds; /* the last full solve took */
+    void* lights[TY_SOLVE_FULL + 1]; /* of light_method, by quality; NULL: none */
+    double solve_seconds[TY_SOLVE_FULL + 1];  /* the last solve took; 0: none yet */
+    double coarse_seconds[TY_SOLVE_FULL + 1]; /* the last coarse view of the light took; 0: none yet */
     double view_seconds;       /* estimate of a view at full size */
     view_shown shown;
     bool has_surfaces;

@@ -1,4 +1,5 @@
 /* The viewer's last full images as files. */
+#define _GNU_SOURCE
 #include "cli/view/live_state.h"
 
 #include "cli/session.h"

@@ -10,23 +10,23 @@ enum { CHANGES_MAX = 256, SIDE_MAX = 8192, SIDE_MIN = 16 };
 
 /* ---- checks: each leaves one line in text ---- */
 
-typedef struct message {
+typedef struct parsed_message {
     json_t* root;
     char* text;
     size_t size;
-} message;
+} parsed_message;
 
-static bool refuse(const message* message, const char* format, const char* name) {
+static bool refuse(const parsed_message* message, const char* format, const char* name) {
     snprintf(message->text, message->size, format, name);
     return false;
 }
 
-static bool is_boolean_or_missing(const message* message, const char* key) {
+static bool is_boolean_or_missing(const parsed_message* message, const char* key) {
     const json_t* value = json_object_get(message->root, key);
     return value == NULL || json_is_boolean(value) || refuse(message, "%s: is not true or false", key);
 }
 
-static bool is_number_or_missing(const message* message, const char* key, double lower, double upper) {
+static bool is_number_or_missing(const parsed_message* message, const char* key, double lower, double upper) {
     const json_t* value = json_object_get(message->root, key);
     if (value == NULL) return true;
     if (!json_is_number(value)) return refuse(message, "%s: is not a number", key);
@@ -41,7 +41,7 @@ static bool is_vector(const json_t* value) {
     return true;
 }
 
-static bool knows_keys(const message* message, const char* const* known) {
+static bool knows_keys(const parsed_message* message, const char* const* known) {
     const char* key;
     json_t* value;
     json_object_foreach(message->root, key, value) {
@@ -54,7 +54,7 @@ static bool knows_keys(const message* message, const char* const* known) {
 
 /* ---- kinds ---- */
 
-static bool take_set(const message* message, view_request* out) {
+static bool take_set(const parsed_message* message, view_request* out) {
     static const char* const keys[] = {"type", "id", "changes", "moving", NULL};
     json_t* changes = json_object_get(message->root, "changes");
     if (!knows_keys(message, keys)) return false;
@@ -82,7 +82,7 @@ static json_t* divided(const json_t* vector, double by) {
     return out;
 }
 
-static bool take_camera(const message* message, double meters_per_unit, view_request* out) {
+static bool take_camera(const parsed_message* message, double meters_per_unit, view_request* out) {
     static const char* const keys[] = {"type", "id", "position", "target", "up", "fov_y", "moving", NULL};
     static const struct {
         const char *key, *path;
@@ -104,7 +104,7 @@ static bool take_camera(const message* message, double meters_per_unit, view_req
     return json_array_size(out->changes) > 0 || refuse(message, "%s: sets nothing", "camera");
 }
 
-static bool take_view(const message* message, view_request* out) {
+static bool take_view(const parsed_message* message, view_request* out) {
     static const char* const keys[] = {"type",   "id",       "method", "compare", "paused",
                                        "width", "height", "exposure", NULL};
     const json_t* method = json_object_get(message->root, "method");
@@ -117,7 +117,7 @@ static bool take_view(const message* message, view_request* out) {
            is_number_or_missing(message, "exposure", -100, 100);
 }
 
-static bool take_record(const message* message, view_request* out) {
+static bool take_record(const parsed_message* message, view_request* out) {
     static const char* const keys[] = {"type", "id", "name", NULL};
     const char* name = json_string_value(json_object_get(message->root, "name"));
     (void)out;
@@ -128,13 +128,13 @@ static bool take_record(const message* message, view_request* out) {
            refuse(message, "%.64s: the extension is not .exr or .png", name);
 }
 
-static bool take_document(const message* message, view_request* out) {
+static bool take_document(const parsed_message* message, view_request* out) {
     static const char* const keys[] = {"type", "id", NULL};
     (void)out;
     return knows_keys(message, keys);
 }
 
-static bool take(const message* message, double meters_per_unit, view_request* out) {
+static bool take(const parsed_message* message, double meters_per_unit, view_request* out) {
     const char* type = json_string_value(json_object_get(message->root, "type"));
     if (!is_boolean_or_missing(message, "moving")) return false;
     out->moving = json_is_true(json_object_get(message->root, "moving"));
@@ -165,7 +165,7 @@ view_request* view_request_parse(const char* text, size_t length, double meters_
     const json_t* number = json_object_get(root, "id");
     if (json_is_integer(number)) *id = json_integer_value(number);
     view_request* request = calloc(1, sizeof *request);
-    const message message = {root, reason, size};
+    const parsed_message message = {root, reason, size};
     if (request == NULL) snprintf(reason, size, "not enough memory");
     if (request == NULL || !take(&message, meters_per_unit, request)) {
         json_decref(root);

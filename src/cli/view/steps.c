@@ -130,14 +130,12 @@ static void note_stages(view_live* live, const ty_method_run* run) {
 /* ---- methods that solve once and view often ---- */
 
 void view_live_drop_light(view_live* live) {
-    if (live->light_method != NULL && live->light != NULL) live->light_method->destroy(live->light);
-    live->light = NULL;
+    for (int i = 0; i <= TY_SOLVE_FULL; ++i) {
+        if (live->lights[i] != NULL) live->light_method->destroy(live->lights[i]);
+        live->lights[i] = NULL;
+    }
     live->light_method = NULL;
     live->times.count = 0;
-}
-
-static bool has_light(const view_live* live, ty_solve_quality quality) {
-    return live->light != NULL && live->light_method == live->method && live->light_quality >= quality;
 }
 
 static ty_result solve(view_live* live, ty_solve_quality quality) {
@@ -145,17 +143,27 @@ static ty_result solve(view_live* live, ty_solve_quality quality) {
     const double begun = cli_wall_seconds();
     ty_method_run run = {.own_seconds = 0};
     void* light = NULL;
+    if (live->light_method != live->method) view_live_drop_light(live);
     const ty_result result = live->method->solve(live->scene, &request, quality, &light, &run);
     if (result != TY_OK) return result;
-    const double seconds = cli_wall_seconds() - begun;
-    view_live_drop_light(live);
-    live->light = light;
     live->light_method = live->method;
-    live->light_quality = quality;
-    live->times.solve = 1e3 * seconds;
-    if (quality == TY_SOLVE_FULL) live->full_solve_seconds = seconds;
+    live->lights[quality] = light;
+    live->solve_seconds[quality] = cli_wall_seconds() - begun;
+    live->times.solve = 1e3 * live->solve_seconds[quality];
     note_stages(live, &run);
     return TY_OK;
+}
+
+static bool has_light(const view_live* live, ty_solve_quality quality) {
+    return live->light_method == live->method && live->lights[quality] != NULL;
+}
+
+/* The light for a coarse image: the full one, unless it takes long to solve or to view. */
+static ty_solve_quality coarse_quality(const view_live* live) {
+    const double solve = live->solve_seconds[TY_SOLVE_FULL], view = live->coarse_seconds[TY_SOLVE_FULL];
+    if (view > 2 * coarse_view_seconds) return TY_SOLVE_COARSE;
+    if (has_light(live, TY_SOLVE_FULL)) return TY_SOLVE_FULL;
+    return solve > 0 && solve < quick_solve_seconds ? TY_SOLVE_FULL : TY_SOLVE_COARSE;
 }
 
 /* The surfaces' own light as an image of the sums' size; *out stays NULL where the method needs none. */
@@ -187,17 +195,18 @@ static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew) {
     return result;
 }
 
-static ty_result view(view_live* live, int32_t divisor, bool final) {
+static ty_result view(view_live* live, ty_solve_quality quality, int32_t divisor, bool final) {
     const ty_render_request request = request_of(live, divisor);
     ty_image *surfaces = NULL, *image = NULL;
     ty_method_run run = {.own_seconds = 0};
     ty_result result = surfaces_image(live, &surfaces);
     const double begun = cli_wall_seconds();
-    if (result == TY_OK) result = live->method->view(live->light, live->scene, &request, surfaces, &image, &run);
+    if (result == TY_OK) result = live->method->view(live->lights[quality], live->scene, &request, surfaces, &image, &run);
     const double seconds = cli_wall_seconds() - begun;
     if (result == TY_OK) {
         live->times.view = 1e3 * seconds;
         note_view(live, seconds, divisor);
+        if (divisor > 1) live->coarse_seconds[quality] = seconds;
         note_stages(live, &run);
         if (!show_image(live, image, final)) result = TY_ERROR_MEMORY;
     }
@@ -208,12 +217,11 @@ static ty_result view(view_live* live, int32_t divisor, bool final) {
 
 /* The first image after a change: from the light that holds, or a coarse or quick solve. */
 static ty_result show_coarse(view_live* live) {
-    const bool quick = live->full_solve_seconds > 0 && live->full_solve_seconds < quick_solve_seconds;
+    const ty_solve_quality quality = coarse_quality(live);
     const int32_t divisor = coarse_divisor(live);
-    ty_result result = TY_OK;
-    if (!has_light(live, TY_SOLVE_COARSE)) result = solve(live, quick ? TY_SOLVE_FULL : TY_SOLVE_COARSE);
+    ty_result result = has_light(live, quality) ? TY_OK : solve(live, quality);
     if (result == TY_OK) result = trace_surfaces(live, divisor, true);
-    if (result == TY_OK) result = view(live, divisor, false);
+    if (result == TY_OK) result = view(live, quality, divisor, false);
     return result;
 }
 
@@ -240,7 +248,7 @@ static bool step_light(view_live* live) {
     const bool first = live->shown == VIEW_SHOWN_COARSE;
     if (!first && !surfaces_are_noisy(live)) return false;
     result = trace_surfaces(live, 1, first);
-    if (result == TY_OK) result = view(live, 1, !surfaces_are_noisy(live));
+    if (result == TY_OK) result = view(live, TY_SOLVE_FULL, 1, !surfaces_are_noisy(live));
     if (result != TY_OK) return fail(live, result);
     live->shown = VIEW_SHOWN_FULL;
     live->has_difference = false;

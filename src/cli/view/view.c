@@ -1,4 +1,5 @@
 /* tyndall view: a scene in a window of the browser, rendered anew while it changes. */
+#define _GNU_SOURCE
 #include "cli/commands.h"
 #include "cli/methods.h"
 #include "cli/session.h"
