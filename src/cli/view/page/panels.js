@@ -1,0 +1,211 @@
+/* The panels of the scene, generated from its schema and its document. */
+
+import { amountControl, autoControl, checkControl, describeRange, jsonControl, numberControl, numbersControl, selectControl,
+  textControl } from "./controls.js";
+import { directionControl } from "./direction.js";
+import { find, make } from "./dom.js";
+import { edit } from "./edit.js";
+import { coefficientRows, initial, titleOf } from "./kinds.js";
+import { copy, get, join, same, shape } from "./path.js";
+import { controlOf, label, resolve, unitOf, variantOf, variants } from "./schema.js";
+import { on, state } from "./state.js";
+import { setTip } from "./tip.js";
+
+const MAKERS = {
+  number: numberControl, amount: amountControl, auto: autoControl, check: checkControl, select: selectControl,
+  text: textControl, numbers: numbersControl, direction: directionControl, json: jsonControl,
+};
+const SHOWN_UNSET = new Set(["number", "amount", "auto", "check", "select", "direction"]);
+const WIDE = new Set(["amount", "direction", "numbers", "number", "auto", "json"]);
+
+let rows = [];                 // what is shown: {path, element, control, fallback}
+const opened = new Map();      // which groups the user has opened or closed, by path
+
+/* ---- one value ---- */
+
+const reset = path => edit([{ path, value: copy(get(state.original, path)) }]);
+
+const refreshRow = row => {
+  const value = get(state.document, row.path), original = get(state.original, row.path);
+  row.control.update(value ?? copy(row.fallback), original ?? row.fallback);
+  row.element.classList.toggle("changed", !same(value, original));
+  row.element.classList.toggle("unset", value === undefined);
+};
+
+const stepOf = () => {
+  const box = state.welcome.extent, unit = state.document.meters_per_unit ?? 1;
+  const size = box ? Math.hypot(...box[1].map((x, i) => x - box[0][i])) / unit : 1;
+  return 10 ** Math.floor(Math.log10(size > 0 && Number.isFinite(size) ? size / 100 : 0.01));
+};
+
+/* A row of a label, a control and a unit. take: what a change does; by default it sets the value. */
+export const makeRow = (path, key, schema, { name = label(key), control = null, fallback = schema.default, take = null } = {}) => {
+  const change = take ?? ((value, moving) => edit([{ path, value }], moving));
+  const found = controlOf(schema, get(state.document, path) ?? fallback);
+  const made = control ?? MAKERS[found.kind]({ ...found, name, change, step: stepOf() });
+  const text = make("span", { class: "name" }, name), unit = unitOf(schema);
+  const element = make("div", { class: `row${WIDE.has(found.kind) ? " wide" : ""}`, "data-path": path },
+    make("div", { class: "head" },
+      make("button", { type: "button", class: "reset", "aria-label": `Reset ${name}`, click: () => reset(path) }, "↺"),
+      text, make("span", { class: "unit" }, unit)),
+    made.element, make("p", { class: "refused", role: "alert", hidden: true }));
+  setTip(text, () => [path, schema.description, [describeRange(found.limits), unit].filter(Boolean).join(" "),
+    schema.default === undefined ? "" : `Default: ${JSON.stringify(schema.default)}`]);
+  const row = { path, element, control: made, fallback };
+  rows.push(row);
+  refreshRow(row);
+  return element;
+};
+
+/* ---- groups ---- */
+
+/* A part that opens; its contents are made when it does. */
+const makeGroup = (path, title, open, fillIn, { remove = null, section = false } = {}) => {
+  const body = make("div", { class: "body" });
+  const summary = make("summary", {}, make("span", { class: "title" }, title));
+  if (remove) summary.append(make("button", { type: "button", class: "remove", "aria-label": `Remove ${title}`, click: event => {
+    event.preventDefault();
+    remove();
+  } }, "×"));
+  const details = make("details", { class: section ? "section" : "group", "data-group": path }, summary, body);
+  let filled = false;
+  const fillOnce = () => {
+    if (filled) return;
+    filled = true;
+    body.append(...fillIn());
+  };
+  details.open = opened.get(path) ?? open;
+  if (details.open) fillOnce();
+  details.addEventListener("toggle", () => {
+    if (details.open) fillOnce();
+    if (details.isConnected) opened.set(path, details.open);
+  });
+  return details;
+};
+
+/* Keys that are not there yet, in a menu. */
+const makeAdder = (path, candidates) => {
+  const usable = candidates.filter(([, schema]) => initial(schema) !== undefined);
+  if (usable.length === 0) return null;
+  const select = make("select", { class: "adder", "aria-label": "Add a key", change: () => {
+    const [key, schema] = usable[select.selectedIndex - 1];
+    edit([{ path: join(path, key), value: initial(schema) }]);
+  } }, make("option", {}, "Add …"), ...usable.map(([key]) => make("option", {}, label(key))));
+  return select;
+};
+
+/* The value of a key: a row, or a group of what is in it. */
+const makePart = (path, key, schema, value) => {
+  const { kind, limits } = controlOf(schema, value), removable = { remove: () => edit([{ path, value: undefined }]) };
+  if (kind === "object")
+    return makeGroup(path, label(key), true, () => makeObject(path, limits), schema.needed ? {} : removable);
+  if (kind === "list") {
+    const items = resolve(limits.items);
+    return makeGroup(path, `${label(key)} (${value.length})`, false, () => value.map((item, i) =>
+      makePart(join(path, i), limits.maxItems === 2 ? ["lower corner", "upper corner"][i] : `${i + 1}`, { ...items, needed: true }, item)));
+  }
+  return makeRow(path, key, schema);
+};
+
+/* All keys of an object: those it has, those whose default a control can show, and a menu of the others. */
+export const makeObject = (path, schema, { skip = [], before = [] } = {}) => {
+  const value = get(state.document, path) ?? {}, elements = [...before], candidates = [];
+  for (const [key, part] of Object.entries(schema.properties ?? {})) {
+    const full = resolve(part);
+    if (skip.includes(key) || full.const !== undefined) continue;
+    const at = join(path, key);
+    if (value[key] !== undefined)
+      elements.push(makePart(at, key, { ...full, needed: schema.required?.includes(key) }, value[key]));
+    else if (full.default !== undefined && SHOWN_UNSET.has(controlOf(full, full.default).kind)) elements.push(makeRow(at, key, full));
+    else candidates.push([key, full]);
+  }
+  const adder = makeAdder(path, candidates);
+  return adder ? [...elements, adder] : elements;
+};
+
+/* ---- sections ---- */
+
+const schemaOf = key => resolve(state.welcome.schema.properties[key]);
+
+const removeItem = (key, index) => {
+  const next = copy(state.document[key]);
+  next.splice(index, 1);
+  edit([{ path: key, value: next }]);
+};
+
+const addItem = (key, schema) => {
+  edit([{ path: key, value: [...copy(state.document[key] ?? []), initial(schema)] }]);
+};
+
+const makeItem = (key, item, index, count) => {
+  const path = join(key, index), schema = variantOf(resolve(schemaOf(key).items), item);
+  return makeGroup(path, titleOf(key, item, index), count <= 2, () => {
+    const { skip = [], before = [] } = key === "media" ? coefficientRows(path, item, schema, makeRow) : {};
+    return makeObject(path, schema, { skip, before });
+  }, { remove: () => removeItem(key, index) });
+};
+
+const makeList = (key, title) => {
+  const items = state.document[key] ?? [], item = resolve(schemaOf(key).items), kinds = variants(item);
+  const name = schema => schema.properties.type?.const && schema.properties.type.const !== "environment"
+    ? schema.properties.type.const : schema.required?.at(-1) === "sky" ? "sky" : schema.required?.[0] === "type" ? "uniform environment" : schema.required?.[0];
+  const choices = (kinds.length > 0 ? kinds : [item]).filter(schema => initial(schema) !== undefined);
+  return makeGroup(key, `${title}${items.length > 1 ? ` (${items.length})` : ""}`, items.length > 0, () => {
+    const select = make("select", { class: "adder", "aria-label": `Add to ${title}`,
+      change: () => addItem(key, choices[select.selectedIndex - 1]) },
+      make("option", {}, "Add …"), ...choices.map(schema => make("option", {}, name(schema) ?? "medium")));
+    return [...items.map((one, i) => makeItem(key, one, i, items.length)), select];
+  }, { section: true });
+};
+
+const makeMethod = () => {
+  const name = state.view.method, method = state.welcome.methods.find(one => one.name === name);
+  const summary = make("p", { class: "note" }, method?.summary ?? "");
+  return makeGroup("method", `Method: ${name}`, true, () => [summary,
+    ...method?.options?.properties ? makeObject(`render.${name}`, method.options) : []], { section: true });
+};
+
+const makeScene = () => makeGroup("scene", "Scene", false, () =>
+  [...makeObject("render", { properties: { spp: schemaOf("render").properties.spp, seed: schemaOf("render").properties.seed } }),
+    ...["meters_per_unit", "up_axis", "frame"].map(key => makeRow(key, key, schemaOf(key)))], { section: true });
+
+const build = () => {
+  const panel = find("#scene-panels"), focused = document.activeElement?.closest?.("[data-path]")?.dataset.path;
+  const top = panel.scrollTop;
+  rows = [];
+  panel.replaceChildren(makeList("media", "Media"), makeList("lights", "Lights"), makeMethod(), makeList("geometry", "Surfaces"),
+    makeGroup("camera", "Camera", false, () => makeObject("camera", schemaOf("camera"), { skip: ["file", "name"] }), { section: true }),
+    makeScene());
+  panel.scrollTop = top;
+  if (focused) panel.querySelector(`[data-path="${CSS.escape(focused)}"] :is(input, select)`)?.focus({ preventScroll: true });
+};
+
+let built = "";
+const refresh = () => {
+  if (state.document === null || state.welcome === null) return;
+  const { render, ...rest } = state.document, { position, target, fov_y, ...camera } = rest.camera ?? {};
+  const now = `${state.view.method} ${shape({ ...rest, camera })} ${shape(render?.[state.view.method] ?? {})}`;
+  if (now !== built) {
+    built = now;
+    build();
+  } else rows.forEach(refreshRow);
+};
+
+/* A refusal is shown below its control until the next change; returns false where there is none. */
+export const showRefusal = (path, text) => {
+  const row = rows.find(one => one.path === path || path.startsWith(one.path));
+  const line = row?.element.querySelector(".refused");
+  if (!line) return false;
+  line.replaceChildren(text, make("button", { type: "button", "aria-label": "Dismiss", click: () => line.hidden = true }, "×"));
+  line.hidden = false;
+  return true;
+};
+
+on("server:welcome", () => {
+  built = "";
+  refresh();
+});
+for (const event of ["document", "view"]) on(event, refresh);
+on("camera", () => {
+  for (const row of rows) if (row.path.startsWith("camera")) refreshRow(row);
+});
