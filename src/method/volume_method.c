@@ -14,6 +14,12 @@ static ty_volume_options options_of(const ty_volume_method* method, const void* 
     return options;
 }
 
+static int32_t spacing_of(const ty_volume_method* method, const void* def) {
+    int32_t spacing;
+    memcpy(&spacing, (const char*)def + method->spacing_at, sizeof spacing);
+    return spacing;
+}
+
 static ty_image_options image_options(const ty_volume_options* o) {
     return (ty_image_options){o->width, o->height, o->spp, o->seed, o->step, o->aovs};
 }
@@ -45,8 +51,10 @@ static ty_result begin_call(const ty_volume_method* method, const ty_scene* scen
     ty_result result = ty_volume_take_def(method, context, def, own);
     if (result == TY_OK) result = ty_take_stats(context, stats, method->stats_function, totals, method->stats_bytes);
     *call = (ty_volume_call){.context = context, .scene = scene, .def = own, .fraction = 1, .stats = totals};
-    if (result == TY_OK) call->options = options_of(method, own);
-    return result;
+    if (result != TY_OK) return result;
+    call->options = options_of(method, own);
+    call->ray_spacing = spacing_of(method, own);
+    return TY_OK;
 }
 
 static ty_result solve(const ty_volume_method* method, ty_volume_call* call) {
@@ -172,6 +180,7 @@ ty_march_def ty_volume_march_def(ty_volume_call* call) {
     const ty_image_options image = image_options(&call->options);
     ty_march_def march = ty_march_def_of(call->scene, &image);
     march.unscattered = call->options.unscattered;
+    march.ray_spacing = call->ray_spacing;
     march.progress = ty_part_report;
     march.progress_user = &call->progress;
     return march;

@@ -24,6 +24,7 @@ typedef struct ty_volume_call {
     const ty_scene* scene;
     const void* def; /* checked copy of the caller's */
     ty_volume_options options;
+    int32_t ray_spacing; /* pixels */
     ty_part_progress progress;
     double fraction; /* the solve's fraction of the caller's progress */
     void* light;     /* the method's; all zero when a solve begins */
@@ -34,6 +35,7 @@ typedef struct ty_volume_method {
     const char* name;
     const ty_option_table* table;
     size_t options_at;                                        /* offset of ty_volume_options in the def */
+    size_t spacing_at;                                        /* offset of ray_spacing in the def */
     size_t light_bytes;                                       /* size of the light */
     const char* stats_function;                               /* name of the function that makes the stats */
     size_t stats_bytes, seconds, march_seconds, isa;          /* size of the stats, and offsets of their fields */
@@ -48,10 +50,10 @@ typedef struct ty_volume_method {
 /* The fields of a ty_volume_method that follow from the method's name. */
 #define TY_VOLUME_METHOD(method)                                                                                       \
     .name = #method, .table = &ty_##method##_options, .options_at = offsetof(ty_##method##_def, seed),                 \
-    .light_bytes = sizeof(ty_##method), .stats_function = "ty_default_" #method "_stats",                              \
-    .stats_bytes = sizeof(ty_##method##_stats), .seconds = offsetof(ty_##method##_stats, seconds),                     \
-    .march_seconds = offsetof(ty_##method##_stats, march_seconds), .isa = offsetof(ty_##method##_stats, isa),          \
-    .destroy = destroy_volume
+    .spacing_at = offsetof(ty_##method##_def, ray_spacing), .light_bytes = sizeof(ty_##method),                        \
+    .stats_function = "ty_default_" #method "_stats", .stats_bytes = sizeof(ty_##method##_stats),                      \
+    .seconds = offsetof(ty_##method##_stats, seconds), .march_seconds = offsetof(ty_##method##_stats, march_seconds),  \
+    .isa = offsetof(ty_##method##_stats, isa), .destroy = destroy_volume
 
 enum { TY_VOLUME_DEF_MAX = 512 };
 
