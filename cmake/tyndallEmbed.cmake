@@ -28,3 +28,19 @@ function(tyndall_embed_scenes target folder name)
     DEPENDS ${files} "${list}" "${script}" "${PROJECT_SOURCE_DIR}/cmake/embed_bytes.cmake" VERBATIM)
   target_sources(${target} PRIVATE "${output}")
 endfunction()
+
+# tyndall_embed_folder(TARGET FOLDER NAME TYPE HEADER): an array NAME[] of TYPE, which HEADER has, from the folder's files.
+function(tyndall_embed_folder target folder name type header)
+  set(output "${CMAKE_CURRENT_BINARY_DIR}/embedded/${name}.c")
+  set(script "${PROJECT_SOURCE_DIR}/cmake/embed_folder.cmake")
+  get_filename_component(folder "${folder}" ABSOLUTE)
+  file(GLOB files CONFIGURE_DEPENDS "${folder}/*.*")
+  set(list "${CMAKE_CURRENT_BINARY_DIR}/embedded/${name}.txt")
+  list(JOIN files "\n" lines)
+  file(CONFIGURE OUTPUT "${list}" CONTENT "${lines}\n" @ONLY)
+  add_custom_command(OUTPUT "${output}"
+    COMMAND "${CMAKE_COMMAND}" "-DLIST=${list}" "-DOUTPUT=${output}" "-DHEADER=${header}" "-DTYPE=${type}"
+      "-DNAME=${name}" -P "${script}"
+    DEPENDS ${files} "${list}" "${script}" "${PROJECT_SOURCE_DIR}/cmake/embed_bytes.cmake" VERBATIM)
+  target_sources(${target} PRIVATE "${output}")
+endfunction()

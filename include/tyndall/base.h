@@ -132,7 +132,7 @@ typedef struct ty_progress {
     uint64_t total;    ///< Samples per pixel in all; 0 in work without samples, or bounded by time or error alone.
 } ty_progress;
 
-/// Receives the progress of long work about ten times a second, from one thread at a time. A return value of false
+/// Receives the progress of long work about fifty times a second, from one thread at a time. A return value of false
 /// cancels the work: it stops within a few milliseconds and returns TY_CANCELLED.
 typedef bool (*ty_progress_fn)(void* user, const ty_progress* progress);
 

@@ -56,6 +56,9 @@ typedef struct ty_octaves_def {
 
     ty_progress_fn progress; ///< Default NULL.
     void* progress_user;     ///< Passed on to `progress`; default NULL.
+
+    int32_t ray_spacing; ///< Pixels between camera rays along x and y, 1..8; above 1, pixels between rays are
+                         ///< interpolated, except at edges: for fast previews; default 1.
 } ty_octaves_def;
 
 /// Sets the `bytes` bytes of a ty_octaves_def to the defaults, as ty_init_context_def() does.

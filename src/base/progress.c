@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-static const double report_interval = 0.1; /* s */
+static const double report_interval = 0.02; /* s */
 /* The fraction from which on the pace tells how long the rest takes. */
 static const double least_fraction = 0.005;
 

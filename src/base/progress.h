@@ -1,10 +1,10 @@
-/* Reports of progress: at most ten a second, and those of a part of the work as fractions of the whole. */
+/* Reports of progress: at most fifty a second, and those of a part of the work as fractions of the whole. */
 #ifndef TY_BASE_PROGRESS_H
 #define TY_BASE_PROGRESS_H
 
 #include <tyndall/base.h>
 
-/* True once a tenth of a second has passed since *reported (s of ty_wall_seconds), which then becomes the present. */
+/* True once a fiftieth of a second has passed since *reported (s of ty_wall_seconds), which then becomes the present. */
 bool ty_report_due(double* reported);
 /* The report of a fraction that took so many seconds, with the time that remains at the same pace. */
 ty_progress ty_progress_at(const char* stage, double fraction, double seconds);

@@ -7,6 +7,7 @@
 
 const cli_command cli_commands[CLI_COMMAND_COUNT] = {
     {"render", "render a scene to an image", cli_render, false},
+    {"view", "a scene in the browser, live", cli_view, false},
     {"info", "what a scene, volume, image or mesh holds", cli_info, false},
     {"diff", "how an image differs from another", cli_diff, false},
     {"merge", "renderings of one scene to a better or larger one", cli_merge, false},

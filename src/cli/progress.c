@@ -80,16 +80,24 @@ static bool line_is_due(cli_progress* progress, const ty_progress* report) {
     return true;
 }
 
+/* The updating line changes ten times a second. */
+static bool update_is_due(cli_progress* progress, const ty_progress* report) {
+    const double waited = report->seconds - progress->last_seconds;
+    if (progress->line_open && waited >= 0 && waited < 0.1) return false;
+    progress->last_seconds = report->seconds;
+    return true;
+}
+
 bool cli_progress_report(void* user, const ty_progress* report) {
     cli_progress* progress = user;
     char line[160];
     if (progress->mode == CLI_JSON) {
         if (line_is_due(progress, report)) report_json(report);
-    } else if (progress->mode == CLI_PLAIN && progress->updating) {
+    } else if (progress->mode == CLI_PLAIN && progress->updating && update_is_due(progress, report)) {
         format_line(report, line, sizeof line);
         fprintf(stderr, "\r%s\033[K", line);
         progress->line_open = true;
-    } else if (progress->mode == CLI_PLAIN && line_is_due(progress, report)) {
+    } else if (progress->mode == CLI_PLAIN && !progress->updating && line_is_due(progress, report)) {
         format_line(report, line, sizeof line);
         fprintf(stderr, "%s\n", line);
     }

@@ -55,6 +55,8 @@ bool ty_metadata_key_allowed(const char* key);
 
 /* IEC 61966-2-1, display to linear, for x in 0..1. */
 float ty_linear_from_srgb(float x);
+/* The display transform of one value: times scale, the curve, sRGB. 0 for NaN. */
+uint8_t ty_tone_byte(float value, float scale, ty_tone_curve curve);
 
 /* The shortest decimal form that reads back as exactly value, with a point whatever the locale. */
 enum { TY_NUMBER_TEXT_SIZE = 40 };

@@ -8,6 +8,7 @@
 #include "image/image.h"
 #include "image/kernel.h"
 #include "image/sharpen.h"
+#include "image/spaced.h"
 #include "scene/check.h"
 
 #include <pthread.h>
@@ -27,9 +28,13 @@ typedef struct march_job {
     ty_march_request request;
     ty_march_kernel kernel;
     march_cells cells, surface_cells; /* of the fields */
+    ty_spaced_rays spaced;            /* spacing 1: unused */
+    const ty_spaced_kernels* spaced_kernels;
+    int32_t sample;       /* the ray of each pixel that spaced rays are at */
+    ty_march_pixel* sums; /* of the pixels, for several spaced rays per pixel; NULL: none */
     ty_image* image;
     const float* unscattered[3]; /* planes of def->unscattered; NULL: none */
-    int32_t columns, rows;       /* of tiles */
+    int64_t tiles;               /* of the whole work */
     double begun, cpu_begun;
     pthread_mutex_t lock; /* guards reporting */
     double reported;
@@ -39,7 +44,7 @@ typedef struct march_job {
 } march_job;
 
 ty_march_def ty_default_march_def(void) {
-    return (ty_march_def){.spp = 1, .step = 1, .bilateral_sigma = 0.25};
+    return (ty_march_def){.spp = 1, .step = 1, .bilateral_sigma = 0.25, .ray_spacing = 1};
 }
 
 ty_march_def ty_march_def_of(const ty_scene* scene, const ty_image_options* options) {
@@ -94,6 +99,7 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
     if (result == TY_OK) result = ty_check_image(context, "march", &options, TY_MARCH_AOVS);
     if (result == TY_OK) result = ty_check_number(context, "march.spp", def->spp, 1, 64);
     if (result == TY_OK) result = ty_check_number(context, "march.step", def->step, 0.05, 8);
+    if (result == TY_OK) result = ty_check_number(context, "march.ray_spacing", def->ray_spacing, 1, TY_SPACING_MAX);
     if (result == TY_OK) result = ty_check_number(context, "march.bilateral_sigma", def->bilateral_sigma, 0, 1e6);
     if (result == TY_OK)
         result = ty_check_number(context, "march.light_count", def->light_count, 0, TY_MARCH_LIGHTS_MAX);
@@ -236,7 +242,7 @@ static void report(march_job* job, bool always) {
     const ty_march_def* def = job->def;
     if (def->progress == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&job->lock) != 0) return;
     if (ty_report_due(&job->reported) || always) {
-        const double fraction = (double)atomic_load(&job->finished) / ((double)job->columns * job->rows);
+        const double fraction = (double)atomic_load(&job->finished) / (double)job->tiles;
         const ty_progress progress = ty_progress_at("march", fraction, ty_wall_seconds() - job->begun);
         if (!def->progress(def->progress_user, &progress)) atomic_store(&job->cancelled, true);
     }
@@ -247,30 +253,121 @@ static int32_t smaller(int32_t a, int32_t b) {
     return a < b ? a : b;
 }
 
-static void march_tile(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    march_job* job = user;
-    const int32_t x = (int32_t)(index % job->columns) * TILE, y = (int32_t)(index / job->columns) * TILE;
-    const int32_t right = smaller(x + TILE, job->def->width), bottom = smaller(y + TILE, job->def->height);
-    ty_march_pixel pixels[TILE];
-    uint64_t steps = 0;
-    for (int32_t row = y; row < bottom; ++row) {
-        if (atomic_load_explicit(&job->cancelled, memory_order_relaxed)) return;
-        steps += job->kernel(&job->request, row, x, right, pixels);
-        store_row(job, row, x, right, pixels);
-        report(job, false);
-    }
+static int32_t tiles_along(int32_t side) {
+    return (side + TILE - 1) / TILE;
+}
+
+static int64_t tiles_of(int32_t width, int32_t height) {
+    return (int64_t)tiles_along(width) * tiles_along(height);
+}
+
+/* Pixels or rays [x, right) x [y, bottom). */
+typedef struct tile {
+    int32_t x, y, right, bottom;
+} tile;
+
+static tile tile_at(int64_t index, int32_t width, int32_t height) {
+    const int32_t x = (int32_t)(index % tiles_along(width)) * TILE, y = (int32_t)(index / tiles_along(width)) * TILE;
+    return (tile){x, y, smaller(x + TILE, width), smaller(y + TILE, height)};
+}
+
+static bool is_cancelled(march_job* job) {
+    return atomic_load_explicit(&job->cancelled, memory_order_relaxed);
+}
+
+static void finish_tile(march_job* job, uint64_t steps) {
     atomic_fetch_add(&job->steps, steps);
     atomic_fetch_add(&job->finished, 1);
 }
 
+static void march_tile(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    march_job* job = user;
+    const tile t = tile_at(index, job->def->width, job->def->height);
+    ty_march_pixel pixels[TILE];
+    uint64_t steps = 0;
+    for (int32_t row = t.y; row < t.bottom; ++row) {
+        if (is_cancelled(job)) return;
+        steps += job->kernel(&job->request, row, t.x, t.right, pixels);
+        store_row(job, row, t.x, t.right, pixels);
+        report(job, false);
+    }
+    finish_tile(job, steps);
+}
+
+/* ---- rays several pixels apart ---- */
+
+static void march_spaced_tile(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    march_job* job = user;
+    const tile t = tile_at(index, job->spaced.columns, job->spaced.rows);
+    uint64_t steps = 0;
+    for (int32_t row = t.y; row < t.bottom; ++row) {
+        if (is_cancelled(job)) return;
+        steps += job->spaced_kernels->march(&job->request, &job->spaced, job->sample, row, t.x, t.right);
+        report(job, false);
+    }
+    finish_tile(job, steps);
+}
+
+static void fill_tile(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    march_job* job = user;
+    const tile t = tile_at(index, job->def->width, job->def->height);
+    ty_march_pixel own[TILE], *pixels = own;
+    uint64_t steps = 0;
+    for (int32_t row = t.y; row < t.bottom; ++row) {
+        if (is_cancelled(job)) return;
+        if (job->sums != NULL)
+            pixels = job->sums + (size_t)row * (size_t)job->def->width + (size_t)t.x;
+        else
+            memset(own, 0, sizeof own);
+        steps += job->spaced_kernels->fill(&job->request, &job->spaced, job->sample, row, t.x, t.right, pixels);
+        if (job->sample + 1 == job->def->spp) store_row(job, row, t.x, t.right, pixels);
+        report(job, false);
+    }
+    finish_tile(job, steps);
+}
+
+static ty_result create_spaced(march_job* job) {
+    const ty_march_def* def = job->def;
+    ty_spaced_rays* spaced = &job->spaced;
+    *spaced = (ty_spaced_rays){.spacing = def->ray_spacing, .width = def->width, .height = def->height};
+    if (spaced->spacing == 1) return TY_OK;
+    spaced->columns = ty_spaced_count(def->width, spaced->spacing);
+    spaced->rows = ty_spaced_count(def->height, spaced->spacing);
+    spaced->rays =
+        ty_alloc_array(job->context, (size_t)spaced->columns * (size_t)spaced->rows, sizeof *spaced->rays, false);
+    if (spaced->rays == NULL) return TY_ERROR_MEMORY;
+    if (def->spp == 1) return TY_OK;
+    job->sums = ty_alloc_array(job->context, (size_t)def->width * (size_t)def->height, sizeof *job->sums, true);
+    return job->sums != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+static void free_spaced(march_job* job) {
+    const ty_march_def* def = job->def;
+    ty_spaced_rays* spaced = &job->spaced;
+    ty_free_array(job->context, spaced->rays, (size_t)spaced->columns * (size_t)spaced->rows, sizeof *spaced->rays);
+    ty_free_array(job->context, job->sums, (size_t)def->width * (size_t)def->height, sizeof *job->sums);
+}
+
+static void march_spaced(march_job* job, int64_t tiles) {
+    const int64_t spaced_tiles = tiles_of(job->spaced.columns, job->spaced.rows);
+    job->tiles = job->def->spp * (spaced_tiles + tiles);
+    for (job->sample = 0; job->sample < job->def->spp; ++job->sample) {
+        ty_parallel_for(job->context, spaced_tiles, march_spaced_tile, job);
+        ty_parallel_for(job->context, tiles, fill_tile, job);
+    }
+}
+
 static ty_result march(march_job* job) {
-    job->columns = (job->def->width + TILE - 1) / TILE;
-    job->rows = (job->def->height + TILE - 1) / TILE;
     pthread_mutex_init(&job->lock, NULL);
-    const int64_t tiles = (int64_t)job->columns * job->rows;
-    ty_parallel_for(job->context, tiles, march_tile, job);
-    const bool cancelled = atomic_load(&job->finished) < tiles;
+    job->tiles = tiles_of(job->def->width, job->def->height);
+    if (job->spaced.spacing > 1)
+        march_spaced(job, job->tiles);
+    else
+        ty_parallel_for(job->context, job->tiles, march_tile, job);
+    const bool cancelled = atomic_load(&job->finished) < job->tiles;
     if (!cancelled) report(job, true);
     pthread_mutex_destroy(&job->lock);
     return cancelled ? TY_CANCELLED : TY_OK;
@@ -281,10 +378,13 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
     job.begun = job.reported = ty_wall_seconds();
     job.cpu_begun = ty_cpu_seconds();
     job.kernel = TY_BEST_KERNELS(ty_march_kernel);
+    job.spaced_kernels = TY_BEST_KERNELS(ty_spaced_kernels);
     ty_result result = check_def(job.context, def);
     if (result == TY_OK) result = prepare(&job, scene);
     if (result == TY_OK) result = create_image(&job);
+    if (result == TY_OK) result = create_spaced(&job);
     if (result == TY_OK) result = march(&job);
+    free_spaced(&job);
     ty_free_array(job.context, job.cells.floats, job.cells.count, sizeof(float));
     ty_free_array(job.context, job.surface_cells.floats, job.surface_cells.count, sizeof(float));
     if (result != TY_OK) {

@@ -38,6 +38,8 @@ typedef struct ty_march_def {
                                cells do not blur it, see docs/marching.md; meant for trilinear interpolation; default false
                              */
     uint32_t aovs;          /* of TY_MARCH_AOVS; default 0 */
+    int32_t ray_spacing;    /* rays go through every n-th pixel along x and y, 1..8, and pixels between them are
+                               interpolated, see docs/marching.md; default 1 */
     ty_grid_box light_box;  /* lattice of the lights' fluence; unused without lights */
     const ty_light_fluence* lights; /* uncollided light; default none */
     int32_t light_count;            /* 0..TY_MARCH_LIGHTS_MAX */

@@ -31,6 +31,13 @@
         TY_OPTION_FIELD(def, step), .type = TY_OPTION_DOUBLE, .min = 0.05, .max = 8, .preset = 1, .unit = of,          \
                                     .doc = "Length of the steps in which rays of the camera march through the media."  \
     }
+#define TY_OPTION_RAY_SPACING(def)                                                                                     \
+    {                                                                                                                  \
+        TY_OPTION_FIELD(def, ray_spacing),                                                                             \
+            .type = TY_OPTION_INT, .min = 1, .max = 8, .preset = 1, .unit = "pixels",                                  \
+            .doc = "Distance between rays of the camera; above 1, pixels between them are interpolated, except at "    \
+                   "edges."                                                                                            \
+    }
 
 typedef struct ty_image_options {
     int32_t width, height; /* pixels; both 0: the camera's */

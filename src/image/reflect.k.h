@@ -31,6 +31,26 @@ TY_FN uint32_t ty_reflect_gather(TY_GLOBAL const ty_march_request* request, ty_m
     return steps;
 }
 
+/* Irradiance from media on a surface that a camera ray hit: from the field, or gathered outside of its box. Adds to the
+ * ray's steps. */
+TY_FN void ty_reflect_irradiance(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, const ty_hit* hit,
+                                 const ty_surface_point* point, float offset, float irradiance[3]) {
+    const ty_vec cells = ty_cell_coordinates(&request->surface_field.lattice, hit->position);
+    const uint32_t before = ray->steps;
+    ray->steps = 0;
+    if (ty_cell_inside(&request->surface_field.lattice, cells))
+        ty_upsample_irradiance(&request->surface_field, cells, point->ns, irradiance);
+    else
+        ray->steps = ty_reflect_gather(request, ray, hit, point, offset, irradiance);
+    ray->steps += before;
+}
+
+/* True if a surface's light is visible through this transmittance. */
+TY_FN bool ty_reflect_is_visible(const ty_surface_point* point, const float transmittance[3]) {
+    return ty_maxf(transmittance[0] * point->albedo[0],
+                   ty_maxf(transmittance[1] * point->albedo[1], transmittance[2] * point->albedo[2])) > 0.0f;
+}
+
 /* Adds the media's light reflected by a surface that a camera ray hit, behind some transmittance. offset: (0, 1],
  * varies between rays. */
 TY_FN void ty_reflect(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, ty_vec direction, const ty_hit* hit,
@@ -38,17 +58,8 @@ TY_FN void ty_reflect(TY_GLOBAL const ty_march_request* request, ty_march_ray* r
     ty_surface_point point;
     float irradiance[3];
     ty_surface_evaluate(&request->scene->surfaces[hit->surface], hit, direction, &point);
-    const float max_weight = ty_maxf(transmittance[0] * point.albedo[0],
-                                     ty_maxf(transmittance[1] * point.albedo[1], transmittance[2] * point.albedo[2]));
-    if (!(max_weight > 0.0f)) return;
-    const ty_vec cells = ty_cell_coordinates(&request->surface_field.lattice, hit->position);
-    const uint32_t before = ray->steps;
-    ray->steps = 0;
-    if (ty_cell_inside(&request->surface_field.lattice, cells))
-        ty_upsample_irradiance(&request->surface_field, cells, point.ns, irradiance);
-    else
-        ray->steps = ty_reflect_gather(request, ray, hit, &point, offset, irradiance);
-    ray->steps += before;
+    if (!ty_reflect_is_visible(&point, transmittance)) return;
+    ty_reflect_irradiance(request, ray, hit, &point, offset, irradiance);
     for (int c = 0; c < 3; ++c) radiance[c] += transmittance[c] * point.albedo[c] * (1.0f / TY_PI) * irradiance[c];
 }
 

@@ -23,7 +23,7 @@ float ty_linear_from_srgb(float x) {
     return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
 }
 
-static uint8_t to_byte(float value, float scale, ty_tone_curve curve) {
+uint8_t ty_tone_byte(float value, float scale, ty_tone_curve curve) {
     float x = value * scale;
     if (!(x > 0)) return 0; /* NaN too */
     if (curve == TY_TONE_FILMIC) x = filmic(x);
@@ -41,6 +41,6 @@ ty_result ty_image_tonemap(ty_context* context, const ty_image* image, double ex
     const float scale = (float)exp2(exposure);
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     for (size_t i = 0; i < pixels; ++i)
-        for (int c = 0; c < 3; ++c) rgb8[3 * i + (size_t)c] = to_byte(planes[c][i], scale, curve);
+        for (int c = 0; c < 3; ++c) rgb8[3 * i + (size_t)c] = ty_tone_byte(planes[c][i], scale, curve);
     return TY_OK;
 }

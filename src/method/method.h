@@ -26,6 +26,10 @@ typedef struct ty_render_request {
     size_t resume_size;
 } ty_render_request;
 
+/* The accuracy of a solve: TY_SOLVE_COARSE, for a scene that changes while it is shown, takes the method's options with
+ * fewer cells, directions and samples where they ask for more. */
+typedef enum ty_solve_quality { TY_SOLVE_COARSE, TY_SOLVE_FULL } ty_solve_quality;
+
 enum { TY_METHOD_STATS_MAX = 1024 };
 
 /* Measurements of one rendering. */
@@ -72,6 +76,17 @@ typedef struct ty_method {
     ty_result (*check)(const ty_scene* scene);
     /* Results like ty_path_render, except that *out is NULL on TY_CANCELLED where a partial result is no image. */
     ty_result (*render)(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run);
+    /* `render` in two parts, for images of one light from many cameras: NULL in methods that cannot. solve: *light is freed
+     * with destroy, and NULL on failure. view: scene is the solved one, or one like it except for its camera;
+     * unscattered: the surfaces as by ty_trace_surfaces in the request's size, or NULL. run receives the stats of the
+     * part. follows_camera: true if the light holds for the scene's present camera alone; NULL: never. */
+    ty_result (*solve)(const ty_scene* scene, const ty_render_request* request, ty_solve_quality quality, void** light,
+                       ty_method_run* run);
+    ty_result (*view)(const void* light, const ty_scene* scene, const ty_render_request* request,
+                      const ty_image* unscattered, ty_image** out, ty_method_run* run);
+    void (*destroy)(void* light);
+    bool (*follows_camera)(const ty_scene* scene);
+    bool takes_surfaces; /* view shows surfaces by `unscattered` alone */
     /* Writes the closing line's text, for example "32x32x32 cells, 1.2 s"; NULL: a line about paths. */
     void (*describe)(const ty_method_run* run, char* text, size_t size);
 } ty_method;

@@ -14,6 +14,12 @@ static ty_volume_options options_of(const ty_volume_method* method, const void* 
     return options;
 }
 
+static int32_t spacing_of(const ty_volume_method* method, const void* def) {
+    int32_t spacing;
+    memcpy(&spacing, (const char*)def + method->spacing_at, sizeof spacing);
+    return spacing;
+}
+
 static ty_image_options image_options(const ty_volume_options* o) {
     return (ty_image_options){o->width, o->height, o->spp, o->seed, o->step, o->aovs};
 }
@@ -45,8 +51,10 @@ static ty_result begin_call(const ty_volume_method* method, const ty_scene* scen
     ty_result result = ty_volume_take_def(method, context, def, own);
     if (result == TY_OK) result = ty_take_stats(context, stats, method->stats_function, totals, method->stats_bytes);
     *call = (ty_volume_call){.context = context, .scene = scene, .def = own, .fraction = 1, .stats = totals};
-    if (result == TY_OK) call->options = options_of(method, own);
-    return result;
+    if (result != TY_OK) return result;
+    call->options = options_of(method, own);
+    call->ray_spacing = spacing_of(method, own);
+    return TY_OK;
 }
 
 static ty_result solve(const ty_volume_method* method, ty_volume_call* call) {
@@ -119,18 +127,48 @@ ty_result ty_volume_render(const ty_volume_method* method, const ty_scene* scene
     return result;
 }
 
+/* The def of a request, of TY_VOLUME_DEF_MAX bytes. */
+static ty_result make_def(const ty_volume_method* method, void (*change)(void* def), const ty_scene* scene,
+                          const ty_render_request* request, const ty_image* unscattered, char* def) {
+    ty_options_init(method->table, def, method->table->bytes);
+    const ty_result result = ty_method_options(scene, method->name, def);
+    ty_volume_options options = options_of(method, def);
+    TY_TAKE_REQUEST(&options, request);
+    options.unscattered = unscattered;
+    memcpy(def + method->options_at, &options, sizeof options);
+    if (change != NULL) change(def);
+    return result;
+}
+
+ty_result ty_volume_method_solve(const ty_volume_method* method, void (*change)(void* def), const ty_scene* scene,
+                                 const ty_render_request* request, ty_solve_quality quality, void** light,
+                                 ty_method_run* run) {
+    _Alignas(16) char def[TY_VOLUME_DEF_MAX];
+    *light = NULL;
+    ty_result result = make_def(method, change, scene, request, NULL, def);
+    if (quality == TY_SOLVE_COARSE && method->coarsen != NULL) method->coarsen(def);
+    if (result == TY_OK)
+        result = ty_volume_solve(method, scene, def, light, ty_method_stats(run, method->stats_bytes));
+    return result;
+}
+
+ty_result ty_volume_method_view(const ty_volume_method* method, void (*change)(void* def), const void* light,
+                                const ty_scene* scene, const ty_render_request* request, const ty_image* unscattered,
+                                ty_image** out, ty_method_run* run) {
+    _Alignas(16) char def[TY_VOLUME_DEF_MAX];
+    *out = NULL;
+    ty_result result = make_def(method, change, scene, request, unscattered, def);
+    if (result == TY_OK)
+        result = ty_volume_view(method, light, scene, def, out, ty_method_stats(run, method->stats_bytes));
+    return result;
+}
+
 ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)(void* def), const ty_scene* scene,
                                   const ty_render_request* request, ty_image** out, ty_method_run* run) {
     _Alignas(16) char def[TY_VOLUME_DEF_MAX];
     ty_image* surfaces = NULL;
-    ty_options_init(method->table, def, method->table->bytes);
-    ty_result result = ty_method_options(scene, method->name, def);
-    ty_volume_options options = options_of(method, def);
-    TY_TAKE_REQUEST(&options, request);
-    if (change != NULL) change(def);
-    if (result == TY_OK) result = ty_trace_surfaces(scene, request, &surfaces, run);
-    options.unscattered = surfaces;
-    memcpy(def + method->options_at, &options, sizeof options);
+    ty_result result = ty_trace_surfaces(scene, request, &surfaces, run);
+    if (result == TY_OK) result = make_def(method, change, scene, request, surfaces, def);
     if (result == TY_OK) result = ty_volume_render(method, scene, def, out, ty_method_stats(run, method->stats_bytes));
     run->own_seconds = *seconds_at(run->stats, method->seconds);
     run->path.seconds += run->own_seconds;
@@ -142,6 +180,7 @@ ty_march_def ty_volume_march_def(ty_volume_call* call) {
     const ty_image_options image = image_options(&call->options);
     ty_march_def march = ty_march_def_of(call->scene, &image);
     march.unscattered = call->options.unscattered;
+    march.ray_spacing = call->ray_spacing;
     march.progress = ty_part_report;
     march.progress_user = &call->progress;
     return march;

@@ -24,6 +24,7 @@ typedef struct ty_volume_call {
     const ty_scene* scene;
     const void* def; /* checked copy of the caller's */
     ty_volume_options options;
+    int32_t ray_spacing; /* pixels */
     ty_part_progress progress;
     double fraction; /* the solve's fraction of the caller's progress */
     void* light;     /* the method's; all zero when a solve begins */
@@ -34,6 +35,7 @@ typedef struct ty_volume_method {
     const char* name;
     const ty_option_table* table;
     size_t options_at;                                        /* offset of ty_volume_options in the def */
+    size_t spacing_at;                                        /* offset of ray_spacing in the def */
     size_t light_bytes;                                       /* size of the light */
     const char* stats_function;                               /* name of the function that makes the stats */
     size_t stats_bytes, seconds, march_seconds, isa;          /* size of the stats, and offsets of their fields */
@@ -41,16 +43,17 @@ typedef struct ty_volume_method {
     ty_result (*check)(ty_context* context, const void* def); /* beyond ranges; NULL: nothing */
     ty_result (*solve)(ty_volume_call* call);
     ty_result (*view)(ty_volume_call* call, ty_image** out);
+    void (*coarsen)(void* def); /* the def of TY_SOLVE_COARSE; NULL: the same */
     void (*destroy)(void* light);
 } ty_volume_method;
 
 /* The fields of a ty_volume_method that follow from the method's name. */
 #define TY_VOLUME_METHOD(method)                                                                                       \
     .name = #method, .table = &ty_##method##_options, .options_at = offsetof(ty_##method##_def, seed),                 \
-    .light_bytes = sizeof(ty_##method), .stats_function = "ty_default_" #method "_stats",                              \
-    .stats_bytes = sizeof(ty_##method##_stats), .seconds = offsetof(ty_##method##_stats, seconds),                     \
-    .march_seconds = offsetof(ty_##method##_stats, march_seconds), .isa = offsetof(ty_##method##_stats, isa),          \
-    .destroy = destroy_volume
+    .spacing_at = offsetof(ty_##method##_def, ray_spacing), .light_bytes = sizeof(ty_##method),                        \
+    .stats_function = "ty_default_" #method "_stats", .stats_bytes = sizeof(ty_##method##_stats),                      \
+    .seconds = offsetof(ty_##method##_stats, seconds), .march_seconds = offsetof(ty_##method##_stats, march_seconds),  \
+    .isa = offsetof(ty_##method##_stats, isa), .destroy = destroy_volume
 
 enum { TY_VOLUME_DEF_MAX = 512 };
 
@@ -68,6 +71,36 @@ ty_result ty_volume_render(const ty_volume_method* method, const ty_scene* scene
 /* ty_method.render: path-traced surfaces under the light of media. change: alters the def; NULL: nothing. */
 ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)(void* def), const ty_scene* scene,
                                   const ty_render_request* request, ty_image** out, ty_method_run* run);
+
+/* ty_method.solve and view. */
+ty_result ty_volume_method_solve(const ty_volume_method* method, void (*change)(void* def), const ty_scene* scene,
+                                 const ty_render_request* request, ty_solve_quality quality, void** light,
+                                 ty_method_run* run);
+ty_result ty_volume_method_view(const ty_volume_method* method, void (*change)(void* def), const void* light,
+                                const ty_scene* scene, const ty_render_request* request, const ty_image* unscattered,
+                                ty_image** out, ty_method_run* run);
+/* Defines ty_method's functions of the method `name` on ty_volume_method `volume`; change: see above. */
+#define TY_DEFINE_VOLUME_METHOD(name, volume, change)                                                                  \
+    static ty_result render_##name(const ty_scene* scene, const ty_render_request* request, ty_image** out,            \
+                                   ty_method_run* run) {                                                               \
+        return ty_volume_method_render(&(volume), change, scene, request, out, run);                                   \
+    }                                                                                                                  \
+    static ty_result solve_##name(const ty_scene* scene, const ty_render_request* request, ty_solve_quality quality,   \
+                                  void** light, ty_method_run* run) {                                                  \
+        return ty_volume_method_solve(&(volume), change, scene, request, quality, light, run);                         \
+    }                                                                                                                  \
+    static ty_result view_##name(const void* light, const ty_scene* scene, const ty_render_request* request,           \
+                                 const ty_image* unscattered, ty_image** out, ty_method_run* run) {                    \
+        return ty_volume_method_view(&(volume), change, light, scene, request, unscattered, out, run);                 \
+    }                                                                                                                  \
+    static void destroy_##name(void* light) {                                                                          \
+        (volume).destroy(light);                                                                                       \
+    }                                                                                                                  \
+    _Static_assert(true, "")
+/* The fields of ty_method that TY_DEFINE_VOLUME_METHOD makes. */
+#define TY_VOLUME_METHOD_CALLS(name)                                                                                   \
+    .render = render_##name, .solve = solve_##name, .view = view_##name, .destroy = destroy_##name,                    \
+    .takes_surfaces = true
 
 /* Defines ty_NAME_solve, ty_NAME_view and ty_NAME_render of a method whose ty_volume_method is ty_volume_NAME, and
  * checks what TY_VOLUME_METHOD assumes of its def and stats. */

@@ -74,6 +74,11 @@ const char* ty_option_word(const ty_option* option, uint32_t value);
 
 /* Fills in a caller's def of `bytes` with all defaults, cookie and size. */
 void ty_options_init(const ty_option_table* table, void* def, size_t bytes);
+/* Lowers an int field to a bound, from "auto" too. */
+static inline void ty_lower_option(int32_t* field, int32_t bound) {
+    if (*field == TY_AUTO || *field > bound) *field = bound;
+}
+
 /* Copies a caller's def, which can be of an older and smaller version, over the library's defaults, and checks all
  * ranges. own has table->bytes. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_options_take(ty_context* context, const ty_option_table* table, const void* def, void* own);

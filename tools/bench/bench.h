@@ -9,7 +9,7 @@ enum { BENCH_PATH_SIZE = 1024 };
 typedef struct bench_options {
     bool json, quick;
     int32_t spp, size[2], runs, side;
-    bool size_given, full;
+    bool size_given, scenes_given, full;
     const char* scenes;    /* names or paths, comma-separated */
     const char* mesh;      /* file, or NULL */
     const char* reference; /* folder of NAME.exr, or NULL */
@@ -46,6 +46,7 @@ int bench_dom(const bench_session* bench);
 int bench_octaves(const bench_session* bench);
 int bench_impulse(const bench_session* bench);
 int bench_bake(const bench_session* bench);
+int bench_view(const bench_session* bench);
 int bench_load(const bench_session* bench);
 
 /* Multiply-add throughput of all threads, 1e9 operations/s: the median of a few runs. 0: no memory. */

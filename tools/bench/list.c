@@ -14,5 +14,6 @@ const bench_entry bench_entries[BENCH_COUNT] = {
     {"octaves", "multiple-scattering octaves: images by the number of octaves, beside path", bench_octaves},
     {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
     {"bake", "baking: overhead of radiance caches and impulse responses, and speedup over paths", bench_bake},
+    {"view", "the live viewer: latency and frame rate, seen by a headless client", bench_view},
     {"load", "reading volumes of every format", bench_load},
 };

@@ -21,8 +21,8 @@ typedef struct view_frame {
     bool final, moving;              /* moving: a coarse image on the way to others */
 } view_frame;
 
-/* Encodes a frame into a message with a header whose sequence is 0. *bytes is freed with free(). Values beyond half floats are
- * clamped to their range, and those that are not finite are 0. Returns false without memory. */
+/* Encodes a frame into a message with a header whose sequence is 0. *bytes is freed with free(). Values beyond half
+ * floats are clamped to their range, and those that are not finite are 0. Returns false without memory. */
 bool view_frame_encode(const view_frame* frame, view_codec codec, uint8_t** bytes, size_t* size);
 /* Writes a sequence number into an encoded message. */
 void view_frame_number(uint8_t* bytes, uint32_t sequence);

@@ -1,4 +1,5 @@
-/* The viewer's HTTP and WebSocket server, on 127.0.0.1 alone. Only server.c includes civetweb. docs/view_protocol.md. */
+/* The viewer's HTTP and WebSocket server, on 127.0.0.1 alone. Only server.c includes civetweb. docs/view_protocol.md.
+ */
 #ifndef TY_CLI_VIEW_SERVER_H
 #define TY_CLI_VIEW_SERVER_H
 
@@ -34,8 +35,9 @@ const char* view_server_token(const view_server* server);
 /* Number of connected clients. */
 int32_t view_server_clients(const view_server* server);
 
-/* Gives all clients a frame, which is copied. A client that has not yet been sent the last one of the channel gets this one
- * instead. Encoding is done once per codec, by the first client's thread that sends it. Never blocks on a client. */
+/* Gives all clients a frame, which is copied. A client that has not yet been sent the last one of the channel gets this
+ * one instead. Encoding is done once per codec, by the first client's thread that sends it. Never blocks on a client. A
+ * client that connects later gets the last frame of each channel, and the last status, after its welcome. */
 void view_server_show(view_server* server, const view_frame* frame);
 /* Gives all clients a JSON text, which is copied; of two texts of the same slot, not yet sent, the later replaces the
  * earlier. Never blocks on a client. */

@@ -1,4 +1,4 @@
-/* Files referenced by a scene: located from its folder, hashed, read once. */
+/* Files that a scene names, located from its folder, and noise; each is read or made once. */
 #include "base/context.h"
 #include "io/file.h"
 #include "io/scenes/scene_reader.h"
@@ -20,110 +20,84 @@ bool ty_has_extension(const char* file, const char* const* extensions) {
     return false;
 }
 
-/* ---- records ---- */
+/* ---- files ---- */
 
-/* Path of a file; freed with ty_free_text, or handed to add_asset. */
-static ty_result join_path(const ty_scene_reader* reader, const ty_json_path* json_path, const char* file, char** out) {
-    if (reader->folder == NULL)
-        return ty_reader_fail(reader, json_path, TY_ERROR_INPUT, "this scene may not name files");
-    *out = ty_join_path(reader->context, reader->folder, file);
-    return *out != NULL ? TY_OK : TY_ERROR_MEMORY;
-}
-
-/* First record of a path; NULL if there is none. */
-static ty_scene_asset* first_asset(const ty_scene_reader* reader, const char* path) {
-    for (size_t i = 0; i < reader->asset_count; ++i)
-        if (strcmp(reader->assets[i].path, path) == 0) return &reader->assets[i];
-    return NULL;
-}
-
-/* Adds a record and takes over its path, which is freed on failure. A file not yet recorded extends the hash. */
-static ty_result add_asset(ty_scene_reader* reader, const ty_json_path* json_path, char* path, ty_scene_asset** out) {
-    ty_result result = TY_OK;
-    if (first_asset(reader, path) == NULL)
-        result =
-            ty_reader_prefix_error(reader, json_path, ty_hash_file_and_names(reader->context, path, &reader->hash));
-    if (result == TY_OK && !ty_grow_array(reader->context, (void**)&reader->assets, &reader->asset_capacity,
-                                          reader->asset_count, sizeof *reader->assets))
-        result = TY_ERROR_MEMORY;
-    if (result != TY_OK) {
-        ty_free_text(reader->context, path);
-        return result;
-    }
-    *out = &reader->assets[reader->asset_count++];
-    **out = (ty_scene_asset){.path = path};
+static ty_result add_digest(ty_scene_reader* reader, uint64_t digest) {
+    ty_file_digests* files = &reader->files[reader->section];
+    for (size_t i = 0; i < files->count; ++i)
+        if (files->values[i] == digest) return TY_OK;
+    if (!ty_grow_array(reader->context, (void**)&files->values, &files->capacity, files->count, sizeof digest))
+        return TY_ERROR_MEMORY;
+    files->values[files->count++] = digest;
     return TY_OK;
 }
 
-void ty_free_assets(ty_scene_reader* reader) {
-    for (size_t i = 0; i < reader->asset_count; ++i) {
-        ty_free_text(reader->context, reader->assets[i].path);
-        ty_grid_release(reader->assets[i].grid);
-        ty_image_destroy(reader->assets[i].image);
-        ty_closed_mesh_release(reader->assets[i].shell);
-    }
-    ty_free_array(reader->context, reader->assets, reader->asset_capacity, sizeof *reader->assets);
+void ty_free_digests(ty_scene_reader* reader) {
+    for (int i = 0; i < TY_SECTIONS; ++i)
+        ty_free_array(reader->context, reader->files[i].values, reader->files[i].capacity, sizeof(uint64_t));
 }
 
-ty_result ty_find_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* file, const char** path) {
-    char* joined = NULL;
-    ty_result result = join_path(reader, json_path, file, &joined);
+ty_result ty_find_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,
+                       const ty_asset_file** file) {
+    if (reader->folder == NULL)
+        return ty_reader_fail(reader, json_path, TY_ERROR_INPUT, "this scene may not name files");
+    char* path = ty_join_path(reader->context, reader->folder, name);
+    if (path == NULL) return TY_ERROR_MEMORY;
+    ty_result result = ty_reader_prefix_error(reader, json_path, ty_assets_file(reader->assets, path, file));
+    ty_free_text(reader->context, path);
+    return result == TY_OK ? add_digest(reader, (*file)->digest) : result;
+}
+
+/* ---- images, meshes, noise ---- */
+
+ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* json_path, const char* name, const ty_image** out) {
+    ty_asset map = {.kind = TY_ASSET_IMAGE};
+    ty_result result = ty_find_file(reader, json_path, name, &map.file);
     if (result != TY_OK) return result;
-    ty_scene_asset* asset = first_asset(reader, joined);
-    if (asset != NULL)
-        ty_free_text(reader->context, joined);
-    else
-        result = add_asset(reader, json_path, joined, &asset);
-    if (result == TY_OK) *path = asset->path;
+    const ty_asset* found = ty_assets_find(reader->assets, &map);
+    *out = found != NULL ? found->image : NULL;
+    if (found != NULL) return TY_OK;
+    result = ty_reader_prefix_error(reader, json_path, ty_image_read(reader->context, map.file->path, &map.image));
+    if (result == TY_OK) result = ty_assets_keep(reader->assets, &map);
+    if (result == TY_OK) *out = map.image;
     return result;
 }
 
-/* ---- images and meshes ---- */
-
-ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* json_path, const char* file, const ty_image** out) {
-    char* path = NULL;
-    ty_result result = join_path(reader, json_path, file, &path);
-    if (result != TY_OK) return result;
-    for (size_t i = 0; i < reader->asset_count; ++i) {
-        if (reader->assets[i].image == NULL || strcmp(reader->assets[i].path, path) != 0) continue;
-        ty_free_text(reader->context, path);
-        *out = reader->assets[i].image;
-        return TY_OK;
-    }
-    ty_scene_asset* asset = NULL;
-    result = add_asset(reader, json_path, path, &asset);
-    if (result == TY_OK)
-        result = ty_reader_prefix_error(reader, json_path, ty_image_read(reader->context, asset->path, &asset->image));
-    if (result == TY_OK) *out = asset->image;
-    return result;
-}
-
-ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* file,
-                            const char** path) {
-    if (!ty_has_extension(file, ty_mesh_extensions))
+ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,
+                            const ty_asset_file** file) {
+    if (!ty_has_extension(name, ty_mesh_extensions))
         return ty_reader_fail(reader, json_path, TY_ERROR_INPUT,
                               "cannot read meshes of this type; known: .gltf, .glb, .obj, .ply");
-    return ty_find_file(reader, json_path, file, path);
+    return ty_find_file(reader, json_path, name, file);
 }
 
-ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* json_path, const char* path,
+ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
                         const ty_mesh_file_def* def, ty_closed_mesh** out) {
-    for (size_t i = 0; i < reader->asset_count; ++i) {
-        const ty_scene_asset* asset = &reader->assets[i];
-        if (asset->shell == NULL || strcmp(asset->path, path) != 0) continue;
-        if (memcmp(&asset->placement, &def->transform, sizeof asset->placement) != 0) continue;
-        *out = asset->shell;
+    ty_asset shell = {.kind = TY_ASSET_SHELL, .file = file, .placement = def->transform, .to_z_up = def->to_z_up};
+    const ty_asset* found = ty_assets_find(reader->assets, &shell);
+    if (found != NULL) {
+        *out = found->shell;
         return TY_OK;
     }
-    char* copy = ty_copy_text(reader->context, path);
-    if (copy == NULL) return TY_ERROR_MEMORY;
-    ty_scene_asset* asset = NULL;
-    ty_result result = add_asset(reader, json_path, copy, &asset);
-    if (result != TY_OK) return result;
-    asset->placement = def->transform;
-    result = ty_reader_prefix_error(reader, json_path,
-                                    ty_mesh_file_create_closed_mesh(reader->context, asset->path, def, &asset->shell));
-    if (result == TY_OK) *out = asset->shell;
+    ty_result result = ty_reader_prefix_error(
+        reader, json_path, ty_mesh_file_create_closed_mesh(reader->context, file->path, def, &shell.shell));
+    if (result == TY_OK) result = ty_assets_keep(reader->assets, &shell);
+    if (result == TY_OK) *out = shell.shell;
+    return result;
+}
+
+ty_result ty_make_noise(ty_scene_reader* reader, const ty_json_path* json_path, const ty_noise_def* def,
+                        ty_grid** out) {
+    ty_asset noise = {.kind = TY_ASSET_NOISE, .noise = *def};
+    const ty_asset* found = ty_assets_find(reader->assets, &noise);
+    if (found != NULL) {
+        *out = found->grid;
+        return TY_OK;
+    }
+    ty_result result =
+        ty_reader_prefix_error(reader, json_path, ty_grid_create_noise(reader->context, def, &noise.grid));
+    if (result == TY_OK) result = ty_assets_keep(reader->assets, &noise);
+    if (result == TY_OK) *out = noise.grid;
     return result;
 }
 
@@ -176,37 +150,39 @@ static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t
     return def;
 }
 
-/* True if two defs request the same grid of one path. The frame is part of the path already. */
-static bool same_volume(const ty_volume_def* a, const ty_volume_def* b) {
-    return strcmp(a->grid, b->grid) == 0 && a->component == b->component &&
-           memcmp(a->raw_size, b->raw_size, sizeof a->raw_size) == 0 && strcmp(a->raw_type, b->raw_type) == 0 &&
-           a->raw_big_endian == b->raw_big_endian && a->raw_offset == b->raw_offset &&
-           memcmp(a->raw_spacing, b->raw_spacing, sizeof a->raw_spacing) == 0;
-}
-
-static ty_result read_grid(ty_scene_reader* reader, const ty_json_path* json_path, const char* path,
+static ty_result read_grid(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
                            const ty_volume_def* def, ty_grid** out) {
-    for (size_t i = 0; i < reader->asset_count; ++i) {
-        const ty_scene_asset* asset = &reader->assets[i];
-        if (asset->grid == NULL || strcmp(asset->path, path) != 0 || !same_volume(&asset->volume, def)) continue;
-        *out = asset->grid;
+    ty_asset volume = {.kind = TY_ASSET_GRID, .file = file, .volume = *def};
+    const ty_asset* found = ty_assets_find(reader->assets, &volume);
+    if (found != NULL) {
+        *out = found->grid;
         return TY_OK;
     }
-    char* copy = ty_copy_text(reader->context, path);
-    if (copy == NULL) return TY_ERROR_MEMORY;
-    ty_scene_asset* asset = NULL;
-    ty_result result = add_asset(reader, json_path, copy, &asset);
-    if (result != TY_OK) return result;
-    asset->volume = *def;
-    result = ty_reader_prefix_error(reader, json_path, ty_volume_read(reader->context, asset->path, def, &asset->grid));
-    if (result == TY_OK) *out = asset->grid;
+    ty_result result =
+        ty_reader_prefix_error(reader, json_path, ty_volume_read(reader->context, file->path, def, &volume.grid));
+    if (result == TY_OK) result = ty_assets_keep(reader->assets, &volume);
+    if (result == TY_OK) *out = volume.grid;
     return result;
 }
 
-/* Validation before a volume is read, its path with the frame number, and its values per voxel (1 if one component
+static ty_result count_components(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
+                                  const ty_volume_def* def, int32_t* components) {
+    ty_asset volume = {.kind = TY_ASSET_COMPONENTS, .file = file, .volume = *def};
+    const ty_asset* found = ty_assets_find(reader->assets, &volume);
+    if (found != NULL) {
+        *components = found->components;
+        return TY_OK;
+    }
+    ty_result result = ty_volume_components(reader->context, file->path, def, &volume.components);
+    result = ty_reader_prefix_error(reader, json_path, result);
+    *components = volume.components;
+    return result == TY_OK ? ty_assets_keep(reader->assets, &volume) : result;
+}
+
+/* Validation before a volume is read, its file with the frame number, and its values per voxel (1 if one component
  * was requested). */
 static ty_result open_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path, bool filling,
-                             ty_volume_def* def, const char** path, int32_t* components) {
+                             ty_volume_def* def, const ty_asset_file** file, int32_t* components) {
     const ty_json_path file_json_path = ty_json_path_key(json_path, "file");
     ty_result result = check_volume_type(reader, volume, json_path);
     if (result != TY_OK) return result;
@@ -214,38 +190,37 @@ static ty_result open_volume(ty_scene_reader* reader, const json_t* volume, cons
         return ty_reader_fail(reader, json_path, TY_ERROR_INPUT,
                               "a raw volume without spacing needs bounds that are a box, [[x,y,z],[x,y,z]]");
     char name[NAME_MAX_SIZE];
-    const char* file = json_string_value(json_object_get(volume, "file"));
-    result = ty_volume_path(reader->context, file, def->frame, name, sizeof name);
+    result = ty_volume_path(reader->context, json_string_value(json_object_get(volume, "file")), def->frame, name,
+                            sizeof name);
     result = ty_reader_prefix_error(reader, &file_json_path, result);
-    if (result == TY_OK) result = ty_find_file(reader, &file_json_path, name, path);
+    if (result == TY_OK) result = ty_find_file(reader, &file_json_path, name, file);
     if (result != TY_OK) return result;
     *components = 1;
     if (json_object_get(volume, "component") != NULL) return TY_OK;
-    return ty_reader_prefix_error(reader, &file_json_path,
-                                  ty_volume_components(reader->context, *path, def, components));
+    return count_components(reader, &file_json_path, *file, def, components);
 }
 
 ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
                          const char* grid_name, bool filling, ty_grid** out) {
     ty_volume_def def = describe_volume(reader, volume, grid_name);
     const ty_json_path file_json_path = ty_json_path_key(json_path, "file");
-    const char* path = NULL;
+    const ty_asset_file* file = NULL;
     int32_t components = 1;
-    ty_result result = open_volume(reader, volume, json_path, filling, &def, &path, &components);
+    ty_result result = open_volume(reader, volume, json_path, filling, &def, &file, &components);
     if (result != TY_OK) return result;
     if (components > 1)
         return ty_reader_fail(reader, json_path, TY_ERROR_INPUT,
                               "the volume has %d values per voxel; the key \"component\" is missing", (int)components);
-    return read_grid(reader, &file_json_path, path, &def, out);
+    return read_grid(reader, &file_json_path, file, &def, out);
 }
 
 ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
                              const char* grid_name, bool filling, ty_grid* out[3]) {
     ty_volume_def def = describe_volume(reader, volume, grid_name);
     const ty_json_path file_json_path = ty_json_path_key(json_path, "file");
-    const char* path = NULL;
+    const ty_asset_file* file = NULL;
     int32_t components = 1;
-    ty_result result = open_volume(reader, volume, json_path, filling, &def, &path, &components);
+    ty_result result = open_volume(reader, volume, json_path, filling, &def, &file, &components);
     if (result != TY_OK) return result;
     if (components != 1 && components != 3)
         return ty_reader_fail(reader, json_path, TY_ERROR_INPUT,
@@ -254,7 +229,7 @@ ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, cons
     ty_grid* grids[3] = {NULL, NULL, NULL};
     for (int32_t c = 0; c < components && result == TY_OK; ++c) {
         if (components == 3) def.component = c;
-        result = read_grid(reader, &file_json_path, path, &def, &grids[c]);
+        result = read_grid(reader, &file_json_path, file, &def, &grids[c]);
     }
     for (int c = 0; c < 3 && result == TY_OK; ++c) out[c] = grids[components == 3 ? c : 0];
     return result;

@@ -74,12 +74,12 @@ static ty_result read_file_camera(ty_scene_reader* reader, const json_t* item, c
     const char* file = json_string_value(json_object_get(item, "file"));
     const ty_json_path file_json_path = ty_json_path_key(path, "file");
     ty_mesh_file_def placement = ty_default_mesh_file_def();
-    const char* found_path = NULL;
+    const ty_asset_file* found_file = NULL;
     ty_result result = ty_read_mesh_placement(reader, item, path, 1, &placement);
-    if (result == TY_OK) result = ty_find_file(reader, &file_json_path, file, &found_path);
+    if (result == TY_OK) result = ty_find_file(reader, &file_json_path, file, &found_file);
     if (result == TY_OK)
-        result = ty_reader_prefix_error(reader, json_path,
-                                        ty_mesh_file_camera(reader->context, found_path, &placement, name, def, found));
+        result = ty_reader_prefix_error(
+            reader, json_path, ty_mesh_file_camera(reader->context, found_file->path, &placement, name, def, found));
     if (result == TY_OK && *found) describe_source(reader, file, name);
     return result;
 }

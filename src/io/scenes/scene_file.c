@@ -31,7 +31,7 @@ ty_result ty_reader_parse(ty_scene_reader* reader) {
 }
 
 ty_result ty_reader_check(const ty_scene_reader* reader, const char* part) {
-    json_t* schema = ty_scene_schema_tree();
+    json_t* schema = reader->schema != NULL ? json_incref(reader->schema) : ty_scene_schema_tree();
     if (schema != NULL && part != NULL) {
         json_t* whole = schema;
         schema = json_pack("{s:s+, s:O}", "$ref", "#/$defs/", part, "$defs", json_object_get(whole, "$defs"));
@@ -46,11 +46,29 @@ ty_result ty_reader_check(const ty_scene_reader* reader, const char* part) {
     return result;
 }
 
-static ty_result hash_tree(ty_scene_reader* reader) {
+static uint64_t hash_number(uint64_t hash, uint64_t number) {
+    uint8_t bytes[8];
+    for (int i = 0; i < 8; ++i) bytes[i] = (uint8_t)(number >> 8 * i);
+    return ty_hash_bytes(hash, bytes, sizeof bytes);
+}
+
+/* True if a section before this one, or the values before i in it, have the i-th value. */
+static bool is_repeated(const ty_file_digests files[TY_SECTIONS], int section, size_t i) {
+    const uint64_t value = files[section].values[i];
+    for (int s = 0; s <= section; ++s)
+        for (size_t k = 0; k < (s == section ? i : files[s].count); ++k)
+            if (files[s].values[k] == value) return true;
+    return false;
+}
+
+ty_result ty_reader_hash(const ty_scene_reader* reader, const ty_file_digests files[TY_SECTIONS], uint64_t* hash) {
     char* text = json_dumps(reader->root, JSON_SORT_KEYS | JSON_COMPACT);
     if (text == NULL) return ty_fail(reader->context, TY_ERROR_MEMORY, "not enough memory for the scene's text");
-    reader->hash = ty_hash_bytes(TY_HASH_START, text, strlen(text));
+    *hash = ty_hash_bytes(TY_HASH_START, text, strlen(text));
     free(text);
+    for (int s = 0; s < TY_SECTIONS; ++s)
+        for (size_t i = 0; i < files[s].count; ++i)
+            if (!is_repeated(files, s, i)) *hash = hash_number(*hash, files[s].values[i]);
     return TY_OK;
 }
 
@@ -92,26 +110,36 @@ static ty_result read_render(const ty_scene_reader* reader) {
     return read_options(reader, render);
 }
 
-static ty_result build_scene(ty_scene_reader* reader) {
+ty_result ty_read_sections(ty_scene_reader* reader, unsigned sections) {
+    static ty_result (*const readers[TY_SECTIONS])(ty_scene_reader*) = {ty_read_camera, ty_read_media, ty_read_lights,
+                                                                        ty_read_geometry};
     const char* up = json_string_value(json_object_get(reader->root, "up_axis"));
     reader->up_axis = up != NULL && strcmp(up, "z") == 0 ? TY_AXIS_Z : TY_AXIS_Y;
     reader->unit = 1;
     ty_read_number(reader->root, "meters_per_unit", &reader->unit);
     ty_read_int(reader->root, "frame", &reader->frame);
-    ty_result result = hash_tree(reader);
-    if (result == TY_OK) result = ty_scene_create(reader->context, reader->up_axis, &reader->scene);
-    if (result == TY_OK) result = ty_read_camera(reader);
-    if (result == TY_OK) result = ty_read_media(reader);
-    if (result == TY_OK) result = ty_read_lights(reader);
-    if (result == TY_OK) result = ty_read_geometry(reader);
-    if (result == TY_OK) result = read_render(reader);
-    if (result != TY_OK) return result;
-    ty_scene_set_hash(reader->scene, reader->hash);
-    return ty_scene_commit(reader->scene);
+    ty_result result = ty_scene_create(reader->context, reader->up_axis, &reader->scene);
+    for (int s = 0; s < TY_SECTIONS && result == TY_OK; ++s) {
+        reader->section = (ty_scene_section)s;
+        if ((sections & 1u << s) != 0) result = readers[s](reader);
+    }
+    return result == TY_OK ? read_render(reader) : result;
+}
+
+static ty_result build_scene(ty_scene_reader* reader) {
+    ty_asset_cache assets = {.context = reader->context, .reading = 1};
+    reader->assets = &assets;
+    uint64_t hash = 0;
+    ty_result result = ty_read_sections(reader, (1u << TY_SECTIONS) - 1);
+    if (result == TY_OK) result = ty_reader_hash(reader, reader->files, &hash);
+    if (result == TY_OK) ty_scene_set_hash(reader->scene, hash);
+    if (result == TY_OK) result = ty_scene_commit(reader->scene);
+    ty_assets_release(&assets);
+    return result;
 }
 
 static void free_reader(ty_scene_reader* reader) {
-    ty_free_assets(reader);
+    ty_free_digests(reader);
     ty_free_overrides(reader);
     json_decref(reader->root);
 }
@@ -157,31 +185,42 @@ static const char* file_role(const char* path) {
     return ty_has_extension(path, images) ? "an image; a scene may have it as \"file\" of an environment light" : NULL;
 }
 
+static ty_result open_builtin(ty_context* context, const char* path, ty_scene_source* source) {
+    const ty_builtin_scene* scene = ty_builtin_scenes;
+    while (scene->name != NULL && strcmp(scene->name, path + sizeof builtin_prefix - 1) != 0) ++scene;
+    if (scene->name == NULL) return fail_builtin(context, path);
+    source->text = scene->text;
+    source->length = scene->size;
+    source->folder = ty_copy_text(context, "");
+    return source->folder != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+ty_result ty_open_source(ty_context* context, const char* path, ty_scene_source* source) {
+    *source = (ty_scene_source){.length = 0};
+    if (strncmp(path, builtin_prefix, sizeof builtin_prefix - 1) == 0) return open_builtin(context, path, source);
+    const ty_result result = ty_read_file(context, path, FILE_SIZE_MAX, &source->bytes, &source->length);
+    if (result != TY_OK) return result;
+    const char* part = file_role(path);
+    if (part != NULL) return ty_fail(context, TY_ERROR_INPUT, "%s: not a scene but %s (docs/scene.md)", path, part);
+    source->text = (const char*)source->bytes;
+    source->folder = ty_folder_of(context, path);
+    return source->folder != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+void ty_close_source(ty_context* context, ty_scene_source* source) {
+    ty_free_text(context, source->folder);
+    if (source->bytes != NULL) ty_free_file(context, source->bytes, source->length);
+}
+
 ty_result ty_scene_load(ty_context* context, const char* path, const char* const* overrides, int32_t override_count,
                         ty_scene** out) {
     if (context == NULL || path == NULL || out == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_scene_load: context, path or out is NULL");
-    const size_t prefix = sizeof builtin_prefix - 1;
-    if (strncmp(path, builtin_prefix, prefix) == 0) {
-        const ty_builtin_scene* scene = ty_builtin_scenes;
-        while (scene->name != NULL && strcmp(scene->name, path + prefix) != 0) ++scene;
-        if (scene->name == NULL) return fail_builtin(context, path);
-        return ty_scene_parse(context, scene->text, scene->size, path, "", overrides, override_count, out);
-    }
-    uint8_t* bytes;
-    size_t size;
-    ty_result result = ty_read_file(context, path, FILE_SIZE_MAX, &bytes, &size);
-    if (result != TY_OK) return result;
-    const char* part = file_role(path);
-    if (part != NULL) {
-        ty_free_file(context, bytes, size);
-        return ty_fail(context, TY_ERROR_INPUT, "%s: not a scene but %s (docs/scene.md)", path, part);
-    }
-    char* folder = ty_folder_of(context, path);
-    result = folder == NULL
-                 ? TY_ERROR_MEMORY
-                 : ty_scene_parse(context, (const char*)bytes, size, path, folder, overrides, override_count, out);
-    ty_free_text(context, folder);
-    ty_free_file(context, bytes, size);
+    ty_scene_source source;
+    ty_result result = ty_open_source(context, path, &source);
+    if (result == TY_OK)
+        result =
+            ty_scene_parse(context, source.text, source.length, path, source.folder, overrides, override_count, out);
+    ty_close_source(context, &source);
     return result;
 }

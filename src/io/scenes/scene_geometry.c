@@ -36,7 +36,7 @@ ty_result ty_read_mesh_placement(const ty_scene_reader* reader, const json_t* it
 static ty_result read_mesh_file(ty_scene_reader* reader, const json_t* item, const ty_json_path* path) {
     ty_mesh_file_def def = ty_default_mesh_file_def();
     const ty_json_path json_path = ty_json_path_key(path, "file");
-    const char* file = NULL;
+    const ty_asset_file* file = NULL;
     ty_result result = ty_find_mesh_file(reader, &json_path, json_string_value(json_object_get(item, "file")), &file);
     if (result == TY_OK) result = ty_read_mesh_placement(reader, item, path, 1, &def);
     if (result != TY_OK) return result;
@@ -49,7 +49,7 @@ static ty_result read_mesh_file(ty_scene_reader* reader, const json_t* item, con
     ty_read_rgb(material, "albedo", plain.albedo);
     ty_read_rgb(material, "emission", plain.emission);
     if (material != NULL) def.material = &plain;
-    return ty_reader_prefix_error(reader, &json_path, ty_scene_add_mesh_file(reader->scene, file, &def));
+    return ty_reader_prefix_error(reader, &json_path, ty_scene_add_mesh_file(reader->scene, file->path, &def));
 }
 
 ty_result ty_read_geometry(ty_scene_reader* reader) {

@@ -8,8 +8,7 @@
 
 /* ---- density ---- */
 
-static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, const ty_json_path* path,
-                            ty_grid** out) {
+static ty_result read_noise(ty_scene_reader* reader, const json_t* noise, const ty_json_path* path, ty_grid** out) {
     ty_noise_def def = ty_default_noise_def();
     const char* kind = json_string_value(json_object_get(noise, "kind"));
     if (kind != NULL)
@@ -34,12 +33,12 @@ static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, 
     ty_read_float(noise, "lacunarity", &def.lacunarity);
     ty_read_float(noise, "coverage", &def.coverage);
     ty_read_float(noise, "sharpness", &def.sharpness);
-    return ty_reader_prefix_error(reader, path, ty_grid_create_noise(reader->context, &def, out));
+    return ty_make_noise(reader, path, &def, out);
 }
 
-/* Sets scale or density_grid; the caller destroys *noise if it was created. */
+/* Sets scale or density_grid. */
 static ty_result read_density(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
-                              ty_medium_def* def, ty_grid** noise) {
+                              ty_medium_def* def) {
     double scale = 1;
     ty_read_number(medium, "scale", &scale);
     const json_t* density = json_object_get(medium, "density");
@@ -50,9 +49,7 @@ static ty_result read_density(ty_scene_reader* reader, const json_t* medium, con
     if (json_object_get(density, "file") != NULL)
         return ty_read_volume(reader, density, &json_path, "density", def->bounds == TY_BOUNDS_BOX, &def->density_grid);
     const ty_json_path noise_path = ty_json_path_key(&json_path, "noise");
-    const ty_result result = make_noise(reader, json_object_get(density, "noise"), &noise_path, noise);
-    def->density_grid = *noise;
-    return result;
+    return read_noise(reader, json_object_get(density, "noise"), &noise_path, &def->density_grid);
 }
 
 /* ---- bounds ---- */
@@ -63,7 +60,7 @@ static ty_result read_shell(ty_scene_reader* reader, const json_t* bounds, const
     def->bounds = TY_BOUNDS_SHELL;
     ty_mesh_file_def file = ty_default_mesh_file_def();
     const ty_json_path json_path = ty_json_path_key(path, "file");
-    const char* found = NULL;
+    const ty_asset_file* found = NULL;
     ty_result result =
         ty_find_mesh_file(reader, &json_path, json_string_value(json_object_get(bounds, "file")), &found);
     if (result == TY_OK) result = ty_read_mesh_placement(reader, bounds, path, unit, &file);
@@ -112,15 +109,12 @@ static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, cons
                        is_file(json_object_get(medium, "emission"), "temperature");
     const double unit = files ? reader->unit : 1;
     ty_transfer_point points[TY_TRANSFER_MAX];
-    ty_grid* noise = NULL;
     ty_result result = ty_read_coefficients(reader, medium, path, &def);
     if (result == TY_OK) result = read_bounds(reader, medium, path, unit, &def);
     if (result == TY_OK) result = ty_read_transform(reader, medium, path, unit, 1, &def.transform);
     if (result == TY_OK) result = ty_read_fields(reader, medium, path, &def, points);
-    if (result == TY_OK) result = read_density(reader, medium, path, &def, &noise);
-    if (result == TY_OK) result = ty_reader_prefix_error(reader, path, ty_scene_add_medium(reader->scene, &def));
-    ty_grid_release(noise);
-    return result;
+    if (result == TY_OK) result = read_density(reader, medium, path, &def);
+    return result == TY_OK ? ty_reader_prefix_error(reader, path, ty_scene_add_medium(reader->scene, &def)) : result;
 }
 
 ty_result ty_read_media(ty_scene_reader* reader) {

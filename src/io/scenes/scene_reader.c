@@ -28,7 +28,9 @@ ty_result ty_reader_fail(const ty_scene_reader* reader, const ty_json_path* path
     char text[MESSAGE_SIZE] = "";
     const int32_t line = reader->length > 0 ? ty_json_line(reader->text, reader->length, path) : 0;
     const ty_scene_override* override = origin(reader, path, line);
-    if (override != NULL) {
+    if (reader->bare) {
+        text[0] = '\0';
+    } else if (override != NULL) {
         ty_append(text, sizeof text, "override ");
         ty_append_quoted(text, sizeof text, override->text);
         ty_append(text, sizeof text, ": ");

@@ -3,6 +3,7 @@
 #define TY_IO_SCENE_READER_H
 
 #include "io/json_locate.h"
+#include "io/scenes/asset_cache.h"
 
 #include <jansson.h>
 #include <tyndall/io.h>
@@ -14,39 +15,64 @@ typedef struct ty_scene_override {
     ty_json_path path;
 } ty_scene_override;
 
-/* Content of a referenced file: one of grid, image and shell, owned; none if it was only hashed. */
-typedef struct ty_scene_asset {
-    char* path;
-    ty_grid* grid;
-    ty_volume_def volume; /* the grid's def; its strings are borrowed from root */
-    ty_image* image;
-    ty_closed_mesh* shell;
-    ty_affine placement; /* of the shell */
-} ty_scene_asset;
+/* Sections of a scene file, in the order in which they are read. */
+typedef enum ty_scene_section {
+    TY_SECTION_CAMERA,
+    TY_SECTION_MEDIA,
+    TY_SECTION_LIGHTS,
+    TY_SECTION_GEOMETRY,
+    TY_SECTIONS
+} ty_scene_section;
+
+/* Digests of the files that a section names, in order of their first use. */
+typedef struct ty_file_digests {
+    uint64_t* values;
+    size_t count, capacity;
+} ty_file_digests;
+
+/* Text of a scene file, or of a builtin scene. */
+typedef struct ty_scene_source {
+    const char* text;
+    size_t length;
+    char* folder;   /* owned; start of relative paths */
+    uint8_t* bytes; /* of a file, owned; NULL: builtin */
+} ty_scene_source;
+
+/* ty_close_source must follow, also after a failure. */
+ty_result ty_open_source(ty_context* context, const char* path, ty_scene_source* source);
+void ty_close_source(ty_context* context, ty_scene_source* source);
 
 typedef struct ty_scene_reader {
     ty_context* context;
     bool clean;         /* true if the thread had no unread message of the context before */
+    bool bare;          /* messages name the JSON path, not the file */
     const char* name;   /* file name in messages */
     const char* folder; /* start of relative paths; NULL: references to files are refused */
     const char* text;
-    size_t length; /* 0 without text, and so without line numbers */
-    json_t* root;  /* after overrides */
+    size_t length;  /* 0 without text, and so without line numbers */
+    json_t* root;   /* after overrides */
+    json_t* schema; /* of scene files, borrowed; NULL: made where it is needed */
     ty_scene_override* overrides;
     int32_t override_count;
     ty_scene* scene;
     double unit; /* length unit, m */
     ty_axis up_axis;
-    int32_t frame; /* frame number of volumes without their own */
-    uint64_t hash;
-    ty_scene_asset* assets;
-    size_t asset_count, asset_capacity;
+    int32_t frame;                      /* frame number of volumes without their own */
+    ty_scene_section section;           /* being read */
+    ty_file_digests files[TY_SECTIONS]; /* of the sections read */
+    ty_asset_cache* assets;
 } ty_scene_reader;
 
 /* Sets root from text. */
 ty_result ty_reader_parse(ty_scene_reader* reader);
 /* Fails unless root conforms to the schema, or to the "$defs" entry named `part`. */
 ty_result ty_reader_check(const ty_scene_reader* reader, const char* part);
+
+/* Reads the sections whose bits are set, and the options of rendering, into a new scene, which is not committed: on
+ * failure, too, it is the caller's. */
+ty_result ty_read_sections(ty_scene_reader* reader, unsigned sections);
+/* Hash of root and of the files of all sections, each content once. */
+ty_result ty_reader_hash(const ty_scene_reader* reader, const ty_file_digests files[TY_SECTIONS], uint64_t* hash);
 
 /* Fails with "FILE:LINE: PATH: message", or names the override that set the value. */
 ty_result ty_reader_fail(const ty_scene_reader* reader, const ty_json_path* path, ty_result result, const char* format,
@@ -78,7 +104,7 @@ ty_result ty_read_edges(const ty_scene_reader* reader, const json_t* object, con
 ty_result ty_read_transform(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path,
                             double from_unit, double to_unit, ty_affine* out);
 
-/* ---- files: located from the scene's folder, hashed, read once, owned by the reader ---- */
+/* ---- files: located from the scene's folder, hashed, read once, kept by the reader's assets ---- */
 
 /* True if the name ends with one of the extensions, such as ".vdb", in any case; the list ends with NULL. */
 bool ty_has_extension(const char* file, const char* const* extensions);
@@ -86,16 +112,17 @@ bool ty_has_extension(const char* file, const char* const* extensions);
 extern const char* const ty_gltf_extensions[];
 extern const char* const ty_mesh_extensions[];
 extern const char* const ty_volume_extensions[];
-/* Path of a file that is neither image nor volume; its bytes are hashed. json_path is that of the referencing key.
- * The reader owns the path. */
-ty_result ty_find_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* file, const char** path);
-ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* file,
-                            const char** path);
+/* A file by its name in the scene; its digest goes into the scene's hash. json_path is that of the referencing key. */
+ty_result ty_find_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,
+                       const ty_asset_file** file);
+ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,
+                            const ty_asset_file** file);
 /* json_path is that of the referencing key. */
-ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* json_path, const char* file, const ty_image** out);
-/* file: a path from ty_find_mesh_file. placement maps the file's points to the medium's. */
-ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* json_path, const char* path,
+ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* json_path, const char* name, const ty_image** out);
+/* file: from ty_find_mesh_file. The transform of def maps the file's points to the medium's. */
+ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
                         const ty_mesh_file_def* def, ty_closed_mesh** out);
+ty_result ty_make_noise(ty_scene_reader* reader, const ty_json_path* json_path, const ty_noise_def* def, ty_grid** out);
 /* Reads a grid of a volume, an object at json_path; grid_name applies unless the volume names a grid. Raw volumes
  * without spacing are refused unless `filling` is true: a box then gives their extent. */
 ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
@@ -103,7 +130,7 @@ ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty
 /* The same for red, green and blue: one grid three times if the volume has one value per voxel. */
 ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
                              const char* grid_name, bool filling, ty_grid* out[3]);
-void ty_free_assets(ty_scene_reader* reader);
+void ty_free_digests(ty_scene_reader* reader);
 
 /* Hashes a file and the existing files that it references: buffers and images of a .gltf, materials and their images
  * of an .obj, the data of an .nhdr. */

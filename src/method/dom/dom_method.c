@@ -28,9 +28,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_dom_stats, isa), TY_STAT_TEXT},
 };
 
-static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    return ty_volume_method_render(&ty_volume_dom, NULL, scene, request, out, run);
-}
+TY_DEFINE_VOLUME_METHOD(dom, ty_volume_dom, NULL);
 
 static void describe(const ty_method_run* run, char* text, size_t size) {
     const ty_dom_stats* dom = (const ty_dom_stats*)run->stats;
@@ -51,5 +49,5 @@ const ty_method ty_method_dom = {.name = "dom",
                                  .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
                                  .stats = stats,
                                  .stat_count = sizeof stats / sizeof stats[0],
-                                 .render = render,
+                                 TY_VOLUME_METHOD_CALLS(dom),
                                  .describe = describe};

@@ -39,6 +39,7 @@ static const ty_option options[] = {
     TY_OPTION_SURFACE_POINTS(ty_dom_def),
     TY_OPTION_SPP(ty_dom_def),
     TY_OPTION_STEP(ty_dom_def, "voxels"),
+    TY_OPTION_RAY_SPACING(ty_dom_def),
 };
 
 const ty_option_table ty_dom_options = TY_OPTION_TABLE("dom", ty_dom_def, "ty_default_dom_def", options);

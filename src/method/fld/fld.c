@@ -85,4 +85,13 @@ static ty_result view(ty_volume_call* call, ty_image** out) {
 /* ty_fld_solve, ty_fld_view and ty_fld_render. */
 TY_DEFINE_VOLUME_CALLS(fld);
 
-const ty_volume_method ty_volume_fld = {TY_VOLUME_METHOD(fld), .solve_fraction = 0.5, .solve = solve, .view = view};
+static void coarsen(void* user) {
+    ty_fld_def* def = user;
+    ty_lower_option(&def->resolution, 64);
+    ty_lower_option(&def->environment_beams, 16);
+    ty_lower_option(&def->surface_points, 4);
+    def->tolerance = fmax(def->tolerance, 0.01);
+}
+
+const ty_volume_method ty_volume_fld = {TY_VOLUME_METHOD(fld), .solve_fraction = 0.5, .solve = solve, .view = view,
+                                        .coarsen = coarsen};

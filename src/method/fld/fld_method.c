@@ -26,15 +26,8 @@ static void remove_limiter(void* def) {
     ((ty_fld_def*)def)->limiter = TY_FLD_LIMITER_NONE;
 }
 
-static ty_result render_fld(const ty_scene* scene, const ty_render_request* request, ty_image** out,
-                            ty_method_run* run) {
-    return ty_volume_method_render(&ty_volume_fld, NULL, scene, request, out, run);
-}
-
-static ty_result render_cda(const ty_scene* scene, const ty_render_request* request, ty_image** out,
-                            ty_method_run* run) {
-    return ty_volume_method_render(&ty_volume_fld, remove_limiter, scene, request, out, run);
-}
+TY_DEFINE_VOLUME_METHOD(fld, ty_volume_fld, NULL);
+TY_DEFINE_VOLUME_METHOD(cda, ty_volume_fld, remove_limiter);
 
 static void describe(const ty_method_run* run, char* text, size_t size) {
     const ty_fld_stats* fld = (const ty_fld_stats*)run->stats;
@@ -52,7 +45,7 @@ const ty_method ty_method_fld = {.name = "fld",
                                  .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
                                  .stats = stats,
                                  .stat_count = sizeof stats / sizeof stats[0],
-                                 .render = render_fld,
+                                 TY_VOLUME_METHOD_CALLS(fld),
                                  .describe = describe};
 
 const ty_method ty_method_cda = {.name = "cda",
@@ -61,5 +54,5 @@ const ty_method ty_method_cda = {.name = "cda",
                                  .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
                                  .stats = stats,
                                  .stat_count = sizeof stats / sizeof stats[0],
-                                 .render = render_cda,
+                                 TY_VOLUME_METHOD_CALLS(cda),
                                  .describe = describe};

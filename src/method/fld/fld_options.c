@@ -49,6 +49,7 @@ static const ty_option options[] = {
     TY_OPTION_SURFACE_POINTS(ty_fld_def),
     TY_OPTION_SPP(ty_fld_def),
     TY_OPTION_STEP(ty_fld_def, "voxels"),
+    TY_OPTION_RAY_SPACING(ty_fld_def),
 };
 
 const ty_option_table ty_fld_options = TY_OPTION_TABLE("fld", ty_fld_def, "ty_default_fld_def", options);

@@ -53,14 +53,59 @@ double ty_lpv_image_seconds(const ty_lpv_stats* lpv) {
     return lpv->view_seconds + lpv->surface_seconds + lpv->march_seconds + lpv->single_seconds + lpv->compose_seconds;
 }
 
+static ty_result make_def(const ty_scene* scene, const ty_render_request* request, ty_lpv_def* def) {
+    *def = ty_default_lpv_def();
+    const ty_result result = ty_method_options(scene, "lpv", def);
+    TY_TAKE_REQUEST(def, request);
+    return result;
+}
+
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
     ty_lpv_stats* lpv = ty_method_stats(run, sizeof *lpv);
-    ty_lpv_def def = ty_default_lpv_def();
-    ty_result result = ty_method_options(scene, "lpv", &def);
-    TY_TAKE_REQUEST(&def, request);
+    ty_lpv_def def;
+    ty_result result = make_def(scene, request, &def);
     if (result == TY_OK) result = ty_lpv_render(scene, &def, out, lpv);
     run->own_seconds = run->path.seconds = lpv->seconds;
     return result;
+}
+
+static void coarsen(ty_lpv_def* def) {
+    ty_lower_option(&def->resolution, 16);
+    ty_lower_option(&def->map_side, 128);
+    ty_lower_option(&def->shadow_side, 256);
+    ty_lower_option(&def->samples, 4);
+    def->tolerance = fmax(def->tolerance, 0.03);
+}
+
+static ty_result solve(const ty_scene* scene, const ty_render_request* request, ty_solve_quality quality, void** light,
+                       ty_method_run* run) {
+    ty_lpv_stats* lpv = ty_method_stats(run, sizeof *lpv);
+    ty_lpv_def def;
+    ty_lpv* solved = NULL;
+    ty_result result = make_def(scene, request, &def);
+    if (quality == TY_SOLVE_COARSE) coarsen(&def);
+    if (result == TY_OK) result = ty_lpv_solve(scene, &def, &solved, lpv);
+    *light = solved;
+    return result;
+}
+
+static ty_result view(const void* light, const ty_scene* scene, const ty_render_request* request,
+                      const ty_image* unscattered, ty_image** out, ty_method_run* run) {
+    (void)unscattered;
+    *out = NULL;
+    ty_lpv_stats* lpv = ty_method_stats(run, sizeof *lpv);
+    ty_lpv_def def;
+    const ty_result result = make_def(scene, request, &def);
+    return result == TY_OK ? ty_lpv_view(light, scene, &def, out, lpv) : result;
+}
+
+static void destroy(void* light) {
+    ty_lpv_destroy(light);
+}
+
+static bool follows_camera(const ty_scene* scene) {
+    ty_lpv_def def = ty_default_lpv_def();
+    return ty_method_options(scene, "lpv", &def) == TY_OK && def.place == TY_LPV_PLACE_CAMERA;
 }
 
 static void describe(const ty_method_run* run, char* text, size_t size) {
@@ -80,4 +125,8 @@ const ty_method ty_method_lpv = {.name = "lpv",
                                  .stat_count = sizeof stats / sizeof stats[0],
                                  .check = ty_lpv_check_scene,
                                  .render = render,
+                                 .solve = solve,
+                                 .view = view,
+                                 .destroy = destroy,
+                                 .follows_camera = follows_camera,
                                  .describe = describe};

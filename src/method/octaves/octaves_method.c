@@ -14,9 +14,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_octaves_stats, isa), TY_STAT_TEXT},
 };
 
-static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    return ty_volume_method_render(&ty_volume_octaves, NULL, scene, request, out, run);
-}
+TY_DEFINE_VOLUME_METHOD(octaves, ty_volume_octaves, NULL);
 
 static void describe(const ty_method_run* run, char* text, size_t size) {
     const ty_octaves_stats* octaves = (const ty_octaves_stats*)run->stats;
@@ -31,5 +29,5 @@ const ty_method ty_method_octaves = {.name = "octaves",
                                      .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
                                      .stats = stats,
                                      .stat_count = sizeof stats / sizeof stats[0],
-                                     .render = render,
+                                     TY_VOLUME_METHOD_CALLS(octaves),
                                      .describe = describe};

@@ -28,6 +28,7 @@ static const ty_option options[] = {
     TY_OPTION_SURFACE_POINTS(ty_octaves_def),
     TY_OPTION_SPP(ty_octaves_def),
     TY_OPTION_STEP(ty_octaves_def, "voxels"),
+    TY_OPTION_RAY_SPACING(ty_octaves_def),
 };
 
 const ty_option_table ty_octaves_options =

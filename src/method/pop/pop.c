@@ -195,7 +195,19 @@ static ty_result view(ty_volume_call* call, ty_image** out) {
 /* ty_pop_solve, ty_pop_view and ty_pop_render. */
 TY_DEFINE_VOLUME_CALLS(pop);
 
-const ty_volume_method ty_volume_pop = {TY_VOLUME_METHOD(pop), .solve_fraction = 0.5, .solve = solve, .view = view};
+static void coarsen(void* user) {
+    ty_pop_def* def = user;
+    ty_lower_option(&def->resolution, 24);
+    ty_lower_option(&def->merged, 32);
+    ty_lower_option(&def->direct, 64);
+    ty_lower_option(&def->ordinates, 16);
+    ty_lower_option(&def->surface_points, 4);
+    ty_lower_option(&def->vpls, 16);
+    def->tolerance = fmax(def->tolerance, 0.03);
+}
+
+const ty_volume_method ty_volume_pop = {TY_VOLUME_METHOD(pop), .solve_fraction = 0.5, .solve = solve, .view = view,
+                                        .coarsen = coarsen};
 
 /* ---- importance ---- */
 

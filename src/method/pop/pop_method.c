@@ -27,9 +27,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_pop_stats, isa), TY_STAT_TEXT},
 };
 
-static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {
-    return ty_volume_method_render(&ty_volume_pop, NULL, scene, request, out, run);
-}
+TY_DEFINE_VOLUME_METHOD(pop, ty_volume_pop, NULL);
 
 static void describe(const ty_method_run* run, char* text, size_t size) {
     const ty_pop_stats* pop = (const ty_pop_stats*)run->stats;
@@ -47,5 +45,5 @@ const ty_method ty_method_pop = {.name = "pop",
                                  .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
                                  .stats = stats,
                                  .stat_count = sizeof stats / sizeof stats[0],
-                                 .render = render,
+                                 TY_VOLUME_METHOD_CALLS(pop),
                                  .describe = describe};

@@ -58,6 +58,7 @@ static const ty_option options[] = {
      .doc = "Residual of the diffusion over its source (root mean squares), as of fld, in mode split."},
     TY_OPTION_SPP(ty_pop_def),
     TY_OPTION_STEP(ty_pop_def, "voxels"),
+    TY_OPTION_RAY_SPACING(ty_pop_def),
 };
 
 const ty_option_table ty_pop_options = TY_OPTION_TABLE("pop", ty_pop_def, "ty_default_pop_def", options);

@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_LPV_IMAGE_UPSAMPLE_K_H
 #define TY_METHOD_LPV_IMAGE_UPSAMPLE_K_H
 
-#include "base/vector.k.h"
+#include "image/similarity.k.h"
 
 enum { TY_LPV_UPSAMPLE_PERIOD = 8, TY_LPV_UPSAMPLE_FLOATS = 16 };
 
@@ -25,19 +25,6 @@ typedef struct ty_lpv_upsample {
     int32_t mask; /* number of rows stored, a power of two, minus 1: rows wrap around */
     float weights[TY_LPV_UPSAMPLE_PERIOD][TY_LPV_UPSAMPLE_PERIOD][4]; /* of the four rays around a pixel */
 } ty_lpv_upsample;
-
-/* Relative difference of distances at which the similarity is 0. */
-#define TY_LPV_UPSAMPLE_TOLERANCE 0.1f
-/* Total weight of the neighbours below which a pixel gets a ray of its own. */
-#define TY_LPV_UPSAMPLE_WEIGHT_MIN (1.0f / 64.0f)
-
-/* Similarity of two distances, 0..1; TY_FLOAT_MAX stands for an unbounded ray. */
-TY_FN float ty_lpv_upsample_similarity(float a, float b) {
-    const float apart = fabsf(a - b), within = TY_LPV_UPSAMPLE_TOLERANCE * ty_minf(a, b);
-    const float x = within > 0.0f ? apart / within : apart > 0.0f ? 1.0f : 0.0f;
-    const float left = ty_maxf(0.0f, 1.0f - x * x);
-    return left * left;
-}
 
 /* The two rays around a pixel along one axis, and the weight of the second. A ray represents two pixels and lies
  * between them. */
@@ -147,7 +134,7 @@ TY_FN void ty_lpv_upsample_weigh(const ty_lpv_upsample* from, int32_t x, int32_t
 #pragma omp simd
         for (int32_t k = 0; k < TY_LPV_UPSAMPLE_WIDTH; ++k) {
             row->reached[i][k] = ty_minf(row->reached[i][k], TY_FLOAT_MAX);
-            like[i][k] = ty_lpv_upsample_similarity(row->far[k], row->reached[i][k]);
+            like[i][k] = ty_similarity(row->far[k], row->reached[i][k]);
         }
     }
 #pragma omp simd
@@ -188,7 +175,7 @@ TY_FN void ty_lpv_upsample_row(const ty_lpv_upsample_lanes* lanes, const ty_lpv_
     for (int32_t k = 0; k < count; ++k) {
         float weight[4], farther[4], mean[TY_LPV_UPSAMPLE_FLOATS];
         contrast[k] = -1.0f;
-        if (!(row.sum[k] >= TY_LPV_UPSAMPLE_WEIGHT_MIN)) continue;
+        if (!(row.sum[k] >= TY_SIMILARITY_WEIGHT_MIN)) continue;
         for (int i = 0; i < 4; ++i) {
             weight[i] = row.weight[i][k];
             farther[i] = row.farther[i][k];

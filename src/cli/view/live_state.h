@@ -1,0 +1,127 @@
+/* The state of live rendering, for its own files. */
+#ifndef TY_CLI_VIEW_LIVE_STATE_H
+#define TY_CLI_VIEW_LIVE_STATE_H
+
+#include "cli/view/accumulate.h"
+#include "cli/view/live.h"
+#include "cli/view/requests.h"
+#include "io/scenes/scene_editor.h"
+#include "method/registry.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+/* How good the image is that clients were last shown of the present revision. */
+typedef enum view_shown { VIEW_SHOWN_NOTHING, VIEW_SHOWN_COARSE, VIEW_SHOWN_FULL } view_shown;
+
+/* The last full image of a channel, for files. */
+typedef struct view_picture {
+    int32_t width, height;
+    float* rgb; /* NULL: none yet */
+    uint32_t revision;
+    double spp;
+    char method[16];
+} view_picture;
+
+enum { VIEW_STAGES_MAX = 24 };
+
+typedef struct view_times {
+    double load, solve, view, surfaces, latency; /* ms */
+    int32_t count;
+    struct {
+        const char* name; /* "direct" */
+        double ms;
+    } stages[VIEW_STAGES_MAX];
+} view_times;
+
+struct view_live {
+    ty_context* context;
+    ty_scene_editor* editor;
+    view_server* server;
+    char name[256];   /* of the scene's file */
+    const char* scene_path; /* as given */
+    ty_axis up_axis;
+    const char* record;
+    bool remote;
+    double meters_per_unit;
+
+    /* Shared with the server's threads, under `mutex`. */
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    view_request *first, *last;
+    char* document; /* the scene as compact JSON */
+    char* view;     /* the view as JSON */
+    uint32_t document_revision;
+    double extent[2][3];
+    view_picture pictures[VIEW_CHANNEL_COUNT];
+    bool stop;
+    bool newcomer; /* a client has connected that has not been shown anything */
+    atomic_bool interrupted; /* a request waits, or the end: the running work gives up */
+
+    /* Of the rendering thread alone. */
+    pthread_t thread;
+    bool running;
+    const ty_scene* scene;
+    const ty_method* method;
+    bool automatic; /* the method is chosen anew when lights, media or surfaces change */
+    bool compare, paused;
+    int32_t width, height;
+    double exposure;
+    uint32_t revision;
+    double moved;    /* s: time of the last request that said that more follow; 0: at rest */
+    double received; /* s: of the oldest request that the next image answers */
+
+    const ty_method* light_method;
+    void* lights[TY_SOLVE_FULL + 1]; /* of light_method, by quality; NULL: none */
+    double solve_seconds[TY_SOLVE_FULL + 1];  /* the last solve took; 0: none yet */
+    double coarse_seconds[TY_SOLVE_FULL + 1]; /* the last coarse view of the light took; 0: none yet */
+    double view_seconds;       /* estimate of a view at full size */
+    view_shown shown;
+    bool has_surfaces;
+    bool failed;                /* the method refused the scene: nothing is shown until it changes */
+    view_accumulation surfaces; /* light of surfaces alone, for methods that need it */
+    view_accumulation path;     /* the reference, of path_revision */
+    uint32_t path_revision;
+    double path_seconds;        /* estimate of its first pass at full size */
+    float* rgb;                 /* pixels of the last image, interleaved */
+    size_t rgb_capacity;        /* values */
+    view_difference difference;
+    bool has_difference;
+    double shown_times[32]; /* s: of the last images, a ring, for the rate */
+    uint32_t shown_count;
+    view_times times;
+    char message[512];
+    const char* stage;
+    double fraction;
+    double told; /* s: time of the last status */
+};
+
+/* ---- steps.c ---- */
+
+/* Does the next piece of work: a coarse image, a solve, the full image, a better image of the surfaces, a pass of path.
+ * Returns false when nothing is left to do. */
+bool view_live_step(view_live* live);
+/* Frees light and sums. */
+void view_live_drop_light(view_live* live);
+
+/* ---- answers.c: texts for clients ---- */
+
+void view_tell_status(view_live* live, bool at_once);
+/* Renews document and view, and sends them to all clients; changed: an array of paths, or NULL. */
+void view_tell_scene(view_live* live, const json_t* changed);
+char* view_welcome(view_live* live); /* under the mutex; freed with free() */
+void view_refuse(view_server* server, int32_t client, json_int_t id, const char* text);
+void view_answer_document(view_live* live, const view_request* request);
+void view_answer_done(view_live* live, const view_request* request, const char* key, const char* value);
+
+/* ---- pictures.c: images for files ---- */
+
+/* Keeps a full image of a channel; rgb: 3 per pixel. */
+void view_keep_picture(view_live* live, view_channel channel, const float* rgb, int32_t width, int32_t height,
+                       double spp);
+/* Shows the picture of a channel again, if it is of the present revision. */
+void view_show_picture(view_live* live, view_channel channel);
+/* Writes the picture of the method's channel to a file. Returns false after one line in text. */
+bool view_write_picture(view_live* live, view_channel channel, const char* path, char* text, size_t size);
+
+#endif

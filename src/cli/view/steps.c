@@ -1,0 +1,354 @@
+/* The steps from a change to its final image. */
+#include "cli/view/live_state.h"
+
+#include "base/number.h"
+#include "cli/session.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double coarse_view_seconds = 0.04;  /* aim for images while something moves */
+static const double quick_solve_seconds = 0.06;  /* a full solve that takes less is done at once */
+enum { COARSEST = 8, PATH_SPP_MAX = 1 << 20 };
+
+/* ---- pieces ---- */
+
+static bool report(void* user, const ty_progress* progress) {
+    view_live* live = user;
+    live->stage = progress->stage;
+    live->fraction = progress->fraction;
+    view_tell_status(live, false);
+    return !atomic_load(&live->interrupted);
+}
+
+static float* pixels(view_live* live, int32_t width, int32_t height) {
+    const size_t values = 3 * (size_t)width * (size_t)height;
+    if (values > live->rgb_capacity) {
+        free(live->rgb);
+        live->rgb = malloc(values * sizeof(float));
+        live->rgb_capacity = live->rgb != NULL ? values : 0;
+    }
+    return live->rgb;
+}
+
+static void note_image(view_live* live) {
+    live->shown_times[live->shown_count++ % (sizeof live->shown_times / sizeof live->shown_times[0])] =
+        cli_wall_seconds();
+}
+
+static void show(view_live* live, view_channel channel, const float* rgb, int32_t width, int32_t height, double spp,
+                 bool final) {
+    const double now = cli_wall_seconds();
+    if (channel == VIEW_CHANNEL_METHOD) {
+        if (live->received > 0) live->times.latency = 1e3 * (now - live->received);
+        live->received = 0;
+        note_image(live);
+    }
+    const view_frame frame = {.channel = channel,
+                              .revision = live->revision,
+                              .width = width,
+                              .height = height,
+                              .full_width = live->width,
+                              .full_height = live->height,
+                              .rgb = rgb,
+                              .spp = (float)spp,
+                              .latency = (float)live->times.latency,
+                              .exposure = (float)live->exposure,
+                              .final = final,
+                              .moving = width < live->width || live->moved > 0};
+    if (width == live->width && height == live->height)
+        view_keep_picture(live, channel, rgb, width, height, spp);
+    view_server_show(live->server, &frame);
+}
+
+static bool show_image(view_live* live, const ty_image* image, bool final) {
+    const int32_t width = ty_image_width(image), height = ty_image_height(image);
+    const float* planes[3];
+    float* rgb = pixels(live, width, height);
+    if (rgb == NULL || !ty_image_rgb_planes(image, planes)) return false;
+    const size_t count = (size_t)width * (size_t)height;
+    for (size_t i = 0; i < count; ++i)
+        for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = planes[c][i];
+    show(live, VIEW_CHANNEL_METHOD, rgb, width, height, 0, final);
+    return true;
+}
+
+/* Keeps the refusal of a method for the status, until something changes. Returns true: the step is done. */
+static bool fail(view_live* live, ty_result result) {
+    const char* text = ty_take_error(live->context);
+    if (result == TY_CANCELLED) return true;
+    snprintf(live->message, sizeof live->message, "%s", text[0] != '\0' ? text : ty_result_text(result));
+    live->failed = true;
+    live->received = 0;
+    return true;
+}
+
+/* The divisor of both sides of coarse images. */
+static int32_t coarse_divisor(const view_live* live) {
+    if (live->view_seconds <= 0) return 4;
+    const double divisor = ceil(sqrt(live->view_seconds / coarse_view_seconds));
+    return (int32_t)fmax(1, fmin(divisor, COARSEST));
+}
+
+static void note_view(view_live* live, double seconds, int32_t divisor) {
+    const double full = seconds * divisor * divisor;
+    live->view_seconds = live->view_seconds > 0 ? 0.5 * (live->view_seconds + full) : full;
+}
+
+static int32_t divided(int32_t side, int32_t divisor) {
+    return side / divisor > 1 ? side / divisor : 1;
+}
+
+static ty_render_request request_of(view_live* live, int32_t divisor) {
+    return (ty_render_request){.spp = 1,
+                               .seed = ty_scene_render_settings(live->scene).seed,
+                               .width = divided(live->width, divisor),
+                               .height = divided(live->height, divisor),
+                               .progress = report,
+                               .progress_user = live};
+}
+
+/* ---- stages' times ---- */
+
+/* "march_seconds" as "march"; the names are literals of the methods' tables. */
+static void note_stages(view_live* live, const ty_method_run* run) {
+    for (int32_t i = 0; i < live->method->stat_count; ++i) {
+        const ty_stat* stat = &live->method->stats[i];
+        double seconds;
+        memcpy(&seconds, run->stats + stat->offset, sizeof seconds);
+        if (!stat->stage || stat->type != TY_STAT_NUMBER || seconds <= 0) continue;
+        int32_t at = 0;
+        while (at < live->times.count && live->times.stages[at].name != stat->name) ++at;
+        if (at == VIEW_STAGES_MAX) continue;
+        live->times.stages[at].name = stat->name;
+        live->times.stages[at].ms = 1e3 * seconds;
+        if (at == live->times.count) ++live->times.count;
+    }
+}
+
+/* ---- methods that solve once and view often ---- */
+
+void view_live_drop_light(view_live* live) {
+    for (int i = 0; i <= TY_SOLVE_FULL; ++i) {
+        if (live->lights[i] != NULL) live->light_method->destroy(live->lights[i]);
+        live->lights[i] = NULL;
+    }
+    live->light_method = NULL;
+    live->times.count = 0;
+}
+
+static ty_result solve(view_live* live, ty_solve_quality quality) {
+    const ty_render_request request = request_of(live, 1);
+    const double begun = cli_wall_seconds();
+    ty_method_run run = {.own_seconds = 0};
+    void* light = NULL;
+    if (live->light_method != live->method) view_live_drop_light(live);
+    const ty_result result = live->method->solve(live->scene, &request, quality, &light, &run);
+    if (result != TY_OK) return result;
+    live->light_method = live->method;
+    live->lights[quality] = light;
+    live->solve_seconds[quality] = cli_wall_seconds() - begun;
+    live->times.solve = 1e3 * live->solve_seconds[quality];
+    note_stages(live, &run);
+    return TY_OK;
+}
+
+static bool has_light(const view_live* live, ty_solve_quality quality) {
+    return live->light_method == live->method && live->lights[quality] != NULL;
+}
+
+/* The light for a coarse image: the full one, unless it takes long to solve or to view. */
+static ty_solve_quality coarse_quality(const view_live* live) {
+    const double solve = live->solve_seconds[TY_SOLVE_FULL], view = live->coarse_seconds[TY_SOLVE_FULL];
+    if (view > 2 * coarse_view_seconds) return TY_SOLVE_COARSE;
+    if (has_light(live, TY_SOLVE_FULL)) return TY_SOLVE_FULL;
+    return solve > 0 && solve < quick_solve_seconds ? TY_SOLVE_FULL : TY_SOLVE_COARSE;
+}
+
+/* The surfaces' own light as an image of the sums' size; *out stays NULL where the method needs none. */
+static ty_result surfaces_image(view_live* live, ty_image** out) {
+    const view_accumulation* sum = &live->surfaces;
+    *out = NULL;
+    if (!live->method->takes_surfaces || !live->has_surfaces) return TY_OK;
+    const ty_result result = ty_image_create_rgb(live->context, sum->width, sum->height, out);
+    if (result != TY_OK) return result;
+    const size_t count = (size_t)sum->width * (size_t)sum->height;
+    float* rgb = pixels(live, sum->width, sum->height);
+    if (rgb == NULL) return TY_ERROR_MEMORY;
+    view_accumulation_mean(sum, rgb);
+    for (int32_t c = 0; c < 3; ++c) {
+        float* plane = ty_image_plane(*out, c);
+        for (size_t i = 0; i < count; ++i) plane[i] = rgb[3 * i + (size_t)c];
+    }
+    return TY_OK;
+}
+
+/* Adds samples to the surfaces' own light, from none where its size or the scene changed. */
+static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew) {
+    if (!live->method->takes_surfaces || !live->has_surfaces) return TY_OK;
+    const int32_t width = divided(live->width, divisor), height = divided(live->height, divisor);
+    if (anew && !view_accumulation_reset(&live->surfaces, width, height, true)) return TY_ERROR_MEMORY;
+    const double begun = cli_wall_seconds();
+    const ty_result result = view_accumulation_add(&live->surfaces, live->scene, PATH_SPP_MAX, report, live);
+    live->times.surfaces = 1e3 * (cli_wall_seconds() - begun);
+    return result;
+}
+
+static ty_result view(view_live* live, ty_solve_quality quality, int32_t divisor, bool final) {
+    const ty_render_request request = request_of(live, divisor);
+    ty_image *surfaces = NULL, *image = NULL;
+    ty_method_run run = {.own_seconds = 0};
+    ty_result result = surfaces_image(live, &surfaces);
+    const double begun = cli_wall_seconds();
+    if (result == TY_OK) result = live->method->view(live->lights[quality], live->scene, &request, surfaces, &image, &run);
+    const double seconds = cli_wall_seconds() - begun;
+    if (result == TY_OK) {
+        live->times.view = 1e3 * seconds;
+        note_view(live, seconds, divisor);
+        if (divisor > 1) live->coarse_seconds[quality] = seconds;
+        note_stages(live, &run);
+        if (!show_image(live, image, final)) result = TY_ERROR_MEMORY;
+    }
+    ty_image_destroy(image);
+    ty_image_destroy(surfaces);
+    return result;
+}
+
+/* The first image after a change: from the light that holds, or a coarse or quick solve. */
+static ty_result show_coarse(view_live* live) {
+    const ty_solve_quality quality = coarse_quality(live);
+    const int32_t divisor = coarse_divisor(live);
+    ty_result result = has_light(live, quality) ? TY_OK : solve(live, quality);
+    if (result == TY_OK) result = trace_surfaces(live, divisor, true);
+    if (result == TY_OK) result = view(live, quality, divisor, false);
+    return result;
+}
+
+/* True while more samples of the surfaces would show in the image. */
+static bool surfaces_are_noisy(const view_live* live) {
+    if (!live->method->takes_surfaces || !live->has_surfaces) return false;
+    return view_accumulation_spp(&live->surfaces) < fmax(ty_scene_render_settings(live->scene).spp, 16);
+}
+
+/* Returns false when the method's image is final. */
+static bool step_light(view_live* live) {
+    if (live->shown == VIEW_SHOWN_NOTHING) {
+        const ty_result result = show_coarse(live);
+        if (result != TY_OK) return fail(live, result);
+        live->shown = VIEW_SHOWN_COARSE;
+        return true;
+    }
+    if (live->moved > 0) return false;
+    ty_result result = TY_OK;
+    if (!has_light(live, TY_SOLVE_FULL)) {
+        result = solve(live, TY_SOLVE_FULL);
+        return result == TY_OK || fail(live, result);
+    }
+    const bool first = live->shown == VIEW_SHOWN_COARSE;
+    if (!first && !surfaces_are_noisy(live)) return false;
+    result = trace_surfaces(live, 1, first);
+    if (result == TY_OK) result = view(live, TY_SOLVE_FULL, 1, !surfaces_are_noisy(live));
+    if (result != TY_OK) return fail(live, result);
+    live->shown = VIEW_SHOWN_FULL;
+    live->has_difference = false;
+    return true;
+}
+
+/* ---- methods that render at once ---- */
+
+static bool step_render(view_live* live) {
+    if (live->shown == VIEW_SHOWN_FULL || (live->shown == VIEW_SHOWN_COARSE && live->moved > 0)) return false;
+    const bool coarse = live->shown == VIEW_SHOWN_NOTHING;
+    const int32_t divisor = coarse ? coarse_divisor(live) : 1;
+    const ty_render_request request = request_of(live, divisor);
+    const double begun = cli_wall_seconds();
+    ty_method_run run = {.own_seconds = 0};
+    ty_image* image = NULL;
+    ty_result result = live->method->render(live->scene, &request, &image, &run);
+    const double seconds = cli_wall_seconds() - begun;
+    if (result == TY_OK) {
+        live->times.view = 1e3 * seconds;
+        note_view(live, seconds, divisor);
+        note_stages(live, &run);
+        if (!show_image(live, image, divisor == 1)) result = TY_ERROR_MEMORY;
+    }
+    ty_image_destroy(image);
+    if (result != TY_OK) return fail(live, result);
+    live->shown = divisor == 1 ? VIEW_SHOWN_FULL : VIEW_SHOWN_COARSE;
+    return true;
+}
+
+/* ---- path: as the method, and as the reference ---- */
+
+static bool show_path(view_live* live, bool as_method, bool final) {
+    const view_accumulation* sum = &live->path;
+    float* rgb = pixels(live, sum->width, sum->height);
+    if (rgb == NULL) return fail(live, TY_ERROR_MEMORY);
+    view_accumulation_mean(sum, rgb);
+    const double spp = view_accumulation_spp(sum);
+    if (as_method) show(live, VIEW_CHANNEL_METHOD, rgb, sum->width, sum->height, spp, final);
+    show(live, VIEW_CHANNEL_PATH, rgb, sum->width, sum->height, spp, false);
+    return true;
+}
+
+static void compare(view_live* live) {
+    const view_picture* picture = &live->pictures[VIEW_CHANNEL_METHOD]; /* written by this thread alone */
+    if (live->shown != VIEW_SHOWN_FULL || picture->rgb == NULL || picture->revision != live->revision) return;
+    if (picture->width != live->path.width || picture->height != live->path.height) return;
+    live->has_difference = view_accumulation_compare(&live->path, picture->rgb, &live->difference);
+}
+
+/* Adds a pass of path at the size of a divisor; the sums begin anew where revision or size are others. */
+static bool pass_path(view_live* live, int32_t divisor, bool as_method) {
+    const int32_t width = divided(live->width, divisor), height = divided(live->height, divisor);
+    const bool anew = live->path_revision != live->revision || live->path.width != width || live->path.height != height;
+    if (anew && !view_accumulation_reset(&live->path, width, height, false)) return fail(live, TY_ERROR_MEMORY);
+    if (anew) live->has_difference = false;
+    live->path_revision = live->revision;
+    const double begun = cli_wall_seconds();
+    const ty_result result = view_accumulation_add(&live->path, live->scene, PATH_SPP_MAX, report, live);
+    if (result == TY_CANCELLED) return true;
+    if (result != TY_OK) return fail(live, result);
+    const double seconds = cli_wall_seconds() - begun;
+    if (as_method) live->times.view = 1e3 * seconds;
+    if (anew) live->path_seconds = seconds * divisor * divisor;
+    if (!as_method) compare(live);
+    return show_path(live, as_method, false);
+}
+
+/* The divisor of a first image by path. */
+static int32_t path_divisor(const view_live* live) {
+    if (live->path_seconds <= 0) return 4;
+    const double divisor = ceil(sqrt(live->path_seconds / coarse_view_seconds));
+    return (int32_t)fmax(1, fmin(divisor, COARSEST));
+}
+
+static bool step_path(view_live* live) {
+    if (live->shown == VIEW_SHOWN_NOTHING) {
+        pass_path(live, path_divisor(live), true);
+        if (live->path_revision == live->revision && view_accumulation_spp(&live->path) > 0)
+            live->shown = VIEW_SHOWN_COARSE;
+        return true;
+    }
+    if (live->moved > 0 || view_accumulation_spp(&live->path) >= PATH_SPP_MAX) return false;
+    live->shown = VIEW_SHOWN_FULL;
+    return pass_path(live, 1, true);
+}
+
+/* ---- the next step ---- */
+
+static bool step_reference(view_live* live) {
+    if (!live->compare) return false;
+    const bool coarse = live->path_revision != live->revision && live->moved > 0;
+    if (!coarse && live->moved > 0) return false;
+    if (view_accumulation_spp(&live->path) >= PATH_SPP_MAX && live->path_revision == live->revision) return false;
+    return pass_path(live, coarse ? path_divisor(live) : 1, false);
+}
+
+bool view_live_step(view_live* live) {
+    if (live->paused && live->shown != VIEW_SHOWN_NOTHING) return false;
+    if (live->method == &ty_method_path) return step_path(live);
+    const bool worked = !live->failed && (live->method->solve != NULL ? step_light(live) : step_render(live));
+    return worked || (!live->paused && step_reference(live));
+}

@@ -1,0 +1,129 @@
+/* tyndall view: a scene in a window of the browser, rendered anew while it changes. */
+#define _GNU_SOURCE
+#include "cli/commands.h"
+#include "cli/methods.h"
+#include "cli/session.h"
+#include "cli/view/live.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+typedef struct view_options {
+    int32_t port, size[2];
+    bool no_open, remote, no_compare;
+    const char *method, *record;
+    cli_list overrides;
+} view_options;
+
+/* Opens the page in the desktop's browser, where there is a desktop. */
+static void open_browser(const char* url) {
+    if (getenv("DISPLAY") == NULL && getenv("WAYLAND_DISPLAY") == NULL) return;
+    const pid_t child = fork();
+    if (child > 0) waitpid(child, NULL, 0);
+    if (child != 0) return;
+    if (fork() == 0) { /* a grandchild, which nobody has to wait for */
+        close(STDOUT_FILENO);
+        close(STDERR_FILENO);
+        execlp("xdg-open", "xdg-open", url, (char*)NULL);
+    }
+    _exit(0);
+}
+
+static void wait_for_interrupt(void) {
+    const struct timespec tenth = {.tv_nsec = 100000000};
+    while (!cli_interrupted()) nanosleep(&tenth, NULL);
+}
+
+/* Serves until an interrupt; returns the exit status. */
+static int serve(cli_session* session, view_live* live, const view_options* options) {
+    const view_server_def def = {.port = options->port,
+                                 .remote = options->remote,
+                                 .user = live,
+                                 .receive = view_live_receive,
+                                 .connected = view_live_connected,
+                                 .image = view_live_image};
+    char message[256], url[128];
+    view_server* server = view_server_start(&def, message, sizeof message);
+    if (server == NULL) return cli_fail(CLI_FAILED, "%s", message);
+    int status = CLI_DONE;
+    snprintf(url, sizeof url, "http://127.0.0.1:%d/?token=%s", (int)view_server_port(server),
+             view_server_token(server));
+    printf("%s\n", url);
+    fflush(stdout);
+    if (!view_live_start(live, server)) status = cli_fail(CLI_FAILED, "the rendering thread cannot be started");
+    if (status == CLI_DONE && !session->common.quiet) fprintf(stderr, "view: Ctrl-C ends it\n");
+    if (status == CLI_DONE && !options->no_open) open_browser(url);
+    if (status == CLI_DONE) wait_for_interrupt();
+    view_live_stop(live);
+    view_server_stop(server);
+    return status;
+}
+
+static int load_and_serve(cli_session* session, const char* path, const view_options* options) {
+    const view_live_def def = {.context = session->context,
+                               .path = path,
+                               .overrides = options->overrides.items,
+                               .override_count = options->overrides.count,
+                               .method = options->method,
+                               .width = options->size[0],
+                               .height = options->size[1],
+                               .compare = !options->no_compare,
+                               .remote = options->remote,
+                               .record = options->record};
+    view_live* live = NULL;
+    cli_end_on_interrupt(true);
+    const ty_result result = view_live_open(&def, &live);
+    cli_end_on_interrupt(false);
+    const int status = result == TY_OK ? serve(session, live, options) : cli_fail_reading(session, result);
+    view_live_close(live);
+    return cli_session_close(session, status);
+}
+
+static bool print_words(FILE* file, const char* option) {
+    if (option == NULL || strcmp(option, "method") != 0) return false;
+    fprintf(file, "%s ", cli_method_auto.name);
+    for (int i = 0; ty_methods[i] != NULL; ++i) fprintf(file, "%s ", ty_methods[i]->name);
+    return true;
+}
+
+int cli_view(int count, char** arguments) {
+    view_options options = {.port = 0};
+    char methods[160];
+    cli_name_methods_in("(default: that of the scene)", methods, sizeof methods);
+    const cli_option table[] = {
+        {"port", 0, CLI_INT, "N", "port on 127.0.0.1 (default 0: a free one)", &options.port, 0, 65535, NULL},
+        {"no-open", 0, CLI_FLAG, NULL, "do not open the browser", &options.no_open, 0, 0, NULL},
+        {"method", 0, CLI_TEXT, "NAME", methods, &options.method, 0, 0, NULL},
+        {"size", 0, CLI_SIZE, "WxH", "pixels (default: those of the camera, within 960x540)", options.size, 0, 0, NULL},
+        {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)",
+         &options.overrides, 0, 0, NULL},
+        {"no-compare", 0, CLI_FLAG, NULL, "do not path trace in the background", &options.no_compare, 0, 0, NULL},
+        {"remote", 0, CLI_FLAG, NULL, "compress: JPEG while something moves, lossless at rest", &options.remote, 0, 0,
+         NULL},
+        {"record", 0, CLI_TEXT, "FOLDER", "where the page may write images", &options.record, 0, 0, NULL},
+    };
+    const cli_syntax syntax = {
+        "view",
+        "SCENE [options]",
+        "Shows a scene in the browser, live.",
+        "Prints the page's address as the first line on stdout and serves it on 127.0.0.1 until Ctrl-C. Fog, lights and\n"
+        "camera move in the page; any method renders them, and path converges beside it with the difference in numbers.\n"
+        "The address holds a token: who has it may look and change the scene in memory. Nothing is written but images\n"
+        "into FOLDER. On another machine, forward the port by ssh -L and use --remote. docs/view.md",
+        table,
+        sizeof table / sizeof table[0],
+        1,
+        1,
+        print_words};
+    cli_arguments given;
+    int status = cli_parse(&syntax, count, arguments, &given);
+    if (status == CLI_GO && options.method != NULL && cli_find_method("view", options.method) == NULL)
+        status = CLI_USAGE;
+    if (status == CLI_GO && options.record != NULL) status = cli_make_folder("view", options.record);
+    cli_session session;
+    if (status == CLI_GO) status = cli_session_open(&session, "view", &given.common);
+    return status == CLI_GO ? load_and_serve(&session, given.positional[0], &options) : status;
+}

@@ -1,0 +1,160 @@
+#define _GNU_SOURCE
+#include "io/scenes/asset_cache.h"
+
+#include "base/context.h"
+#include "io/file.h"
+#include "io/scenes/scene_reader.h"
+
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- content ---- */
+
+static void release_content(ty_asset* asset) {
+    ty_grid_release(asset->grid);
+    ty_image_destroy(asset->image);
+    ty_closed_mesh_release(asset->shell);
+}
+
+static void destroy_asset(ty_context* context, ty_asset* asset) {
+    release_content(asset);
+    ty_free_text(context, (char*)asset->volume.grid);
+    ty_free_array(context, asset, 1, sizeof *asset);
+}
+
+/* True if two defs request the same grid of one file. */
+static bool same_volume(const ty_volume_def* a, const ty_volume_def* b) {
+    return strcmp(a->grid, b->grid) == 0 && a->component == b->component &&
+           memcmp(a->raw_size, b->raw_size, sizeof a->raw_size) == 0 && strcmp(a->raw_type, b->raw_type) == 0 &&
+           a->raw_big_endian == b->raw_big_endian && a->raw_offset == b->raw_offset &&
+           memcmp(a->raw_spacing, b->raw_spacing, sizeof a->raw_spacing) == 0;
+}
+
+static bool same_source(const ty_asset* a, const ty_asset* b) {
+    if (a->kind != b->kind || a->file != b->file) return false;
+    switch (a->kind) {
+    case TY_ASSET_COMPONENTS:
+    case TY_ASSET_GRID: return same_volume(&a->volume, &b->volume);
+    case TY_ASSET_NOISE: return memcmp(&a->noise, &b->noise, sizeof a->noise) == 0;
+    case TY_ASSET_IMAGE: return true;
+    case TY_ASSET_SHELL:
+        return a->to_z_up == b->to_z_up && memcmp(&a->placement, &b->placement, sizeof a->placement) == 0;
+    }
+    return false;
+}
+
+const ty_asset* ty_assets_find(ty_asset_cache* cache, const ty_asset* key) {
+    for (size_t i = 0; i < cache->asset_count; ++i) {
+        if (!same_source(cache->assets[i], key)) continue;
+        cache->assets[i]->used = cache->reading;
+        return cache->assets[i];
+    }
+    return NULL;
+}
+
+ty_result ty_assets_keep(ty_asset_cache* cache, const ty_asset* asset) {
+    ty_context* context = cache->context;
+    ty_asset* kept = ty_alloc_array(context, 1, sizeof *kept, true);
+    char* name = asset->volume.grid != NULL ? ty_copy_text(context, asset->volume.grid) : NULL;
+    const bool named = name != NULL || asset->volume.grid == NULL;
+    if (kept != NULL) *kept = *asset;
+    if (kept == NULL || !named ||
+        !ty_grow_array(context, (void**)&cache->assets, &cache->asset_capacity, cache->asset_count,
+                       sizeof(ty_asset*))) {
+        ty_asset content = *asset;
+        release_content(&content);
+        ty_free_text(context, name);
+        ty_free_array(context, kept, 1, sizeof *kept);
+        return TY_ERROR_MEMORY;
+    }
+    kept->volume.grid = name;
+    kept->used = cache->reading;
+    cache->assets[cache->asset_count++] = kept;
+    return TY_OK;
+}
+
+/* ---- files ---- */
+
+static void stamp(ty_asset_file* file, const struct stat* status) {
+    file->size = status->st_size;
+    file->seconds = status->st_mtim.tv_sec;
+    file->nanoseconds = status->st_mtim.tv_nsec;
+}
+
+static bool is_unchanged(const ty_asset_file* file) {
+    struct stat status;
+    ty_asset_file now;
+    if (stat(file->path, &status) != 0) return false;
+    stamp(&now, &status);
+    return now.size == file->size && now.seconds == file->seconds && now.nanoseconds == file->nanoseconds;
+}
+
+static void drop_content(ty_asset_cache* cache, const ty_asset_file* file) {
+    size_t kept = 0;
+    for (size_t i = 0; i < cache->asset_count; ++i)
+        if (cache->assets[i]->file == file)
+            destroy_asset(cache->context, cache->assets[i]);
+        else
+            cache->assets[kept++] = cache->assets[i];
+    cache->asset_count = kept;
+}
+
+/* The file's state is taken before its content, so that a file that changes meanwhile counts as changed. */
+static ty_result hash_file(ty_asset_cache* cache, ty_asset_file* file) {
+    struct stat status = {.st_size = -1};
+    uint64_t digest = TY_HASH_START;
+    stat(file->path, &status);
+    const ty_result result = ty_hash_file_and_names(cache->context, file->path, &digest);
+    if (result != TY_OK) return result;
+    stamp(file, &status);
+    file->digest = digest;
+    return TY_OK;
+}
+
+static ty_result add_file(ty_asset_cache* cache, const char* path, ty_asset_file** out) {
+    ty_context* context = cache->context;
+    if (!ty_grow_array(context, (void**)&cache->files, &cache->file_capacity, cache->file_count,
+                       sizeof(ty_asset_file*)))
+        return TY_ERROR_MEMORY;
+    ty_asset_file* file = ty_alloc_array(context, 1, sizeof *file, true);
+    if (file == NULL) return TY_ERROR_MEMORY;
+    file->path = ty_copy_text(context, path);
+    const ty_result result = file->path != NULL ? hash_file(cache, file) : TY_ERROR_MEMORY;
+    if (result != TY_OK) {
+        ty_free_text(context, file->path);
+        ty_free_array(context, file, 1, sizeof *file);
+        return result;
+    }
+    cache->files[cache->file_count++] = file;
+    *out = file;
+    return TY_OK;
+}
+
+/* Hashes a file again that was changed; what was made of it before goes. */
+static ty_result refresh_file(ty_asset_cache* cache, ty_asset_file* file) {
+    if (file->used == cache->reading || is_unchanged(file)) return TY_OK;
+    drop_content(cache, file);
+    file->size = -1;
+    return hash_file(cache, file);
+}
+
+ty_result ty_assets_file(ty_asset_cache* cache, const char* path, const ty_asset_file** out) {
+    ty_asset_file* file = NULL;
+    for (size_t i = 0; i < cache->file_count && file == NULL; ++i)
+        if (strcmp(cache->files[i]->path, path) == 0) file = cache->files[i];
+    const ty_result result = file != NULL ? refresh_file(cache, file) : add_file(cache, path, &file);
+    if (result != TY_OK) return result;
+    file->used = cache->reading;
+    *out = file;
+    return TY_OK;
+}
+
+void ty_assets_release(ty_asset_cache* cache) {
+    for (size_t i = 0; i < cache->asset_count; ++i) destroy_asset(cache->context, cache->assets[i]);
+    for (size_t i = 0; i < cache->file_count; ++i) {
+        ty_free_text(cache->context, cache->files[i]->path);
+        ty_free_array(cache->context, cache->files[i], 1, sizeof(ty_asset_file));
+    }
+    ty_free_array(cache->context, cache->assets, cache->asset_capacity, sizeof(ty_asset*));
+    ty_free_array(cache->context, cache->files, cache->file_capacity, sizeof(ty_asset_file*));
+}

@@ -1,0 +1,58 @@
+/* Files, content and noise of a scene, kept from one reading of it to the next: digests, volumes, maps, closed meshes.
+ */
+#ifndef TY_IO_ASSET_CACHE_H
+#define TY_IO_ASSET_CACHE_H
+
+#include <tyndall/io.h>
+
+/* A file that was hashed; its path is that by which it is opened. */
+typedef struct ty_asset_file {
+    char* path;
+    int64_t size, seconds, nanoseconds; /* of the file when it was hashed */
+    uint64_t digest;                    /* of the file and the files that it names */
+    uint64_t used;                      /* number of the last reading that used it */
+} ty_asset_file;
+
+typedef enum ty_asset_kind {
+    TY_ASSET_COMPONENTS, /* values per voxel of a volume */
+    TY_ASSET_GRID,
+    TY_ASSET_NOISE,
+    TY_ASSET_IMAGE,
+    TY_ASSET_SHELL
+} ty_asset_kind;
+
+/* Content, and what it was made from: fields that do not matter to its kind are zero. */
+typedef struct ty_asset {
+    ty_asset_kind kind;
+    const ty_asset_file* file; /* NULL: computed */
+    ty_volume_def volume;      /* TY_ASSET_COMPONENTS, TY_ASSET_GRID; its frame does not matter */
+    ty_noise_def noise;
+    ty_affine placement; /* TY_ASSET_SHELL, with to_z_up */
+    bool to_z_up;
+    int32_t components;
+    ty_grid* grid;
+    ty_image* image;
+    ty_closed_mesh* shell;
+    uint64_t used; /* number of the last reading that used it */
+} ty_asset;
+
+typedef struct ty_asset_cache {
+    ty_context* context;
+    uint64_t reading; /* number of the reading; a file is looked at once in each */
+    ty_asset_file** files;
+    size_t file_count, file_capacity;
+    ty_asset** assets;
+    size_t asset_count, asset_capacity;
+} ty_asset_cache;
+
+void ty_assets_release(ty_asset_cache* cache);
+
+/* The record of a file, which lives until ty_assets_trim. Hashes the file if it is new, or if its size or time of
+ * modification have changed since it was hashed: content made from it is dropped then. */
+ty_result ty_assets_file(ty_asset_cache* cache, const char* path, const ty_asset_file** out);
+/* Content made from the same as that of key; NULL if there is none. */
+const ty_asset* ty_assets_find(ty_asset_cache* cache, const ty_asset* key);
+/* Keeps content; the grid, image or closed mesh of *asset is taken over, also on failure, and strings are copied. */
+ty_result ty_assets_keep(ty_asset_cache* cache, const ty_asset* asset);
+
+#endif

@@ -1,0 +1,258 @@
+#include "io/scenes/scene_editor.h"
+
+#include "base/context.h"
+#include "io/json_edit.h"
+#include "io/json_text.h"
+#include "io/schema_text.h"
+#include "io/scenes/scene_reader.h"
+#include "io/scenes/scene_schema.h"
+#include "scene/scene.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { PATH_SIZE = 512, ALL_SECTIONS = (1 << TY_SECTIONS) - 1 };
+
+struct ty_scene_editor {
+    ty_context* context;
+    char* name;
+    ty_scene_source source;
+    json_t* schema;
+    json_t* opened; /* the file's document, without overrides */
+    json_t* root;   /* the document after overrides and edits */
+    char* text;
+    ty_asset_cache assets;
+    ty_file_digests files[TY_SECTIONS];
+    ty_scene* scene;
+};
+
+/* ---- readings ---- */
+
+static ty_scene_reader start_reading(ty_scene_editor* editor) {
+    ++editor->assets.reading;
+    return (ty_scene_reader){.context = editor->context,
+                             .clean = !ty_has_error(editor->context),
+                             .name = editor->name,
+                             .folder = editor->source.folder,
+                             .schema = editor->schema,
+                             .assets = &editor->assets};
+}
+
+/* Releases what the reader still has. */
+static void end_reading(ty_scene_reader* reader) {
+    ty_scene_destroy(reader->scene);
+    ty_free_digests(reader);
+    json_decref(reader->root);
+}
+
+static char* compact_text(ty_context* context, const json_t* root) {
+    ty_text text = {.context = context};
+    ty_text_add_compact(&text, root);
+    return ty_text_finish(&text);
+}
+
+/* Takes over the reader's document and scene, which is committed. */
+static void take_over(ty_scene_editor* editor, ty_scene_reader* reader, char* text) {
+    ty_scene* scene = editor->scene;
+    json_t* root = editor->root;
+    editor->scene = reader->scene;
+    editor->root = reader->root;
+    reader->scene = scene;
+    reader->root = root;
+    for (int s = 0; s < TY_SECTIONS; ++s) {
+        const ty_file_digests files = editor->files[s];
+        editor->files[s] = reader->files[s];
+        reader->files[s] = files;
+    }
+    ty_free_text(editor->context, editor->text);
+    editor->text = text;
+}
+
+/* Reads and commits the reader's document. */
+static ty_result build(ty_scene_editor* editor, ty_scene_reader* reader) {
+    uint64_t hash = 0;
+    char* text = NULL;
+    ty_result result = ty_read_sections(reader, ALL_SECTIONS);
+    if (result == TY_OK) result = ty_reader_hash(reader, reader->files, &hash);
+    if (result == TY_OK) ty_scene_set_hash(reader->scene, hash);
+    if (result == TY_OK) result = ty_scene_commit(reader->scene);
+    if (result == TY_OK) {
+        text = compact_text(editor->context, reader->root);
+        if (text == NULL) result = TY_ERROR_MEMORY;
+    }
+    if (result == TY_OK) take_over(editor, reader, text);
+    return result;
+}
+
+/* ---- opening ---- */
+
+static ty_result load(ty_scene_editor* editor, const char* const* overrides, int32_t count) {
+    ty_scene_reader reader = start_reading(editor);
+    reader.text = editor->source.text;
+    reader.length = editor->source.length;
+    ty_result result = ty_reader_parse(&reader);
+    if (result == TY_OK) {
+        editor->opened = json_deep_copy(reader.root);
+        if (editor->opened == NULL) result = ty_fail(editor->context, TY_ERROR_MEMORY, "not enough memory");
+    }
+    if (result == TY_OK) result = ty_apply_overrides(&reader, overrides, count);
+    if (result == TY_OK) result = ty_reader_check(&reader, NULL);
+    if (result == TY_OK) result = build(editor, &reader);
+    ty_free_overrides(&reader);
+    end_reading(&reader);
+    return result;
+}
+
+ty_result ty_scene_editor_open(ty_context* context, const char* path, const char* const* overrides,
+                               int32_t override_count, ty_scene_editor** out) {
+    if (context == NULL || path == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_scene_editor_open: context, path or out is NULL");
+    ty_scene_editor* editor = ty_alloc_array(context, 1, sizeof *editor, true);
+    if (editor == NULL) return TY_ERROR_MEMORY;
+    editor->context = editor->assets.context = context;
+    ty_result result = ty_open_source(context, path, &editor->source);
+    if (result == TY_OK) {
+        editor->name = ty_copy_text(context, path);
+        if (editor->name == NULL) result = TY_ERROR_MEMORY;
+    }
+    if (result == TY_OK) {
+        editor->schema = ty_scene_schema_tree();
+        if (editor->schema == NULL) result = ty_fail(context, TY_ERROR_MEMORY, "not enough memory for the schema");
+    }
+    if (result == TY_OK) result = load(editor, overrides, override_count);
+    if (result == TY_OK)
+        *out = editor;
+    else
+        ty_scene_editor_close(editor);
+    return result;
+}
+
+void ty_scene_editor_close(ty_scene_editor* editor) {
+    if (editor == NULL) return;
+    ty_context* context = editor->context;
+    ty_scene_destroy(editor->scene);
+    ty_assets_release(&editor->assets);
+    for (int s = 0; s < TY_SECTIONS; ++s)
+        ty_free_array(context, editor->files[s].values, editor->files[s].capacity, sizeof(uint64_t));
+    ty_free_text(context, editor->text);
+    ty_free_text(context, editor->name);
+    ty_close_source(context, &editor->source);
+    json_decref(editor->schema);
+    json_decref(editor->opened);
+    json_decref(editor->root);
+    ty_free_array(context, editor, 1, sizeof *editor);
+}
+
+const ty_scene* ty_scene_editor_scene(const ty_scene_editor* editor) {
+    return editor->scene;
+}
+
+const char* ty_scene_editor_text(const ty_scene_editor* editor) {
+    return editor->text;
+}
+
+/* ---- edits ---- */
+
+static ty_result fail_change(ty_context* context, const ty_scene_change* change, const char* reason) {
+    char text[PATH_SIZE] = "";
+    ty_append(text, sizeof text, "%s", change->path);
+    for (char* at = text; *at != '\0'; ++at)
+        if ((unsigned char)*at < ' ' || *at == 0x7f) *at = '?';
+    return ty_fail(context, TY_ERROR_ARGUMENT, "%s: %s", text, reason);
+}
+
+static ty_result change_document(ty_context* context, json_t* root, const ty_scene_change* change) {
+    if (change->path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "a change has no path");
+    char keys[PATH_SIZE], reason[256];
+    ty_json_path path;
+    const size_t length = strlen(change->path);
+    if (length < sizeof keys) memcpy(keys, change->path, length + 1);
+    if (length >= sizeof keys || !ty_json_parse_path(keys, &path))
+        return fail_change(context, change, "expected a path such as media[0].g");
+    json_t* value =
+        change->value == NULL ? json_null() : json_loads(change->value, JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
+    if (value == NULL) return fail_change(context, change, "the value is not valid JSON");
+    switch (ty_json_put(root, &path, value, reason, sizeof reason)) {
+    case TY_JSON_PUT: return TY_OK;
+    case TY_JSON_REFUSED: return fail_change(context, change, reason);
+    case TY_JSON_NO_MEMORY: break;
+    }
+    return ty_fail(context, TY_ERROR_MEMORY, "not enough memory for a change");
+}
+
+/* A copy of the document with all changes. */
+static ty_result change_copy(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count, json_t** out) {
+    *out = json_deep_copy(editor->root);
+    if (*out == NULL) return ty_fail(editor->context, TY_ERROR_MEMORY, "not enough memory for a change");
+    ty_result result = TY_OK;
+    for (int32_t i = 0; i < count && result == TY_OK; ++i) result = change_document(editor->context, *out, &changes[i]);
+    return result;
+}
+
+/* True if the documents differ in a member of one of the keys, a list ended by NULL. */
+static bool differ(const json_t* a, const json_t* b, const char* const* keys) {
+    for (; *keys != NULL; ++keys)
+        if (!ty_json_same(json_object_get(a, *keys), json_object_get(b, *keys))) return true;
+    return false;
+}
+
+/* The first area light at or after *index, which moves behind it; NULL if there is none. */
+static const json_t* next_area_light(const json_t* root, size_t* index) {
+    const json_t* lights = json_object_get(root, "lights");
+    while (*index < json_array_size(lights)) {
+        const json_t* light = json_array_get(lights, (*index)++);
+        if (strcmp(json_string_value(json_object_get(light, "type")), "area") == 0) return light;
+    }
+    return NULL;
+}
+
+/* True if the documents have different area lights, which are surfaces, too. */
+static bool area_lights_differ(const json_t* a, const json_t* b) {
+    size_t i = 0, k = 0;
+    const json_t *first, *second;
+    do {
+        first = next_area_light(a, &i);
+        second = next_area_light(b, &k);
+        if (!ty_json_same(first, second)) return true;
+    } while (first != NULL);
+    return false;
+}
+
+/* Flags of the parts whose keys differ. */
+static uint32_t compare(const json_t* before, const json_t* after) {
+    static const char *const render[] = {"render", NULL}, *const camera[] = {"camera", NULL},
+                             *const light[] = {"media", "lights", "frame", NULL},
+                             *const geometry[] = {"geometry", NULL},
+                             *const space[] = {"meters_per_unit", "up_axis", NULL};
+    uint32_t flags = TY_EDIT_NOTHING;
+    if (differ(before, after, render)) flags |= TY_EDIT_RENDER;
+    if (differ(before, after, camera)) flags |= TY_EDIT_CAMERA;
+    if (differ(before, after, light)) flags |= TY_EDIT_LIGHT;
+    if (differ(before, after, geometry) || area_lights_differ(before, after)) flags |= TY_EDIT_GEOMETRY;
+    if (differ(before, after, space)) flags |= TY_EDIT_CAMERA | TY_EDIT_LIGHT | TY_EDIT_GEOMETRY;
+    return flags;
+}
+
+static ty_result apply(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count, uint32_t* edited) {
+    ty_scene_reader reader = start_reading(editor);
+    reader.bare = true;
+    ty_result result = change_copy(editor, changes, count, &reader.root);
+    if (result == TY_OK && !json_equal(editor->root, reader.root)) {
+        result = ty_reader_check(&reader, NULL);
+        const uint32_t flags = result == TY_OK ? compare(editor->root, reader.root) : TY_EDIT_NOTHING;
+        if (result == TY_OK) result = build(editor, &reader);
+        if (result == TY_OK) *edited = flags;
+    }
+    end_reading(&reader);
+    return result;
+}
+
+ty_result ty_scene_editor_apply(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count,
+                                uint32_t* edited) {
+    uint32_t flags = TY_EDIT_NOTHING;
+    if (count < 0 || (count > 0 && changes == NULL))
+        return ty_fail(editor->context, TY_ERROR_ARGUMENT, "%d changes, but none are given", (int)count);
+    const ty_result result = apply(editor, changes, count, &flags);
+    if (edited != NULL) *edited = flags;
+    return result;
+}

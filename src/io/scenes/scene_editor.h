@@ -1,0 +1,46 @@
+/* A scene that is edited while it is shown: the document of a scene file, what it names, and the scene made of them
+ * stay in memory, and a change makes anew only what depends on it. The scene is then as if ty_scene_load had read the
+ * edited document: its hash and its images are the same, bit by bit.
+ *
+ * Files are looked at when the section that names them changes, and read again if their size or time of modification
+ * is another; what is not named any more is kept in memory up to a limit, so that a look at the frame before is fast.
+ *
+ * One thread uses an editor at a time. */
+#ifndef TY_IO_SCENE_EDITOR_H
+#define TY_IO_SCENE_EDITOR_H
+
+#include <tyndall/io.h>
+
+typedef struct ty_scene_editor ty_scene_editor;
+
+/* Loads as ty_scene_load does. The overrides stay in force until a change of the same values. */
+ty_result ty_scene_editor_open(ty_context* context, const char* path, const char* const* overrides,
+                               int32_t override_count, ty_scene_editor** out);
+/* NULL is allowed. */
+void ty_scene_editor_close(ty_scene_editor* editor);
+
+/* The committed scene, until the next edit that changes anything. */
+const ty_scene* ty_scene_editor_scene(const ty_scene_editor* editor);
+/* The document, overrides and edits included, as compact JSON, until the next edit that changes anything. */
+const char* ty_scene_editor_text(const ty_scene_editor* editor);
+
+typedef struct ty_scene_change {
+    const char* path;  /* "media[0].g"; the index after the last appends an element to an array */
+    const char* value; /* JSON; NULL or "null" removes the member or element */
+} ty_scene_change;
+
+/* Parts that an edit changed. */
+typedef enum ty_edit_flags {
+    TY_EDIT_NOTHING = 0,
+    TY_EDIT_RENDER = 1, /* method and options */
+    TY_EDIT_CAMERA = 2,
+    TY_EDIT_LIGHT = 4,   /* media or lights */
+    TY_EDIT_GEOMETRY = 8 /* surfaces, area lights included; light depends on them, too */
+} ty_edit_flags;
+
+/* Applies all changes in their order, or none: on failure scene and document are as before, and the message begins
+ * with a path, "media[0].g: 1.2 is outside (-1, 1)". A value that is the same number as before is no change. */
+ty_result ty_scene_editor_apply(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count,
+                                uint32_t* edited);
+
+#endif

@@ -1,0 +1,231 @@
+/* tyndall bench view: latency and frame rate of `tyndall view`, as a headless client sees them. */
+#define _GNU_SOURCE
+#include "bench/view_client.h"
+
+#include <jansson.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { CHANGES = 9, CHANGES_QUICK = 3, ORBIT_HERTZ = 60, ARRIVALS_MAX = 4096 };
+static const double orbit_seconds = 3, timeout = 60;
+
+typedef struct view_case {
+    const char *scene, *method;
+} view_case;
+
+/* The scenes without files; --scenes names others, for the methods of volumes. */
+static const view_case cases[] = {
+    {"builtin:cloud_sun", "fld"},   {"builtin:cloud_sun", "pop"},   {"builtin:cloud_sun", "dom"},
+    {"builtin:cloud_sun", "lpv"},   {"builtin:atrium", "fld"},      {"builtin:atrium", "pop"},
+    {"builtin:atrium", "dom"},      {"builtin:atrium", "lpv"},      {"builtin:fog_cornell", "fld"},
+    {"builtin:fog_cornell", "pop"}, {"builtin:fog_cornell", "dom"}, {"builtin:fog_cornell", "lpv"},
+    {"builtin:screen_room", "screen"},
+};
+static const char* const volume_methods[] = {"fld", "pop", "dom", "lpv"};
+
+typedef struct measured {
+    double latency, latency_max;             /* ms from a change of a medium to its first image; median and largest */
+    double camera_latency;                   /* ms, of the camera; median */
+    double final_seconds;                    /* from a change of a medium to its final image, median */
+    double rate;                             /* images per second while the camera orbits */
+    double coarse;                           /* width of those images over the full width, median */
+    double solve, view;                      /* ms of the server, at rest */
+} measured;
+
+/* ---- changes ---- */
+
+/* Sends a text and waits for the image that answers it; ms. */
+static bool time_change(view_client* client, const char* text, bool final, double* ms) {
+    view_arrival arrival;
+    const uint32_t frames = view_client_frames(client), revision = view_client_revision(client) + 1;
+    const double begun = cli_wall_seconds();
+    if (!view_client_send(client, text) || !view_client_wait(client, frames, revision, final, timeout, &arrival))
+        return false;
+    *ms = 1e3 * (arrival.seconds - begun);
+    return true;
+}
+
+/* A change of the first medium's scale. */
+static void medium_change(int index, bool moving, char* out, size_t size) {
+    snprintf(out, size,
+             "{\"type\":\"set\",\"id\":%d,\"moving\":%s,\"changes\":[{\"path\":\"media[0].scale\",\"value\":%.3f}]}",
+             index, moving ? "true" : "false", 1 + 0.01 * (1 + index % 7));
+}
+
+static bool time_media(view_client* client, int count, measured* out) {
+    double ms[CHANGES], finals[CHANGES];
+    char text[256];
+    for (int i = 0; i < count; ++i) {
+        medium_change(i, false, text, sizeof text);
+        const double begun = cli_wall_seconds();
+        view_arrival arrival;
+        if (!time_change(client, text, false, &ms[i])) return false;
+        if (!view_client_wait(client, 0, view_client_revision(client), true, timeout, &arrival)) return false;
+        finals[i] = arrival.seconds - begun;
+        out->latency_max = fmax(out->latency_max, ms[i]);
+    }
+    out->latency = bench_median(ms, count);
+    out->final_seconds = bench_median(finals, count);
+    out->solve = view_client_status(client, "times", "solve");
+    out->view = view_client_status(client, "times", "view");
+    return true;
+}
+
+/* ---- the camera ---- */
+
+typedef struct orbit {
+    double target[3], offset[3];
+    int up; /* axis */
+} orbit;
+
+static void read_vector(const json_t* camera, const char* key, const double otherwise[3], double out[3]) {
+    const json_t* value = json_object_get(camera, key);
+    for (size_t a = 0; a < 3; ++a)
+        out[a] = json_is_array(value) ? json_number_value(json_array_get(value, a)) : otherwise[a];
+}
+
+static orbit read_orbit(const view_client* client) {
+    static const double origin[3] = {0, 0, 0}, position[2][3] = {{0, 0, 5}, {0, -5, 0}};
+    const json_t* document = view_client_document(client);
+    const json_t* camera = json_object_get(document, "camera");
+    const char* up = json_string_value(json_object_get(document, "up_axis"));
+    orbit out = {.up = up != NULL && up[0] == 'z' ? 2 : 1};
+    double eye[3];
+    read_vector(camera, "target", origin, out.target);
+    read_vector(camera, "position", position[out.up - 1], eye);
+    for (int a = 0; a < 3; ++a) out.offset[a] = eye[a] - out.target[a];
+    return out;
+}
+
+static void camera_change(const orbit* at, double degrees, bool moving, char* out, size_t size) {
+    const double angle = degrees * acos(-1) / 180, c = cos(angle), s = sin(angle);
+    const int i = (at->up + 1) % 3, j = (at->up + 2) % 3;
+    double eye[3];
+    for (int a = 0; a < 3; ++a) eye[a] = at->target[a] + at->offset[a];
+    eye[i] = at->target[i] + c * at->offset[i] - s * at->offset[j];
+    eye[j] = at->target[j] + s * at->offset[i] + c * at->offset[j];
+    snprintf(out, size, "{\"type\":\"camera\",\"moving\":%s,\"position\":[%.9g,%.9g,%.9g]}", moving ? "true" : "false",
+             eye[0], eye[1], eye[2]);
+}
+
+static void sleep_seconds(double seconds) {
+    const struct timespec time = {.tv_nsec = (long)(1e9 * seconds)};
+    nanosleep(&time, NULL);
+}
+
+/* Orbits at ORBIT_HERTZ messages a second, and counts the images that arrive. */
+static bool time_orbit(view_client* client, const orbit* at, double seconds, measured* out) {
+    static double widths[ARRIVALS_MAX];
+    char text[256];
+    const uint32_t first = view_client_frames(client);
+    const double begun = cli_wall_seconds();
+    view_arrival arrival;
+    uint32_t seen = first;
+    int count = 0;
+    for (int i = 0; cli_wall_seconds() - begun < seconds; ++i) {
+        camera_change(at, 0.5 * (i + 1), true, text, sizeof text);
+        if (!view_client_send(client, text)) return false;
+        for (; seen < view_client_frames(client) && count < ARRIVALS_MAX; ++seen)
+            if (view_client_wait(client, seen, 0, false, 0, &arrival))
+                widths[count++] = (double)arrival.width / arrival.full_width;
+        sleep_seconds(1.0 / ORBIT_HERTZ);
+    }
+    out->rate = (view_client_frames(client) - first) / (cli_wall_seconds() - begun);
+    out->coarse = count > 0 ? bench_median(widths, count) : 0;
+    camera_change(at, 0, false, text, sizeof text);
+    return view_client_send(client, text);
+}
+
+static bool time_camera(view_client* client, const orbit* at, int count, measured* out) {
+    double ms[CHANGES];
+    char text[256];
+    for (int i = 0; i < count; ++i) {
+        camera_change(at, 3 * (i + 1), false, text, sizeof text);
+        if (!time_change(client, text, false, &ms[i])) return false;
+        sleep_seconds(0.3);
+    }
+    out->camera_latency = bench_median(ms, count);
+    return true;
+}
+
+/* ---- scenes ---- */
+
+static bool measure(const bench_session* bench, view_client* client, measured* out) {
+    const int count = bench->options->quick ? CHANGES_QUICK : CHANGES;
+    const orbit at = read_orbit(client);
+    view_arrival first;
+    *out = (measured){.latency = 0};
+    return view_client_wait(client, 0, 0, true, timeout, &first) && time_media(client, count, out) &&
+           time_camera(client, &at, count, out) &&
+           time_orbit(client, &at, bench->options->quick ? 1 : orbit_seconds, out);
+}
+
+static int measure_case(const bench_session* bench, const char* scene, const char* method) {
+    int32_t size[2];
+    char pixels[32], threads[16];
+    bench_pixels(bench->options, 640, 360, size);
+    snprintf(pixels, sizeof pixels, "%dx%d", (int)size[0], (int)size[1]);
+    snprintf(threads, sizeof threads, "%d", (int)ty_context_threads(bench->session->context));
+    const char* const arguments[] = {scene, "--method", method, "--size", pixels, "--threads", threads, "--no-compare",
+                                     NULL};
+    view_client* client = view_client_open(arguments);
+    if (client == NULL) return CLI_FAILED;
+    measured m;
+    const bool done = measure(bench, client, &m);
+    json_open_object(bench->json, method);
+    if (done)
+        bench_numbers(bench->json, {"latency_ms", m.latency}, {"latency_max_ms", m.latency_max},
+                      {"camera_latency_ms", m.camera_latency}, {"final_seconds", m.final_seconds},
+                      {"images_per_second", m.rate}, {"width_while_moving", m.coarse}, {"solve_ms", m.solve},
+                      {"view_ms", m.view});
+    else
+        json_text(bench->json, "refused", view_client_complaint(client));
+    json_close_object(bench->json);
+    view_client_close(client);
+    return CLI_DONE;
+}
+
+/* The name of a scene without folders and extension. */
+static void scene_name(const char* scene, char* out, size_t size) {
+    const char* slash = strrchr(scene, '/');
+    const char* name = slash != NULL ? slash + 1 : scene;
+    if (strncmp(name, "builtin:", 8) == 0) name += 8;
+    snprintf(out, size, "%.*s", (int)strcspn(name, "."), name);
+}
+
+static int measure_files(const bench_session* bench) {
+    char scene[BENCH_PATH_SIZE], name[128];
+    int status = CLI_DONE;
+    for (const char* rest = bench->options->scenes; status == CLI_DONE && *rest != '\0' && !cli_interrupted();) {
+        snprintf(scene, sizeof scene, "%.*s", (int)strcspn(rest, ","), rest);
+        rest += strcspn(rest, ",");
+        rest += *rest == ',';
+        scene_name(scene, name, sizeof name);
+        json_open_object(bench->json, name);
+        for (size_t m = 0; m < sizeof volume_methods / sizeof volume_methods[0] && status == CLI_DONE; ++m)
+            status = measure_case(bench, scene, volume_methods[m]);
+        json_close_object(bench->json);
+    }
+    return status;
+}
+
+int bench_view(const bench_session* bench) {
+    if (bench->options->scenes_given) return measure_files(bench);
+    const char* open = "";
+    char name[128];
+    int status = CLI_DONE;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0] && status == CLI_DONE && !cli_interrupted(); ++i) {
+        if (strcmp(open, cases[i].scene) != 0) {
+            if (open[0] != '\0') json_close_object(bench->json);
+            scene_name(cases[i].scene, name, sizeof name);
+            json_open_object(bench->json, name);
+            open = cases[i].scene;
+        }
+        status = measure_case(bench, cases[i].scene, cases[i].method);
+    }
+    if (open[0] != '\0') json_close_object(bench->json);
+    return status;
+}
