@@ -3,7 +3,7 @@
 import { find, make } from "./dom.js";
 import { canRedo, canUndo, redo, undo } from "./edit.js";
 import { send } from "./link.js";
-import { display, emit, on, state } from "./state.js";
+import { display, emit, methodShown, on, state } from "./state.js";
 
 /* Asks the server for another view, and takes it for granted. */
 export const changeView = changes => {
@@ -86,13 +86,16 @@ const listenToArrows = group => group.addEventListener("keydown", event => {
   next.click();
 });
 
-const makeMethods = () => find("#methods").replaceChildren(...state.welcome.methods.map(({ name, summary }, i) =>
-  make("button", { type: "button", role: "radio", "data-method": name, title: `${summary ?? name}${i < 9 ? ` (${i + 1})` : ""}`,
-    click: () => chooseMethod(name) }, ...i < 9 ? [make("kbd", {}, `${i + 1}`)] : [], name)));
+const makeMethods = () => find("#methods").replaceChildren(
+  ...[{ name: "auto", summary: "the method that suits the view" }, ...state.welcome.methods].map(({ name, summary }, i) =>
+    make("button", { type: "button", role: "radio", "data-method": name, title: `${summary ?? name} (${i === 0 ? "O" : i})`,
+      click: () => chooseMethod(name) }, ...i > 0 && i < 10 ? [make("kbd", {}, `${i}`)] : [], make("span", {}, name))));
 
 const refresh = () => {
   const { compare, paused, method } = state.view;
   check(find("#methods"), button => button.dataset.method === method);
+  for (const button of find("#methods").children)
+    button.classList.toggle("chosen", method === "auto" && button.dataset.method === methodShown());
   check(find("#modes"), button => button.dataset.mode === state.display.mode);
   find("#compare").setAttribute("aria-pressed", compare);
   find("#pause").setAttribute("aria-pressed", paused);

@@ -3,7 +3,7 @@
 import { find, isTyping } from "./dom.js";
 import { isFresh, moveCamera } from "./edit.js";
 import { dolly, fly, length, look, orbit, pan, subtract } from "./orbit.js";
-import { same } from "./path.js";
+import { near } from "./path.js";
 import { zoomAbout } from "./screen.js";
 import { emit, on, state } from "./state.js";
 
@@ -26,8 +26,20 @@ const cameraIn = ({ camera = {}, meters_per_unit: unit = 1, up_axis = "y" }) => 
   };
 };
 
+/* Whether the camera may be that of a glTF file, which the document does not tell. */
+const isElsewhere = ({ camera = {}, geometry = [] }) => !camera.position && !camera.target &&
+  [camera, ...geometry].some(({ file }) => /\.gl(tf|b)$/i.test(file ?? ""));
+
+/* All of the scene, from the side that cameras have by default. */
+const overview = () => {
+  const box = state.welcome.extent ?? [[-1, -1, -1], [1, 1, 1]], target = box[0].map((x, i) => (x + box[1][i]) / 2);
+  const up = state.document.up_axis === "z" ? [0, 0, 1] : [0, 1, 0], away = up[2] ? [0, -1.5, 0] : [0, 0, 1.5];
+  return { position: target.map((x, i) => x + away[i] * extent()), target, up, fov_y: 40 };
+};
+
 /* As the server says, or else as the document does. */
-const cameraOf = message => structuredClone(message.view?.camera ?? cameraIn(state.document));
+const cameraOf = message => structuredClone(message.view?.camera ??
+  (isElsewhere(state.document) ? state.camera ?? overview() : cameraIn(state.document)));
 
 on("server:welcome", message => {
   state.camera = cameraOf(message);
@@ -39,7 +51,7 @@ on("server:welcome", message => {
 const follow = message => {
   if (drag !== null) return;
   const camera = cameraOf(message);
-  if (same(camera, state.camera)) return;
+  if (near(camera, state.camera)) return;
   state.camera = camera;
   emit("camera");
 };

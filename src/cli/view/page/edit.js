@@ -2,11 +2,11 @@
 
 import { perFrame } from "./dom.js";
 import { ask, send } from "./link.js";
-import { copy, get, put, same } from "./path.js";
+import { copy, get, near, put, same } from "./path.js";
 import { emit, on, state } from "./state.js";
 
 const MERGE = 700;   // ms within which changes of the same values are one step
-const SETTLE = 600;  // ms during which own changes stand against the server's echo
+const SETTLE = 5000; // ms after which the server's document is taken although it has not echoed a change
 const STEPS = 500;
 
 const past = [], future = [];
@@ -30,7 +30,9 @@ const transmit = moving => {
   if (queued.size === 0) return;
   const changes = [...queued].map(([path, value]) => ({ path, value: value === undefined ? null : value }));
   queued.clear();
-  ask({ type: "set", changes, moving }).catch(error => refuse(changes, error));
+  ask({ type: "set", changes, moving }).catch(error => {
+    if (error.refused) refuse(changes, error);
+  });
 };
 const transmitSoon = perFrame(() => transmit(true));
 
@@ -123,8 +125,8 @@ export const redo = () => {
   emit("history");
 };
 
-/* Whether own changes may still be on their way through the server. */
-export const isFresh = path => performance.now() - (fresh.get(path) ?? -Infinity) < SETTLE;
+/* Whether the server has not yet echoed a change. */
+export const isFresh = path => fresh.has(path);
 
 export const canUndo = () => past.length > 0;
 export const canRedo = () => future.length > 0;
@@ -137,10 +139,17 @@ const adopt = served => {
   state.served = served;
   state.document = copy(served);
   for (const [path, time] of fresh) {
-    if (open === null && now - time > SETTLE) fresh.delete(path);
-    else put(state.document, path, copy(get(mine, path)));
+    const value = get(mine, path), echoed = near(get(served, path), value);
+    if (open === null && (echoed || now - time > SETTLE)) fresh.delete(path);
+    if (fresh.has(path) || echoed) put(state.document, path, copy(value));
   }
-  if (fresh.size > 0) setTimeout(() => adopt(state.served), SETTLE + 50);
+  clearTimeout(settling);
+  if (fresh.size > 0) settling = setTimeout(settle, SETTLE);
+};
+let settling = 0;
+const settle = () => {
+  adopt(state.served);
+  emit("document");
 };
 
 const asDocument = value => typeof value === "string" ? JSON.parse(value) : value;

@@ -6,7 +6,7 @@ import { hasFrames } from "./kinds.js";
 import { ask } from "./link.js";
 import { makeNumber } from "./field.js";
 import { snapshot } from "./screen.js";
-import { emit, on, state } from "./state.js";
+import { emit, methodShown, on, state } from "./state.js";
 import { notice } from "./status.js";
 
 const stem = () => (state.welcome?.name ?? "view").split("/").pop().replace(/^builtin:/, "").replace(/\.json$/, "") || "view";
@@ -50,7 +50,7 @@ export const copyCommand = attempt(async () => {
 export const savePng = attempt(async () => {
   if (!state.frames.some(Boolean)) throw new Error("There is no image yet.");
   const blob = await snapshot().convertToBlob({ type: "image/png" });
-  download(`${stem()}_${state.display.mode === "method" ? state.view.method : state.display.mode}.png`, blob);
+  download(`${stem()}_${state.display.mode === "method" ? methodShown() : state.display.mode}.png`, blob);
   notice("PNG saved");
 });
 
@@ -64,7 +64,7 @@ const recordOne = attempt(async () => {
 const refreshLink = () => {
   const token = new URLSearchParams(location.search).get("token"), channel = state.display.mode === "path" ? "path" : "method";
   find("#exr").href = `image.exr?${new URLSearchParams({ ...token && { token }, channel })}`;
-  find("#exr").download = `${stem()}_${channel === "path" ? "path" : state.view.method}.exr`;
+  find("#exr").download = `${stem()}_${channel === "path" ? "path" : methodShown()}.exr`;
 };
 
 /* ---- sequences ---- */

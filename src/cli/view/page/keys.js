@@ -15,6 +15,7 @@ const channel = name => () => display({ channel: state.display.channel === name 
 /* Groups of keys: the key, what it does in words, and what it does. */
 const KEYS = {
   "What is shown": [
+    ["o", "auto: the method that suits the view", () => chooseMethod("auto")],
     ["m", "the method alone", () => setMode("method")],
     ["w", "wipe: method left, path right", () => setMode(state.display.mode === "wipe" ? "method" : "wipe")],
     ["p", "path alone", () => setMode(state.display.mode === "path" ? "method" : "path")],

@@ -8,7 +8,7 @@ import { edit } from "./edit.js";
 import { coefficientRows, initial, titleOf } from "./kinds.js";
 import { copy, get, join, same, shape } from "./path.js";
 import { controlOf, label, resolve, unitOf, variantOf, variants } from "./schema.js";
-import { on, state } from "./state.js";
+import { methodShown, on, state } from "./state.js";
 import { setTip } from "./tip.js";
 
 const MAKERS = {
@@ -166,11 +166,15 @@ const makeList = (key, title) => {
   }, { section: true });
 };
 
+/* The key of a method's options in render: cda has those of fld. */
+const optionsOf = name => name === "cda" ? "fld" : name;
+
 const makeMethod = () => {
-  const name = state.view.method, method = state.welcome.methods.find(one => one.name === name);
+  const name = methodShown(), method = state.welcome.methods.find(one => one.name === name), key = optionsOf(name);
+  const options = method?.options ?? schemaOf("render").properties[key];
   const summary = make("p", { class: "note" }, method?.summary ?? "");
   return makeGroup("method", `Method: ${name}`, true, () => [summary,
-    ...method?.options?.properties ? makeObject(`render.${name}`, method.options) : []], { section: true });
+    ...options ? makeObject(`render.${key}`, resolve(options)) : []], { section: true });
 };
 
 const makeScene = () => makeGroup("scene", "Scene", false, () =>
@@ -192,7 +196,7 @@ let built = "";
 const refresh = () => {
   if (state.document === null || state.welcome === null) return;
   const { render, ...rest } = state.document, { position, target, fov_y, ...camera } = rest.camera ?? {};
-  const now = `${state.view.method} ${shape({ ...rest, camera })} ${shape(render?.[state.view.method] ?? {})}`;
+  const now = `${methodShown()} ${shape({ ...rest, camera })} ${shape(render?.[optionsOf(methodShown())] ?? {})}`;
   if (now !== built) {
     built = now;
     build();

@@ -30,6 +30,14 @@ export const same = (a, b) => {
   return keys.length === Object.keys(b).length && keys.every(key => same(a[key], b[key]));
 };
 
+/* The same but for the last digits of numbers, which a change of units may change. */
+export const near = (a, b) => {
+  if (typeof a === "number" && typeof b === "number") return Math.abs(a - b) <= 1e-5 * Math.max(Math.abs(a), Math.abs(b), 1e-6);
+  if (typeof a !== "object" || typeof b !== "object" || !a || !b) return a === b;
+  const keys = Object.keys({ ...a, ...b });
+  return Array.isArray(a) === Array.isArray(b) && keys.every(key => near(a[key], b[key]));
+};
+
 export const copy = value => value === undefined ? undefined : structuredClone(value);
 
 /* Keys and kinds without the values: where two documents agree in it, the same controls show both. */

@@ -4,7 +4,7 @@ import { luminance } from "./color.js";
 import { find, fixed, make, number } from "./dom.js";
 import { valueAt } from "./frame.js";
 import { frameSize, toFrame, toWindow } from "./screen.js";
-import { on, state } from "./state.js";
+import { methodShown, on, state } from "./state.js";
 
 const canvas = find("#screen"), card = find("#probe"), pin = find("#pin");
 let hovered = null, pinned = null;
@@ -30,7 +30,7 @@ const refresh = () => {
     return;
   }
   const [method, path] = found, rows = [];
-  if (method) rows.push(rowOf(method, state.view.method || "method"));
+  if (method) rows.push(rowOf(method, methodShown() || "method"));
   if (path) rows.push(rowOf(path, "path"));
   if (method && path) rows.push(make("tr", { class: "ratio" }, make("th", { scope: "row" }, "ratio"),
     ...["r", "g", "b", "luminance"].map(key => make("td", {}, path[key] !== 0 ? number(method[key] / path[key], 4) : "–"))));

@@ -7,7 +7,7 @@ import { numberControl } from "./controls.js";
 import { makeNumber } from "./field.js";
 import { sortedLuminances } from "./frame.js";
 import { frameSize, place, toFrame, toWindow } from "./screen.js";
-import { display, on, state } from "./state.js";
+import { display, methodShown, on, state } from "./state.js";
 
 const canvas = find("#screen");
 const CHOICES = ["curve", "channel"];
@@ -106,7 +106,7 @@ const refreshLegend = () => {
     return tick;
   }));
   legend.querySelector("figcaption").textContent = signed
-    ? `${state.view.method} − path, ${CHANNEL_NAMES[channel]}, W m⁻² sr⁻¹` : `${CHANNEL_NAMES[channel]}, W m⁻² sr⁻¹`;
+    ? `${methodShown()} − path, ${CHANNEL_NAMES[channel]}, W m⁻² sr⁻¹` : `${CHANNEL_NAMES[channel]}, W m⁻² sr⁻¹`;
 };
 
 /* ---- the divider ---- */
@@ -122,8 +122,8 @@ const refreshDivider = () => {
   divider.style.top = `${box[1]}px`;
   divider.style.height = `${box[3] - box[1]}px`;
   divider.setAttribute("aria-valuenow", Math.round(100 * wipe));
-  const names = { method: [state.view.method, ""], wipe: [state.view.method, "path"], path: ["", "path"],
-    difference: [`${state.view.method} − path`, ""] }[mode];
+  const names = { method: [methodShown(), ""], wipe: [methodShown(), "path"], path: ["", "path"],
+    difference: [`${methodShown()} − path`, ""] }[mode];
   [find("#side-left"), find("#side-right")].forEach((side, i) => {
     const stale = i === 1 && names[i] && state.frames[0] && state.frames[1] && state.frames[1].revision < state.frames[0].revision;
     side.textContent = names[i] && i === 1 && !state.frames[1] ? "path, not yet begun" : stale ? "path, of the scene before" : names[i];
@@ -214,7 +214,7 @@ export const start = () => {
   listenToDivider();
   on("display", names => {
     if (names.includes("mode")) rangeDifference();
-    if (names.includes("exposure")) { // JPEGs are made with it
+    if (names.includes("exposure") && state.welcome?.remote && state.view.exposure !== state.display.exposure) { // JPEGs are made with it
       clearTimeout(exposureTimer);
       exposureTimer = setTimeout(() => changeView({ exposure: state.display.exposure }), 100);
     }

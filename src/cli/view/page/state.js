@@ -37,6 +37,10 @@ export const emit = (event, detail) => {
   for (const action of listeners.get(event) ?? []) action(detail);
 };
 
+/* The method of the image: the one that auto chose, where the view is auto's. */
+export const methodShown = () =>
+  state.view.method === "auto" ? state.status?.method || state.view.chosen || "auto" : state.view.method;
+
 /* Changes how images are shown. */
 export const display = changes => {
   Object.assign(state.display, changes);

@@ -3,7 +3,7 @@
 import { find, make, makeSvg, milliseconds, percent, shown } from "./dom.js";
 import { connect } from "./link.js";
 import { showRefusal } from "./panels.js";
-import { on, state } from "./state.js";
+import { emit, methodShown, on, state } from "./state.js";
 
 const STAGES = ["load", "solve", "surfaces", "view", "encode"];
 
@@ -22,7 +22,7 @@ const showConnection = () => {
 
 /* A bar of the stages' times, and in words the ones that matter. */
 const showTimes = (times = {}) => {
-  const own = Object.entries(times).filter(([name, value]) => name !== "latency" && value > 0);
+  const own = Object.entries(times).filter(([name, value]) => name !== "latency" && typeof value === "number" && value > 0);
   own.sort(([a], [b]) => STAGES.indexOf(a) - STAGES.indexOf(b));
   const total = own.reduce((sum, [, value]) => sum + value, 0);
   let from = 0;
@@ -34,13 +34,14 @@ const showTimes = (times = {}) => {
   }));
   find("#times span").replaceChildren(...own.map(([name, value]) =>
     make("span", { class: "time" }, make("i", { class: `time-${STAGES.indexOf(name) + 1}` }), `${name.replaceAll("_", " ")} ${milliseconds(value)}`)));
-  find("#times").title = own.map(([name, value]) => `${name.replaceAll("_", " ")} ${milliseconds(value)}`).join("\n");
+  const stages = Object.entries(times.stages ?? {}).filter(([, value]) => value > 0);
+  find("#times").title = [...own, ...stages].map(([name, value]) => `${name.replaceAll("_", " ")} ${milliseconds(value)}`).join("\n");
   find("#times").hidden = own.length === 0;
 };
 
 const figure = (word, value, after = "") => make("span", { class: "figure" }, word, make("b", {}, value), after);
 
-const differenceText = ({ mean_ratio, rmse, noise }) => [make("span", { class: "against" }, `${state.view.method} : path`),
+const differenceText = ({ mean_ratio, rmse, noise }) => [make("span", { class: "against" }, `${methodShown()} : path`),
   figure("mean ", mean_ratio.toFixed(3)), figure("RMSE ", percent(rmse)), figure("of it noise ", percent(noise))];
 
 const showStatus = () => {
@@ -101,6 +102,8 @@ export const start = () => {
 };
 
 on("server:status", message => {
+  const before = methodShown();
   state.status = message;
-  showStatus();
+  if (methodShown() !== before) emit("view");
+  else showStatus();
 });

@@ -14,7 +14,7 @@ const showAt = (element, lines) => {
   tip.replaceChildren(...lines.filter(Boolean).map((line, i) => make("p", i === 0 ? { class: "code" } : {}, line)));
   tip.hidden = false;
   const { width, height } = tip.getBoundingClientRect();
-  const left = Math.max(8, Math.min(box.left - width - 12, window.innerWidth - width - 8));
+  const left = Math.max(8, find("#panels").getBoundingClientRect().left - width - 8);
   tip.style.left = `${left}px`;
   tip.style.top = `${Math.max(8, Math.min(box.top - 4, window.innerHeight - height - 8))}px`;
 };
