@@ -12,7 +12,7 @@ def find_browser():
 class Browser:
     """One page. What goes wrong in it is collected: errors (console, exceptions) and requests (addresses)."""
 
-    def __init__(self, width=1280, height=900, dark=False):
+    def __init__(self, width=1280, height=900, dark=False, webgl=False):
         self.profile = tempfile.mkdtemp(prefix="profile-", dir=".")
         to_browser, self.write_end = os.pipe()
         self.read_end, from_browser = os.pipe()
@@ -25,6 +25,9 @@ class Browser:
         arguments = [find_browser(), "--headless", "--remote-debugging-pipe", "--disable-gpu", "--disable-dev-shm-usage",
                      "--no-first-run", "--disable-background-networking", "--disable-component-update",
                      "--hide-scrollbars", f"--user-data-dir={os.path.abspath(self.profile)}", "about:blank"]
+        if webgl:  # by Chromium's own software, on any machine
+            arguments.remove("--disable-gpu")
+            arguments[1:1] = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
         if os.geteuid() == 0:
             arguments.insert(1, "--no-sandbox")
         self.process = subprocess.Popen(arguments, preexec_fn=place_pipes, pass_fds=(3, 4), stdin=subprocess.DEVNULL,

@@ -112,7 +112,7 @@ export const makeNumber = (limits, name, change, { scrub = 0 } = {}) => {
       input.blur();
     } else if (event.key === "Enter") {
       accept();
-      input.select();
+      input.blur();
     }
   });
   input.addEventListener("focus", () => input.select());

@@ -112,7 +112,18 @@ const press = event => {
   event.preventDefault();
 };
 
+/* A menu that was used by the mouse gives the keyboard back. */
+const releaseMenus = () => {
+  let pointed = false;
+  window.addEventListener("pointerdown", () => pointed = true, true);
+  window.addEventListener("keydown", () => pointed = false, true);
+  window.addEventListener("change", event => {
+    if (pointed && event.target instanceof HTMLSelectElement) event.target.blur();
+  });
+};
+
 export const start = () => {
   window.addEventListener("keydown", press);
+  releaseMenus();
   find("#help").addEventListener("click", openHelp);
 };

@@ -38,7 +38,7 @@ const prepare = () => {
   gl.useProgram(program);
   gl.bindVertexArray(gl.createVertexArray());
   const names = ["method", "path", "radiance", "difference", "place", "outside", "window", "jpeg", "false", "scale", "wipe",
-    "range", "mode", "curve", "channel", "look", "markers", "taps"];
+    "range", "mode", "curve", "channel", "look", "markers", "taps", "there"];
   uniforms = Object.fromEntries(names.map(name => [name, gl.getUniformLocation(program, `u_${name}`)]));
   textures = [0, 1, 2, 3].map(makeTexture);
   ["method", "path", "radiance", "difference"].forEach((name, unit) => gl.uniform1i(uniforms[name], unit));
@@ -126,13 +126,6 @@ const setFilter = (unit, frame, zoom) => {
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, sharp ? gl.NEAREST : gl.LINEAR);
 };
 
-/* The channels that the mode can show: what has not arrived is replaced by what has. */
-const modeNow = () => {
-  const { mode } = state.display, [method, path] = state.frames;
-  if (method && path) return mode;
-  return method ? "method" : "path";
-};
-
 export const draw = () => {
   if (gl.isContextLost()) return;
   const { display, frames } = state, at = place();
@@ -148,11 +141,12 @@ export const draw = () => {
   gl.uniform4f(uniforms.outside, ...outside, 1);
   gl.uniform2f(uniforms.window, canvas.width, canvas.height);
   gl.uniform2f(uniforms.jpeg, ...frames.map(frame => frame?.bitmap ? 2 ** -frame.exposure : 0));
+  gl.uniform2i(uniforms.there, ...frames.map(frame => frame !== null ? 1 : 0));
   gl.uniform2f(uniforms.false, ...display.falseRange);
   gl.uniform1f(uniforms.scale, 2 ** display.exposure);
   gl.uniform1f(uniforms.wipe, display.wipe);
   gl.uniform1f(uniforms.range, display.differenceRange);
-  gl.uniform1i(uniforms.mode, MODES[modeNow()]);
+  gl.uniform1i(uniforms.mode, MODES[display.mode]);
   gl.uniform1i(uniforms.curve, CURVES[display.curve]);
   gl.uniform1i(uniforms.channel, CHANNELS[display.channel]);
   gl.uniform1i(uniforms.look, display.look === "false" ? 1 : 0);

@@ -7,7 +7,7 @@ void main() {
 }`;
 
 /* image[0] is the method's, image[1] that of path. u_place: left, top, width and height of the frame in the window, in
- * device pixels; u_jpeg: 1 / 2^stops where an image is a JPEG, else 0. */
+ * device pixels; u_jpeg: 1 / 2^stops where an image is a JPEG, else 0; u_there: which images have arrived. */
 export const fragmentText = `#version 300 es
 precision highp float;
 precision highp int;
@@ -15,6 +15,7 @@ uniform sampler2D u_method, u_path, u_radiance, u_difference;
 uniform vec4 u_place, u_outside;
 uniform vec2 u_window, u_jpeg, u_false;
 uniform float u_scale, u_wipe, u_range;
+uniform bvec2 u_there;
 uniform int u_mode, u_curve, u_channel, u_look, u_markers, u_taps;
 out vec4 color;
 
@@ -74,11 +75,12 @@ vec3 shown(vec3 x) {
 void main() {
   vec2 pixel = vec2(gl_FragCoord.x, u_window.y - gl_FragCoord.y);
   vec2 at = (pixel - u_place.xy) / u_place.zw;
-  if (any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(1.0)))) {
+  bool right = u_mode == 1 || u_mode == 2 && at.x >= u_wipe;
+  bool there = u_mode == 3 ? all(u_there) : right ? u_there.y : u_there.x;
+  if (!there || any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(1.0)))) {
     color = u_outside;
     return;
   }
-  bool right = u_mode == 1 || u_mode == 2 && at.x >= u_wipe;
   vec3 x = right ? radiance(u_path, at, u_jpeg.y) : radiance(u_method, at, u_jpeg.x);
   if (u_mode == 3) {
     x -= radiance(u_path, at, u_jpeg.y);

@@ -125,8 +125,8 @@ const refreshDivider = () => {
   const names = { method: [methodShown(), ""], wipe: [methodShown(), "path"], path: ["", "path"],
     difference: [`${methodShown()} − path`, ""] }[mode];
   [find("#side-left"), find("#side-right")].forEach((side, i) => {
-    const stale = i === 1 && names[i] && state.frames[0] && state.frames[1] && state.frames[1].revision < state.frames[0].revision;
-    side.textContent = names[i] && i === 1 && !state.frames[1] ? "path, not yet begun" : stale ? "path, of the scene before" : names[i];
+    const [method, path] = state.frames, about = names[i] && (i === 1 || mode === "difference");
+    side.textContent = `${names[i]}${about && !path ? ", which has no image yet" : about && method && path.revision < method.revision ? ", of the scene before" : ""}`;
     side.hidden = !names[i] || mode === "method";
     side.style.top = `${box[1] + 10}px`;
   });
