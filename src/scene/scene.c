@@ -31,36 +31,10 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
     return TY_OK;
 }
 
-static void drop_commit(ty_scene* scene) {
-    ty_context* context = scene->context;
-    for (size_t i = 0; i < scene->mesh_count; ++i) {
-        ty_free_array(context, scene->meshes[i]->lights, scene->meshes[i]->triangle_count, sizeof(int32_t));
-        scene->meshes[i]->lights = NULL;
-    }
-    ty_free_array(context, scene->shape_parts, scene->shape_part_count, sizeof(ty_shape_def));
-    for (int32_t i = 0; i < scene->view.medium_count; ++i) ty_medium_view_destroy(context, &scene->medium_views[i]);
-    ty_free_array(context, scene->medium_views, (size_t)scene->view.medium_count, sizeof(ty_medium_view));
-    ty_free_array(context, scene->light_views, scene->light_view_count, sizeof(ty_light_view));
-    ty_free_array(context, scene->surfaces, scene->surface_count, sizeof(ty_surface));
-    ty_free_array(context, scene->distant_lights, scene->distant_capacity, sizeof(int32_t));
-    ty_light_tree_destroy(context, scene->light_tree);
-    ty_accel_destroy(scene->mesh);
-    scene->light_tree = NULL;
-    scene->distant_lights = NULL;
-    scene->medium_views = NULL;
-    scene->light_views = NULL;
-    scene->shape_parts = NULL;
-    scene->surfaces = NULL;
-    scene->mesh = NULL;
-    scene->light_view_count = scene->surface_count = scene->shape_part_count = 0;
-    scene->view = (ty_scene_view){.media = NULL};
-    scene->committed = false;
-}
-
 void ty_scene_destroy(ty_scene* scene) {
     if (scene == NULL) return;
     ty_context* context = scene->context;
-    drop_commit(scene);
+    ty_scene_drop_commit(scene);
     for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_release(context, &scene->media[i]);
     for (size_t i = 0; i < scene->light_count; ++i) ty_environment_destroy(context, scene->environments[i]);
     for (size_t i = 0; i < scene->mesh_count; ++i) ty_triangle_mesh_destroy(context, scene->meshes[i]);
@@ -139,174 +113,11 @@ ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def) {
     return TY_OK;
 }
 
-/* The black surface of an area light. */
-static ty_shape_def area_light_shape(const ty_light_def* light) {
-    ty_shape_def shape = ty_default_shape_def();
-    for (int a = 0; a < 3; ++a) {
-        shape.origin[a] = light->position[a];
-        shape.u[a] = light->u[a];
-        shape.v[a] = light->v[a];
-        shape.albedo[a] = 0;
-        shape.emission[a] = light->color[a];
-    }
-    return shape;
-}
-
-static ty_result commit_media(ty_scene* scene) {
-    if (scene->medium_count == 0) return TY_OK;
-    scene->medium_views = ty_alloc_array(scene->context, scene->medium_count, sizeof(ty_medium_view), true);
-    if (scene->medium_views == NULL) return TY_ERROR_MEMORY;
-    scene->view.medium_count = (int32_t)scene->medium_count;
-    for (size_t i = 0; i < scene->medium_count; ++i) {
-        const ty_result result = ty_medium_view_create(scene->context, &scene->media[i], &scene->medium_views[i]);
-        if (result != TY_OK) return result;
-    }
-    scene->view.media = scene->medium_views;
-    return TY_OK;
-}
-
-/* Maximum number of sampled lights: explicit lights, then one per emissive quad, sphere or triangle. */
-static size_t count_lights(const ty_scene* scene) {
-    size_t count = 0;
-    for (size_t i = 0; i < scene->light_count; ++i) count += scene->lights[i].kind != TY_LIGHT_AREA;
-    for (size_t i = 0; i < scene->shape_part_count; ++i) {
-        const ty_shape_def* shape = &scene->shape_parts[i];
-        if (ty_shape_emits(shape)) count += shape->kind == TY_SHAPE_SPHERE ? 1 : (size_t)ty_shape_quad_count(shape);
-    }
-    for (size_t i = 0; i < scene->mesh_count; ++i)
-        if (ty_triangle_mesh_emits(scene->meshes[i])) count += scene->meshes[i]->triangle_count;
-    return count;
-}
-
-static void add_shape_lights(ty_scene* scene, size_t index, size_t* at) {
-    const ty_shape_def* shape = &scene->shape_parts[index];
-    if (!ty_shape_emits(shape)) return;
-    scene->surfaces[index].first_light = (int32_t)*at;
-    double origin[3], u[3], v[3];
-    if (shape->kind == TY_SHAPE_SPHERE) {
-        const double radius = ty_shape_sphere(shape, origin);
-        scene->light_views[(*at)++] = ty_light_sphere_view(origin, radius, shape->emission);
-    }
-    for (int32_t q = 0; q < ty_shape_quad_count(shape); ++q) {
-        ty_shape_quad(shape, q, origin, u, v);
-        scene->light_views[(*at)++] = ty_light_quad_view(origin, u, v, shape->emission);
-    }
-}
-
-static ty_result add_mesh_lights(ty_scene* scene, size_t number, size_t* at) {
-    ty_triangle_mesh* mesh = scene->meshes[number];
-    if (!ty_triangle_mesh_emits(mesh)) return TY_OK;
-    ty_surface* surface = &scene->surfaces[scene->shape_part_count + number];
-    mesh->lights = ty_alloc_array(scene->context, mesh->triangle_count, sizeof *mesh->lights, false);
-    if (mesh->lights == NULL) return TY_ERROR_MEMORY;
-    surface->lights = mesh->lights;
-    for (size_t i = 0; i < mesh->triangle_count; ++i) {
-        const bool sends = ty_light_triangle_view(surface, (int32_t)i, &scene->light_views[*at]);
-        mesh->lights[i] = sends ? (int32_t)*at : -1;
-        *at += sends;
-    }
-    return TY_OK;
-}
-
-/* Kernel view of the first count lights: distant ones in a list, the others in a tree. */
-static ty_result view_lights(ty_scene* scene, size_t count) {
-    ty_light_set* set = &scene->view.lights;
-    ty_light_bounds* bounds = ty_alloc_array(scene->context, count, sizeof *bounds, false);
-    scene->distant_lights = ty_alloc_array(scene->context, scene->light_count, sizeof(int32_t), false);
-    scene->distant_capacity = scene->light_count;
-    ty_result result = bounds != NULL && scene->distant_lights != NULL ? TY_OK : TY_ERROR_MEMORY;
-    for (size_t i = 0; i < count && result == TY_OK; ++i) {
-        const ty_light_view* light = &scene->light_views[i];
-        ty_light_get_bounds(light, &bounds[i]);
-        set->local_count += ty_light_is_local(light->kind);
-        if (light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT)
-            scene->distant_lights[set->distant_count++] = (int32_t)i;
-    }
-    if (result == TY_OK) result = ty_light_tree_create(scene->context, bounds, count, &scene->light_tree);
-    ty_free_array(scene->context, bounds, count, sizeof *bounds);
-    if (result != TY_OK) return result;
-    const ty_scene_info info = ty_scene_get_info(scene);
-    set->tree_probability = ty_light_set_choice(scene->light_views, count, info.lower, info.upper);
-    set->lights = scene->light_views;
-    set->count = (int32_t)count;
-    set->distant = scene->distant_lights;
-    set->nodes = scene->light_tree->nodes;
-    set->trails = scene->light_tree->trails;
-    return TY_OK;
-}
-
-static ty_result commit_lights(ty_scene* scene) {
-    const size_t max_lights = count_lights(scene);
-    if (max_lights == 0) return TY_OK;
-    scene->light_views = ty_alloc_array(scene->context, max_lights, sizeof(ty_light_view), false);
-    if (scene->light_views == NULL) return TY_ERROR_MEMORY;
-    scene->light_view_count = max_lights;
-    size_t at = 0;
-    for (size_t i = 0; i < scene->light_count; ++i)
-        if (scene->lights[i].kind != TY_LIGHT_AREA)
-            scene->light_views[at++] = ty_light_get_view(&scene->lights[i], scene->environments[i], scene->up);
-    for (size_t i = 0; i < scene->shape_part_count; ++i) add_shape_lights(scene, i, &at);
-    for (size_t i = 0; i < scene->mesh_count; ++i) {
-        const ty_result result = add_mesh_lights(scene, i, &at);
-        if (result != TY_OK) return result;
-    }
-    return view_lights(scene, at);
-}
-
-static ty_surface shape_surface(const ty_shape_def* shape) {
-    ty_surface surface;
-    memset(&surface, 0, sizeof surface);
-    memcpy(surface.albedo, shape->albedo, sizeof shape->albedo);
-    memcpy(surface.emission, shape->emission, sizeof shape->emission);
-    surface.first_light = -1;
-    return surface;
-}
-
-static ty_result commit_surfaces(ty_scene* scene) {
-    scene->surface_count = scene->shape_part_count + scene->mesh_count;
-    if (scene->surface_count == 0) return TY_OK;
-    scene->surfaces = ty_alloc_array(scene->context, scene->surface_count, sizeof(ty_surface), false);
-    if (scene->surfaces == NULL) return TY_ERROR_MEMORY;
-    for (size_t i = 0; i < scene->shape_part_count; ++i) scene->surfaces[i] = shape_surface(&scene->shape_parts[i]);
-    for (size_t i = 0; i < scene->mesh_count; ++i)
-        scene->surfaces[scene->shape_part_count + i] = ty_triangle_mesh_get_surface(scene->meshes[i]);
-    scene->view.surfaces = scene->surfaces;
-    const ty_accel_input parts = {.shapes = scene->shape_parts,
-                                  .shape_count = scene->shape_part_count,
-                                  .meshes = scene->meshes,
-                                  .mesh_count = scene->mesh_count,
-                                  .surfaces = scene->surfaces};
-    const ty_result result = ty_accel_create(scene->context, &parts, &scene->mesh);
-    scene->view.mesh = scene->mesh;
+ty_result ty_scene_copy_lights(const ty_scene* scene, size_t first, ty_scene* to) {
+    ty_result result = TY_OK;
+    for (size_t i = first; i < scene->light_count && result == TY_OK; ++i)
+        result = ty_scene_add_light(to, &scene->lights[i]);
     return result;
-}
-
-/* Shapes in order of addition, then area lights as surfaces. */
-static ty_result list_shape_parts(ty_scene* scene) {
-    size_t count = scene->shape_count;
-    for (size_t i = 0; i < scene->light_count; ++i) count += scene->lights[i].kind == TY_LIGHT_AREA;
-    scene->shape_parts = ty_alloc_array(scene->context, count, sizeof *scene->shape_parts, false);
-    if (scene->shape_parts == NULL) return TY_ERROR_MEMORY;
-    scene->shape_part_count = count;
-    for (size_t i = 0; i < scene->shape_count; ++i) scene->shape_parts[i] = scene->shapes[i];
-    size_t at = scene->shape_count;
-    for (size_t i = 0; i < scene->light_count; ++i)
-        if (scene->lights[i].kind == TY_LIGHT_AREA) scene->shape_parts[at++] = area_light_shape(&scene->lights[i]);
-    return TY_OK;
-}
-
-ty_result ty_scene_commit(ty_scene* scene) {
-    drop_commit(scene);
-    ty_result result = list_shape_parts(scene);
-    if (result == TY_OK) result = commit_media(scene);
-    if (result == TY_OK) result = commit_surfaces(scene);
-    if (result == TY_OK) result = commit_lights(scene);
-    if (result != TY_OK) {
-        drop_commit(scene);
-        return result;
-    }
-    scene->committed = true;
-    return TY_OK;
 }
 
 const ty_scene_view* ty_scene_get_view(const ty_scene* scene) {
@@ -406,6 +217,13 @@ void ty_scene_surface_extent(const ty_scene* scene, double lower[3], double uppe
     copy_extent(&box, lower, upper);
 }
 
+void ty_scene_extent(const ty_scene* scene, double lower[3], double upper[3]) {
+    extent box = nothing;
+    for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_extent(&scene->media[i], box.lower, box.upper);
+    widen_by_surfaces(&box, scene);
+    copy_extent(&box, lower, upper);
+}
+
 /* Grids of media, and textures of meshes, by number; NULL where there is none. */
 static const ty_grid* numbered_grid(const ty_scene* scene, size_t number) {
     ty_grid* grids[TY_MEDIUM_GRIDS];
@@ -420,9 +238,12 @@ static const ty_texture* numbered_texture(const ty_scene* scene, size_t number) 
 
 /* Shared data count once. */
 static size_t count_bytes(const ty_scene* scene) {
-    size_t sum = sizeof *scene + scene->light_view_count * sizeof(ty_light_view) +
-                 scene->medium_count * sizeof(ty_medium_view) + scene->surface_count * sizeof(ty_surface) +
-                 ty_accel_bytes(scene->mesh) + ty_light_tree_bytes(scene->light_tree);
+    const ty_committed_surfaces* surfaces = &scene->surfaces;
+    const ty_committed_lights* lights = &scene->committed_lights;
+    size_t sum = sizeof *scene + lights->capacity * sizeof(ty_light_view) +
+                 scene->medium_count * sizeof(ty_medium_view) + surfaces->count * sizeof(ty_surface) +
+                 surfaces->mesh_light_count * sizeof(int32_t) + ty_accel_bytes(surfaces->accel) +
+                 ty_light_tree_bytes(lights->tree);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (scene->environments[i] != NULL) sum += ty_environment_bytes(scene->environments[i]);
     for (size_t i = 0; i < TY_MEDIUM_GRIDS * scene->medium_count; ++i) {
@@ -459,10 +280,7 @@ ty_scene_info ty_scene_get_info(const ty_scene* scene) {
                           .meshes = (int32_t)scene->mesh_count,
                           .emitters = scene->view.lights.count,
                           .bounded = scene->medium_count > 0 || scene->shape_count > 0 || scene->mesh_count > 0};
-    extent box = nothing;
-    for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_extent(&scene->media[i], box.lower, box.upper);
-    widen_by_surfaces(&box, scene);
-    copy_extent(&box, info.lower, info.upper);
+    ty_scene_extent(scene, info.lower, info.upper);
     for (size_t i = 0; i < scene->mesh_count; ++i) info.triangles += (int64_t)scene->meshes[i]->triangle_count;
     count_textures(scene, &info);
     info.bytes = count_bytes(scene) + info.texture_bytes;

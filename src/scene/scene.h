@@ -20,6 +20,34 @@ typedef struct ty_scene_view {
     const ty_surface* surfaces; /* shapes, area lights, meshes */
 } ty_scene_view;
 
+/* Parts of a committed scene; commit.c makes them. */
+typedef struct ty_committed_media {
+    ty_medium_view* views;
+    size_t count;
+} ty_committed_media;
+
+/* Shapes, then area lights, then meshes. */
+typedef struct ty_committed_surfaces {
+    ty_shape_def* shapes; /* shapes and area lights */
+    size_t shape_count;
+    ty_surface* surfaces;
+    size_t count; /* of shapes and meshes */
+    ty_accel* accel;
+    int32_t* mesh_lights; /* light of each triangle of the emissive meshes, one mesh after another; -1: none */
+    size_t mesh_light_count;
+    int32_t first_mesh_light; /* number of the first light of a mesh */
+} ty_committed_surfaces;
+
+/* Explicit lights, then those of shapes and area lights, then those of meshes. */
+typedef struct ty_committed_lights {
+    ty_light_view* views;
+    size_t capacity; /* of views; set.count are used */
+    int32_t* distant;
+    size_t distant_capacity;
+    ty_light_tree* tree;
+    ty_light_set set;
+} ty_committed_lights;
+
 struct ty_scene {
     ty_context* context;
     ty_axis up;
@@ -42,28 +70,36 @@ struct ty_scene {
 
     bool committed;
     ty_scene_view view;
-    ty_medium_view* medium_views;
-    ty_light_view* light_views;
-    size_t light_view_count;
-    ty_light_tree* light_tree;
-    int32_t* distant_lights;
-    size_t distant_capacity;
-    ty_surface* surfaces;
-    ty_shape_def* shape_parts; /* shapes and area lights */
-    size_t shape_part_count;
-    size_t surface_count; /* shape_parts and meshes */
-    ty_accel* mesh;
+    ty_committed_media committed_media;
+    ty_committed_surfaces surfaces;
+    ty_committed_lights committed_lights;
 };
 
 /* Set the results of ty_scene_hash and ty_scene_camera_source; source is cut to 255 bytes. */
 void ty_scene_set_hash(ty_scene* scene, uint64_t hash);
 void ty_scene_set_camera_source(ty_scene* scene, const char* source);
 
+/* Releases what commit.c made. */
+void ty_scene_drop_commit(ty_scene* scene);
+
+/* Parts of a scene that ty_scene_replace exchanges. */
+enum { TY_SCENE_CAMERA = 1, TY_SCENE_SETTINGS = 2, TY_SCENE_MEDIA = 4, TY_SCENE_LIGHTS = 8 };
+
+/* Exchanges parts of a committed scene with those of another one of the same context and up axis, and commits what
+ * depends on them; shapes and meshes stay, with their acceleration structure unless area lights were moved. The result
+ * is that of a commit of everything. On failure nothing is changed. Scenes that are destroyed in any order may share
+ * grids. `other` needs no commit, and is left without one. */
+ty_result ty_scene_replace(ty_scene* scene, ty_scene* other, unsigned parts);
+/* Adds the lights of a scene from the first-th on, none of them an environment, to another one. */
+ty_result ty_scene_copy_lights(const ty_scene* scene, size_t first, ty_scene* to);
+
 /* View of a committed scene; otherwise NULL, with a message. */
 const ty_scene_view* ty_scene_get_view(const ty_scene* scene);
 /* Fails unless the scene is committed and has media, which `method` requires. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_scene_check_media(const ty_scene* scene, const char* method);
 
+/* Bounding box of media, shapes and meshes, m; a point without any. */
+void ty_scene_extent(const ty_scene* scene, double lower[3], double upper[3]);
 /* Bounding box of all surfaces, m; a point without surfaces. */
 void ty_scene_surface_extent(const ty_scene* scene, double lower[3], double upper[3]);
 

@@ -179,7 +179,6 @@ void ty_triangle_mesh_destroy(ty_context* context, ty_triangle_mesh* t) {
     for (int set = 0; set < 2; ++set) ty_free_array(context, t->uv[set], 2 * t->vertex_count, sizeof(float));
     ty_free_array(context, t->colors, 4 * t->vertex_count, sizeof(float));
     ty_free_array(context, t->indices, 3 * t->triangle_count, sizeof(uint32_t));
-    ty_free_array(context, t->lights, t->triangle_count, sizeof(int32_t));
     ty_texture_release(t->material.albedo_texture);
     ty_texture_release(t->material.emission_texture);
     ty_free_text(context, (char*)t->origin.file);
@@ -190,8 +189,7 @@ void ty_triangle_mesh_destroy(ty_context* context, ty_triangle_mesh* t) {
 size_t ty_triangle_mesh_bytes(const ty_triangle_mesh* t) {
     const size_t floats = 3 + (t->normals != NULL ? 3u : 0u) + (t->uv[0] != NULL ? 2u : 0u) +
                           (t->uv[1] != NULL ? 2u : 0u) + (t->colors != NULL ? 4u : 0u);
-    const size_t words = 3 + (t->lights != NULL ? 1u : 0u);
-    return sizeof *t + floats * sizeof(float) * t->vertex_count + words * sizeof(uint32_t) * t->triangle_count;
+    return sizeof *t + floats * sizeof(float) * t->vertex_count + 3 * sizeof(uint32_t) * t->triangle_count;
 }
 
 bool ty_triangle_mesh_emits(const ty_triangle_mesh* t) {
@@ -221,6 +219,5 @@ ty_surface ty_triangle_mesh_get_surface(const ty_triangle_mesh* t) {
     surface.uv[0] = t->uv[0];
     surface.uv[1] = t->uv[1];
     surface.colors = t->colors;
-    surface.lights = t->lights;
     return surface;
 }

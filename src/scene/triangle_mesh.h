@@ -15,7 +15,6 @@ typedef struct ty_triangle_mesh {
     uint32_t* indices;
     ty_material_def material; /* textures retained */
     ty_mesh_origin origin;    /* strings owned */
-    int32_t* lights;          /* per triangle, set on commit; NULL without emission */
     double lower[3], upper[3];
 } ty_triangle_mesh;
 

@@ -2,9 +2,12 @@
 #include "io/scenes/asset_cache.h"
 
 #include "base/context.h"
+#include "grid/grid.h"
 #include "io/file.h"
 #include "io/scenes/scene_reader.h"
+#include "scene/closed_mesh.h"
 
+#include <stdatomic.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -19,6 +22,7 @@ static void release_content(ty_asset* asset) {
 static void destroy_asset(ty_context* context, ty_asset* asset) {
     release_content(asset);
     ty_free_text(context, (char*)asset->volume.grid);
+    ty_free_text(context, (char*)asset->camera_name);
     ty_free_array(context, asset, 1, sizeof *asset);
 }
 
@@ -38,7 +42,9 @@ static bool same_source(const ty_asset* a, const ty_asset* b) {
     case TY_ASSET_NOISE: return memcmp(&a->noise, &b->noise, sizeof a->noise) == 0;
     case TY_ASSET_IMAGE: return true;
     case TY_ASSET_SHELL:
-        return a->to_z_up == b->to_z_up && memcmp(&a->placement, &b->placement, sizeof a->placement) == 0;
+    case TY_ASSET_CAMERA:
+        return a->to_z_up == b->to_z_up && memcmp(&a->placement, &b->placement, sizeof a->placement) == 0 &&
+               (a->camera_name == NULL || strcmp(a->camera_name, b->camera_name) == 0);
     }
     return false;
 }
@@ -52,25 +58,98 @@ const ty_asset* ty_assets_find(ty_asset_cache* cache, const ty_asset* key) {
     return NULL;
 }
 
+/* False, with a message, on allocation failure; NULL stays NULL. */
+static bool copy_name(ty_context* context, const char* name, const char** out) {
+    *out = name != NULL ? ty_copy_text(context, name) : NULL;
+    return name == NULL || *out != NULL;
+}
+
 ty_result ty_assets_keep(ty_asset_cache* cache, const ty_asset* asset) {
     ty_context* context = cache->context;
     ty_asset* kept = ty_alloc_array(context, 1, sizeof *kept, true);
-    char* name = asset->volume.grid != NULL ? ty_copy_text(context, asset->volume.grid) : NULL;
-    const bool named = name != NULL || asset->volume.grid == NULL;
-    if (kept != NULL) *kept = *asset;
-    if (kept == NULL || !named ||
-        !ty_grow_array(context, (void**)&cache->assets, &cache->asset_capacity, cache->asset_count,
-                       sizeof(ty_asset*))) {
+    if (kept == NULL) {
         ty_asset content = *asset;
         release_content(&content);
-        ty_free_text(context, name);
-        ty_free_array(context, kept, 1, sizeof *kept);
         return TY_ERROR_MEMORY;
     }
-    kept->volume.grid = name;
+    *kept = *asset;
     kept->used = cache->reading;
+    const bool volume = copy_name(context, asset->volume.grid, &kept->volume.grid);
+    const bool camera = copy_name(context, asset->camera_name, &kept->camera_name);
+    if (!volume || !camera ||
+        !ty_grow_array(context, (void**)&cache->assets, &cache->asset_capacity, cache->asset_count,
+                       sizeof(ty_asset*))) {
+        destroy_asset(context, kept);
+        return TY_ERROR_MEMORY;
+    }
     cache->assets[cache->asset_count++] = kept;
     return TY_OK;
+}
+
+/* ---- limits ---- */
+
+static void drop_content(ty_asset_cache* cache, const ty_asset_file* file) {
+    size_t kept = 0;
+    for (size_t i = 0; i < cache->asset_count; ++i)
+        if (cache->assets[i]->file == file)
+            destroy_asset(cache->context, cache->assets[i]);
+        else
+            cache->assets[kept++] = cache->assets[i];
+    cache->asset_count = kept;
+}
+
+static void drop_file(ty_asset_cache* cache, const ty_asset_file* file) {
+    drop_content(cache, file);
+    size_t at = 0;
+    while (cache->files[at] != file) ++at;
+    ty_free_text(cache->context, cache->files[at]->path);
+    ty_free_array(cache->context, cache->files[at], 1, sizeof(ty_asset_file));
+    cache->files[at] = cache->files[--cache->file_count];
+}
+
+/* True if no scene holds the content: this cache is its only owner. */
+static bool is_spare(const ty_asset* asset) {
+    if (asset->grid != NULL) return atomic_load(&asset->grid->owners) == 1;
+    if (asset->shell != NULL) return atomic_load(&asset->shell->owners) == 1;
+    return asset->image != NULL;
+}
+
+static size_t bytes_of(const ty_asset* asset) {
+    size_t bytes = sizeof *asset;
+    if (asset->grid != NULL) bytes += ty_grid_get_info(asset->grid).bytes;
+    if (asset->shell != NULL) bytes += ty_closed_mesh_bytes(asset->shell);
+    if (asset->image != NULL)
+        bytes += sizeof(float) * (size_t)ty_image_channel_count(asset->image) * (size_t)ty_image_width(asset->image) *
+                 (size_t)ty_image_height(asset->image);
+    return bytes;
+}
+
+/* True if content was made of the file, other than the number of its components. */
+static bool has_content(const ty_asset_cache* cache, const ty_asset_file* file) {
+    for (size_t i = 0; i < cache->asset_count; ++i)
+        if (cache->assets[i]->file == file && cache->assets[i]->kind != TY_ASSET_COMPONENTS) return true;
+    return false;
+}
+
+static void drop_asset(ty_asset_cache* cache, size_t index) {
+    const ty_asset_file* file = cache->assets[index]->file;
+    destroy_asset(cache->context, cache->assets[index]);
+    cache->assets[index] = cache->assets[--cache->asset_count];
+    if (file != NULL && !has_content(cache, file)) drop_file(cache, file);
+}
+
+void ty_assets_trim(ty_asset_cache* cache) {
+    for (;;) {
+        size_t bytes = 0, count = 0, oldest = 0;
+        for (size_t i = 0; i < cache->asset_count; ++i) {
+            if (!is_spare(cache->assets[i])) continue;
+            if (count == 0 || cache->assets[i]->used < cache->assets[oldest]->used) oldest = i;
+            bytes += bytes_of(cache->assets[i]);
+            ++count;
+        }
+        if (bytes <= TY_ASSETS_SPARE_BYTES && count <= TY_ASSETS_SPARE_COUNT) return;
+        drop_asset(cache, oldest);
+    }
 }
 
 /* ---- files ---- */
@@ -87,16 +166,6 @@ static bool is_unchanged(const ty_asset_file* file) {
     if (stat(file->path, &status) != 0) return false;
     stamp(&now, &status);
     return now.size == file->size && now.seconds == file->seconds && now.nanoseconds == file->nanoseconds;
-}
-
-static void drop_content(ty_asset_cache* cache, const ty_asset_file* file) {
-    size_t kept = 0;
-    for (size_t i = 0; i < cache->asset_count; ++i)
-        if (cache->assets[i]->file == file)
-            destroy_asset(cache->context, cache->assets[i]);
-        else
-            cache->assets[kept++] = cache->assets[i];
-    cache->asset_count = kept;
 }
 
 /* The file's state is taken before its content, so that a file that changes meanwhile counts as changed. */

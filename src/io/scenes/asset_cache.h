@@ -18,7 +18,8 @@ typedef enum ty_asset_kind {
     TY_ASSET_GRID,
     TY_ASSET_NOISE,
     TY_ASSET_IMAGE,
-    TY_ASSET_SHELL
+    TY_ASSET_SHELL,
+    TY_ASSET_CAMERA
 } ty_asset_kind;
 
 /* Content, and what it was made from: fields that do not matter to its kind are zero. */
@@ -27,12 +28,15 @@ typedef struct ty_asset {
     const ty_asset_file* file; /* NULL: computed */
     ty_volume_def volume;      /* TY_ASSET_COMPONENTS, TY_ASSET_GRID; its frame does not matter */
     ty_noise_def noise;
-    ty_affine placement; /* TY_ASSET_SHELL, with to_z_up */
+    ty_affine placement; /* TY_ASSET_SHELL, TY_ASSET_CAMERA, with to_z_up */
     bool to_z_up;
+    const char* camera_name; /* TY_ASSET_CAMERA; "": the first */
     int32_t components;
     ty_grid* grid;
     ty_image* image;
     ty_closed_mesh* shell;
+    ty_camera_def camera;
+    bool has_camera;
     uint64_t used; /* number of the last reading that used it */
 } ty_asset;
 
@@ -46,6 +50,12 @@ typedef struct ty_asset_cache {
 } ty_asset_cache;
 
 void ty_assets_release(ty_asset_cache* cache);
+
+/* Drops content that nothing else holds, and the records of its files, least recently used first, until at most
+ * TY_ASSETS_SPARE_BYTES of it and TY_ASSETS_SPARE_COUNT pieces remain. */
+#define TY_ASSETS_SPARE_BYTES ((size_t)1 << 30)
+enum { TY_ASSETS_SPARE_COUNT = 256 };
+void ty_assets_trim(ty_asset_cache* cache);
 
 /* The record of a file, which lives until ty_assets_trim. Hashes the file if it is new, or if its size or time of
  * modification have changed since it was hashed: content made from it is dropped then. */

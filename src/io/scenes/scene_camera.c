@@ -67,6 +67,28 @@ static void describe_source(const ty_scene_reader* reader, const char* file, con
     ty_scene_set_camera_source(reader->scene, text);
 }
 
+/* Sets *def from the camera of the given name, or the first, of a file. */
+static ty_result find_camera(ty_scene_reader* reader, const ty_asset_file* file, const ty_mesh_file_def* placement,
+                             const char* name, ty_camera_def* def, bool* found) {
+    ty_asset camera = {.kind = TY_ASSET_CAMERA,
+                       .file = file,
+                       .placement = placement->transform,
+                       .to_z_up = placement->to_z_up,
+                       .camera_name = name != NULL ? name : ""};
+    const ty_asset* kept = ty_assets_find(reader->assets, &camera);
+    ty_result result = TY_OK;
+    if (kept == NULL) {
+        camera.camera = *def;
+        result = ty_mesh_file_camera(reader->context, file->path, placement, name, &camera.camera, &camera.has_camera);
+        if (result == TY_OK) result = ty_assets_keep(reader->assets, &camera);
+        kept = &camera;
+    }
+    if (result != TY_OK) return result;
+    *found = kept->has_camera;
+    if (*found) *def = kept->camera;
+    return TY_OK;
+}
+
 /* Sets *def from the camera of the given name, or the first, in the file of `item`, an object at `path`; messages
  * about the camera refer to json_path. */
 static ty_result read_file_camera(ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
@@ -78,8 +100,8 @@ static ty_result read_file_camera(ty_scene_reader* reader, const json_t* item, c
     ty_result result = ty_read_mesh_placement(reader, item, path, 1, &placement);
     if (result == TY_OK) result = ty_find_file(reader, &file_json_path, file, &found_file);
     if (result == TY_OK)
-        result = ty_reader_prefix_error(
-            reader, json_path, ty_mesh_file_camera(reader->context, found_file->path, &placement, name, def, found));
+        result =
+            ty_reader_prefix_error(reader, json_path, find_camera(reader, found_file, &placement, name, def, found));
     if (result == TY_OK && *found) describe_source(reader, file, name);
     return result;
 }

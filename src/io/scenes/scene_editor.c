@@ -23,6 +23,7 @@ struct ty_scene_editor {
     char* text;
     ty_asset_cache assets;
     ty_file_digests files[TY_SECTIONS];
+    size_t listed_lights; /* lights of the scene before those of meshes' files */
     ty_scene* scene;
 };
 
@@ -51,37 +52,71 @@ static char* compact_text(ty_context* context, const json_t* root) {
     return ty_text_finish(&text);
 }
 
-/* Takes over the reader's document and scene, which is committed. */
-static void take_over(ty_scene_editor* editor, ty_scene_reader* reader, char* text) {
-    ty_scene* scene = editor->scene;
+/* Takes over the reader's document, and the digests of the sections that it read. */
+static void take_document(ty_scene_editor* editor, ty_scene_reader* reader, unsigned sections, char* text) {
     json_t* root = editor->root;
-    editor->scene = reader->scene;
     editor->root = reader->root;
-    reader->scene = scene;
     reader->root = root;
     for (int s = 0; s < TY_SECTIONS; ++s) {
+        if ((sections & 1u << s) == 0) continue;
         const ty_file_digests files = editor->files[s];
         editor->files[s] = reader->files[s];
         reader->files[s] = files;
     }
+    if ((sections & 1u << TY_SECTION_LIGHTS) != 0) editor->listed_lights = reader->listed_lights;
     ty_free_text(editor->context, editor->text);
     editor->text = text;
 }
 
-/* Reads and commits the reader's document. */
-static ty_result build(ty_scene_editor* editor, ty_scene_reader* reader) {
+/* Hash and text of the reader's document, of which it has read some sections. */
+static ty_result describe(const ty_scene_editor* editor, const ty_scene_reader* reader, unsigned sections,
+                          uint64_t* hash, char** text) {
+    ty_file_digests files[TY_SECTIONS];
+    for (int s = 0; s < TY_SECTIONS; ++s) files[s] = (sections & 1u << s) != 0 ? reader->files[s] : editor->files[s];
+    const ty_result result = ty_reader_hash(reader, files, hash);
+    if (result != TY_OK) return result;
+    *text = compact_text(editor->context, reader->root);
+    return *text != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+/* Exchanges the scene for the reader's, after a commit. */
+static ty_result exchange_scene(ty_scene_editor* editor, ty_scene_reader* reader) {
+    const ty_result result = ty_scene_commit(reader->scene);
+    if (result != TY_OK) return result;
+    ty_scene* scene = editor->scene;
+    editor->scene = reader->scene;
+    reader->scene = scene;
+    return TY_OK;
+}
+
+/* Exchanges the parts of the scene that the reader has read: shapes and meshes, with their lights, stay. */
+static ty_result exchange_parts(ty_scene_editor* editor, ty_scene_reader* reader, unsigned sections) {
+    unsigned parts = TY_SCENE_SETTINGS;
+    ty_result result = TY_OK;
+    if ((sections & 1u << TY_SECTION_CAMERA) != 0) parts |= TY_SCENE_CAMERA;
+    if ((sections & 1u << TY_SECTION_MEDIA) != 0) parts |= TY_SCENE_MEDIA;
+    if ((sections & 1u << TY_SECTION_LIGHTS) != 0) {
+        parts |= TY_SCENE_LIGHTS;
+        result = ty_scene_copy_lights(editor->scene, editor->listed_lights, reader->scene);
+    }
+    return result == TY_OK ? ty_scene_replace(editor->scene, reader->scene, parts) : result;
+}
+
+/* Makes the reader's document the editor's: reads and commits the sections whose bits are set. */
+static ty_result build(ty_scene_editor* editor, ty_scene_reader* reader, unsigned sections) {
     uint64_t hash = 0;
     char* text = NULL;
-    ty_result result = ty_read_sections(reader, ALL_SECTIONS);
-    if (result == TY_OK) result = ty_reader_hash(reader, reader->files, &hash);
-    if (result == TY_OK) ty_scene_set_hash(reader->scene, hash);
-    if (result == TY_OK) result = ty_scene_commit(reader->scene);
-    if (result == TY_OK) {
-        text = compact_text(editor->context, reader->root);
-        if (text == NULL) result = TY_ERROR_MEMORY;
+    ty_result result = ty_read_sections(reader, sections);
+    if (result == TY_OK) result = describe(editor, reader, sections, &hash, &text);
+    if (result == TY_OK)
+        result = sections == ALL_SECTIONS ? exchange_scene(editor, reader) : exchange_parts(editor, reader, sections);
+    if (result != TY_OK) {
+        ty_free_text(editor->context, text);
+        return result;
     }
-    if (result == TY_OK) take_over(editor, reader, text);
-    return result;
+    ty_scene_set_hash(editor->scene, hash);
+    take_document(editor, reader, sections, text);
+    return TY_OK;
 }
 
 /* ---- opening ---- */
@@ -97,7 +132,7 @@ static ty_result load(ty_scene_editor* editor, const char* const* overrides, int
     }
     if (result == TY_OK) result = ty_apply_overrides(&reader, overrides, count);
     if (result == TY_OK) result = ty_reader_check(&reader, NULL);
-    if (result == TY_OK) result = build(editor, &reader);
+    if (result == TY_OK) result = build(editor, &reader, ALL_SECTIONS);
     ty_free_overrides(&reader);
     end_reading(&reader);
     return result;
@@ -233,6 +268,20 @@ static uint32_t compare(const json_t* before, const json_t* after) {
     return flags;
 }
 
+/* Bits of the sections that are read anew. Shapes and meshes are kept or made as a whole, with all that refers to
+ * them. */
+static unsigned sections_of(const json_t* before, const json_t* after) {
+    static const char *const all[] = {"geometry", "meters_per_unit", "up_axis", NULL},
+                             *const camera[] = {"camera", NULL}, *const media[] = {"media", "frame", NULL},
+                             *const lights[] = {"lights", NULL};
+    if (differ(before, after, all)) return ALL_SECTIONS;
+    unsigned sections = 0;
+    if (differ(before, after, camera)) sections |= 1u << TY_SECTION_CAMERA;
+    if (differ(before, after, media)) sections |= 1u << TY_SECTION_MEDIA;
+    if (differ(before, after, lights)) sections |= 1u << TY_SECTION_LIGHTS;
+    return sections;
+}
+
 static ty_result apply(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count, uint32_t* edited) {
     ty_scene_reader reader = start_reading(editor);
     reader.bare = true;
@@ -240,10 +289,11 @@ static ty_result apply(ty_scene_editor* editor, const ty_scene_change* changes, 
     if (result == TY_OK && !json_equal(editor->root, reader.root)) {
         result = ty_reader_check(&reader, NULL);
         const uint32_t flags = result == TY_OK ? compare(editor->root, reader.root) : TY_EDIT_NOTHING;
-        if (result == TY_OK) result = build(editor, &reader);
+        if (result == TY_OK) result = build(editor, &reader, sections_of(editor->root, reader.root));
         if (result == TY_OK) *edited = flags;
     }
     end_reading(&reader);
+    ty_assets_trim(&editor->assets);
     return result;
 }
 

@@ -122,6 +122,7 @@ ty_result ty_read_sections(ty_scene_reader* reader, unsigned sections) {
     for (int s = 0; s < TY_SECTIONS && result == TY_OK; ++s) {
         reader->section = (ty_scene_section)s;
         if ((sections & 1u << s) != 0) result = readers[s](reader);
+        if (s == TY_SECTION_LIGHTS) reader->listed_lights = reader->scene->light_count;
     }
     return result == TY_OK ? read_render(reader) : result;
 }

@@ -60,6 +60,7 @@ typedef struct ty_scene_reader {
     int32_t frame;                      /* frame number of volumes without their own */
     ty_scene_section section;           /* being read */
     ty_file_digests files[TY_SECTIONS]; /* of the sections read */
+    size_t listed_lights;               /* number of the scene's lights that do not come from meshes' files */
     ty_asset_cache* assets;
 } ty_scene_reader;
 
