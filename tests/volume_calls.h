@@ -32,6 +32,7 @@ typedef struct volume_calls {
     void (*make_def)(volume_def* def, int variant); /* small, of WIDTH x HEIGHT */
     void (*watch)(volume_def* def, ty_progress_fn progress, void* user);
     void (*enlarge)(volume_def* def, int resolution); /* 0: no change; and asks for all channels */
+    void (*space)(volume_def* def, int32_t spacing);  /* rays so many pixels apart, in an image five times as wide */
     ty_scene* (*make_scene)(ty_context* context);     /* that takes little time */
     ty_result (*solve)(const ty_scene* scene, const volume_def* def, void** light);
     ty_result (*view)(void* light, const ty_scene* scene, const volume_def* def, ty_image** image);
@@ -52,6 +53,11 @@ typedef struct volume_calls {
     static void enlarge_def(volume_def* def, int resolution) {                                                         \
         if (resolution > 0) def->method.resolution = resolution;                                                       \
         def->method.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;                      \
+    }                                                                                                                  \
+    static void space_def(volume_def* def, int32_t spacing) {                                                          \
+        def->method.ray_spacing = spacing;                                                                             \
+        def->method.width = 5 * WIDTH;                                                                                 \
+        def->method.height = 5 * HEIGHT;                                                                               \
     }                                                                                                                  \
     static ty_result call_solve(const ty_scene* scene, const volume_def* def, void** light) {                          \
         ty_##method* solved = NULL;                                                                                    \
@@ -85,7 +91,8 @@ typedef struct volume_calls {
 /* Those fields of a method's volume_calls; the file has make_def. */
 #define VOLUME_CALLS_OF(method)                                                                                        \
     .name = #method, .maker = "ty_default_" #method "_def", .make_def = make_def, .watch = watch_def,                  \
-    .enlarge = enlarge_def, .solve = call_solve, .view = call_view, .render = call_render, .destroy = call_destroy
+    .enlarge = enlarge_def, .space = space_def, .solve = call_solve, .view = call_view, .render = call_render,         \
+    .destroy = call_destroy
 #define VOLUME_FLUENCE_OF .fluence = call_fluence, .look_up = look_up_all
 
 /* A field of a method's def with a value that is refused, and what the message says; those of all methods. */
@@ -97,6 +104,8 @@ typedef struct volume_calls {
         VOLUME_BAD_FIELD(method, width, FIELD_INT, -5, #method ": -5 x 11"),                                           \
         VOLUME_BAD_FIELD(method, height, FIELD_INT, 0, #method ": 19 x 0"),                                            \
         VOLUME_BAD_FIELD(method, height, FIELD_INT, 65537, #method ": 19 x 65537"),                                    \
+        VOLUME_BAD_FIELD(method, ray_spacing, FIELD_INT, 0, #method ".ray_spacing"),                                   \
+        VOLUME_BAD_FIELD(method, ray_spacing, FIELD_INT, 9, #method ".ray_spacing"),                                   \
         VOLUME_BAD_FIELD(method, aovs, FIELD_INT, TY_AOV_NORMAL, #method ".aovs: ")
 
 /* A method and the defs that it must refuse. */
@@ -347,6 +356,29 @@ static inline void cameras_move_without_solving_again(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* Rays several pixels apart are asked for by all methods in the same way, and are fewer, but show about the same. */
+static inline void rays_may_lie_apart(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
+    ty_scene* scene = foggy_scene(context);
+    volume_def def;
+    calls->make_def(&def, 0);
+    void* light = solve_volume(calls, scene, &def);
+    ty_image* images[3] = {NULL};
+    for (int i = 0; i < 3; ++i) {
+        ty_difference difference;
+        calls->space(&def, i + 1);
+        check_result(context, calls->view(light, scene, &def, &images[i]));
+        check_result(context, ty_image_compare(context, images[i], images[0], 1, &difference));
+        assert_close(difference.mean_ratio[3], 1, 2e-3);
+        assert_true(difference.relative_rmse[3] < 0.015 * i || i == 0);
+    }
+    assert_false(same_images(images[0], images[1]) || same_images(images[1], images[2]));
+    for (int i = 0; i < 3; ++i) ty_image_destroy(images[i]);
+    calls->destroy(light);
+    ty_scene_destroy(scene);
+}
+
 /* Light does not refer to the scene that it was solved for: lookups work without it, and views of a scene like it. */
 static inline void light_outlives_its_scene(void** state) {
     const volume_calls* calls = suite.calls;
@@ -406,6 +438,7 @@ static inline void threads_do_not_change_bits(void** state) {
     cmocka_unit_test(wrong_defs_are_refused), cmocka_unit_test(scenes_need_media),                                     \
         cmocka_unit_test(cuts_of_boxes_are_checked), cmocka_unit_test(progress_runs_to_the_end),                       \
         cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing),             \
-        cmocka_unit_test(light_outlives_its_scene), cmocka_unit_test(threads_do_not_change_bits)
+        cmocka_unit_test(light_outlives_its_scene), cmocka_unit_test(threads_do_not_change_bits),                      \
+        cmocka_unit_test(rays_may_lie_apart)
 
 #endif

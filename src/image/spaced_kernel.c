@@ -8,6 +8,9 @@
 /* Range of the radiance of the rays around a pixel, relative to the pixel's, above which the pixel gets a ray of its
  * own. */
 static const float contrast_max = 0.25f;
+/* Error of the distance that is interpolated, relative to the distance and for opaque media, above which it gets one,
+ * too. */
+static const float distance_error_max = 0.01f;
 /* Cosine between the normals of surfaces at which the irradiance of one no longer counts for the other. */
 static const float cosine_min = 0.7f;
 
@@ -112,8 +115,10 @@ static bool interpolate_media(neighbours* around, float distance, ty_spaced_ray*
     for (int i = 0; i < 4; ++i)
         if (around->weight[i] > 0.0f) around->weight[i] *= ty_similarity(distance, around->rays[i]->distance);
     if (!normalise(around->weight)) return false;
+    out->distance = 0.0f;
     for (int c = 0; c < 3; ++c) out->transmittance[c] = out->emission[c] = out->single[c] = out->multiple[c] = 0.0f;
-    for (int i = 0; i < 4; ++i)
+    for (int i = 0; i < 4; ++i) {
+        if (around->weight[i] > 0.0f) out->distance += around->weight[i] * around->rays[i]->distance;
         for (int c = 0; c < 3; ++c) {
             const float weight = around->weight[i];
             out->transmittance[c] += weight * around->rays[i]->transmittance[c];
@@ -121,7 +126,10 @@ static bool interpolate_media(neighbours* around, float distance, ty_spaced_ray*
             out->single[c] += weight * around->rays[i]->single[c];
             out->multiple[c] += weight * around->rays[i]->multiple[c];
         }
-    return true;
+    }
+    const float* passed = out->transmittance;
+    const float opacity = 1.0f - ty_minf(passed[0], ty_minf(passed[1], passed[2]));
+    return !(distance < TY_FLOAT_MAX) || opacity * fabsf(out->distance - distance) <= distance_error_max * distance;
 }
 
 /* The media's irradiance on a surface outside of the field. */
