@@ -1,7 +1,8 @@
 /* Scenes that are edited: each is as if the edited document had been loaded; a wrong edit changes nothing. */
 #define _GNU_SOURCE
-#include "files.h"
+#include "mesh_maker.h"
 
+#include "base/context.h"
 #include "io/scenes/scene_editor.h"
 #include "scene/scene.h"
 
@@ -235,12 +236,182 @@ static void wrong_scenes_do_not_open(void** state) {
     ty_scene_editor_close(NULL);
 }
 
+/* ---- saved text, and changes as overrides ---- */
+
+static ty_scene_editor* open_text(const char* text) {
+    put_text("edited.json", text);
+    return open_scene("edited.json");
+}
+
+/* Both ways to keep the changes lead to the scene that is shown. */
+static void expect_kept(const ty_scene_editor* editor, const char* path) {
+    char *text = NULL, **overrides = NULL;
+    int32_t count = 0;
+    ty_scene* scene = NULL;
+    const uint64_t hash = ty_scene_hash(ty_scene_editor_scene(editor));
+    expect_ok(ty_scene_editor_save_text(editor, &text));
+    expect_ok(ty_scene_parse(context, text, strlen(text), "saved", "", NULL, 0, &scene));
+    if (ty_scene_hash(scene) != hash) fail_msg("saved as\n%s\nfor\n%s", text, ty_scene_editor_text(editor));
+    ty_scene_destroy(scene);
+    expect_ok(ty_scene_editor_overrides(editor, &overrides, &count));
+    expect_ok(ty_scene_load(context, path, (const char* const*)overrides, count, &scene));
+    for (int32_t i = 0; i < count && ty_scene_hash(scene) != hash; ++i) print_message("%s\n", overrides[i]);
+    if (ty_scene_hash(scene) != hash) fail_msg("overrides for\n%s", ty_scene_editor_text(editor));
+    ty_scene_destroy(scene);
+    ty_scene_editor_free_overrides(editor, overrides, count);
+    ty_free_text(context, text);
+}
+
+static void expect_text(const ty_scene_editor* editor, const char* expected) {
+    char* text = NULL;
+    expect_ok(ty_scene_editor_save_text(editor, &text));
+    assert_string_equal(text, expected);
+    ty_free_text(context, text);
+}
+
+static void expect_overrides(const ty_scene_editor* editor, const char* const* expected, int32_t expected_count) {
+    char** overrides = NULL;
+    int32_t count = 0;
+    expect_ok(ty_scene_editor_overrides(editor, &overrides, &count));
+    for (int32_t i = 0; i < count && i < expected_count; ++i) assert_string_equal(overrides[i], expected[i]);
+    assert_int_equal(count, expected_count);
+    ty_scene_editor_free_overrides(editor, overrides, count);
+}
+
+#define FOG "{ \"sigma_t\": 1.50, \"albedo\": 0.5, \"bounds\": [[0, 0, 0], [1, 1, 1]] }"
+
+static void text_keeps_its_form(void** state) {
+    (void)state;
+    ty_scene_editor* editor = open_text("{\n"
+                                        "    \"tyndall\": 1,\n"
+                                        "    \"camera\": { \"position\": [0.0, 1e0, 5], \"fov_y\": 4.0e1 },\n"
+                                        "    \"media\": [\n"
+                                        "        " FOG "\n"
+                                        "    ],\n"
+                                        "    \"lights\": [\n"
+                                        "        {\n"
+                                        "            \"type\": \"point\",\n"
+                                        "            \"position\": [0, 1, 0],\n"
+                                        "            \"intensity\": 3\n"
+                                        "        }\n"
+                                        "    ]\n"
+                                        "}\n");
+    expect_kept(editor, "edited.json");
+    apply(editor, "camera.position[2]", "5.25");
+    apply(editor, "camera.exposure", "1");
+    apply(editor, "media[0].g", "0.1");
+    apply(editor, "media[1]", "{\"preset\": \"fog\", \"visibility\": 9, \"bounds\": [[0, 0, 0], [1, 1, 1]]}");
+    apply(editor, "lights[1]", "{\"type\": \"environment\", \"radiance\": [1, 2, 3]}");
+    apply(editor, "lights[0].intensity", "[3, 2, 1]");
+    apply(editor, "render.spp", "5");
+    expect_text(editor,
+                "{\n"
+                "    \"tyndall\": 1,\n"
+                "    \"camera\": { \"position\": [0.0, 1e0, 5.25], \"fov_y\": 4.0e1, \"exposure\": 1 },\n"
+                "    \"media\": [\n"
+                "        { \"sigma_t\": 1.50, \"albedo\": 0.5, \"bounds\": [[0, 0, 0], [1, 1, 1]], \"g\": 0.1 },\n"
+                "        { \"preset\": \"fog\", \"visibility\": 9, \"bounds\": [[0, 0, 0], [1, 1, 1]] }\n"
+                "    ],\n"
+                "    \"lights\": [\n"
+                "        {\n"
+                "            \"type\": \"point\",\n"
+                "            \"position\": [0, 1, 0],\n"
+                "            \"intensity\": [3, 2, 1]\n"
+                "        },\n"
+                "        {\n"
+                "            \"type\": \"environment\",\n"
+                "            \"radiance\": [1, 2, 3]\n"
+                "        }\n"
+                "    ],\n"
+                "    \"render\": { \"spp\": 5 }\n"
+                "}\n");
+    static const char* const overrides[] = {
+        "camera.position=[0.0,1.0,5.25]",
+        "camera.exposure=1",
+        "media[0].g=0.1",
+        "media[1]={\"preset\":\"fog\",\"visibility\":9,\"bounds\":[[0,0,0],[1,1,1]]}",
+        "lights[0].intensity=[3,2,1]",
+        "lights[1]={\"type\":\"environment\",\"radiance\":[1,2,3]}",
+        "render={\"spp\":5}",
+    };
+    expect_overrides(editor, overrides, COUNT(overrides));
+    expect_kept(editor, "edited.json");
+    apply(editor, "lights[0]", NULL);
+    apply(editor, "camera.fov_y", NULL);
+    apply(editor, "media", NULL);
+    expect_text(editor, "{\n"
+                        "    \"tyndall\": 1,\n"
+                        "    \"camera\": { \"position\": [0.0, 1e0, 5.25], \"exposure\": 1 },\n"
+                        "    \"lights\": [\n"
+                        "        {\n"
+                        "            \"type\": \"environment\",\n"
+                        "            \"radiance\": [1, 2, 3]\n"
+                        "        }\n"
+                        "    ],\n"
+                        "    \"render\": { \"spp\": 5 }\n"
+                        "}\n");
+    expect_kept(editor, "edited.json");
+    ty_scene_editor_close(editor);
+}
+
+static void tabs_and_single_lines_stay(void** state) {
+    (void)state;
+    ty_scene_editor* editor = open_text("\xef\xbb\xbf{\r\n\t\"tyndall\" : 1,\r\n\t\"media\" : [" FOG "," FOG "]\r\n}");
+    apply(editor, "media[0]", NULL);
+    apply(editor, "camera", "{\"fov_y\": 30.0}");
+    expect_text(editor, "\xef\xbb\xbf{\r\n\t\"tyndall\" : 1,\r\n\t\"media\" : [" FOG
+                        "],\r\n\t\"camera\" : { \"fov_y\" : 30.0 }\r\n}");
+    expect_kept(editor, "edited.json");
+    ty_scene_editor_close(editor);
+    editor = open_text("{\"tyndall\":1,\"camera\":{},\"media\":[],\"render\":{\"spp\":4}}");
+    apply(editor, "camera.fov_y", "30");
+    apply(editor, "media[0]", FOG);
+    apply(editor, "render.spp", NULL);
+    expect_text(editor, "{\"tyndall\":1,\"camera\":{\"fov_y\":30},\"media\":[{\"sigma_t\":1.5,\"albedo\":0.5,"
+                        "\"bounds\":[[0,0,0],[1,1,1]]}],\"render\":{}}");
+    expect_kept(editor, "edited.json");
+    apply(editor, "media[0]", NULL);
+    apply(editor, "camera", "{}");
+    apply(editor, "render.spp", "4.0");
+    expect_text(editor, "{\"tyndall\":1,\"camera\":{},\"media\":[],\"render\":{\"spp\":4}}");
+    expect_overrides(editor, NULL, 0);
+    ty_scene_editor_close(editor);
+}
+
+/* Elements put in, taken out and changed at every place of an array. */
+static void arrays_change_everywhere(void** state) {
+    (void)state;
+    static const char* const values[] = {"1", "2", "3", "4", "5"};
+    char text[512], list[256];
+    for (unsigned before = 0; before < 32; ++before) {
+        ty_scene_editor* editor = NULL;
+        snprintf(text, sizeof text, "{ \"tyndall\": 1,\n  \"lights\": [");
+        for (unsigned i = 0, n = 0; i < 5; ++i)
+            if ((before >> i & 1) != 0)
+                snprintf(text + strlen(text), 128, "%s{ \"type\": \"environment\", \"radiance\": %s }",
+                         n++ > 0 ? ",\n    " : " ", values[i]);
+        snprintf(text + strlen(text), 8, " ] }");
+        editor = open_text(text);
+        for (unsigned after = 0; after < 32; ++after) {
+            snprintf(list, sizeof list, "[");
+            for (unsigned i = 0, n = 0; i < 5; ++i)
+                if ((after >> i & 1) != 0)
+                    snprintf(list + strlen(list), 64, "%s{\"type\":\"environment\",\"radiance\":%s}",
+                             n++ > 0 ? "," : "", values[i]);
+            strcat(list, "]");
+            apply(editor, "lights", list);
+            expect_kept(editor, "edited.json");
+        }
+        ty_scene_editor_close(editor);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cloud_is_edited),
-        cmocka_unit_test(a_room_is_edited),
-        cmocka_unit_test(wrong_edits_change_nothing),
-        cmocka_unit_test(wrong_scenes_do_not_open),
+        cmocka_unit_test(a_cloud_is_edited),          cmocka_unit_test(a_room_is_edited),
+        cmocka_unit_test(wrong_edits_change_nothing), cmocka_unit_test(wrong_scenes_do_not_open),
+        cmocka_unit_test(text_keeps_its_form),        cmocka_unit_test(tabs_and_single_lines_stay),
+        cmocka_unit_test(arrays_change_everywhere),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

@@ -67,14 +67,13 @@ bool ty_json_same(const json_t* a, const json_t* b) {
     return json_equal(a, b);
 }
 
-/* `value` with those parts of `old` that are the same; a new reference, or NULL. */
-static json_t* keep_same(json_t* old, json_t* value) {
+json_t* ty_json_keep_same(json_t* old, json_t* value) {
     if (ty_json_same(old, value)) return json_incref(old);
     if (json_is_object(old) && json_is_object(value)) {
         const char* key;
         json_t* member;
         json_object_foreach(value, key, member) {
-            json_t* kept = keep_same(json_object_get(old, key), member);
+            json_t* kept = ty_json_keep_same(json_object_get(old, key), member);
             if (kept == NULL || (kept != member && json_object_set(value, key, kept) != 0)) {
                 json_decref(kept);
                 return NULL;
@@ -83,7 +82,7 @@ static json_t* keep_same(json_t* old, json_t* value) {
         }
     } else if (json_is_array(old) && json_is_array(value)) {
         for (size_t i = 0; i < json_array_size(value); ++i) {
-            json_t* kept = keep_same(json_array_get(old, i), json_array_get(value, i));
+            json_t* kept = ty_json_keep_same(json_array_get(old, i), json_array_get(value, i));
             if (kept == NULL || json_array_set_new(value, i, kept) != 0) return NULL;
         }
     }
@@ -125,7 +124,7 @@ static bool can_hold(const json_t* container, const ty_json_step* step, bool las
 /* Takes over value. */
 static bool set_child(json_t* container, const ty_json_step* step, json_t* value) {
     json_t* old = child(container, step);
-    json_t* kept = old != NULL ? keep_same(old, value) : json_incref(value);
+    json_t* kept = old != NULL ? ty_json_keep_same(old, value) : json_incref(value);
     json_decref(value);
     if (kept == NULL) return false;
     if (step->key != NULL) return json_object_set_new(container, step->key, kept) == 0;

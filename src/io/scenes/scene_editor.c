@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "io/json_edit.h"
+#include "io/json_patch.h"
 #include "io/json_text.h"
 #include "io/schema_text.h"
 #include "io/scenes/scene_reader.h"
@@ -221,7 +222,11 @@ static ty_result change_copy(ty_scene_editor* editor, const ty_scene_change* cha
     if (*out == NULL) return ty_fail(editor->context, TY_ERROR_MEMORY, "not enough memory for a change");
     ty_result result = TY_OK;
     for (int32_t i = 0; i < count && result == TY_OK; ++i) result = change_document(editor->context, *out, &changes[i]);
-    return result;
+    if (result != TY_OK) return result;
+    json_t* same = ty_json_keep_same(editor->opened, *out); /* numbers are written as in the file */
+    json_decref(*out);
+    *out = same;
+    return same != NULL ? TY_OK : ty_fail(editor->context, TY_ERROR_MEMORY, "not enough memory for a change");
 }
 
 /* True if the documents differ in a member of one of the keys, a list ended by NULL. */
@@ -305,4 +310,17 @@ ty_result ty_scene_editor_apply(ty_scene_editor* editor, const ty_scene_change* 
     const ty_result result = apply(editor, changes, count, &flags);
     if (edited != NULL) *edited = flags;
     return result;
+}
+
+ty_result ty_scene_editor_save_text(const ty_scene_editor* editor, char** out) {
+    *out = ty_json_patch(editor->context, editor->source.text, editor->source.length, editor->opened, editor->root);
+    return *out != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+ty_result ty_scene_editor_overrides(const ty_scene_editor* editor, char*** out, int32_t* count) {
+    return ty_json_list_changes(editor->context, editor->opened, editor->root, out, count);
+}
+
+void ty_scene_editor_free_overrides(const ty_scene_editor* editor, char** overrides, int32_t count) {
+    ty_json_free_changes(editor->context, overrides, count);
 }

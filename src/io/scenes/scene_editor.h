@@ -43,4 +43,14 @@ typedef enum ty_edit_flags {
 ty_result ty_scene_editor_apply(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count,
                                 uint32_t* edited);
 
+/* ---- changes since the file was opened, overrides included ---- */
+
+/* The file's text with only the changed values replaced, inserted and removed: spaces, the order of keys and other
+ * numbers are as in the file. *out is freed with ty_free_text. Errors: TY_ERROR_MEMORY. */
+ty_result ty_scene_editor_save_text(const ty_scene_editor* editor, char** out);
+/* The changes as overrides, "media[0].g=0.5", with which ty_scene_load makes the same scene of the file. They are freed
+ * with ty_scene_editor_free_overrides. Errors: TY_ERROR_MEMORY. */
+ty_result ty_scene_editor_overrides(const ty_scene_editor* editor, char*** out, int32_t* count);
+void ty_scene_editor_free_overrides(const ty_scene_editor* editor, char** overrides, int32_t count);
+
 #endif
