@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "cli/view/live_state.h"
 
+#include "base/context.h"
 #include "base/number.h"
 #include "cli/session.h"
 #include "io/scenes/scene_schema.h"
@@ -218,6 +219,6 @@ void view_answer_document(view_live* live, const view_request* request) {
         send(live->server, request->client, message);
     }
     free(command);
-    ty_scene_editor_free_text(live->editor, json);
+    ty_free_text(live->context, json);
     ty_scene_editor_free_overrides(live->editor, changes, count);
 }
