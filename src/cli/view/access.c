@@ -20,19 +20,23 @@ bool view_access_is_token(const char* text, const char token[VIEW_TOKEN_SIZE]) {
     return differences == 0;
 }
 
-bool view_access_is_host(const char* host, int32_t port) {
+/* True for "127.0.0.1:PORT" and "localhost:PORT"; without the port if that is allowed. */
+static bool is_address(const char* text, int32_t port, bool portless) {
     static const char* const names[] = {"127.0.0.1", "localhost"};
-    if (host == NULL) return false;
     for (int i = 0; i < 2; ++i) {
         char address[32];
         snprintf(address, sizeof address, "%s:%d", names[i], (int)port);
-        if (strcmp(host, address) == 0 || (port == HTTP_PORT && strcmp(host, names[i]) == 0)) return true;
+        if (strcmp(text, address) == 0 || (portless && strcmp(text, names[i]) == 0)) return true;
     }
     return false;
+}
+
+bool view_access_is_host(const char* host, int32_t port) {
+    return host != NULL && is_address(host, port, true); /* some clients that are no browsers leave the port out */
 }
 
 bool view_access_is_origin(const char* origin, int32_t port) {
     static const char scheme[] = "http://";
     if (origin == NULL) return true;
-    return strncmp(origin, scheme, sizeof scheme - 1) == 0 && view_access_is_host(origin + sizeof scheme - 1, port);
+    return strncmp(origin, scheme, sizeof scheme - 1) == 0 && is_address(origin + sizeof scheme - 1, port, port == HTTP_PORT);
 }
