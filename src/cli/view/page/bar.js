@@ -24,7 +24,7 @@ export const setCompare = compare => {
   if (!compare && state.display.mode !== "method") display({ mode: "method" });
 };
 
-/* What needs the image of path starts it. */
+/* A mode that needs the image of path starts it. */
 export const setMode = mode => {
   if (mode !== "method" && !state.view.compare) setCompare(true);
   display({ mode });

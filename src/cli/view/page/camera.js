@@ -26,7 +26,7 @@ const cameraIn = ({ camera = {}, meters_per_unit: unit = 1, up_axis = "y" }) => 
   };
 };
 
-/* Whether the camera may be that of a glTF file, which the document does not tell. */
+/* True if the camera may be that of a glTF file, which the document does not tell. */
 const isElsewhere = ({ camera = {}, geometry = [] }) => !camera.position && !camera.target &&
   [camera, ...geometry].some(({ file }) => /\.gl(tf|b)$/i.test(file ?? ""));
 

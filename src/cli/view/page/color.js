@@ -2,7 +2,7 @@
 
 import { clamp } from "./dom.js";
 
-/* What every half float is worth. */
+/* The values of all half floats. */
 export const halfValues = Float32Array.from({ length: 65536 }, (_, bits) => {
   const sign = bits & 0x8000 ? -1 : 1, exponent = bits >> 10 & 31, mantissa = bits & 1023;
   if (exponent === 31) return mantissa > 0 ? NaN : sign * Infinity;

@@ -146,7 +146,7 @@ export const numbersControl = ({ limits, name, change, count, step }) => {
   };
 };
 
-/* What no other control is for, as JSON text. */
+/* A value that no other control is for, as JSON text. */
 export const jsonControl = ({ name, change }) => {
   let last = "";
   const input = make("input", { type: "text", class: "text code", "aria-label": name, spellcheck: "false", change: () => {

@@ -70,7 +70,7 @@ export const perFrame = action => {
   };
 };
 
-/* Whether keys go into a field as text. */
+/* True if keys go into a field as text. */
 export const isTyping = element =>
   element instanceof HTMLSelectElement || element instanceof HTMLTextAreaElement ||
   element instanceof HTMLInputElement && !["range", "checkbox", "color", "radio"].includes(element.type);

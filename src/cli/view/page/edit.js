@@ -125,7 +125,7 @@ export const redo = () => {
   emit("history");
 };
 
-/* Whether the server has not yet echoed a change. */
+/* True if the server has not yet echoed a change. */
 export const isFresh = path => fresh.has(path);
 
 export const canUndo = () => past.length > 0;

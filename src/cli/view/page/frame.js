@@ -4,7 +4,7 @@ import { fromFilmic, fromSrgb, halfValues } from "./color.js";
 
 const HEADER = 64;
 
-/* What the header says. */
+/* The members of the header. */
 const readHeader = buffer => {
   const data = new DataView(buffer);
   if (buffer.byteLength < HEADER || data.getUint32(0) !== 0x54594631) throw new Error("a frame without TYF1");

@@ -1,4 +1,4 @@
-/* What is kept: the scene, the command line, images, and sequences of frames. */
+/* Keeping: the scene, the command line, images, and sequences of frames. */
 
 import { download, find, make } from "./dom.js";
 import { edit } from "./edit.js";

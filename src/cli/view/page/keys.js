@@ -53,7 +53,7 @@ const KEYS = {
 };
 const actions = new Map(Object.values(KEYS).flat().map(([key, , action]) => [key, action]));
 
-/* What else the list says. */
+/* The rest of the list. */
 const MORE = {
   "What is shown": [["1 … 9", "the method of that number"]],
   Scene: [["Ctrl Z", "undo"], ["Ctrl Shift Z", "redo"], ["Ctrl S", "save the scene"]],
@@ -69,8 +69,8 @@ export const openHelp = () => {
     dialog.close();
     return;
   }
-  const row = ([key, words]) => make("div", {}, make("dt", {}, make("kbd", {}, key === " " ? "Space" : key.length === 1 ? key.toUpperCase() : key)),
-    make("dd", {}, words));
+  const nameOf = key => key === " " ? "Space" : key.length === 1 ? key.toUpperCase() : key;
+  const row = ([key, words]) => make("div", {}, make("dt", {}, make("kbd", {}, nameOf(key))), make("dd", {}, words));
   const titles = [...new Set([...Object.keys(KEYS), ...Object.keys(MORE)])];
   dialog.replaceChildren(make("h2", {}, "Keys"), make("div", { class: "columns" }, ...titles.map(title =>
     make("dl", {}, make("h3", {}, title), ...[...MORE[title] ?? [], ...KEYS[title] ?? []].map(row)))),
@@ -87,7 +87,7 @@ const pressWithControl = event => {
   return true;
 };
 
-/* Whether an element takes this key itself. */
+/* True if an element takes this key itself. */
 const takes = (element, key) => {
   if (isTyping(element)) return true;
   const widget = element.closest?.("button, summary, a, input, [role=slider], [role=application]");

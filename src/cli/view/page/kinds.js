@@ -1,4 +1,4 @@
-/* What the panels know of media, lights and surfaces beyond the schema: titles, first values, the three forms of coefficients. */
+/* The panels' knowledge of media, lights and surfaces beyond the schema: titles, first values, the three forms of coefficients. */
 
 import { selectControl } from "./controls.js";
 import { edit } from "./edit.js";
@@ -111,8 +111,9 @@ const needsVisibility = name => ["fog", "haze"].includes(plain(name));
 
 const setPreset = (path, name) => {
   const visibility = get(state.document, join(path, "visibility"));
+  const through = Number((2 * sceneBox().size * sceneBox().unit).toPrecision(2));
   edit([{ path: join(path, "preset"), value: name },
-    { path: join(path, "visibility"), value: needsVisibility(name) ? visibility ?? Number((2 * sceneBox().size * sceneBox().unit).toPrecision(2)) : undefined },
+    { path: join(path, "visibility"), value: needsVisibility(name) ? visibility ?? through : undefined },
     ...needsVisibility(name) ? [{ path: join(path, "dilution"), value: undefined }] : []]);
 };
 
@@ -136,5 +137,5 @@ export const coefficientRows = (path, medium, schema, makeRow) => {
   return { skip, before };
 };
 
-/* Whether a volume's file name has a place for the frame. */
+/* True if a volume's file name has a place for the frame. */
 export const hasFrames = document => JSON.stringify(document.media ?? []).includes("#");

@@ -19,7 +19,8 @@ export const send = message => {
   return true;
 };
 
-/* Sends a message with an id. The promise is kept with the answer of type done, broken by an error (refused is true in it where the server refused); a message without an
+/* Sends a message with an id. The promise is kept with the answer of type done, broken by an error, in which refused is true
+ * where the server refused; a message without an
  * answer is forgotten after 10 s. */
 export const ask = message => new Promise((resolve, reject) => {
   const id = ++count;
@@ -53,7 +54,8 @@ const receiveText = text => {
   const message = JSON.parse(text);
   if (message.type === "done") settle(message.id, ({ resolve }) => resolve(message));
   else if (message.type === "error") {
-    if (!settle(message.id, ({ reject }) => reject(Object.assign(new Error(message.text), { refused: true })))) emit("trouble", { text: message.text });
+    const error = Object.assign(new Error(message.text), { refused: true });
+    if (!settle(message.id, ({ reject }) => reject(error))) emit("trouble", { text: message.text });
   } else emit(`server:${message.type}`, message);
 };
 

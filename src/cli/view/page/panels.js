@@ -155,13 +155,17 @@ const makeItem = (key, item, index, count) => {
 
 const makeList = (key, title) => {
   const items = state.document[key] ?? [], item = resolve(schemaOf(key).items), kinds = variants(item);
-  const name = schema => schema.properties.type?.const && schema.properties.type.const !== "environment"
-    ? schema.properties.type.const : schema.required?.at(-1) === "sky" ? "sky" : schema.required?.[0] === "type" ? "uniform environment" : schema.required?.[0];
+  const name = ({ properties, required = [] }) => {
+    const type = properties.type?.const;
+    if (type === undefined) return required[0];
+    return type !== "environment" ? type : required.includes("sky") ? "sky" : "uniform environment";
+  };
   const choices = (kinds.length > 0 ? kinds : [item]).filter(schema => initial(schema) !== undefined);
   return makeGroup(key, `${title}${items.length > 1 ? ` (${items.length})` : ""}`, items.length > 0, () => {
     const select = make("select", { class: "adder", "aria-label": `Add to ${title}`,
       change: () => addItem(key, choices[select.selectedIndex - 1]) },
-      make("option", {}, { media: "Add a medium …", lights: "Add a light …", geometry: "Add a surface …" }[key]), ...choices.map(schema => make("option", {}, name(schema) ?? "medium")));
+      make("option", {}, { media: "Add a medium …", lights: "Add a light …", geometry: "Add a surface …" }[key]),
+      ...choices.map(schema => make("option", {}, name(schema) ?? "medium")));
     return [...items.map((one, i) => makeItem(key, one, i, items.length)), select];
   }, { section: true });
 };

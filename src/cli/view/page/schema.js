@@ -15,7 +15,7 @@ export const resolve = schema => {
 
 const kindOf = value => value === null ? "null" : Array.isArray(value) ? "array" : typeof value;
 
-/* Whether a value can be of a schema, by its kind and its keys alone. */
+/* True if a value can be of a schema, by its kind and its keys alone. */
 const suits = (schema, value) => {
   const { type, const: only, enum: words, properties, required = [], minItems = 0, maxItems = Infinity, items } = schema;
   if (only !== undefined) return value === only;
@@ -46,7 +46,7 @@ export const isTriple = schema => schema.type === "array" && schema.minItems ===
 /* Triples that are no colours: along axes. */
 const SPATIAL = /[Vv]oxels along|between voxels|^$/;
 
-/* What a control for a value is: its kind, and the schema of its numbers. */
+/* The control for a value: its kind, and the schema of its numbers. */
 export const controlOf = (schema, value) => {
   const choices = variants(schema), numeric = choices.find(isNumber), triple = choices.find(isTriple);
   const plain = value === undefined ? schema : variantOf(schema, value);
@@ -92,8 +92,10 @@ export const unitOf = ({ description = "", type, items }) => {
 
 const WORDS = {
   sigma_t: "Extinction σt", sigma_s: "Scattering σs", sigma_a: "Absorption σa", g: "Mean cosine g", spp: "Samples per pixel",
-  fov_y: "Field of view", meters_per_unit: "Metres per unit", kelvin: "Temperatures, K", solar: "Solar irradiance", irradiance: "Irradiance E", intensity: "Intensity I",
+  fov_y: "Field of view", meters_per_unit: "Metres per unit", kelvin: "Temperatures, K",
+  solar: "Solar irradiance", irradiance: "Irradiance E", intensity: "Intensity I",
 };
 
 /* A key in the field's words. */
-export const label = (key, path = "") => /^media\[\d+\]\.scale$/.test(path) ? "Density scale" : WORDS[key] ?? key.charAt(0).toUpperCase() + key.slice(1).replaceAll("_", " ");
+export const label = (key, path = "") => /^media\[\d+\]\.scale$/.test(path) ? "Density scale"
+  : WORDS[key] ?? key.charAt(0).toUpperCase() + key.slice(1).replaceAll("_", " ");

@@ -157,7 +157,7 @@ export const draw = () => {
 
 export const redraw = perFrame(draw);
 
-/* What the window shows of the frame, as a 2D canvas. */
+/* The part of the frame that the window shows, as a 2D canvas. */
 export const snapshot = () => {
   draw();
   const at = place(), left = Math.max(0, Math.round(at.left)), top = Math.max(0, Math.round(at.top));

@@ -126,7 +126,8 @@ const refreshDivider = () => {
     difference: [`${methodShown()} − path`, ""] }[mode];
   [find("#side-left"), find("#side-right")].forEach((side, i) => {
     const [method, path] = state.frames, about = names[i] && (i === 1 || mode === "difference");
-    side.textContent = `${names[i]}${about && !path ? ", which has no image yet" : about && method && path.revision < method.revision ? ", of the scene before" : ""}`;
+    const stale = about && method && path && path.revision < method.revision;
+    side.textContent = `${names[i]}${about && !path ? ", which has no image yet" : stale ? ", of the scene before" : ""}`;
     side.hidden = !names[i] || mode === "method";
     side.style.top = `${box[1] + 10}px`;
   });
@@ -158,7 +159,8 @@ let sizeChoice = "file", fileSize = null;
 
 const applySize = () => {
   const { width, height } = canvas, even = x => Math.max(16, Math.round(x / 2) * 2);
-  const [w, h] = sizeChoice === "file" ? fileSize ?? [0, 0] : sizeChoice === "window" ? [even(width), even(height)] : [even(width / 2), even(height / 2)];
+  const part = sizeChoice === "half" ? 0.5 : 1;
+  const [w, h] = sizeChoice === "file" ? fileSize ?? [0, 0] : [even(part * width), even(part * height)];
   if (w > 0 && (w !== state.view.width || h !== state.view.height)) changeView({ width: w, height: h });
 };
 

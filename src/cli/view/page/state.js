@@ -1,4 +1,4 @@
-/* What the page knows, and who wants to hear of a change. */
+/* The state of the page, and its listeners. */
 
 export const state = {
   connection: "connecting", // connecting, open, lost
