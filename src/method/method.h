@@ -24,6 +24,8 @@ typedef struct ty_render_request {
     double state_seconds;
     const void* resume;
     size_t resume_size;
+    ty_path_partial_fn partial; /* method path, as in ty_path_def */
+    void* partial_user;
 } ty_render_request;
 
 enum { TY_METHOD_STATS_MAX = 1024 };
