@@ -20,6 +20,10 @@ extern "C" {
 /// other threads go on meanwhile.
 typedef bool (*ty_path_state_fn)(void* user, const void* state, size_t size);
 
+/// Receives the image of the samples so far, valid during the call; pixels without a sample yet are 0. A return value
+/// of false cancels the work. It is called like ty_path_state_fn.
+typedef bool (*ty_path_partial_fn)(void* user, const ty_image* image);
+
 /// The options of path tracing. Create it with ty_default_path_def().
 typedef struct ty_path_def {
     uint32_t cookie;        ///< Set by ty_default_path_def() and checked.
@@ -64,6 +68,9 @@ typedef struct ty_path_def {
     ty_path_state_fn state_change;
     bool point_light_directions; ///< True (default): vertices sample directions about point and spot lights in media.
                                  ///< False: the same mean with far more noise, to show what they are worth.
+    ty_path_partial_fn partial;  ///< Images: receives the image so far at most once a second, and so seldom that this
+                                 ///< takes at most 2% of the threads' time; default NULL.
+    void* partial_user;          ///< Passed on to `partial`; default NULL.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.

@@ -46,7 +46,9 @@ static ty_render_request to_library(cli_session* session, const cli_request* req
                              .height = request->height,
                              .aovs = request->aovs,
                              .progress = cli_progress_report,
-                             .progress_user = &session->progress};
+                             .progress_user = &session->progress,
+                             .partial = request->partial,
+                             .partial_user = request->partial_user};
     memcpy(out.crop, request->crop, sizeof out.crop);
     if (request->checkpoint == NULL) return out;
     out.state = cli_checkpoint_write;

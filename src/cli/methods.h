@@ -17,6 +17,8 @@ typedef struct cli_request {
     uint32_t aovs;              /* TY_AOV_... */
     cli_checkpoint* checkpoint; /* source and destination of states; NULL: none */
     double checkpoint_seconds;
+    ty_path_partial_fn partial; /* receives images that are not finished, of method path; NULL: none */
+    void* partial_user;
 } cli_request;
 
 /* The method that chooses one of the others for a scene; cli_render_method alone renders it. */

@@ -6,6 +6,7 @@
 #include "cli/methods.h"
 #include "cli/report.h"
 #include "cli/session.h"
+#include "cli/tev.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -13,7 +14,7 @@
 enum { SPP_MAX = 1 << 24 };
 
 typedef struct render_options {
-    const char *output, *png, *aov, *method;
+    const char *output, *png, *aov, *method, *tev;
     uint32_t aovs;
     int32_t spp, size[2], crop[4];
     double time, error, exposure, checkpoint;
@@ -64,7 +65,7 @@ static void print_closing_lines(const render_options* options, const cli_report*
 }
 
 static cli_request make_request(const render_options* options, const cli_session* session,
-                                const ty_render_settings* settings, cli_checkpoint* checkpoint) {
+                                const ty_render_settings* settings, cli_checkpoint* checkpoint, cli_tev* tev) {
     const bool bounded_otherwise = options->time > 0 || options->error > 0;
     cli_request request = {
         .spp = options->spp_given  ? options->spp
@@ -79,6 +80,8 @@ static cli_request make_request(const render_options* options, const cli_session
         .aovs = options->aovs | TY_AOV_SAMPLES,
         .checkpoint = options->resume ? checkpoint : NULL,
         .checkpoint_seconds = options->checkpoint,
+        .partial = options->tev != NULL ? cli_tev_show : NULL,
+        .partial_user = tev,
     };
     memcpy(request.crop, options->crop, sizeof request.crop);
     return request;
@@ -104,11 +107,11 @@ static int write_result(cli_session* session, const render_options* options, con
 
 /* Renders and writes the scene; returns the exit status. */
 static int render_scene(cli_session* session, const ty_scene* scene, const render_options* options,
-                        cli_checkpoint* checkpoint, cli_report* report) {
+                        cli_checkpoint* checkpoint, cli_tev* tev, cli_report* report) {
     const ty_render_settings settings = ty_scene_render_settings(scene);
     const ty_method* method = cli_find_method("render", options->method != NULL ? options->method : settings.method);
     if (method == NULL) return CLI_USAGE;
-    const cli_request request = make_request(options, session, &settings, checkpoint);
+    const cli_request request = make_request(options, session, &settings, checkpoint, tev);
     const int possible = cli_check_request(session, scene, method, &request);
     if (possible != CLI_GO) return possible;
     report->method = method->name;
@@ -121,6 +124,7 @@ static int render_scene(cli_session* session, const ty_scene* scene, const rende
     const ty_result result = cli_render_method(session, scene, method, &request, &image, report);
     cli_progress_clear(&session->progress);
     if (image == NULL) return fail_rendering(session, result, checkpoint);
+    cli_tev_show(tev, image);
     report->complete = result == TY_OK;
     report->width = ty_image_width(image);
     report->height = ty_image_height(image);
@@ -133,8 +137,10 @@ static int render_scene(cli_session* session, const ty_scene* scene, const rende
 static int load_and_render(cli_session* session, const char* path, const render_options* options) {
     cli_checkpoint checkpoint = {.session = session};
     cli_report report = {.method = "", .complete = false};
+    cli_tev tev = {.session = session};
     ty_scene* scene = NULL;
-    int status = options->resume ? cli_checkpoint_open(&checkpoint, session, options->output) : CLI_GO;
+    int status = options->tev != NULL ? cli_tev_open(&tev, session, options->tev, options->output) : CLI_GO;
+    if (status == CLI_GO && options->resume) status = cli_checkpoint_open(&checkpoint, session, options->output);
     if (status == CLI_GO) {
         cli_end_on_interrupt(true);
         const ty_result result =
@@ -146,9 +152,10 @@ static int load_and_render(cli_session* session, const char* path, const render_
         report.load_seconds = cli_wall_seconds() - session->started;
         session->stats = cli_report_stats;
         session->stats_user = &report;
-        status = render_scene(session, scene, options, &checkpoint, &report);
+        status = render_scene(session, scene, options, &checkpoint, &tev, &report);
     }
     ty_scene_destroy(scene);
+    cli_tev_close(&tev);
     cli_checkpoint_close(&checkpoint);
     return cli_session_close(session, status);
 }
@@ -165,6 +172,8 @@ static int check_options(render_options* options) {
         return cli_usage_error("render", "--aov is for .exr images, and %s is none", options->output);
     if (options->checkpoint_given && !options->resume)
         return cli_usage_error("render", "--checkpoint says how often --resume saves; give both");
+    if (options->tev != NULL && !cli_tev_is_address(options->tev))
+        return cli_usage_error("render", "--tev: '%s' is not HOST:PORT, such as 127.0.0.1:14158", options->tev);
     int status = options->aov != NULL ? cli_parse_aovs("render", options->aov, &options->aovs) : CLI_GO;
     if (status == CLI_GO) status = cli_check_output("render", options->output);
     return status != CLI_GO || options->png == NULL ? status : cli_check_output("render", options->png);
@@ -208,6 +217,8 @@ int cli_render(int count, char** arguments) {
          0, 0, NULL},
         {"checkpoint", 0, CLI_REAL, "SECONDS", "time between two states of --resume (default: 2 or 3, see above)",
          &options.checkpoint, 0.05, 1e6, &options.checkpoint_given},
+        {"tev", 0, CLI_TEXT, "HOST:PORT", "also show the image in the viewer tev; path while it converges",
+         &options.tev, 0, 0, NULL},
     };
     const cli_syntax syntax = {
         "render",

@@ -24,6 +24,8 @@ typedef struct ty_render_request {
     double state_seconds;
     const void* resume;
     size_t resume_size;
+    ty_path_partial_fn partial; /* method path, as in ty_path_def */
+    void* partial_user;
 } ty_render_request;
 
 /* The accuracy of a solve: TY_SOLVE_COARSE, for a scene that changes while it is shown, takes the method's options with

@@ -11,6 +11,7 @@ ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* requ
     def.unscattered = true;
     def.aovs = 0;
     def.state = NULL;
+    def.partial = NULL;
     def.resume = NULL;
     def.resume_size = 0;
     run->path = ty_default_path_stats();

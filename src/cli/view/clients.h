@@ -1,4 +1,4 @@
-/* The viewer's clients: what each is to be sent next, and a thread each that sends it. Knows nothing of the connection
+/* The viewer's clients: messages waiting for each, and a thread each that sends it. Knows nothing of the connection
  * but three calls, which may block; all calls here return at once, but view_clients_remove and view_clients_close. */
 #ifndef TY_CLI_VIEW_CLIENTS_H
 #define TY_CLI_VIEW_CLIENTS_H
@@ -8,7 +8,7 @@
 
 typedef struct view_clients view_clients;
 
-/* How to write to a connection. Returns false if it is lost. */
+/* Writing to a connection. Each call returns false if it is lost. */
 typedef struct view_wire {
     bool (*text)(void* connection, const char* text, size_t size);
     /* One binary message of two parts. */

@@ -1,4 +1,4 @@
-/* What a client sends: parts put together to messages, acknowledgements taken, texts handed on, all else refused. */
+/* Messages of a client: parts are put together, acknowledgements taken, texts handed on, and all else is refused. */
 #ifndef TY_CLI_VIEW_INBOX_H
 #define TY_CLI_VIEW_INBOX_H
 

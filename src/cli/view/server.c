@@ -28,7 +28,7 @@ struct view_server {
     view_clients* clients;
 };
 
-/* What the server keeps for a WebSocket. */
+/* The state of a WebSocket. */
 typedef struct visit {
     view_inbox inbox; /* client 0: there was no place */
     bool accepted;    /* it is listened to */

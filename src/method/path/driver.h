@@ -26,6 +26,7 @@ typedef struct ty_path_run {
     ty_sobol sobol;
     int32_t height;             /* of the whole frame; pixels only */
     uint64_t scene_hash;        /* pixels only */
+    ty_image* image;            /* of the pixels, filled for def->partial; NULL: none */
     ty_path_item* items;        /* item_count items, zeroed or resumed from a state */
     ty_path_aov_sums* aov_sums; /* item_count; NULL: not needed */
     ty_light_view* lights;      /* lights of the scene without its media; NULL: the scene's own */

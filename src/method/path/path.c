@@ -56,6 +56,7 @@ static ty_result render_pixels(ty_path_run* run, ty_image** out) {
     ty_image* image = NULL;
     ty_result result = run->def->resume != NULL ? ty_path_state_resume(run) : TY_OK;
     if (result == TY_OK) result = ty_path_image_create(run, &image);
+    run->image = image;
     if (result == TY_OK) result = ty_path_sample(run);
     if (result != TY_OK && result != TY_CANCELLED) {
         ty_image_destroy(image);

@@ -23,6 +23,8 @@ ty_result ty_request_path_def(const ty_scene* scene, const ty_render_request* re
     if (request->state != NULL) def->state_seconds = request->state_seconds;
     def->resume = request->resume;
     def->resume_size = request->resume_size;
+    def->partial = request->partial;
+    def->partial_user = request->partial_user;
     return ty_method_options(scene, "path", def);
 }
 

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "base/context.h"
 #include "base/progress.h"
+#include "method/path/aov.h"
 #include "method/path/driver.h"
 #include "method/path/state.h"
 
@@ -21,6 +22,9 @@ static const double stride_seconds = 2e-3;
  * because their block is not merged. */
 static const double state_seconds_auto = 2, change_seconds_max = 3, state_fraction = 0.02, merge_seconds = 0.5;
 
+/* The shortest time between two partial images. */
+static const double partial_seconds = 1;
+
 typedef struct sampling {
     ty_path_run* run;
     uint32_t last;        /* samples of each item after this pass */
@@ -36,6 +40,8 @@ typedef struct sampling {
     size_t changes_size;    /* bytes of changes since the last whole state */
     double saved;           /* time of the last saved state */
     double state_period;    /* seconds until the next one */
+    double shown;           /* time of the last partial image */
+    double partial_period;  /* seconds until the next one */
     _Atomic int64_t blocks_done; /* blocks of this pass */
     _Atomic uint64_t vertices, paths;
     _Atomic uint32_t stride; /* paths that take about stride_seconds */
@@ -111,14 +117,17 @@ static ty_path_stats totals(sampling* pass) {
     return stats;
 }
 
-/* Time between two states such that they take at most state_fraction of the threads' time: all of them wait while a
- * state is copied, and one seals it and hands it out. Changes need time by their samples and not by their number, so
- * that longer periods would save little. */
+/* Time between two states, or partial images, such that they take at most state_fraction of the threads' time: all of
+ * them wait while one is copied, and a single one does the rest. */
+static double period_of(const sampling* pass, double copying, double rest) {
+    return (copying + rest / ty_context_threads(pass->run->context)) / state_fraction;
+}
+
+/* Changes need time by their samples and not by their number, so that longer periods would save little. */
 static double next_state_period(const sampling* pass, double copying, double rest) {
     const ty_path_def* def = pass->run->def;
     if (def->state_seconds != TY_AUTO) return def->state_seconds;
-    const double cost = copying + rest / ty_context_threads(pass->run->context);
-    const double period = fmax(state_seconds_auto, cost / state_fraction);
+    const double period = fmax(state_seconds_auto, period_of(pass, copying, rest));
     return def->state_change != NULL ? fmin(period, change_seconds_max) : period;
 }
 
@@ -152,6 +161,23 @@ static void save(sampling* pass, bool always) {
         if (!hand_out(pass, whole, size)) atomic_store(&pass->cancelled, true);
         pass->saved = ty_wall_seconds();
         pass->state_period = next_state_period(pass, copied - begun, pass->saved - copied);
+    }
+    pthread_mutex_unlock(&pass->lock);
+}
+
+/* Hands out the image so far if due. Other threads wait only while it is made. */
+static void show(sampling* pass) {
+    const ty_path_run* run = pass->run;
+    if (run->image == NULL || run->def->partial == NULL || pthread_mutex_trylock(&pass->lock) != 0) return;
+    const double begun = ty_wall_seconds();
+    if (begun - pass->shown >= pass->partial_period) {
+        pthread_rwlock_wrlock(&pass->items);
+        ty_path_image_fill(run, run->image);
+        pthread_rwlock_unlock(&pass->items);
+        const double filled = ty_wall_seconds();
+        if (!run->def->partial(run->def->partial_user, run->image)) atomic_store(&pass->cancelled, true);
+        pass->shown = ty_wall_seconds();
+        pass->partial_period = fmax(partial_seconds, period_of(pass, filled - begun, pass->shown - filled));
     }
     pthread_mutex_unlock(&pass->lock);
 }
@@ -240,6 +266,7 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
         if (!sample_in_strides(pass, &work)) return;
         merge(pass, &work);
         if (work.first + work.count < pass->last) save(pass, false);
+        show(pass);
     }
     atomic_fetch_add(&pass->blocks_done, 1);
     save(pass, false);
@@ -292,7 +319,8 @@ ty_result ty_path_sample(ty_path_run* run) {
     sampling pass = {.run = run, .reported = ty_wall_seconds()};
     pass.begun = pass.reported - run->stats.seconds;
     pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds;
-    pass.saved = ty_wall_seconds();
+    pass.saved = pass.shown = ty_wall_seconds();
+    pass.partial_period = partial_seconds;
     pass.state_period = run->def->state_seconds == TY_AUTO ? 0.5 * state_seconds_auto : run->def->state_seconds;
     atomic_init(&pass.paths, run->stats.paths);
     atomic_init(&pass.vertices, run->stats.vertices);
