@@ -103,10 +103,21 @@ void view_tell_status(view_live* live, bool at_once) {
 
 /* ---- scene and welcome ---- */
 
+static json_t* point(const double at[3]) {
+    return json_pack("[o, o, o]", number(at[0]), number(at[1]), number(at[2]));
+}
+
+/* Metres and degrees. */
+static json_t* camera_object(const view_live* live) {
+    const ty_camera_def camera = ty_scene_camera(live->scene);
+    return json_pack("{s:o, s:o, s:o, s:o}", "position", point(camera.position), "target", point(camera.target), "up",
+                     point(camera.up), "fov_y", number(camera.fov_y));
+}
+
 static json_t* view_object(const view_live* live) {
-    return json_pack("{s:s, s:s, s:b, s:b, s:i, s:i, s:o}", "method", live->automatic ? "auto" : live->method->name,
+    return json_pack("{s:s, s:s, s:b, s:b, s:i, s:i, s:o, s:o}", "method", live->automatic ? "auto" : live->method->name,
                      "chosen", live->method->name, "compare", live->compare, "paused", live->paused, "width",
-                     (int)live->width, "height", (int)live->height, "exposure", number(live->exposure));
+                     (int)live->width, "height", (int)live->height, "exposure", number(live->exposure), "camera", camera_object(live));
 }
 
 void view_tell_scene(view_live* live, const json_t* changed) {
@@ -146,15 +157,12 @@ static json_t* presets_array(void) {
     return out;
 }
 
-static json_t* point(const double at[3]) {
-    return json_pack("[o, o, o]", number(at[0]), number(at[1]), number(at[2]));
-}
-
 char* view_welcome(view_live* live) {
     json_t* schema = ty_scene_schema_tree();
     json_t* message = json_pack(
-        "{s:s, s:s, s:s, s:o, s:o, s:i, s:o, s:o, s:o, s:s, s:[o, o], s:b, s:b, s:f}", "type", "welcome", "version",
-        ty_version(), "name", live->name, "document", json_loads(live->document, 0, NULL), "view",
+        "{s:s, s:s, s:s, s:o, s:o, s:o, s:i, s:o, s:o, s:o, s:s, s:[o, o], s:b, s:b, s:f}", "type", "welcome", "version",
+        ty_version(), "name", live->name, "document", json_loads(live->document, 0, NULL), "original",
+        json_loads(live->original, 0, NULL), "view",
         json_loads(live->view, 0, NULL), "revision", (int)live->document_revision, "methods", methods_array(schema),
         "schema", schema, "presets", presets_array(), "up_axis", live->up_axis == TY_AXIS_Z ? "z" : "y", "extent",
         point(live->extent[0]), point(live->extent[1]), "remote", live->remote, "record", live->record != NULL,

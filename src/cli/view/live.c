@@ -328,6 +328,8 @@ static ty_result open_scene(view_live* live, const view_live_def* def) {
         ty_scene_editor_open(live->context, def->path, def->overrides, def->override_count, &live->editor);
     if (result != TY_OK) return result;
     take_scene(live, 0);
+    live->original = strdup(ty_scene_editor_text(live->editor));
+    if (live->original == NULL) return TY_ERROR_MEMORY;
     live->meters_per_unit = document_unit(live);
     live->exposure = ty_scene_camera(live->scene).exposure;
     set_size(live, def);
@@ -391,6 +393,7 @@ void view_live_close(view_live* live) {
     view_accumulation_free(&live->path);
     for (int i = 0; i < VIEW_CHANNEL_COUNT; ++i) free(live->pictures[i].rgb);
     free(live->rgb);
+    free(live->original);
     free(live->document);
     free(live->view);
     ty_scene_editor_close(live->editor);

@@ -49,7 +49,8 @@ struct view_live {
     pthread_mutex_t mutex;
     pthread_cond_t changed;
     view_request *first, *last;
-    char* document; /* the scene as compact JSON */
+    char* original; /* the scene as compact JSON, as it was opened */
+    char* document; /* and as it is */
     char* view;     /* the view as JSON */
     uint32_t document_revision;
     double extent[2][3];
