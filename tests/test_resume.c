@@ -70,6 +70,31 @@ static void states_come_in_time_and_at_the_end(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* A partial image has the channels and the size of the final one, and light in it. */
+static bool look(void* user, const ty_image* image) {
+    int* calls = user;
+    assert_int_equal(ty_image_width(image), WIDTH);
+    assert_int_equal(ty_image_height(image), HEIGHT);
+    float sum = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; ++i) sum += ty_image_plane_const(image, 0)[i];
+    assert_true(sum > 0);
+    return ++*calls < 2;
+}
+
+static void partial_images_come_and_may_cancel(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    int calls = 0;
+    ty_path_def def = small_def(1 << 24);
+    def.partial = look;
+    def.partial_user = &calls;
+    ty_image* image = NULL;
+    assert_int_equal(ty_path_render(scene, &def, &image, NULL), TY_CANCELLED);
+    assert_int_equal(calls, 2);
+    assert_non_null(image);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+}
+
 /* Every state that was handed out while threads worked gives the same image. */
 static void any_state_leads_to_the_same_image(void** state) {
     ty_scene* scene = foggy_scene(*state);
@@ -350,6 +375,7 @@ int main(void) {
         cmocka_unit_test(more_samples_may_follow),
         cmocka_unit_test(error_bounds_survive_interruptions),
         cmocka_unit_test(time_bounds_survive_interruptions),
+        cmocka_unit_test(partial_images_come_and_may_cancel),
         cmocka_unit_test(changes_lead_to_the_same_image),
         cmocka_unit_test(a_change_that_is_not_kept_brings_a_whole_state),
         cmocka_unit_test(states_of_other_renders_are_refused),

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,15 +25,14 @@ static void receive(void* user, int32_t client, const char* text, size_t size) {
     view_server_send(server, client, reply);
 }
 
-static bool refuse_next;
+static atomic_bool refuse_next;
 
 static bool connected(void* user, int32_t client) {
     char text[64];
-    const bool accepted = !refuse_next;
+    const bool accepted = !atomic_exchange(&refuse_next, false);
     (void)user;
     snprintf(text, sizeof text, "{\"type\": \"%s\", \"client\": %d}", accepted ? "welcome" : "error", (int)client);
     view_server_send(server, client, text);
-    refuse_next = false;
     return accepted;
 }
 

@@ -15,6 +15,7 @@ typedef struct ty_march_request {
     int32_t spp;
     float step_offset;     /* offset of the first pixel's first step, as a fraction of a step */
     float step;            /* voxels, or cells */
+    float black;           /* transmittance below which a ray ends as opaque */
     ty_cell_lattice light; /* lattice of the lights' fluence */
     const ty_light_fluence* lights;
     int32_t light_count;

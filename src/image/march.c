@@ -16,6 +16,9 @@
 
 enum { TILE = 16, REDUCED_MAX = 12 };
 
+/* Transmittance below which a ray ends as opaque: one of its own for each pixel, and one for several. */
+static const float black = 1e-5f, black_spaced = 2e-3f;
+
 /* Cells of a field in the layout of ty_upsample_view. */
 typedef struct march_cells {
     float* floats;
@@ -194,6 +197,7 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->spp = def->spp;
     request->step_offset = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
     request->step = (float)def->step;
+    request->black = def->ray_spacing == 1 ? black : black_spaced;
     request->has_background = def->unscattered == NULL;
     if (def->unscattered != NULL) ty_image_rgb_planes(def->unscattered, job->unscattered);
     request->light = lattice_of_box(&def->light_box);

@@ -5,8 +5,6 @@
 #include "image/octaves.k.h"
 #include "image/track.k.h"
 
-/* Transmittance below which a ray ends as opaque. */
-#define TY_MARCH_BLACK 1e-5f
 /* Maximum optical depth of a piece with one light lookup, and optical depth at which a step ends. */
 #define TY_MARCH_PIECE 0.7f
 #define TY_MARCH_STEP 0.5f
@@ -164,8 +162,8 @@ TY_FN void ty_march_add_light(ty_march_ray* ray, float at, const ty_march_visibi
 /* Opaque channels no longer limit the step length; false if all are opaque. */
 TY_FN bool ty_march_update_live_channels(ty_march_ray* ray) {
     const float* transmittance = ray->light.scaled;
-    const bool live[3] = {transmittance[0] >= TY_MARCH_BLACK, transmittance[1] >= TY_MARCH_BLACK,
-                          transmittance[2] >= TY_MARCH_BLACK};
+    const float black = ray->request->black;
+    const bool live[3] = {transmittance[0] >= black, transmittance[1] >= black, transmittance[2] >= black};
     if (live[0] && live[1] && live[2]) return true;
     for (int32_t i = 0; i < ray->count; ++i) {
         ty_track* track = &ray->tracks[i];

@@ -52,7 +52,7 @@ static uint32_t march_ray(const ty_march_request* request, ty_march_ray* ray, ty
     ty_surface_point point;
     ty_surface_evaluate(&request->scene->surfaces[hit.surface], &hit, direction, &point);
     if (!ty_reflect_is_visible(&point, out->transmittance)) return steps;
-    steps += ty_reflect_gather(request, ray, &hit, &point, offset, out->irradiance);
+    steps += ty_reflect_gather(request, ray, &hit, &point, TY_REFLECT_RAYS_SPACED, offset, out->irradiance);
     out->gathered = 1;
     out->normal = point.ns;
     return steps;
