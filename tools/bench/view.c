@@ -18,21 +18,21 @@ typedef struct view_case {
 
 /* The scenes without files; --scenes names others, for the methods of volumes. */
 static const view_case cases[] = {
-    {"builtin:cloud_sun", "fld"},   {"builtin:cloud_sun", "pop"},   {"builtin:cloud_sun", "dom"},
-    {"builtin:cloud_sun", "lpv"},   {"builtin:atrium", "fld"},      {"builtin:atrium", "pop"},
-    {"builtin:atrium", "dom"},      {"builtin:atrium", "lpv"},      {"builtin:fog_cornell", "fld"},
-    {"builtin:fog_cornell", "pop"}, {"builtin:fog_cornell", "dom"}, {"builtin:fog_cornell", "lpv"},
+    {"builtin:cloud_sun", "fld"},      {"builtin:cloud_sun", "pop"},   {"builtin:cloud_sun", "dom"},
+    {"builtin:cloud_sun", "lpv"},      {"builtin:atrium", "fld"},      {"builtin:atrium", "pop"},
+    {"builtin:atrium", "dom"},         {"builtin:atrium", "lpv"},      {"builtin:fog_cornell", "fld"},
+    {"builtin:fog_cornell", "pop"},    {"builtin:fog_cornell", "dom"}, {"builtin:fog_cornell", "lpv"},
     {"builtin:screen_room", "screen"},
 };
 static const char* const volume_methods[] = {"fld", "pop", "dom", "lpv"};
 
 typedef struct measured {
-    double latency, latency_max;             /* ms from a change of a medium to its first image; median and largest */
-    double camera_latency;                   /* ms, of the camera; median */
-    double final_seconds;                    /* from a change of a medium to its final image, median */
-    double rate;                             /* images per second while the camera orbits */
-    double coarse;                           /* width of those images over the full width, median */
-    double solve, view;                      /* ms of the server, at rest */
+    double latency, latency_max; /* ms from a change of a medium to its first image; median and largest */
+    double camera_latency;       /* ms, of the camera; median */
+    double final_seconds;        /* from a change of a medium to its final image, median */
+    double rate;                 /* images per second while the camera orbits */
+    double coarse;               /* width of those images over the full width, median */
+    double solve, view;          /* ms of the server, at rest */
 } measured;
 
 /* ---- changes ---- */
@@ -169,8 +169,8 @@ static int measure_case(const bench_session* bench, const char* scene, const cha
     bench_pixels(bench->options, 640, 360, size);
     snprintf(pixels, sizeof pixels, "%dx%d", (int)size[0], (int)size[1]);
     snprintf(threads, sizeof threads, "%d", (int)ty_context_threads(bench->session->context));
-    const char* const arguments[] = {scene, "--method", method, "--size", pixels, "--threads", threads, "--no-compare",
-                                     NULL};
+    const char* const arguments[] = {scene,       "--method", method,         "--size", pixels,
+                                     "--threads", threads,    "--no-compare", NULL};
     view_client* client = view_client_open(arguments);
     if (client == NULL) return CLI_FAILED;
     measured m;

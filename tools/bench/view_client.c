@@ -148,8 +148,8 @@ static bool connect_to(view_client* client, const char* url) {
     if (sscanf(url, "http://127.0.0.1:%d/?token=%63s", &port, token) != 2) return false;
     snprintf(path, sizeof path, "/live?token=%s", token);
     snprintf(origin, sizeof origin, "http://127.0.0.1:%d", port);
-    client->connection = mg_connect_websocket_client("127.0.0.1", port, 0, error, sizeof error, path, origin, on_data,
-                                                     on_close, client);
+    client->connection =
+        mg_connect_websocket_client("127.0.0.1", port, 0, error, sizeof error, path, origin, on_data, on_close, client);
     return client->connection != NULL;
 }
 

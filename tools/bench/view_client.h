@@ -1,5 +1,5 @@
-/* A headless client of `tyndall view` (docs/view_protocol.md), which it starts as a process of its own. Only view_client.c
- * includes civetweb. */
+/* A headless client of `tyndall view` (docs/view_protocol.md), which it starts as a process of its own. Only
+ * view_client.c includes civetweb. */
 #ifndef TY_BENCH_VIEW_CLIENT_H
 #define TY_BENCH_VIEW_CLIENT_H
 
@@ -24,8 +24,8 @@ void view_client_close(view_client* client);
 
 /* Sends a JSON text. False if the connection is lost. */
 bool view_client_send(view_client* client, const char* text);
-/* Waits for the next frame that comes after `after` frames, with at least a revision, and final if asked for. Returns false
- * after timeout s, or if the connection is lost or the server refused a message. */
+/* Waits for the next frame that comes after `after` frames, with at least a revision, and final if asked for. Returns
+ * false after timeout s, or if the connection is lost or the server refused a message. */
 bool view_client_wait(view_client* client, uint32_t after, uint32_t revision, bool final, double timeout,
                       view_arrival* out);
 /* Frames of the method so far. */

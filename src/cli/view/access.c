@@ -38,5 +38,6 @@ bool view_access_is_host(const char* host, int32_t port) {
 bool view_access_is_origin(const char* origin, int32_t port) {
     static const char scheme[] = "http://";
     if (origin == NULL) return true;
-    return strncmp(origin, scheme, sizeof scheme - 1) == 0 && is_address(origin + sizeof scheme - 1, port, port == HTTP_PORT);
+    return strncmp(origin, scheme, sizeof scheme - 1) == 0 &&
+           is_address(origin + sizeof scheme - 1, port, port == HTTP_PORT);
 }

@@ -73,8 +73,8 @@ static void add_image(view_accumulation* sum, int half, const ty_image* image, i
     sum->spp[half] += spp;
 }
 
-ty_result view_accumulation_add(view_accumulation* sum, const ty_scene* scene, int32_t spp_max,
-                                ty_progress_fn progress, void* user) {
+ty_result view_accumulation_add(view_accumulation* sum, const ty_scene* scene, int32_t spp_max, ty_progress_fn progress,
+                                void* user) {
     const double begun = cli_wall_seconds();
     const double left = (spp_max - view_accumulation_spp(sum)) / 2;
     const int32_t spp = (int32_t)fmax(1, fmin(sum->batch, left));

@@ -1,4 +1,5 @@
-/* The reference of the viewer: independent images by path, summed in two halves, of which the difference tells the noise. */
+/* The reference of the viewer: independent images by path, summed in two halves, of which the difference tells the
+ * noise. */
 #ifndef TY_CLI_VIEW_ACCUMULATE_H
 #define TY_CLI_VIEW_ACCUMULATE_H
 
@@ -20,8 +21,8 @@ bool view_accumulation_reset(view_accumulation* sum, int32_t width, int32_t heig
 void view_accumulation_free(view_accumulation* sum);
 /* Adds one image to each half; batches grow until they take about a third of a second. With a progress that cancels,
  * TY_CANCELLED leaves the sums as they were. Errors: those of ty_path_render. */
-ty_result view_accumulation_add(view_accumulation* sum, const ty_scene* scene, int32_t spp_max,
-                                ty_progress_fn progress, void* user);
+ty_result view_accumulation_add(view_accumulation* sum, const ty_scene* scene, int32_t spp_max, ty_progress_fn progress,
+                                void* user);
 /* Samples per pixel of both halves. */
 double view_accumulation_spp(const view_accumulation* sum);
 /* Stores the mean, 3 per pixel; 0 before the first image. */

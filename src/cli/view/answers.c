@@ -88,16 +88,14 @@ void view_tell_status(view_live* live, bool at_once) {
     const bool has_path = live->path_revision == live->revision;
     json_t* difference = json_null();
     if (live->has_difference)
-        difference =
-            json_pack("{s:o, s:o, s:o}", "mean_ratio", number(live->difference.mean_ratio), "rmse",
-                      number(live->difference.rmse), "noise", number(live->difference.noise));
-    json_t* message =
-        json_pack("{s:s, s:i, s:s, s:s, s:o, s:b, s:o, s:{s:o, s:o}, s:o, s:o, s:b, s:s}", "type", "status", "revision",
-                  (int)live->revision, "method", live->method->name, "stage", live->stage != NULL ? live->stage : "",
-                  "fraction", number(live->fraction), "final", live->shown == VIEW_SHOWN_FULL, "times", times_of(live),
-                  "path", "spp", number(has_path ? view_accumulation_spp(path) : 0), "seconds",
-                  number(has_path ? path->seconds : 0), "difference", difference, "fps", number(rate(live)), "paused",
-                  live->paused, "message", live->message);
+        difference = json_pack("{s:o, s:o, s:o}", "mean_ratio", number(live->difference.mean_ratio), "rmse",
+                               number(live->difference.rmse), "noise", number(live->difference.noise));
+    json_t* message = json_pack(
+        "{s:s, s:i, s:s, s:s, s:o, s:b, s:o, s:{s:o, s:o}, s:o, s:o, s:b, s:s}", "type", "status", "revision",
+        (int)live->revision, "method", live->method->name, "stage", live->stage != NULL ? live->stage : "", "fraction",
+        number(live->fraction), "final", live->shown == VIEW_SHOWN_FULL, "times", times_of(live), "path", "spp",
+        number(has_path ? view_accumulation_spp(path) : 0), "seconds", number(has_path ? path->seconds : 0),
+        "difference", difference, "fps", number(rate(live)), "paused", live->paused, "message", live->message);
     tell(live, VIEW_SLOT_STATUS, message);
 }
 
@@ -115,9 +113,10 @@ static json_t* camera_object(const view_live* live) {
 }
 
 static json_t* view_object(const view_live* live) {
-    return json_pack("{s:s, s:s, s:b, s:b, s:i, s:i, s:o, s:o}", "method", live->automatic ? "auto" : live->method->name,
-                     "chosen", live->method->name, "compare", live->compare, "paused", live->paused, "width",
-                     (int)live->width, "height", (int)live->height, "exposure", number(live->exposure), "camera", camera_object(live));
+    return json_pack("{s:s, s:s, s:b, s:b, s:i, s:i, s:o, s:o}", "method",
+                     live->automatic ? "auto" : live->method->name, "chosen", live->method->name, "compare",
+                     live->compare, "paused", live->paused, "width", (int)live->width, "height", (int)live->height,
+                     "exposure", number(live->exposure), "camera", camera_object(live));
 }
 
 void view_tell_scene(view_live* live, const json_t* changed) {
@@ -160,13 +159,12 @@ static json_t* presets_array(void) {
 char* view_welcome(view_live* live) {
     json_t* schema = ty_scene_schema_tree();
     json_t* message = json_pack(
-        "{s:s, s:s, s:s, s:o, s:o, s:o, s:i, s:o, s:o, s:o, s:s, s:[o, o], s:b, s:b, s:f}", "type", "welcome", "version",
-        ty_version(), "name", live->name, "document", json_loads(live->document, 0, NULL), "original",
-        json_loads(live->original, 0, NULL), "view",
-        json_loads(live->view, 0, NULL), "revision", (int)live->document_revision, "methods", methods_array(schema),
-        "schema", schema, "presets", presets_array(), "up_axis", live->up_axis == TY_AXIS_Z ? "z" : "y", "extent",
-        point(live->extent[0]), point(live->extent[1]), "remote", live->remote, "record", live->record != NULL,
-        "meters_per_unit", live->meters_per_unit);
+        "{s:s, s:s, s:s, s:o, s:o, s:o, s:i, s:o, s:o, s:o, s:s, s:[o, o], s:b, s:b, s:f}", "type", "welcome",
+        "version", ty_version(), "name", live->name, "document", json_loads(live->document, 0, NULL), "original",
+        json_loads(live->original, 0, NULL), "view", json_loads(live->view, 0, NULL), "revision",
+        (int)live->document_revision, "methods", methods_array(schema), "schema", schema, "presets", presets_array(),
+        "up_axis", live->up_axis == TY_AXIS_Z ? "z" : "y", "extent", point(live->extent[0]), point(live->extent[1]),
+        "remote", live->remote, "record", live->record != NULL, "meters_per_unit", live->meters_per_unit);
     char* text = message != NULL ? json_dumps(message, JSON_COMPACT) : NULL;
     json_decref(message);
     return text;

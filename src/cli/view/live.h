@@ -1,5 +1,5 @@
-/* Live rendering: one thread edits the scene as clients ask, renders it by the method they chose, coarsely while something
- * moves and fully at rest, and then path traces it for comparison. */
+/* Live rendering: one thread edits the scene as clients ask, renders it by the method they chose, coarsely while
+ * something moves and fully at rest, and then path traces it for comparison. */
 #ifndef TY_CLI_VIEW_LIVE_H
 #define TY_CLI_VIEW_LIVE_H
 
@@ -19,7 +19,7 @@ typedef struct view_live_def {
     int32_t width, height; /* 0: the camera's resolution, within 960 x 540 */
     bool compare;          /* path runs in the background */
     bool remote;
-    const char* record;    /* folder for recorded images; NULL: none */
+    const char* record; /* folder for recorded images; NULL: none */
 } view_live_def;
 
 /* Reads the scene. Errors: those of ty_scene_load; TY_ERROR_ARGUMENT for an unknown method. */

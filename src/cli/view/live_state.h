@@ -38,7 +38,7 @@ struct view_live {
     ty_context* context;
     ty_scene_editor* editor;
     view_server* server;
-    char name[256];   /* of the scene's file */
+    char name[256];         /* of the scene's file */
     const char* scene_path; /* as given */
     ty_axis up_axis;
     const char* record;
@@ -56,7 +56,7 @@ struct view_live {
     double extent[2][3];
     view_picture pictures[VIEW_CHANNEL_COUNT];
     bool stop;
-    bool newcomer; /* a client has connected that has not been shown anything */
+    bool newcomer;           /* a client has connected that has not been shown anything */
     atomic_bool interrupted; /* a request waits, or the end: the running work gives up */
 
     /* Of the rendering thread alone. */
@@ -73,19 +73,19 @@ struct view_live {
     double received; /* s: of the oldest request that the next image answers */
 
     const ty_method* light_method;
-    void* lights[TY_SOLVE_FULL + 1]; /* of light_method, by quality; NULL: none */
+    void* lights[TY_SOLVE_FULL + 1];          /* of light_method, by quality; NULL: none */
     double solve_seconds[TY_SOLVE_FULL + 1];  /* the last solve took; 0: none yet */
     double coarse_seconds[TY_SOLVE_FULL + 1]; /* the last coarse view of the light took; 0: none yet */
-    double view_seconds;       /* estimate of a view at full size */
+    double view_seconds;                      /* estimate of a view at full size */
     view_shown shown;
     bool has_surfaces;
     bool failed;                /* the method refused the scene: nothing is shown until it changes */
     view_accumulation surfaces; /* light of surfaces alone, for methods that need it */
     view_accumulation path;     /* the reference, of path_revision */
     uint32_t path_revision;
-    double path_seconds;        /* estimate of its first pass at full size */
-    float* rgb;                 /* pixels of the last image, interleaved */
-    size_t rgb_capacity;        /* values */
+    double path_seconds; /* estimate of its first pass at full size */
+    float* rgb;          /* pixels of the last image, interleaved */
+    size_t rgb_capacity; /* values */
     view_difference difference;
     bool has_difference;
     double shown_times[32]; /* s: of the last images, a ring, for the rate */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHANGES_MAX = 256, SIDE_MAX = 8192, SIDE_MIN = 16 };
+enum { NESTED_MAX = 64, CHANGES_MAX = 256, SIDE_MAX = 8192, SIDE_MIN = 16 };
 
 /* ---- checks: each leaves one line in text ---- */
 
@@ -105,7 +105,7 @@ static bool take_camera(const parsed_message* message, double meters_per_unit, v
 }
 
 static bool take_view(const parsed_message* message, view_request* out) {
-    static const char* const keys[] = {"type",   "id",       "method", "compare", "paused",
+    static const char* const keys[] = {"type",  "id",     "method",   "compare", "paused",
                                        "width", "height", "exposure", NULL};
     const json_t* method = json_object_get(message->root, "method");
     (void)out;
@@ -152,9 +152,32 @@ static bool take(const parsed_message* message, double meters_per_unit, view_req
 
 /* ---- requests ---- */
 
+/* False for texts whose arrays and objects nest deeper than the parser's recursion may go on the server's small stacks.
+ */
+static bool is_shallow(const char* text, size_t length) {
+    int depth = 0;
+    bool quoted = false;
+    for (size_t i = 0; i < length; ++i) {
+        if (quoted && text[i] == '\\')
+            ++i;
+        else if (text[i] == '"')
+            quoted = !quoted;
+        else if (!quoted && (text[i] == '[' || text[i] == '{'))
+            ++depth;
+        else if (!quoted && (text[i] == ']' || text[i] == '}'))
+            --depth;
+        if (depth > NESTED_MAX) return false;
+    }
+    return true;
+}
+
 view_request* view_request_parse(const char* text, size_t length, double meters_per_unit, json_int_t* id, char* reason,
                                  size_t size) {
     *id = -1;
+    if (!is_shallow(text, length)) {
+        snprintf(reason, size, "the message nests deeper than %d levels", NESTED_MAX);
+        return NULL;
+    }
     json_error_t error;
     json_t* root = json_loadb(text, length, JSON_REJECT_DUPLICATES, &error);
     if (!json_is_object(root)) {

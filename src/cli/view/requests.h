@@ -18,12 +18,12 @@ typedef enum view_request_kind {
 typedef struct view_request {
     view_request_kind kind;
     int32_t client;
-    json_int_t id;     /* -1: none */
-    bool moving;       /* further changes follow at once */
-    bool camera;       /* made by a `camera` message */
-    double received;   /* s of cli_wall_seconds */
-    json_t* changes;   /* VIEW_REQUEST_SET: an array of {path, value} */
-    json_t* message;   /* the whole message */
+    json_int_t id;   /* -1: none */
+    bool moving;     /* further changes follow at once */
+    bool camera;     /* made by a `camera` message */
+    double received; /* s of cli_wall_seconds */
+    json_t* changes; /* VIEW_REQUEST_SET: an array of {path, value} */
+    json_t* message; /* the whole message */
     struct view_request* next;
 } view_request;
 

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double coarse_view_seconds = 0.04;  /* aim for images while something moves */
-static const double quick_solve_seconds = 0.06;  /* a full solve that takes less is done at once */
+static const double coarse_view_seconds = 0.04; /* aim for images while something moves */
+static const double quick_solve_seconds = 0.06; /* a full solve that takes less is done at once */
 enum { COARSEST = 8, PATH_SPP_MAX = 1 << 20 };
 
 /* ---- pieces ---- */
@@ -57,8 +57,7 @@ static void show(view_live* live, view_channel channel, const float* rgb, int32_
                               .exposure = (float)live->exposure,
                               .final = final,
                               .moving = width < live->width || live->moved > 0};
-    if (width == live->width && height == live->height)
-        view_keep_picture(live, channel, rgb, width, height, spp);
+    if (width == live->width && height == live->height) view_keep_picture(live, channel, rgb, width, height, spp);
     view_server_show(live->server, &frame);
 }
 
@@ -201,7 +200,8 @@ static ty_result view(view_live* live, ty_solve_quality quality, int32_t divisor
     ty_method_run run = {.own_seconds = 0};
     ty_result result = surfaces_image(live, &surfaces);
     const double begun = cli_wall_seconds();
-    if (result == TY_OK) result = live->method->view(live->lights[quality], live->scene, &request, surfaces, &image, &run);
+    if (result == TY_OK)
+        result = live->method->view(live->lights[quality], live->scene, &request, surfaces, &image, &run);
     const double seconds = cli_wall_seconds() - begun;
     if (result == TY_OK) {
         live->times.view = 1e3 * seconds;

@@ -109,8 +109,10 @@ int cli_view(int count, char** arguments) {
         "view",
         "SCENE [options]",
         "Shows a scene in the browser, live.",
-        "Prints the page's address as the first line on stdout and serves it on 127.0.0.1 until Ctrl-C. Fog, lights and\n"
-        "camera move in the page; any method renders them, and path converges beside it with the difference in numbers.\n"
+        "Prints the page's address as the first line on stdout and serves it on 127.0.0.1 until Ctrl-C. Fog, lights "
+        "and\n"
+        "camera move in the page; any method renders them, and path converges beside it with the difference in "
+        "numbers.\n"
         "The address holds a token: who has it may look and change the scene in memory. Nothing is written but images\n"
         "into FOLDER. On another machine, forward the port by ssh -L and use --remote. docs/view.md",
         table,

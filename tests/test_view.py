@@ -1,0 +1,293 @@
+#!/usr/bin/env python3
+"""`tyndall view` as its clients see it: what is shown is what `tyndall render` writes, changes of several clients, what is saved,
+what is refused; and the page in a headless browser where there is one.
+usage: test_view.py TYNDALL"""
+import json, math, os, re, signal, struct, subprocess, sys, tempfile, time
+from websocket import BINARY, TEXT, Refused, WebSocket, request
+
+TYNDALL = sys.argv[1]
+WIDTH, HEIGHT = 96, 64
+SIZE = f"{WIDTH}x{HEIGHT}"
+METHOD, PATH = 0, 1
+WAIT = 120  # seconds, for a slow and busy machine
+
+SCENE = """{
+\t"tyndall": 1,
+\t"camera": { "position": [0, 0, 4], "target": [0, 0, 0], "fov_y": 40, "resolution": [96, 64] },
+\t"media": [
+\t\t{ "name": "ball", "bounds": { "sphere": { "center": [0, 0, 0], "radius": 1 } },  "sigma_t": 2.50, "albedo": 0.9, "g": 0.4 }
+\t],
+\t"lights": [ { "type": "directional", "direction": [1, -1, -0.5], "irradiance": 3 } ],
+\t"render": { "method": "fld", "spp": 8 }
+}
+"""
+
+
+class Viewer:
+    def __init__(self, scene, *options):
+        self.process = subprocess.Popen([TYNDALL, "view", scene, "--no-open", *options], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True)
+        self.address = self.process.stdout.readline().strip()
+        found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{32})", self.address)
+        assert found, (self.address, self.process.stderr.read() if self.process.poll() is not None else "")
+        self.port, self.token = int(found[1]), found[2]
+
+    def connect(self):
+        return Client(self)
+
+    def image(self, channel):
+        return request(self.port, f"/image.exr?token={self.token}&channel={channel}")
+
+    def stop(self, number=signal.SIGINT):
+        self.process.send_signal(number)
+        rest, errors = self.process.communicate(timeout=WAIT)
+        assert rest == "", rest
+        return self.process.returncode, errors
+
+
+class Client:
+    def __init__(self, viewer):
+        self.socket = WebSocket(viewer.port, f"/live?token={viewer.token}", origin=f"http://127.0.0.1:{viewer.port}")
+        self.frames, self.status, self.scene, self.ids = {}, None, None, 0
+        self.welcome = self.next("welcome")
+
+    def send(self, type, **members):
+        self.ids += 1
+        self.socket.send(json.dumps({"type": type, **members} | ({} if type in ("camera", "view") else {"id": self.ids})))
+        return self.ids
+
+    def read(self):
+        """The next message: a parsed text, or None for a frame, which is kept and acknowledged."""
+        opcode, data = self.socket.receive()
+        if opcode == TEXT:
+            message = json.loads(data)
+            if message["type"] == "status":
+                self.status = message
+            if message["type"] == "scene":
+                self.scene = message
+            return message
+        assert opcode == BINARY, (opcode, data)
+        magic, channel, codec, _, sequence, revision, width, height, full, _, spp, _, _, final = \
+            struct.unpack_from("<4sBBHIIHHHHfffI", data)
+        assert magic == b"TYF1" and codec == 0 and len(data) == 64 + 6 * width * height
+        self.socket.send(json.dumps({"type": "ack", "channel": channel, "sequence": sequence}))
+        self.frames[channel] = {"revision": revision, "width": width, "height": height, "final": final == 1,
+                                "coarse": width < full, "pixels": data[64:]}
+        return None
+
+    def wait(self, condition, what):
+        deadline = time.monotonic() + WAIT
+        while not condition():
+            assert time.monotonic() < deadline, (what, self.status)
+            self.read()
+
+    def next(self, *types, id=None):
+        deadline = time.monotonic() + WAIT
+        while time.monotonic() < deadline:
+            message = self.read()
+            if message is not None and message["type"] in types and (id is None or message.get("id") == id):
+                return message
+        raise AssertionError(types)
+
+    def wait_final(self, revision=0):
+        def final():
+            frame = self.frames.get(METHOD)
+            return frame is not None and frame["final"] and frame["revision"] >= revision
+        self.wait(final, "a final image")
+        return self.frames[METHOD]
+
+    def set(self, path, value, moving=False):
+        self.send("set", changes=[{"path": path, "value": value}], moving=moving)
+        return self.next("scene")["revision"]
+
+    def refused(self, type, **members):
+        return self.next("error", id=self.send(type, **members))["text"]
+
+
+def write_exr(path, frame):
+    """An uncompressed EXR of the halves of a frame."""
+    width, height, pixels = frame["width"], frame["height"], frame["pixels"]
+    values = struct.unpack(f"<{3 * width * height}H", pixels)
+    text = lambda name, type, value: name + b"\0" + type + b"\0" + struct.pack("<I", len(value)) + value
+    channels = b"".join(name + b"\0" + struct.pack("<IIII", 1, 0, 1, 1) for name in (b"B", b"G", b"R")) + b"\0"
+    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    header = b"\x76\x2f\x31\x01" + struct.pack("<I", 2) + text(b"channels", b"chlist", channels) \
+        + text(b"compression", b"compression", b"\0") + text(b"dataWindow", b"box2i", box) \
+        + text(b"displayWindow", b"box2i", box) + text(b"lineOrder", b"lineOrder", b"\0") \
+        + text(b"pixelAspectRatio", b"float", struct.pack("<f", 1)) \
+        + text(b"screenWindowCenter", b"v2f", bytes(8)) + text(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
+    line = 8 + 6 * width
+    start = len(header) + 8 * height
+    rows = [struct.pack("<iI", y, 6 * width) + b"".join(
+        struct.pack(f"<{width}H", *values[3 * width * y + c:3 * width * (y + 1):3]) for c in (2, 1, 0)) for y in range(height)]
+    with open(path, "wb") as file:
+        file.write(header + struct.pack(f"<{height}Q", *(start + line * y for y in range(height))) + b"".join(rows))
+
+
+def difference(a, b):
+    out = subprocess.run([TYNDALL, "diff", a, b, "--json"], capture_output=True, text=True)
+    assert out.stdout, out.stderr
+    return json.loads(out.stdout)
+
+
+def render(*arguments):
+    out = subprocess.run([TYNDALL, "render", *arguments, "-q"], capture_output=True, text=True)
+    assert out.returncode == 0, out.stderr
+
+
+def check_images(viewer, client):
+    """The final image is that of `tyndall render`, the frame its halves, and the edited scene and command give it, too."""
+    client.wait_final()
+    revision = client.set("media[0].g", 0.75)
+    frame = client.wait_final(revision)
+    status, headers, body = viewer.image("method")
+    assert status == 200 and body[:4] == b"\x76\x2f\x31\x01", (status, headers)
+    open("live.exr", "wb").write(body)
+    write_exr("frame.exr", frame)  # halves differ by at most 2^-12 of a value, and values by several times from the mean
+    found = difference("frame.exr", "live.exr")
+    assert found["all"]["relative_rmse"] < 6e-4 and abs(found["all"]["mean_ratio"] - 1) < 1e-4, found
+
+    done = client.next("done", id=client.send("document"))
+    open("saved.json", "w").write(done["json"])
+    assert done["json"] == SCENE.replace("0.4", "0.75"), done["json"]
+    assert done["command"].startswith("tyndall render ") and "media[0].g=0.75" in done["command"], done["command"]
+    render("saved.json", "-o", "saved.exr")
+    assert subprocess.run(done["command"].replace("tyndall", f"'{TYNDALL}'", 1), shell=True, capture_output=True).returncode == 0
+    for other in ("saved.exr", "out.exr"):
+        assert difference("live.exr", other)["differing"] == 0, other
+    client.set("media[0].g", 0.4)
+
+
+def check_coarse(client):
+    """While something moves images are coarse, and at rest they become final."""
+    client.wait_final()
+    for step in range(4):
+        revision = client.set("media[0].sigma_t", 2.6 + 0.1 * step, moving=True)
+        client.wait(lambda: client.frames[METHOD]["revision"] >= revision, "a coarse image")
+        assert not client.frames[METHOD]["final"]
+    client.send("camera", position=[0.5, 0, 4], moving=True)
+    assert client.next("scene")["changed"] == ["camera.position"]
+    assert client.wait_final(revision + 1)["width"] == WIDTH
+    client.set("media[0].sigma_t", 2.5)
+    client.set("camera.position", [0, 0, 4])
+
+
+def check_methods(client):
+    for method in ("pop", "dom", "octaves", "lpv", "path"):
+        client.send("view", method=method)
+        client.wait(lambda: client.status is not None and client.status["method"] == method, method)
+        client.wait(lambda: client.status["final"] or client.status["message"], method)
+        assert client.status["method"] == method and client.status["message"] == "", client.status
+    client.send("view", method="nonsense")
+    assert "nonsense" in client.next("error")["text"]
+    lights = client.welcome["document"]["lights"]
+    client.send("view", method="lpv")
+    client.set("lights", [{"type": "environment", "radiance": 1}])
+    client.wait(lambda: client.status["method"] == "lpv" and "lpv" in client.status["message"], "the refusal of a method")
+    client.set("lights", lights)
+    client.send("view", method="fld")
+    client.wait(lambda: client.status["method"] == "fld" and client.status["message"] == "", "fld again")
+
+
+def check_difference(client):
+    """The numbers beside path: plausible for this scene, and the noise falls while path converges."""
+    client.set("media[0].albedo", 0.8)
+    client.wait_final(client.scene["revision"])
+    found = lambda: client.status["difference"]
+    revision = client.scene["revision"]
+    client.wait(lambda: client.status["revision"] == revision and found() is not None, "a difference")
+    first = found()["noise"]
+    client.wait(lambda: found()["noise"] < 0.6 * first, "less noise")
+    last = found()
+    assert 0.85 < last["mean_ratio"] < 1.15 and last["noise"] < last["rmse"] < 0.5, last
+    assert client.status["path"]["spp"] >= 4, client.status
+    client.set("media[0].albedo", 0.9)
+
+
+def check_refusals(viewer, client):
+    before = client.welcome["document"]
+    assert client.refused("set", changes=[{"path": "media[0].g", "value": 1.5}]).startswith("media[0].g: "), "range"
+    assert "colour" in client.refused("set", changes=[{"path": "media[0].colour", "value": 1}])
+    assert client.refused("set", changes=[{"path": "media[0].g", "value": 0.1}, {"path": "media[0].albedo", "value": 2}])
+    assert client.refused("set", changes=[]) and client.refused("set") and client.refused("bogus", a=1)
+    assert client.refused("record", name="../x.exr") and client.refused("record", name="x.txt")
+    for text in ("", "{", "[]", "null", '{"type": 1}', "x" * 1000, '{"type":"set","type":"set"}', "[" * 5000):
+        client.socket.send(text)
+        assert client.next("error")["text"]
+    for text in ('{"type":"camera","position":[1,2]}', '{"type":"camera","fov_y":"wide"}', '{"type":"view","width":3}'):
+        client.socket.send(text)
+        assert client.next("error")["text"]
+    assert viewer.connect().welcome["document"] == before
+    for target in ("/", "/?token=0", "/image.exr?channel=method", "/live"):
+        assert request(viewer.port, target)[0] in (403, 426), target
+    try:
+        WebSocket(viewer.port, f"/live?token={viewer.token[::-1]}")
+        raise AssertionError("a wrong token")
+    except Refused:
+        pass
+
+
+def check_clients(viewer, client):
+    """A change of one client reaches the other; one that comes later sees it; one that leaves holds nothing up."""
+    second = viewer.connect()
+    second.wait_final()
+    revision = client.set("media[0].g", 0.2)
+    second.wait(lambda: second.scene is not None and second.scene["revision"] == revision, "the other's change")
+    assert second.scene["document"]["media"][0]["g"] == 0.2 and second.scene["changed"] == ["media[0].g"]
+    second.wait_final(revision)
+    second.socket.close()
+    third = viewer.connect()
+    assert third.welcome["document"]["media"][0]["g"] == 0.2 and third.welcome["original"]["media"][0]["g"] == 0.4
+    third.wait_final(revision)
+    client.set("media[0].g", 0.4)
+
+
+def check_record(client):
+    client.wait_final(client.scene["revision"])
+    for name in ("a.exr", "a.png"):
+        done = client.next("done", "error", id=client.send("record", name=name))
+        assert done["type"] == "done" and os.path.getsize(f"frames/{name}") > 100, done
+
+
+def check_page(viewer):
+    import test_view_page
+    return test_view_page.main(viewer.address)
+
+
+def check_start():
+    """What cannot start says so in one line."""
+    def fails(*arguments):
+        out = subprocess.run([TYNDALL, "view", *arguments], capture_output=True, text=True, timeout=WAIT)
+        assert out.stdout == "" and out.stderr.startswith("tyndall: ") and out.stderr.count("\n") == 1, out
+        return out.returncode
+    assert fails("missing.json") == 2 and fails("scene.json", "--method", "nonsense") == 2
+    assert fails("scene.json", "-D", "media[0].g=2") == 2 and fails("scene.json", "--port", "70000") == 2
+
+
+def main():
+    here = os.getcwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        open("scene.json", "w").write(SCENE)
+        check_start()
+        viewer = Viewer("scene.json", "--record", "frames", "--threads", "2")
+        client = viewer.connect()
+        check_images(viewer, client)
+        check_coarse(client)
+        check_methods(client)
+        check_difference(client)
+        check_record(client)
+        check_clients(viewer, client)
+        check_refusals(viewer, client)
+        taken = subprocess.run([TYNDALL, "view", "scene.json", "--port", str(viewer.port)], capture_output=True, text=True)
+        assert taken.returncode == 1 and str(viewer.port) in taken.stderr, taken
+        page = check_page(viewer)
+        status, errors = viewer.stop()
+        assert status == 0 and errors == "view: Ctrl-C ends it\n", (status, errors)
+        os.chdir(here)
+    print("test_view: passed" + (", but for the page: there is no browser" if page == 77 else ""))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
