@@ -4,6 +4,8 @@
  * as in Bruneton and Neyret 2008). Multiple scattering is taken as isotropic and as a function of height alone, summed
  * as a geometric series (Hillaire 2020): without it a clear sky is too dark by a quarter (red) to a half (blue) and its
  * horizon yellow. Lengths in metres, coefficients in 1/m; red, green, blue stand for 680, 550 and 440 nm. */
+#include "scene/sky.h"
+
 #include "base/constants.h"
 #include "base/context.h"
 
@@ -16,6 +18,7 @@ enum {
     WIDTH_MAX = 8192,
     TABLE_HEIGHTS = 64,
     TABLE_ANGLES = 256,
+    TABLE_ENTRIES = 3 * TABLE_HEIGHTS * TABLE_ANGLES,
     TABLE_STEPS = 96,
     SERIES_HEIGHTS = 32,
     SERIES_RINGS = 16,
@@ -337,7 +340,6 @@ static double sky_irradiance(const sky_job* job, int channel) {
 
 static void fill_image(ty_context* context, sky_job* job, float sun_irradiance[3]) {
     const int32_t width = job->def.width, height = width / 2, above = (height + 1) / 2;
-    ty_parallel_for(context, TABLE_HEIGHTS, table_row, job);
     ty_parallel_for(context, SERIES_HEIGHTS, series_point, job);
     memcpy(job->series, job->next_series, sizeof job->series);
     ty_parallel_for(context, above, sky_row, job);
@@ -353,9 +355,24 @@ static void fill_image(ty_context* context, sky_job* job, float sun_irradiance[3
     }
 }
 
-ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]) {
-    if (context == NULL || out == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_sky_create_image: a pointer is NULL");
+/* Fills a table unless it is of the job's haze. */
+static ty_result make_table(ty_context* context, sky_job* job, ty_sky_table* table) {
+    if (table->values != NULL && table->haze == job->def.haze) return TY_OK;
+    if (table->values == NULL) table->values = ty_alloc_array(context, TABLE_ENTRIES, sizeof(float), false);
+    if (table->values == NULL) return TY_ERROR_MEMORY;
+    job->table = table->values;
+    table->haze = job->def.haze;
+    ty_parallel_for(context, TABLE_HEIGHTS, table_row, job);
+    return TY_OK;
+}
+
+void ty_sky_table_release(ty_context* context, ty_sky_table* table) {
+    ty_free_array(context, table->values, TABLE_ENTRIES, sizeof(float));
+    *table = (ty_sky_table){.values = NULL};
+}
+
+ty_result ty_sky_create_image_with(ty_context* context, const ty_sky_def* def, ty_sky_table* table, ty_image** out,
+                                   float sun_irradiance[3]) {
     ty_sky_def own;
     ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
@@ -365,18 +382,23 @@ ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_ima
     job.sun[0] = -d[0] / length;
     job.sun[1] = -(def->up_axis == TY_AXIS_Y ? d[1] : d[2]) / length;
     job.sun[2] = -(def->up_axis == TY_AXIS_Y ? d[2] : -d[1]) / length;
+    result = make_table(context, &job, table);
+    if (result != TY_OK) return result;
+    job.table = table->values;
     ty_image* image = NULL;
     result = ty_image_create_rgb(context, def->width, def->width / 2, &image);
     if (result != TY_OK) return result;
     for (int c = 0; c < 3; ++c) job.planes[c] = ty_image_plane(image, c);
-    const size_t entries = (size_t)TABLE_HEIGHTS * TABLE_ANGLES * 3;
-    job.table = ty_alloc_array(context, entries, sizeof *job.table, false);
-    if (job.table == NULL) {
-        ty_image_destroy(image);
-        return TY_ERROR_MEMORY;
-    }
     fill_image(context, &job, sun_irradiance);
-    ty_free_array(context, job.table, entries, sizeof *job.table);
     *out = image;
     return TY_OK;
+}
+
+ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]) {
+    if (context == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_sky_create_image: a pointer is NULL");
+    ty_sky_table table = {.values = NULL};
+    const ty_result result = ty_sky_create_image_with(context, def, &table, out, sun_irradiance);
+    ty_sky_table_release(context, &table);
+    return result;
 }

@@ -224,6 +224,7 @@ ty_result ty_assets_file(ty_asset_cache* cache, const char* path, const ty_asset
 }
 
 void ty_assets_release(ty_asset_cache* cache) {
+    ty_sky_table_release(cache->context, &cache->sky_table);
     for (size_t i = 0; i < cache->asset_count; ++i) destroy_asset(cache->context, cache->assets[i]);
     for (size_t i = 0; i < cache->file_count; ++i) {
         ty_free_text(cache->context, cache->files[i]->path);

@@ -4,6 +4,7 @@
 #define TY_IO_ASSET_CACHE_H
 
 #include "scene/environment.h"
+#include "scene/sky.h"
 
 #include <tyndall/io.h>
 
@@ -52,6 +53,7 @@ typedef struct ty_asset_cache {
     size_t file_count, file_capacity;
     ty_asset** assets;
     size_t asset_count, asset_capacity;
+    ty_sky_table sky_table;
 } ty_asset_cache;
 
 void ty_assets_release(ty_asset_cache* cache);

@@ -82,7 +82,9 @@ ty_result ty_make_sky(ty_scene_reader* reader, const ty_json_path* json_path, co
     ty_result result = TY_OK;
     if (found == NULL) {
         ty_image* image = NULL;
-        result = ty_reader_prefix_error(reader, json_path, ty_sky_create_image(reader->context, def, &image, sky.sun));
+        result = ty_reader_prefix_error(
+            reader, json_path,
+            ty_sky_create_image_with(reader->context, def, &reader->assets->sky_table, &image, sky.sun));
         if (result == TY_OK) result = keep_map(reader, json_path, image, &sky);
         found = &sky;
     }
