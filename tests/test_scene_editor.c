@@ -1,8 +1,9 @@
 /* Scenes that are edited: each is as if the edited document had been loaded; a wrong edit changes nothing. */
 #define _GNU_SOURCE
-#include "mesh_maker.h"
+#include "level_maker.h"
 
 #include "base/context.h"
+#include "io/scenes/asset_cache.h"
 #include "io/scenes/scene_editor.h"
 #include "scene/scene.h"
 
@@ -16,6 +17,12 @@ static int start(void** state) {
     (void)state;
     ty_context_def def = ty_default_context_def();
     def.threads = 2;
+    put_nrrd("gray.nrrd", 1, "0.25 0.75");
+    put_nrrd("rgb.nrrd", 3, "0.1 0.2 0.3 0.4 0.5 0.6");
+    put_nrrd("smoke_0003.nrrd", 1, "0 3");
+    put_nrrd("smoke_0004.nrrd", 1, "0 4");
+    put_tetrahedron("tetra.obj");
+    put_level();
     return ty_context_create(&def, &context) == TY_OK ? 0 : 1;
 }
 
@@ -178,6 +185,154 @@ static void a_room_is_edited(void** state) {
     ty_scene_editor_close(editor);
 }
 
+/* ---- edits of scenes that name files ---- */
+
+static ty_scene_editor* open_text(const char* text) {
+    put_text("edited.json", text);
+    return open_scene("edited.json");
+}
+
+static void a_level_is_edited(void** state) {
+    (void)state;
+    static const edit edits[] = {
+        {"media[0].g", "0.5", TY_EDIT_LIGHT},
+        {"camera", "{\"resolution\": [16, 16]}", TY_EDIT_CAMERA},
+        {"camera.file", "\"level.gltf\"", TY_EDIT_CAMERA},
+        {"camera.name", "\"side\"", TY_EDIT_CAMERA},
+        {"camera.position", "[0.5, 0.5, 6]", TY_EDIT_CAMERA},
+        {"lights[0]", "{\"type\": \"point\", \"position\": [1, 1, 1], \"intensity\": 2}", TY_EDIT_LIGHT},
+        {"lights[1]",
+         "{\"type\": \"area\", \"origin\": [2, 0, 0], \"u\": [0, 1, 0], \"v\": [0, 0, 1], \"radiance\": 0}",
+         TY_EDIT_LIGHT | TY_EDIT_GEOMETRY},
+        {"lights[1].radiance", "[1, 2, 3]", TY_EDIT_LIGHT | TY_EDIT_GEOMETRY},
+        {"media[0].sigma_t", "0.25", TY_EDIT_LIGHT},
+        {"lights[0]", NULL, TY_EDIT_LIGHT},
+        {"lights[0].origin[0]", "3", TY_EDIT_LIGHT | TY_EDIT_GEOMETRY},
+        {"geometry[0].emission_scale", "2", TY_EDIT_GEOMETRY},
+        {"geometry[1]", "{\"file\": \"tetra.obj\", \"transform\": {\"translate\": [0, 2, 0]}}", TY_EDIT_GEOMETRY},
+        {"geometry[0].lights", "false", TY_EDIT_GEOMETRY},
+        {"lights", NULL, TY_EDIT_LIGHT | TY_EDIT_GEOMETRY},
+        {"meters_per_unit", "0.5", TY_EDIT_CAMERA | TY_EDIT_LIGHT | TY_EDIT_GEOMETRY},
+        {"geometry[0]", NULL, TY_EDIT_GEOMETRY},
+        {"media[0].bounds", "{\"file\": \"tetra.obj\", \"transform\": {\"scale\": 3}}", TY_EDIT_LIGHT},
+        {"media[0].g", "0.6", TY_EDIT_LIGHT},
+    };
+    ty_scene_editor* editor = open_text("{\"tyndall\": 1, \"geometry\": [{\"file\": \"level.gltf\"}], \"media\": ["
+                                        "{\"sigma_t\": 1, \"albedo\": 0.9, \"bounds\": [[-1, -1, -1], [3, 3, 3]]}]}");
+    expect_as_loaded(editor, "");
+    expect_edits(editor, "", edits, COUNT(edits));
+    ty_scene_editor_close(editor);
+}
+
+static void an_environment_is_edited(void** state) {
+    (void)state;
+    static const edit edits[] = {
+        {"lights[0].scale", "2", TY_EDIT_LIGHT},       {"lights[0].rotation", "45", TY_EDIT_LIGHT},
+        {"lights[1].scale", "0.1", TY_EDIT_LIGHT},     {"lights[1].sky.solar", "[1, 2, 3]", TY_EDIT_LIGHT},
+        {"lights[1].sky.sun", "false", TY_EDIT_LIGHT}, {"lights[0]", NULL, TY_EDIT_LIGHT},
+    };
+    ty_image* image = NULL;
+    expect_ok(ty_image_create_rgb(context, 300, 150, &image));
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 300 * 150; ++i) ty_image_plane(image, c)[i] = (float)(i % (7 + c));
+    expect_ok(ty_image_write_exr(context, image, "map.exr"));
+    ty_image_destroy(image);
+    ty_scene_editor* editor = open_text("{\"tyndall\": 1, \"media\": [{\"sigma_t\": 1, \"albedo\": 0.9, \"bounds\": "
+                                        "[[-1, -1, -1], [1, 1, 1]]}], \"lights\": [{\"type\": \"environment\", "
+                                        "\"file\": \"map.exr\"}, {\"type\": \"environment\", \"sky\": {\"resolution\": "
+                                        "32}}]}");
+    expect_edits(editor, "", edits, COUNT(edits));
+    ty_scene_editor_close(editor);
+}
+
+static void frames_are_loaded_as_they_are_named(void** state) {
+    (void)state;
+    static const edit edits[] = {
+        {"frame", "4", TY_EDIT_LIGHT},
+        {"frame", "3", TY_EDIT_LIGHT},
+        {"media[0].transform", "{\"scale\": 2}", TY_EDIT_LIGHT},
+        {"media[0].density", "{\"file\": \"gray.nrrd\"}", TY_EDIT_LIGHT},
+        {"media[0].albedo", "{\"file\": \"gray.nrrd\"}", TY_EDIT_LIGHT},
+        {"media[0].albedo", "{\"file\": \"rgb.nrrd\"}", TY_EDIT_LIGHT},
+    };
+    ty_scene_editor* editor = open_text("{\"tyndall\": 1, \"frame\": 3, \"media\": [{\"sigma_t\": 1, \"albedo\": 0.5, "
+                                        "\"density\": {\"file\": \"smoke_####.nrrd\"}}], \"lights\": [{\"type\": "
+                                        "\"point\", \"position\": [0, 3, 0], \"intensity\": 5}]}");
+    expect_edits(editor, "", edits, COUNT(edits));
+    const ty_scene_change missing = {"media[0].density.file", "\"smoke_####.nrrd\""},
+                          frames[] = {missing, {"frame", "77"}};
+    const uint64_t hash = ty_scene_hash(ty_scene_editor_scene(editor));
+    assert_int_equal(ty_scene_editor_apply(editor, frames, 2, NULL), TY_ERROR_FILE);
+    assert_non_null(strstr(ty_take_error(context), "media[0].density.file: "));
+    assert_int_equal(ty_scene_hash(ty_scene_editor_scene(editor)), hash);
+    put_nrrd("rgb.nrrd", 3, "0.15 0.25 0.35 0.45 0.55 0.65"); /* is read again */
+    assert_int_equal(apply(editor, "media[0].g", "0.1"), TY_EDIT_LIGHT);
+    expect_as_loaded(editor, "");
+    ty_scene_editor_close(editor);
+}
+
+/* Many volumes, most of which no scene holds any more: the cache stays within its limits. */
+static void old_frames_are_dropped(void** state) {
+    (void)state;
+    ty_asset_cache cache = {.context = context, .reading = 1};
+    for (int32_t i = 0; i < TY_ASSETS_SPARE_COUNT + 20; ++i) {
+        char path[64];
+        snprintf(path, sizeof path, "many_%04d.nrrd", i);
+        put_nrrd(path, 1, "0 1");
+        ty_asset volume = {.kind = TY_ASSET_GRID, .volume = ty_default_volume_def()};
+        expect_ok(ty_assets_file(&cache, path, &volume.file));
+        expect_ok(ty_volume_read(context, path, &volume.volume, &volume.grid));
+        ty_grid* used = i < 3 ? ty_grid_retain(volume.grid) : NULL;
+        expect_ok(ty_assets_keep(&cache, &volume));
+        ty_assets_trim(&cache);
+        ++cache.reading;
+        if (used != NULL) {
+            assert_ptr_equal(ty_assets_find(&cache, &volume)->grid, used);
+            ty_grid_release(used);
+        }
+        remove(path);
+    }
+    assert_int_equal(cache.asset_count, TY_ASSETS_SPARE_COUNT);
+    assert_int_equal(cache.file_count, TY_ASSETS_SPARE_COUNT);
+    ty_assets_release(&cache);
+}
+
+/* Large scenes with data that the project does not ship. */
+static void edit_large(const char* data, const char* path, const edit* edits, int32_t count) {
+    char file[1024];
+    data_path(data, file);
+    ty_scene_editor* editor = open_scene(path);
+    for (int32_t i = 0; i < count; ++i) assert_int_equal(apply(editor, edits[i].path, edits[i].value), edits[i].flags);
+    expect_as_loaded(editor, TYNDALL_SOURCE_DIR "/scenes");
+    ty_scene_editor_close(editor);
+}
+
+static void a_cloud_from_a_file_is_edited(void** state) {
+    (void)state;
+    static const edit edits[] = {
+        {"media[0].g", "0.7", TY_EDIT_LIGHT},
+        {"lights[0].sky.sun_direction", "[0.1, -1, 0.2]", TY_EDIT_LIGHT},
+        {"lights[0].scale", "1.5", TY_EDIT_LIGHT},
+        {"camera.fov_y", "30", TY_EDIT_CAMERA},
+    };
+    edit_large("volumes/wdas_cloud_sixteenth.vdb", TYNDALL_SOURCE_DIR "/scenes/disney_cloud_sun.json", edits,
+               COUNT(edits));
+}
+
+static void an_atrium_from_a_file_is_edited(void** state) {
+    (void)state;
+    static const edit edits[] = {
+        {"media[0].g", "0.7", TY_EDIT_LIGHT},
+        {"lights[1]",
+         "{\"type\": \"area\", \"origin\": [0, 5, 0], \"u\": [1, 0, 0], \"v\": [0, 0, 1], \"radiance\": 9}",
+         TY_EDIT_LIGHT | TY_EDIT_GEOMETRY},
+        {"lights[1].radiance", "20", TY_EDIT_LIGHT | TY_EDIT_GEOMETRY},
+        {"lights[0].sky.haze", "2", TY_EDIT_LIGHT},
+        {"camera.exposure", "0", TY_EDIT_CAMERA},
+    };
+    edit_large("scenes/sponza_atrium.glb", TYNDALL_SOURCE_DIR "/scenes/sponza_fog.json", edits, COUNT(edits));
+}
+
 /* ---- wrong edits ---- */
 
 static void refuse(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count, const char* message) {
@@ -236,12 +391,49 @@ static void wrong_scenes_do_not_open(void** state) {
     ty_scene_editor_close(NULL);
 }
 
-/* ---- saved text, and changes as overrides ---- */
-
-static ty_scene_editor* open_text(const char* text) {
-    put_text("edited.json", text);
-    return open_scene("edited.json");
+/* An edit for which memory runs out, at every allocation in turn, changes nothing. */
+static void edits_without_memory_change_nothing(void** state) {
+    (void)state;
+    static const ty_scene_change changes[] = {
+        {"media[0].sigma_t", "0.9"},
+        {"media[1]", "{\"preset\": \"fog\", \"visibility\": 9, \"bounds\": [[0, 0, 0], [1, 1, 1]]}"},
+        {"lights[0].origin[0]", "-0.2"},
+        {"lights[1]", "{\"type\": \"environment\", \"sky\": {\"resolution\": 16}}"},
+        {"camera.fov_y", "50"},
+        {"render.fld.iterations", "3"},
+    };
+    strict_memory memory = {.limit = (size_t)1 << 30, .until_refusal = -1};
+    ty_context* strict = strict_context(&memory);
+    const size_t before = memory.used;
+    ty_scene_editor* editor = NULL;
+    assert_int_equal(ty_scene_editor_open(strict, "builtin:cornell_fog", NULL, 0, &editor), TY_OK);
+    const uint64_t hash = ty_scene_hash(ty_scene_editor_scene(editor));
+    ty_result result = TY_ERROR_MEMORY;
+    int64_t refused = 0;
+    for (; result != TY_OK; ++refused) {
+        assert_int_equal(ty_scene_hash(ty_scene_editor_scene(editor)), hash);
+        assert_non_null(strstr(ty_scene_editor_text(editor), "\"sigma_t\":0.5"));
+        assert_int_equal(ty_scene_get_info(ty_scene_editor_scene(editor)).media, 1);
+        memory.until_refusal = refused;
+        result = ty_scene_editor_apply(editor, changes, COUNT(changes), NULL);
+        memory.until_refusal = -1;
+        if (result != TY_OK) assert_string_not_equal(ty_take_error(strict), "");
+        if (result != TY_OK) assert_int_equal(result, TY_ERROR_MEMORY);
+        assert_true(refused < 1000);
+    }
+    assert_true(refused > 10);
+    const char* text = ty_scene_editor_text(editor);
+    ty_scene* loaded = NULL;
+    expect_ok(ty_scene_parse(context, text, strlen(text), "loaded", "", NULL, 0, &loaded));
+    assert_int_equal(ty_scene_hash(ty_scene_editor_scene(editor)), ty_scene_hash(loaded));
+    expect_same_images(ty_scene_editor_scene(editor), loaded, "path");
+    ty_scene_destroy(loaded);
+    ty_scene_editor_close(editor);
+    assert_int_equal(memory.used, before);
+    ty_context_destroy(strict);
 }
+
+/* ---- saved text, and changes as overrides ---- */
 
 /* Both ways to keep the changes lead to the scene that is shown. */
 static void expect_kept(const ty_scene_editor* editor, const char* path) {
@@ -408,9 +600,19 @@ static void arrays_change_everywhere(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cloud_is_edited),          cmocka_unit_test(a_room_is_edited),
-        cmocka_unit_test(wrong_edits_change_nothing), cmocka_unit_test(wrong_scenes_do_not_open),
-        cmocka_unit_test(text_keeps_its_form),        cmocka_unit_test(tabs_and_single_lines_stay),
+        cmocka_unit_test(a_cloud_is_edited),
+        cmocka_unit_test(a_room_is_edited),
+        cmocka_unit_test(a_level_is_edited),
+        cmocka_unit_test(an_environment_is_edited),
+        cmocka_unit_test(frames_are_loaded_as_they_are_named),
+        cmocka_unit_test(old_frames_are_dropped),
+        cmocka_unit_test(a_cloud_from_a_file_is_edited),
+        cmocka_unit_test(an_atrium_from_a_file_is_edited),
+        cmocka_unit_test(wrong_edits_change_nothing),
+        cmocka_unit_test(wrong_scenes_do_not_open),
+        cmocka_unit_test(edits_without_memory_change_nothing),
+        cmocka_unit_test(text_keeps_its_form),
+        cmocka_unit_test(tabs_and_single_lines_stay),
         cmocka_unit_test(arrays_change_everywhere),
     };
     return cmocka_run_group_tests(tests, start, stop);

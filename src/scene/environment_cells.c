@@ -52,57 +52,68 @@ static void add_radiance(const float radiance[3], column_azimuth azimuth, float 
     vector_luminance[2] += luminance;
 }
 
-/* Cells of whole texels; the last of a row or column may have fewer. */
-static void sum_texels(ty_environment* env, const column_azimuth* azimuths) {
-    const int32_t wide = (env->width + CELLS_WIDTH - 1) / CELLS_WIDTH;
-    const int32_t high = (env->height + CELLS_HEIGHT - 1) / CELLS_HEIGHT;
-    for (int32_t y = 0; y < env->height; ++y) {
-        const row_geometry geometry = geometry_of(y, env->width, env->height);
-        const float* row = env->pixels + 3 * (size_t)env->width * (size_t)y;
-        ty_environment_cell* cells = env->cells + (size_t)env->cells_width * (size_t)(y / high);
-        for (int32_t x = 0; x < env->width; x += wide) {
-            const int32_t end = x + wide < env->width ? x + wide : env->width;
+typedef struct cell_job {
+    ty_environment* env;
+    const column_azimuth* azimuths;
+} cell_job;
+
+/* A row of cells of whole texels; the last of a row or column may have fewer. */
+static void sum_texels(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const cell_job* job = user;
+    const ty_environment* env = job->env;
+    const ty_environment_map* map = env->map;
+    const int32_t wide = (map->width + CELLS_WIDTH - 1) / CELLS_WIDTH;
+    const int32_t high = (map->height + CELLS_HEIGHT - 1) / CELLS_HEIGHT;
+    const int32_t first = high * (int32_t)index, last = first + high < map->height ? first + high : map->height;
+    ty_environment_cell* cells = env->cells + (size_t)env->cells_width * (size_t)index;
+    for (int32_t y = first; y < last; ++y) {
+        const row_geometry geometry = geometry_of(y, map->width, map->height);
+        const float* row = map->pixels + 3 * (size_t)map->width * (size_t)y;
+        for (int32_t x = 0; x < map->width; x += wide) {
+            const int32_t end = x + wide < map->width ? x + wide : map->width;
             float color[3] = {0, 0, 0}, vector_luminance[3] = {0, 0, 0};
-            for (int32_t i = x; i < end; ++i) add_radiance(row + 3 * (size_t)i, azimuths[i], color, vector_luminance);
+            for (int32_t i = x; i < end; ++i)
+                add_radiance(row + 3 * (size_t)i, job->azimuths[i], color, vector_luminance);
             add_light(&geometry, color, vector_luminance, env->scale, end - x, &cells[x / wide]);
         }
     }
 }
 
-/* Cells finer than the map, or of a constant environment: radiance at their centers. */
-static void sample_cells(ty_environment* env, const column_azimuth* azimuths) {
+/* A row of cells finer than the map, or of a constant environment: radiance at their centers. */
+static void sample_cells(void* user, int64_t y, int32_t worker) {
+    (void)worker;
+    const cell_job* job = user;
+    const ty_environment* env = job->env;
     const ty_environment_view view = ty_environment_get_view(env, TY_AXIS_Z);
-    for (int32_t y = 0; y < env->cells_height; ++y) {
-        const row_geometry geometry = geometry_of(y, env->cells_width, env->cells_height);
-        for (int32_t x = 0; x < env->cells_width; ++x) {
-            const float horizontal = (float)geometry.horizontal;
-            const ty_vec wi =
-                ty_vec_make(horizontal * azimuths[x].cosine, horizontal * azimuths[x].sine, (float)geometry.vertical);
-            float radiance[3], color[3] = {0, 0, 0}, vector_luminance[3] = {0, 0, 0};
-            ty_environment_radiance(&view, wi, radiance);
-            add_radiance(radiance, azimuths[x], color, vector_luminance);
-            add_light(&geometry, color, vector_luminance, 1, 1,
-                      &env->cells[(size_t)env->cells_width * (size_t)y + (size_t)x]);
-        }
+    const row_geometry geometry = geometry_of((int32_t)y, env->cells_width, env->cells_height);
+    for (int32_t x = 0; x < env->cells_width; ++x) {
+        const float horizontal = (float)geometry.horizontal;
+        const column_azimuth azimuth = job->azimuths[x];
+        const ty_vec wi = ty_vec_make(horizontal * azimuth.cosine, horizontal * azimuth.sine, (float)geometry.vertical);
+        float radiance[3], color[3] = {0, 0, 0}, vector_luminance[3] = {0, 0, 0};
+        ty_environment_radiance(&view, wi, radiance);
+        add_radiance(radiance, azimuth, color, vector_luminance);
+        add_light(&geometry, color, vector_luminance, 1, 1,
+                  &env->cells[(size_t)env->cells_width * (size_t)y + (size_t)x]);
     }
 }
 
 ty_result ty_environment_make_cells(ty_context* context, ty_environment* env) {
-    const bool texels = env->pixels != NULL && env->width >= CELLS_WIDTH && env->height >= CELLS_HEIGHT;
-    const int32_t wide = texels ? (env->width + CELLS_WIDTH - 1) / CELLS_WIDTH : 1;
-    const int32_t high = texels ? (env->height + CELLS_HEIGHT - 1) / CELLS_HEIGHT : 1;
-    env->cells_width = texels ? (env->width + wide - 1) / wide : CELLS_WIDTH;
-    env->cells_height = texels ? (env->height + high - 1) / high : CELLS_HEIGHT;
-    const size_t columns = (size_t)(texels ? env->width : env->cells_width);
+    const ty_environment_map* map = env->map;
+    const bool texels = map != NULL && map->width >= CELLS_WIDTH && map->height >= CELLS_HEIGHT;
+    const int32_t wide = texels ? (map->width + CELLS_WIDTH - 1) / CELLS_WIDTH : 1;
+    const int32_t high = texels ? (map->height + CELLS_HEIGHT - 1) / CELLS_HEIGHT : 1;
+    env->cells_width = texels ? (map->width + wide - 1) / wide : CELLS_WIDTH;
+    env->cells_height = texels ? (map->height + high - 1) / high : CELLS_HEIGHT;
+    const size_t columns = (size_t)(texels ? map->width : env->cells_width);
     env->cells = ty_alloc_array(context, ty_environment_cell_count(env), sizeof *env->cells, true);
     column_azimuth* azimuths = ty_alloc_array(context, columns, sizeof *azimuths, false);
     const bool allocated = env->cells != NULL && azimuths != NULL;
     if (allocated) {
         fill_azimuths(env, (int32_t)columns, azimuths);
-        if (texels)
-            sum_texels(env, azimuths);
-        else
-            sample_cells(env, azimuths);
+        cell_job job = {env, azimuths};
+        ty_parallel_for(context, env->cells_height, texels ? sum_texels : sample_cells, &job);
     }
     ty_free_array(context, azimuths, columns, sizeof *azimuths);
     return allocated ? TY_OK : TY_ERROR_MEMORY;

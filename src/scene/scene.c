@@ -70,6 +70,10 @@ ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def) {
 }
 
 ty_result ty_scene_add_light(ty_scene* scene, const ty_light_def* def) {
+    return ty_scene_add_environment(scene, def, NULL);
+}
+
+ty_result ty_scene_add_environment(ty_scene* scene, const ty_light_def* def, ty_environment_map* map) {
     ty_context* context = scene->context;
     ty_light_def own;
     ty_result result = ty_light_check(context, &def, &own);
@@ -80,7 +84,7 @@ ty_result ty_scene_add_light(ty_scene* scene, const ty_light_def* def) {
                        sizeof(ty_environment*)))
         return TY_ERROR_MEMORY;
     ty_environment* environment = NULL;
-    if (def->kind == TY_LIGHT_ENVIRONMENT) result = ty_environment_create(context, def, &environment);
+    if (def->kind == TY_LIGHT_ENVIRONMENT) result = ty_environment_create(context, def, map, &environment);
     if (result != TY_OK) return result;
     scene->lights[count] = *def;
     scene->lights[count].image = NULL;
@@ -236,6 +240,20 @@ static const ty_texture* numbered_texture(const ty_scene* scene, size_t number) 
     return number % 2 == 0 ? material->albedo_texture : material->emission_texture;
 }
 
+static size_t count_environment_bytes(const ty_scene* scene) {
+    size_t sum = 0;
+    for (size_t i = 0; i < scene->light_count; ++i) {
+        const ty_environment* environment = scene->environments[i];
+        if (environment == NULL) continue;
+        sum += ty_environment_bytes(environment);
+        bool counted = environment->map == NULL;
+        for (size_t j = 0; j < i && !counted; ++j)
+            counted = scene->environments[j] != NULL && scene->environments[j]->map == environment->map;
+        if (!counted) sum += ty_environment_map_bytes(environment->map);
+    }
+    return sum;
+}
+
 /* Shared data count once. */
 static size_t count_bytes(const ty_scene* scene) {
     const ty_committed_surfaces* surfaces = &scene->surfaces;
@@ -244,8 +262,7 @@ static size_t count_bytes(const ty_scene* scene) {
                  scene->medium_count * sizeof(ty_medium_view) + surfaces->count * sizeof(ty_surface) +
                  surfaces->mesh_light_count * sizeof(int32_t) + ty_accel_bytes(surfaces->accel) +
                  ty_light_tree_bytes(lights->tree);
-    for (size_t i = 0; i < scene->light_count; ++i)
-        if (scene->environments[i] != NULL) sum += ty_environment_bytes(scene->environments[i]);
+    sum += count_environment_bytes(scene);
     for (size_t i = 0; i < TY_MEDIUM_GRIDS * scene->medium_count; ++i) {
         const ty_grid* grid = numbered_grid(scene, i);
         bool counted = grid == NULL;

@@ -90,6 +90,8 @@ enum { TY_SCENE_CAMERA = 1, TY_SCENE_SETTINGS = 2, TY_SCENE_MEDIA = 4, TY_SCENE_
  * is that of a commit of everything. On failure nothing is changed. Scenes that are destroyed in any order may share
  * grids. `other` needs no commit, and is left without one. */
 ty_result ty_scene_replace(ty_scene* scene, ty_scene* other, unsigned parts);
+/* Adds an environment light with a map that was made before, which is retained; the def has no image. */
+ty_result ty_scene_add_environment(ty_scene* scene, const ty_light_def* def, ty_environment_map* map);
 /* Adds the lights of a scene from the first-th on, none of them an environment, to another one. */
 ty_result ty_scene_copy_lights(const ty_scene* scene, size_t first, ty_scene* to);
 

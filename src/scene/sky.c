@@ -4,6 +4,8 @@
  * as in Bruneton and Neyret 2008). Multiple scattering is taken as isotropic and as a function of height alone, summed
  * as a geometric series (Hillaire 2020): without it a clear sky is too dark by a quarter (red) to a half (blue) and its
  * horizon yellow. Lengths in metres, coefficients in 1/m; red, green, blue stand for 680, 550 and 440 nm. */
+#include "scene/sky.h"
+
 #include "base/constants.h"
 #include "base/context.h"
 
@@ -16,6 +18,7 @@ enum {
     WIDTH_MAX = 8192,
     TABLE_HEIGHTS = 64,
     TABLE_ANGLES = 256,
+    TABLE_ENTRIES = 3 * TABLE_HEIGHTS * TABLE_ANGLES,
     TABLE_STEPS = 96,
     SERIES_HEIGHTS = 32,
     SERIES_RINGS = 16,
@@ -160,18 +163,31 @@ static void table_row(void* user, int64_t index, int32_t worker) {
     }
 }
 
-/* Sunlight at a point, over the solar irradiance. */
-static void sunlight(const sky_job* job, double radius, double sun_up, double out[3]) {
+/* Terms of sunlight at a distance from the center. */
+typedef struct sun_height {
+    double horizon;         /* angle by which the horizon is below the horizontal, approximately */
+    double shortest, range; /* distances to the top */
+    double fraction;        /* between two rows of the table */
+    const float* rows;
+} sun_height;
+
+static sun_height sun_at_height(const sky_job* job, double radius) {
     const double full_distance = horizon_distance(top_radius), rho = horizon_distance(radius);
-    const double dip = sun_up + rho / radius; /* elevation above the horizon, approximately in radians */
-    const double sun_fraction = fmin(1, fmax(0, 0.5 + 0.5 * dip / sun_half_angle));
     const double shortest = top_radius - radius, longest = rho + full_distance;
-    const double position = fmin(1, fmax(0, (distance_to_top(radius, sun_up) - shortest) / (longest - shortest)));
-    const double x = position * (TABLE_ANGLES - 1), y = fmin(1, rho / full_distance) * (TABLE_HEIGHTS - 1);
-    const int x0 = x < TABLE_ANGLES - 2 ? (int)x : TABLE_ANGLES - 2,
-              y0 = y < TABLE_HEIGHTS - 2 ? (int)y : TABLE_HEIGHTS - 2;
-    const double fx = x - x0, fy = y - y0;
-    const float* cell = job->table + 3 * (TABLE_ANGLES * y0 + x0);
+    const double y = fmin(1, rho / full_distance) * (TABLE_HEIGHTS - 1);
+    const int y0 = y < TABLE_HEIGHTS - 2 ? (int)y : TABLE_HEIGHTS - 2;
+    return (sun_height){rho / radius, shortest, longest - shortest, y - y0, job->table + 3 * TABLE_ANGLES * y0};
+}
+
+/* Sunlight at a point, over the solar irradiance. */
+static void sunlight(const sun_height* at, double radius, double sun_up, double out[3]) {
+    const double dip = sun_up + at->horizon; /* elevation above the horizon, approximately in radians */
+    const double sun_fraction = fmin(1, fmax(0, 0.5 + 0.5 * dip / sun_half_angle));
+    const double position = fmin(1, fmax(0, (distance_to_top(radius, sun_up) - at->shortest) / at->range));
+    const double x = position * (TABLE_ANGLES - 1);
+    const int x0 = x < TABLE_ANGLES - 2 ? (int)x : TABLE_ANGLES - 2;
+    const double fx = x - x0, fy = at->fraction;
+    const float* cell = at->rows + 3 * x0;
     for (int c = 0; c < 3; ++c) {
         const double low = (1 - fx) * cell[c] + fx * cell[3 + c];
         const double high = (1 - fx) * cell[3 * TABLE_ANGLES + c] + fx * cell[3 * TABLE_ANGLES + 3 + c];
@@ -186,35 +202,67 @@ static double series_at(const sky_job* job, double radius, int channel) {
     return job->series[i][channel] + (position - i) * (job->series[i + 1][channel] - job->series[i][channel]);
 }
 
-/* Radiance along a ray over the solar irradiance, singly scattered by the given phase functions plus multiply scattered
- * from the table. `transfer` (may be NULL) gets the radiance along the ray for unit isotropic incident radiance. */
-static void march(const sky_job* job, ray from, double length, int steps, double air_phase, double haze_phase,
-                  double radiance[3], double transfer[3], double transmittance[3]) {
+/* Step of a path through the atmosphere: all that does not depend on the sun's place. */
+typedef struct path_step {
+    double t, radius;
+    sun_height sun;
+    double weight[3], air[3], haze[3]; /* of the light scattered there */
+    double multiple[3];                /* radiance scattered from the table of multiple scattering */
+} path_step;
+
+typedef struct sky_path {
+    int steps;
+    path_step step[VIEW_STEPS];
+    double transmittance[3];
+    double transfer[3]; /* radiance along the path for unit isotropic incident radiance */
+} sky_path;
+
+static void trace_path(const sky_job* job, double radius, double up, double length, int steps, sky_path* path) {
+    const ray from = {radius, up, 0, 0};
+    path->steps = steps;
     for (int c = 0; c < 3; ++c) {
-        radiance[c] = 0;
-        transmittance[c] = 1;
-        if (transfer != NULL) transfer[c] = 0;
+        path->transmittance[c] = 1;
+        path->transfer[c] = 0;
     }
     for (int i = 0; i < steps; ++i) {
-        double width, sun[3];
-        const ray at = ray_at(from, step_center(length, i, steps, &width));
-        const densities m = densities_at(at.radius, job->def.haze);
-        sunlight(job, at.radius, at.sun_up, sun);
+        path_step* step = &path->step[i];
+        double width;
+        step->t = step_center(length, i, steps, &width);
+        step->radius = ray_at(from, step->t).radius;
+        step->sun = sun_at_height(job, step->radius);
+        const densities m = densities_at(step->radius, job->def.haze);
         for (int c = 0; c < 3; ++c) {
-            const double air = m.air * air_scattering[c], haze = m.haze * haze_scattering;
             const double sigma_t = extinction(m, c), transmitted = exp(-sigma_t * width);
-            const double weight = transmittance[c] * (sigma_t > 0 ? (1 - transmitted) / sigma_t : width);
-            const double single = sun[c] * (air * air_phase + haze * haze_phase);
-            radiance[c] += weight * (single + (air + haze) * series_at(job, at.radius, c));
-            if (transfer != NULL) transfer[c] += weight * (air + haze);
-            transmittance[c] *= transmitted;
+            step->air[c] = m.air * air_scattering[c];
+            step->haze[c] = m.haze * haze_scattering;
+            const double scattering = step->air[c] + step->haze[c];
+            step->weight[c] = path->transmittance[c] * (sigma_t > 0 ? (1 - transmitted) / sigma_t : width);
+            step->multiple[c] = scattering * series_at(job, step->radius, c);
+            path->transfer[c] += step->weight[c] * scattering;
+            path->transmittance[c] *= transmitted;
+        }
+    }
+}
+
+/* Radiance along a path over the solar irradiance, singly scattered by the given phase functions plus multiply
+ * scattered from the table. from: the start of the path, and the sun. */
+static void gather(const sky_path* path, ray from, double air_phase, double haze_phase, double radiance[3]) {
+    for (int c = 0; c < 3; ++c) radiance[c] = 0;
+    for (int i = 0; i < path->steps; ++i) {
+        const path_step* step = &path->step[i];
+        const double sun_up = (from.radius * from.sun_up + step->t * from.cos_sun) / step->radius;
+        double sun[3];
+        sunlight(&step->sun, step->radius, sun_up, sun);
+        for (int c = 0; c < 3; ++c) {
+            const double single = sun[c] * (step->air[c] * air_phase + step->haze[c] * haze_phase);
+            radiance[c] += step->weight[c] * (single + step->multiple[c]);
         }
     }
 }
 
 /* Eqs. 5-9 (Hillaire 2020): twice-scattered light incident at a point, averaged over directions, and the fraction f of
  * isotropic light that is incident there again; 1 + f + f^2 + ... sums all orders. job->series is still zero, so that
- * march gives the first order only. */
+ * gather gives the first order only. */
 static void series_point(void* user, int64_t index, int32_t worker) {
     (void)worker;
     sky_job* job = user;
@@ -222,27 +270,31 @@ static void series_point(void* user, int64_t index, int32_t worker) {
     const double radius = fmin(top_radius - 1, ground_radius + observer_height + x * x * (top_radius - ground_radius));
     const double sun_up = job->sun[1], sun_horizontal = sqrt(fmax(0, 1 - sun_up * sun_up));
     double second[3] = {0, 0, 0}, fraction[3] = {0, 0, 0};
-    for (int ring = 0; ring < SERIES_RINGS; ++ring)
+    const sun_height at_ground = sun_at_height(job, ground_radius);
+    for (int ring = 0; ring < SERIES_RINGS; ++ring) {
+        const double up = 1 - (2 * ring + 1.0) / SERIES_RINGS, ground = distance_to_ground(radius, up);
+        sky_path path;
+        trace_path(job, radius, up, ground >= 0 ? ground : distance_to_top(radius, up), SERIES_STEPS, &path);
         for (int azimuth = 0; azimuth < SERIES_SPOKES; ++azimuth) {
-            const double up = 1 - (2 * ring + 1.0) / SERIES_RINGS, angle = TY_PI_F64 * (azimuth + 0.5) / SERIES_SPOKES;
+            const double angle = TY_PI_F64 * (azimuth + 0.5) / SERIES_SPOKES;
             const double cos_gamma = up * sun_up + sqrt(1 - up * up) * sun_horizontal * cos(angle);
             const ray from = {radius, up, sun_up, cos_gamma};
-            const double ground = distance_to_ground(radius, up);
-            const double length = ground >= 0 ? ground : distance_to_top(radius, up);
-            double single[3], transfer[3], transmitted[3];
-            march(job, from, length, SERIES_STEPS, isotropic, isotropic, single, transfer, transmitted);
+            double single[3];
+            gather(&path, from, isotropic, isotropic, single);
             if (ground >= 0) {
                 const ray hit = ray_at(from, ground);
                 double sun[3];
-                sunlight(job, ground_radius, hit.sun_up, sun);
+                sunlight(&at_ground, ground_radius, hit.sun_up, sun);
                 for (int c = 0; c < 3; ++c)
-                    single[c] += transmitted[c] * sun[c] * fmax(0, hit.sun_up) * (double)job->def.ground[c] / TY_PI_F64;
+                    single[c] +=
+                        path.transmittance[c] * sun[c] * fmax(0, hit.sun_up) * (double)job->def.ground[c] / TY_PI_F64;
             }
             for (int c = 0; c < 3; ++c) {
                 second[c] += single[c] / (SERIES_RINGS * SERIES_SPOKES);
-                fraction[c] += transfer[c] / (SERIES_RINGS * SERIES_SPOKES);
+                fraction[c] += path.transfer[c] / (SERIES_RINGS * SERIES_SPOKES);
             }
         }
+    }
     for (int c = 0; c < 3; ++c) job->next_series[index][c] = second[c] / (1 - fraction[c]);
 }
 
@@ -254,6 +306,8 @@ static void sky_row(void* user, int64_t index, int32_t worker) {
     const double theta = TY_PI_F64 * ((double)index + 0.5) / (width / 2);
     const double up = fmax(0, cos(theta)), horizontal = sin(theta), g = haze_g;
     const double radius = ground_radius + observer_height, length = distance_to_top(radius, up);
+    sky_path path;
+    trace_path(job, radius, up, length, VIEW_STEPS, &path);
     for (int32_t column = 0; column < width; ++column) {
         const double phi = 2 * TY_PI_F64 * ((column + 0.5) / width - 0.5);
         const double cos_gamma =
@@ -263,9 +317,8 @@ static void sky_row(void* user, int64_t index, int32_t worker) {
         /* Eq. 6 (Cornette and Shanks 1992) */
         const double cornette =
             3 / (8 * TY_PI_F64) * (1 - g * g) * (1 + mu * mu) / ((2 + g * g) * pow(1 + g * g - 2 * g * mu, 1.5));
-        double radiance[3], transmittance[3];
-        march(job, (ray){radius, up, job->sun[1], mu}, length, VIEW_STEPS, rayleigh, cornette, radiance, NULL,
-              transmittance);
+        double radiance[3];
+        gather(&path, (ray){radius, up, job->sun[1], mu}, rayleigh, cornette, radiance);
         for (int c = 0; c < 3; ++c)
             job->planes[c][(size_t)index * (size_t)width + (size_t)column] = (float)(job->def.solar[c] * radiance[c]);
     }
@@ -287,7 +340,6 @@ static double sky_irradiance(const sky_job* job, int channel) {
 
 static void fill_image(ty_context* context, sky_job* job, float sun_irradiance[3]) {
     const int32_t width = job->def.width, height = width / 2, above = (height + 1) / 2;
-    ty_parallel_for(context, TABLE_HEIGHTS, table_row, job);
     ty_parallel_for(context, SERIES_HEIGHTS, series_point, job);
     memcpy(job->series, job->next_series, sizeof job->series);
     ty_parallel_for(context, above, sky_row, job);
@@ -303,9 +355,24 @@ static void fill_image(ty_context* context, sky_job* job, float sun_irradiance[3
     }
 }
 
-ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]) {
-    if (context == NULL || out == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_sky_create_image: a pointer is NULL");
+/* Fills a table unless it is of the job's haze. */
+static ty_result make_table(ty_context* context, sky_job* job, ty_sky_table* table) {
+    if (table->values != NULL && table->haze == job->def.haze) return TY_OK;
+    if (table->values == NULL) table->values = ty_alloc_array(context, TABLE_ENTRIES, sizeof(float), false);
+    if (table->values == NULL) return TY_ERROR_MEMORY;
+    job->table = table->values;
+    table->haze = job->def.haze;
+    ty_parallel_for(context, TABLE_HEIGHTS, table_row, job);
+    return TY_OK;
+}
+
+void ty_sky_table_release(ty_context* context, ty_sky_table* table) {
+    ty_free_array(context, table->values, TABLE_ENTRIES, sizeof(float));
+    *table = (ty_sky_table){.values = NULL};
+}
+
+ty_result ty_sky_create_image_with(ty_context* context, const ty_sky_def* def, ty_sky_table* table, ty_image** out,
+                                   float sun_irradiance[3]) {
     ty_sky_def own;
     ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
@@ -315,18 +382,23 @@ ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_ima
     job.sun[0] = -d[0] / length;
     job.sun[1] = -(def->up_axis == TY_AXIS_Y ? d[1] : d[2]) / length;
     job.sun[2] = -(def->up_axis == TY_AXIS_Y ? d[2] : -d[1]) / length;
+    result = make_table(context, &job, table);
+    if (result != TY_OK) return result;
+    job.table = table->values;
     ty_image* image = NULL;
     result = ty_image_create_rgb(context, def->width, def->width / 2, &image);
     if (result != TY_OK) return result;
     for (int c = 0; c < 3; ++c) job.planes[c] = ty_image_plane(image, c);
-    const size_t entries = (size_t)TABLE_HEIGHTS * TABLE_ANGLES * 3;
-    job.table = ty_alloc_array(context, entries, sizeof *job.table, false);
-    if (job.table == NULL) {
-        ty_image_destroy(image);
-        return TY_ERROR_MEMORY;
-    }
     fill_image(context, &job, sun_irradiance);
-    ty_free_array(context, job.table, entries, sizeof *job.table);
     *out = image;
     return TY_OK;
+}
+
+ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]) {
+    if (context == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_sky_create_image: a pointer is NULL");
+    ty_sky_table table = {.values = NULL};
+    const ty_result result = ty_sky_create_image_with(context, def, &table, out, sun_irradiance);
+    ty_sky_table_release(context, &table);
+    return result;
 }

@@ -15,7 +15,7 @@
 
 static void release_content(ty_asset* asset) {
     ty_grid_release(asset->grid);
-    ty_image_destroy(asset->image);
+    ty_environment_map_release(asset->map);
     ty_closed_mesh_release(asset->shell);
 }
 
@@ -34,13 +34,20 @@ static bool same_volume(const ty_volume_def* a, const ty_volume_def* b) {
            memcmp(a->raw_spacing, b->raw_spacing, sizeof a->raw_spacing) == 0;
 }
 
+static bool same_sky(const ty_sky_def* a, const ty_sky_def* b) {
+    return memcmp(a->sun_direction, b->sun_direction, sizeof a->sun_direction) == 0 &&
+           memcmp(a->solar, b->solar, sizeof a->solar) == 0 && memcmp(a->ground, b->ground, sizeof a->ground) == 0 &&
+           a->haze == b->haze && a->up_axis == b->up_axis && a->width == b->width;
+}
+
 static bool same_source(const ty_asset* a, const ty_asset* b) {
     if (a->kind != b->kind || a->file != b->file) return false;
     switch (a->kind) {
     case TY_ASSET_COMPONENTS:
     case TY_ASSET_GRID: return same_volume(&a->volume, &b->volume);
     case TY_ASSET_NOISE: return memcmp(&a->noise, &b->noise, sizeof a->noise) == 0;
-    case TY_ASSET_IMAGE: return true;
+    case TY_ASSET_SKY: return same_sky(&a->sky, &b->sky);
+    case TY_ASSET_MAP: return true;
     case TY_ASSET_SHELL:
     case TY_ASSET_CAMERA:
         return a->to_z_up == b->to_z_up && memcmp(&a->placement, &b->placement, sizeof a->placement) == 0 &&
@@ -111,16 +118,14 @@ static void drop_file(ty_asset_cache* cache, const ty_asset_file* file) {
 static bool is_spare(const ty_asset* asset) {
     if (asset->grid != NULL) return atomic_load(&asset->grid->owners) == 1;
     if (asset->shell != NULL) return atomic_load(&asset->shell->owners) == 1;
-    return asset->image != NULL;
+    return asset->map != NULL && atomic_load(&asset->map->owners) == 1;
 }
 
 static size_t bytes_of(const ty_asset* asset) {
     size_t bytes = sizeof *asset;
     if (asset->grid != NULL) bytes += ty_grid_get_info(asset->grid).bytes;
     if (asset->shell != NULL) bytes += ty_closed_mesh_bytes(asset->shell);
-    if (asset->image != NULL)
-        bytes += sizeof(float) * (size_t)ty_image_channel_count(asset->image) * (size_t)ty_image_width(asset->image) *
-                 (size_t)ty_image_height(asset->image);
+    if (asset->map != NULL) bytes += ty_environment_map_bytes(asset->map);
     return bytes;
 }
 
@@ -219,6 +224,7 @@ ty_result ty_assets_file(ty_asset_cache* cache, const char* path, const ty_asset
 }
 
 void ty_assets_release(ty_asset_cache* cache) {
+    ty_sky_table_release(cache->context, &cache->sky_table);
     for (size_t i = 0; i < cache->asset_count; ++i) destroy_asset(cache->context, cache->assets[i]);
     for (size_t i = 0; i < cache->file_count; ++i) {
         ty_free_text(cache->context, cache->files[i]->path);

@@ -3,6 +3,9 @@
 #ifndef TY_IO_ASSET_CACHE_H
 #define TY_IO_ASSET_CACHE_H
 
+#include "scene/environment.h"
+#include "scene/sky.h"
+
 #include <tyndall/io.h>
 
 /* A file that was hashed; its path is that by which it is opened. */
@@ -17,7 +20,8 @@ typedef enum ty_asset_kind {
     TY_ASSET_COMPONENTS, /* values per voxel of a volume */
     TY_ASSET_GRID,
     TY_ASSET_NOISE,
-    TY_ASSET_IMAGE,
+    TY_ASSET_MAP,
+    TY_ASSET_SKY,
     TY_ASSET_SHELL,
     TY_ASSET_CAMERA
 } ty_asset_kind;
@@ -28,12 +32,14 @@ typedef struct ty_asset {
     const ty_asset_file* file; /* NULL: computed */
     ty_volume_def volume;      /* TY_ASSET_COMPONENTS, TY_ASSET_GRID; its frame does not matter */
     ty_noise_def noise;
+    ty_sky_def sky;
     ty_affine placement; /* TY_ASSET_SHELL, TY_ASSET_CAMERA, with to_z_up */
     bool to_z_up;
     const char* camera_name; /* TY_ASSET_CAMERA; "": the first */
     int32_t components;
     ty_grid* grid;
-    ty_image* image;
+    ty_environment_map* map;
+    float sun[3]; /* irradiance of a sky's sun */
     ty_closed_mesh* shell;
     ty_camera_def camera;
     bool has_camera;
@@ -47,6 +53,7 @@ typedef struct ty_asset_cache {
     size_t file_count, file_capacity;
     ty_asset** assets;
     size_t asset_count, asset_capacity;
+    ty_sky_table sky_table;
 } ty_asset_cache;
 
 void ty_assets_release(ty_asset_cache* cache);
@@ -62,7 +69,7 @@ void ty_assets_trim(ty_asset_cache* cache);
 ty_result ty_assets_file(ty_asset_cache* cache, const char* path, const ty_asset_file** out);
 /* Content made from the same as that of key; NULL if there is none. */
 const ty_asset* ty_assets_find(ty_asset_cache* cache, const ty_asset* key);
-/* Keeps content; the grid, image or closed mesh of *asset is taken over, also on failure, and strings are copied. */
+/* Keeps content; the grid, map or closed mesh of *asset is taken over, also on failure, and strings are copied. */
 ty_result ty_assets_keep(ty_asset_cache* cache, const ty_asset* asset);
 
 #endif

@@ -50,17 +50,48 @@ ty_result ty_find_file(ty_scene_reader* reader, const ty_json_path* json_path, c
 
 /* ---- images, meshes, noise ---- */
 
-ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* json_path, const char* name, const ty_image** out) {
-    ty_asset map = {.kind = TY_ASSET_IMAGE};
+/* The map of an image, which is destroyed, for `map` to be kept. */
+static ty_result keep_map(ty_scene_reader* reader, const ty_json_path* json_path, ty_image* image, ty_asset* map) {
+    ty_result result = ty_environment_map_create(reader->context, image, &map->map);
+    ty_image_destroy(image);
+    result = ty_reader_prefix_error(reader, json_path, result);
+    return result == TY_OK ? ty_assets_keep(reader->assets, map) : result;
+}
+
+ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,
+                      ty_environment_map** out) {
+    ty_asset map = {.kind = TY_ASSET_MAP};
     ty_result result = ty_find_file(reader, json_path, name, &map.file);
     if (result != TY_OK) return result;
     const ty_asset* found = ty_assets_find(reader->assets, &map);
-    *out = found != NULL ? found->image : NULL;
-    if (found != NULL) return TY_OK;
-    result = ty_reader_prefix_error(reader, json_path, ty_image_read(reader->context, map.file->path, &map.image));
-    if (result == TY_OK) result = ty_assets_keep(reader->assets, &map);
-    if (result == TY_OK) *out = map.image;
+    if (found != NULL) {
+        *out = found->map;
+        return TY_OK;
+    }
+    ty_image* image = NULL;
+    result = ty_reader_prefix_error(reader, json_path, ty_image_read(reader->context, map.file->path, &image));
+    if (result == TY_OK) result = keep_map(reader, json_path, image, &map);
+    if (result == TY_OK) *out = map.map;
     return result;
+}
+
+ty_result ty_make_sky(ty_scene_reader* reader, const ty_json_path* json_path, const ty_sky_def* def,
+                      ty_environment_map** out, float sun[3]) {
+    ty_asset sky = {.kind = TY_ASSET_SKY, .sky = *def};
+    const ty_asset* found = ty_assets_find(reader->assets, &sky);
+    ty_result result = TY_OK;
+    if (found == NULL) {
+        ty_image* image = NULL;
+        result = ty_reader_prefix_error(
+            reader, json_path,
+            ty_sky_create_image_with(reader->context, def, &reader->assets->sky_table, &image, sky.sun));
+        if (result == TY_OK) result = keep_map(reader, json_path, image, &sky);
+        found = &sky;
+    }
+    if (result != TY_OK) return result;
+    *out = found->map;
+    memcpy(sun, found->sun, sizeof found->sun);
+    return TY_OK;
 }
 
 ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,

@@ -1,5 +1,6 @@
 /* Lights of a scene file. */
 #include "io/scenes/scene_reader.h"
+#include "scene/scene.h"
 
 #include <string.h>
 
@@ -7,8 +8,13 @@ static ty_result add_light(const ty_scene_reader* reader, const ty_json_path* pa
     return ty_reader_prefix_error(reader, path, ty_scene_add_light(reader->scene, def));
 }
 
-static ty_result read_sky(const ty_scene_reader* reader, const json_t* sky, const ty_json_path* path,
-                          ty_light_def* environment) {
+static ty_result add_environment(const ty_scene_reader* reader, const ty_json_path* path, const ty_light_def* def,
+                                 ty_environment_map* map) {
+    return ty_reader_prefix_error(reader, path, ty_scene_add_environment(reader->scene, def, map));
+}
+
+static ty_result read_sky(ty_scene_reader* reader, const json_t* sky, const ty_json_path* path,
+                          const ty_light_def* environment) {
     ty_sky_def def = ty_default_sky_def();
     def.up_axis = reader->up_axis;
     ty_result result = ty_read_direction(reader, sky, path, "sun_direction", def.sun_direction);
@@ -17,13 +23,10 @@ static ty_result read_sky(const ty_scene_reader* reader, const json_t* sky, cons
     ty_read_number(sky, "haze", &def.haze);
     ty_read_rgb(sky, "ground", def.ground);
     ty_read_int(sky, "resolution", &def.width);
-    ty_image* image = NULL;
+    ty_environment_map* map = NULL;
     float irradiance[3];
-    result = ty_reader_prefix_error(reader, path, ty_sky_create_image(reader->context, &def, &image, irradiance));
-    if (result != TY_OK) return result;
-    environment->image = image;
-    result = add_light(reader, path, environment);
-    ty_image_destroy(image);
+    result = ty_make_sky(reader, path, &def, &map, irradiance);
+    if (result == TY_OK) result = add_environment(reader, path, environment, map);
     const bool shines = irradiance[0] > 0 || irradiance[1] > 0 || irradiance[2] > 0;
     if (result != TY_OK || !shines || json_is_false(json_object_get(sky, "sun"))) return result;
     ty_light_def sun = ty_default_light_def();
@@ -46,8 +49,9 @@ static ty_result read_environment(ty_scene_reader* reader, const json_t* light, 
     const char* file = json_string_value(json_object_get(light, "file"));
     if (file != NULL) {
         const ty_json_path json_path = ty_json_path_key(path, "file");
-        const ty_result result = ty_read_map(reader, &json_path, file, &def.image);
-        return result == TY_OK ? add_light(reader, &json_path, &def) : result;
+        ty_environment_map* map = NULL;
+        const ty_result result = ty_read_map(reader, &json_path, file, &map);
+        return result == TY_OK ? add_environment(reader, &json_path, &def, map) : result;
     }
     ty_read_rgb(light, "radiance", def.color);
     for (int c = 0; c < 3; ++c) def.color[c] *= def.scale;

@@ -119,7 +119,11 @@ ty_result ty_find_file(ty_scene_reader* reader, const ty_json_path* json_path, c
 ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,
                             const ty_asset_file** file);
 /* json_path is that of the referencing key. */
-ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* json_path, const char* name, const ty_image** out);
+ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,
+                      ty_environment_map** out);
+/* sun: its irradiance. */
+ty_result ty_make_sky(ty_scene_reader* reader, const ty_json_path* json_path, const ty_sky_def* def,
+                      ty_environment_map** out, float sun[3]);
 /* file: from ty_find_mesh_file. The transform of def maps the file's points to the medium's. */
 ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
                         const ty_mesh_file_def* def, ty_closed_mesh** out);
