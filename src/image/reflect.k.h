@@ -27,7 +27,8 @@ TY_FN uint32_t ty_reflect_gather(TY_GLOBAL const ty_march_request* request, ty_m
         ty_march_follow(ray, request, origin, direction, hits ? next.distance : TY_FLOAT_MAX, phase, TY_REFLECT_STEP);
         steps += ray->steps;
         for (int c = 0; c < 3; ++c)
-            irradiance[c] += (TY_PI * weight) * (ray->light.emission[c] + ray->light.single[c] + ray->light.multiple[c]);
+            irradiance[c] +=
+                (TY_PI * weight) * (ray->light.emission[c] + ray->light.single[c] + ray->light.multiple[c]);
     }
     return steps;
 }
