@@ -13,12 +13,12 @@ enum { TY_REFLECT_RAYS = 16, TY_REFLECT_RAYS_SPACED = 4 };
  * to the next surface. phase, in (0, 1], rotates them about the normal and shifts their elevation. ray: scratch. */
 TY_FN uint32_t ty_reflect_gather(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, const ty_hit* hit,
                                  const ty_surface_point* point, int32_t rays, float phase, float irradiance[3]) {
-    const float share = 1.0f / (float)rays;
+    const float weight = 1.0f / (float)rays;
     const float shift = 61.8f * phase - floorf(61.8f * phase);
     uint32_t steps = 0;
     for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
     for (int32_t i = 0; i < rays; ++i) {
-        const float u = ((float)i + shift) * share, v = phase + 0.618033989f * (float)i;
+        const float u = ((float)i + shift) * weight, v = phase + 0.618033989f * (float)i;
         const ty_vec direction = ty_direction_about(point->ns, sqrtf(1.0f - u), v - floorf(v));
         if (ty_dot(direction, point->ng) <= 0.0f) continue;
         const ty_vec origin = ty_hit_leave(hit, direction);
@@ -27,7 +27,8 @@ TY_FN uint32_t ty_reflect_gather(TY_GLOBAL const ty_march_request* request, ty_m
         ty_march_follow(ray, request, origin, direction, hits ? next.distance : TY_FLOAT_MAX, phase, TY_REFLECT_STEP);
         steps += ray->steps;
         for (int c = 0; c < 3; ++c)
-            irradiance[c] += (TY_PI * share) * (ray->light.emission[c] + ray->light.single[c] + ray->light.multiple[c]);
+            irradiance[c] +=
+                (TY_PI * weight) * (ray->light.emission[c] + ray->light.single[c] + ray->light.multiple[c]);
     }
     return steps;
 }

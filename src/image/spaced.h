@@ -7,7 +7,7 @@
 
 enum { TY_SPACING_MAX = 8 };
 
-/* What a ray sees up to the first surface. */
+/* A ray up to the first surface. */
 typedef struct ty_spaced_ray {
     float transmittance[3], emission[3], single[3], multiple[3]; /* of the media */
     float distance;                                              /* of the surface, m; TY_FLOAT_MAX: none */

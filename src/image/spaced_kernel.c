@@ -83,7 +83,7 @@ typedef struct neighbours {
 } neighbours;
 
 /* The ray before a pixel along one axis, and the weight of the next. */
-static float share_of(int32_t pixel, int32_t spacing, int32_t pixels, int32_t* first) {
+static float part_of(int32_t pixel, int32_t spacing, int32_t pixels, int32_t* first) {
     *first = pixel / spacing;
     const int32_t from = pixel_of(*first, spacing, pixels), to = pixel_of(*first + 1, spacing, pixels);
     return to > from ? (float)(pixel - from) / (float)(to - from) : 0.0f;
@@ -92,8 +92,8 @@ static float share_of(int32_t pixel, int32_t spacing, int32_t pixels, int32_t* f
 /* Bilinear weights; rays without weight are not read. */
 static void find_neighbours(const ty_spaced_rays* lattice, int32_t x, int32_t y, neighbours* around) {
     int32_t column, row;
-    const float along = share_of(x, lattice->spacing, lattice->width, &column);
-    const float down = share_of(y, lattice->spacing, lattice->height, &row);
+    const float along = part_of(x, lattice->spacing, lattice->width, &column);
+    const float down = part_of(y, lattice->spacing, lattice->height, &row);
     const ty_spaced_ray* first = lattice->rays + (size_t)row * (size_t)lattice->columns + column;
     const size_t right = along > 0.0f ? 1 : 0, below = down > 0.0f ? (size_t)lattice->columns : 0;
     for (size_t i = 0; i < 4; ++i) {
@@ -154,7 +154,7 @@ static float sum_of(const float values[3]) {
 
 /* True if the rays around a pixel differ too much to be interpolated; behind: radiance behind the media. */
 static bool differ(const neighbours* around, const ty_spaced_ray* mean, const float behind[3]) {
-    float least = TY_FLOAT_MAX, most = 0.0f, level = 0.0f;
+    float min = TY_FLOAT_MAX, max = 0.0f, level = 0.0f;
     for (int i = -1; i < 4; ++i) {
         const ty_spaced_ray* ray = i < 0 ? mean : around->rays[i];
         float light = sum_of(ray->emission) + sum_of(ray->single) + sum_of(ray->multiple);
@@ -162,11 +162,11 @@ static bool differ(const neighbours* around, const ty_spaced_ray* mean, const fl
         if (i < 0) {
             level = light;
         } else if (around->weight[i] > 0.0f) {
-            least = ty_minf(least, light);
-            most = ty_maxf(most, light);
+            min = ty_minf(min, light);
+            max = ty_maxf(max, light);
         }
     }
-    return most - least > contrast_max * level;
+    return max - min > contrast_max * level;
 }
 
 /* Radiance behind the media: of the environment, or reflected by the surface. False: the rays around do not tell. */
