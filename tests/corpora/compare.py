@@ -138,8 +138,13 @@ def image(tools, path, output):
         status, _, errors = tools.run([tools.tyndall, "convert", path, own, "--quiet"])
         if status != 0:
             return f"convert: status {status}: {errors.strip()[:200]}"
+        reach = 1
         if kind in (".exr", ".hdr"):
             other = path
+            if kind == ".hdr":  # oiiotool cannot read the old run lengths
+                other = os.path.join(folder, "other.exr")
+                tools.other(["oiiotool", path, "-d", "float", "--compression", "zip", "-o", other])
+            reach = max(max(abs(channel["min"]), abs(channel["max"])) for channel in found["channels"])
         else:
             names = [channel["name"] for channel in found["channels"]]
             planes = len(layers(tools.other(["iinfo", "-v", path]))[0]["channels"])
@@ -155,9 +160,11 @@ def image(tools, path, output):
                 path = os.path.join(folder, "other.png")
             tools.other(["oiiotool", "--iconfig", "oiio:UnassociatedAlpha", "1", path, "-d", "float", "--ch", pick, "--chnames",
                          colors, "--colorconvert:unpremult=0", "sRGB", "linear", "--compression", "zip", "-o", other])
-        # Half the precision of 8 bits, of which some files' sRGB curves are rounded by other readers.
+        # Half the precision of 8 bits, of which some files' sRGB curves are rounded by other readers; of large values what
+        # oiiotool rounds in its own arithmetic.
         status, text, errors = tools.run(["oiiotool", own, "--origin", "+0+0", "--fullpixels", other, "--origin", "+0+0",
-                                         "--fullpixels", "--fail", "2e-4", "--hardfail", "2e-3", "--diff"])
+                                         "--fullpixels", "--fail", str(max(2e-4, 1e-6 * reach)), "--hardfail",
+                                         str(max(2e-3, 1e-5 * reach)), "--diff"])
         return None if status == 0 else " ".join((text + errors).split())[:300]
 
 
