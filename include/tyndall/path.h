@@ -62,8 +62,9 @@ typedef struct ty_path_def {
     /// changes are cheaper to keep; default NULL. A state followed by all its changes is a state. A return value of
     /// false asks for a whole state next, as comes by itself once changes are twice as large as one, and at the end.
     ty_path_state_fn state_change;
-    bool point_light_directions; ///< True (default): vertices sample directions about point and spot lights in media.
-                                 ///< False: the same mean with far more noise, to show what they are worth.
+    bool point_light_directions; ///< True (default): vertices sample directions about point and spot lights in media,
+                                 ///< and rays sample distances by the light that these scatter into them. False:
+                                 ///< equiangular sampling alone, the same mean with far more noise, for comparison.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.
