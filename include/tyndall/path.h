@@ -66,8 +66,9 @@ typedef struct ty_path_def {
     /// changes are cheaper to keep; default NULL. A state followed by all its changes is a state. A return value of
     /// false asks for a whole state next, as comes by itself once changes are twice as large as one, and at the end.
     ty_path_state_fn state_change;
-    bool point_light_directions; ///< True (default): vertices sample directions about point and spot lights in media.
-                                 ///< False: the same mean with far more noise, to show what they are worth.
+    bool point_light_directions; ///< True (default): vertices sample directions about point and spot lights in media,
+                                 ///< and rays sample distances by the light that these scatter into them. False:
+                                 ///< equiangular sampling alone, the same mean with far more noise, for comparison.
     ty_path_partial_fn partial;  ///< Images: receives the image so far at most once a second, and so seldom that this
                                  ///< takes at most 2% of the threads' time; default NULL.
     void* partial_user;          ///< Passed on to `partial`; default NULL.

@@ -30,7 +30,7 @@ typedef struct ty_path_request {
     int32_t guide_light[TY_GUIDES_MAX];
     float guide_weight[TY_GUIDES_MAX];
     float min_contribution;   /* contributions with a radiance below this are traced by chance (Russian roulette) */
-    float point_light_rate;   /* lamp directions per vertex beside a lamp, at most 1; 0: none are sampled */
+    float point_light_rate;   /* lamp directions per vertex beside a lamp, at most 1; 0: equiangular sampling alone */
     float point_light_reach2; /* squared distance of a vertex to a lamp at which they are half as many, m^2 */
     float point_light_near;   /* factor of lamps' reach2 where rays sample the light that lamps send into them */
     float point_light_g;      /* mean cosine of the media's scattering, at least 0 */

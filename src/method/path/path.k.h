@@ -298,7 +298,7 @@ TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, t
                                          const ty_closest_approach* closest, const float throughput[3], float weight) {
     const ty_scene_view* scene = path->request->scene;
     const bool point_light = ty_light_is_point_or_spot(light->kind);
-    const float uniform = light->kind == TY_KIND_SPOT ? 0.5f : 0.0f;
+    const float uniform = !(path->request->point_light_rate > 0.0f) ? 1.0f : light->kind == TY_KIND_SPOT ? 0.5f : 0.0f;
     float t;
     const float density =
         point_light ? ty_point_light_distance_sample(interval, closest, ty_spans_broadest_g(scene->media, spans),

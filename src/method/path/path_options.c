@@ -7,7 +7,9 @@ static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_path_def, max_depth), .type = TY_OPTION_INT, .min = 0, .max = INT32_MAX,
      .doc = "Scatterings and reflections at most; 0 means no bound but Russian roulette."},
     {TY_OPTION_FIELD(ty_path_def, point_light_directions), .type = TY_OPTION_BOOL, .preset = 1,
-     .doc = "Sample directions about point and spot lights in media; false only shows what that is worth."},
+     .doc =
+         "Sample directions about point and spot lights in media, and distances along rays past them by the light that "
+         "they scatter; false means equiangular sampling alone, to show what that is worth."},
     {TY_OPTION_FIELD(ty_path_def, spp), .type = TY_OPTION_INT, .min = 1, .max = TY_PATH_SPP_MAX, .preset = 64,
      .flags = TY_OPTION_CALLS_ONLY, .doc = "Samples per pixel, ray or cell at most."},
     {TY_OPTION_FIELD(ty_path_def, seconds), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .unit = "s",

@@ -73,8 +73,8 @@ TY_FN float ty_point_light_arc_sample(const ty_point_light_arc* arc, float u) {
 }
 
 /* Samples t in an interval: in proportion to c(phi, g), for the peak of p, but for the fraction `uniform` of the
- * samples with phi uniform, for lights of which only a part of the ray receives any (the cone of a spot light). Returns
- * the density of *t by both, 1/m. */
+ * samples with phi uniform, for lights of which only a part of the ray receives any (the cone of a spot light); 1:
+ * equiangular sampling. Returns the density of *t by both, 1/m. */
 TY_FN float ty_point_light_distance_sample(ty_media_interval interval, const ty_closest_approach* closest, float g,
                                            float uniform, float u, float* t) {
     const float distance = sqrtf(closest->distance2), leave = ty_minf(interval.leave, TY_POINT_LIGHT_FAR);
