@@ -110,10 +110,10 @@ test_limits() {
   limited 1 'cannot write|cannot be printed' '-f 2' convert noise.raw large.nrrd --raw-size 16,16,16 --codec none
   absent large.exr
   absent large.nrrd
-  # A state that cannot be kept is one warning, and the image is made.
+  # A state that cannot be kept is one warning, also with -q, and the image is made.
   # shellcheck disable=SC2016
   (ulimit -f 40 && exec "$tyndall" render builtin:cornell_fog --size 64x48 --spp 60 -o image.exr --resume \
-    --checkpoint 0.05 > out.txt 2> err.txt < /dev/null)
+    --checkpoint 0.05 -q > out.txt 2> err.txt < /dev/null)
   status=$?
   what="ulimit -f 40; tyndall render --resume"
   checks=$((checks + 2))
