@@ -100,14 +100,14 @@ static ty_result read_stream(ty_context* context, const char* path, FILE* stream
 
 static const ty_file_form any_form = {.longest = UINT64_MAX};
 
-/* Judges the beginning of a file; the stream is at its begin before and afterwards. */
-static ty_result judge_stream(ty_context* context, const char* path, FILE* stream, uint64_t length,
-                              ty_file_form_fn judge, ty_file_form* form) {
+/* Inspects the beginning of a file; the stream is at its begin before and afterwards. */
+static ty_result inspect_stream(ty_context* context, const char* path, FILE* stream, uint64_t length,
+                                ty_file_form_fn inspect, ty_file_form* form) {
     uint8_t* head = NULL;
     size_t size = 0;
     ty_result result = read_stream(context, path, stream, &any_form, HEAD_SIZE, &head, &size);
     if (result != TY_OK) return result;
-    result = judge(context, path, head, size, form);
+    result = inspect(context, path, head, size, form);
     if (result == TY_OK && form->text) result = check_text(context, path, head, size, 0);
     ty_free_file(context, head, size);
     rewind(stream);
@@ -117,8 +117,8 @@ static ty_result judge_stream(ty_context* context, const char* path, FILE* strea
     return result;
 }
 
-ty_result ty_read_judged_file(ty_context* context, const char* path, size_t limit, ty_file_form_fn judge,
-                              uint8_t** bytes, size_t* size) {
+ty_result ty_read_inspected_file(ty_context* context, const char* path, size_t limit, ty_file_form_fn inspect,
+                                 uint8_t** bytes, size_t* size) {
     FILE* stream = NULL;
     uint64_t length = 0;
     ty_file_form form = any_form;
@@ -127,15 +127,15 @@ ty_result ty_read_judged_file(ty_context* context, const char* path, size_t limi
     if (length > limit)
         result = ty_fail(context, TY_ERROR_INPUT, "%s: %llu bytes, more than the limit of %zu", path,
                          (unsigned long long)length, limit);
-    if (result == TY_OK && judge != NULL && length > TY_FILE_SLACK)
-        result = judge_stream(context, path, stream, length, judge, &form);
+    if (result == TY_OK && inspect != NULL && length > TY_FILE_SLACK)
+        result = inspect_stream(context, path, stream, length, inspect, &form);
     if (result == TY_OK) result = read_stream(context, path, stream, &form, (size_t)length, bytes, size);
     fclose(stream);
     return result;
 }
 
 ty_result ty_read_file(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size) {
-    return ty_read_judged_file(context, path, limit, NULL, bytes, size);
+    return ty_read_inspected_file(context, path, limit, NULL, bytes, size);
 }
 
 ty_result ty_read_part(ty_context* context, const char* path, uint64_t offset, size_t limit, uint8_t** bytes,

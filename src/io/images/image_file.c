@@ -53,7 +53,7 @@ static uint64_t read_side(const uint8_t* at) {
 
 /* A PNG's pixels take 8 bytes at most, and compression may add a little; a JPEG does not tell its size at once. Either
  * may have long texts and other pictures. */
-ty_result ty_judge_image(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
+ty_result ty_inspect_image(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
     enum { PNG_WIDTH = 16, PNG_HEIGHT = 20, RIFF_SIZE = 4, RIFF_HEAD = 8, HEAD = 32 };
     const uint64_t extras = (uint64_t)1 << 30;
     if (size < HEAD) return TY_OK;
@@ -104,7 +104,7 @@ static ty_result read_file(ty_context* context, const char* path, ty_sample_use 
     if (out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_read: out is NULL");
     uint8_t* bytes = NULL;
     size_t size = 0;
-    ty_result result = ty_read_judged_file(context, path, file_size_max, ty_judge_image, &bytes, &size);
+    ty_result result = ty_read_inspected_file(context, path, file_size_max, ty_inspect_image, &bytes, &size);
     if (result != TY_OK) return result;
     result = ty_read_image_bytes(context, path, bytes, size, use, largest, out);
     ty_free_file(context, bytes, size);

@@ -58,7 +58,7 @@ uint64_t ty_exr_longest(const uint8_t* head, size_t size);
 uint64_t ty_hdr_longest(const uint8_t* head, size_t size);
 
 /* As ty_file_form_fn, for images of any format. */
-ty_result ty_judge_image(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form);
+ty_result ty_inspect_image(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form);
 
 /* Reads an image of any format. largest: maximum of a PNG's, JPEG's or WebP's samples, 0 for other formats; may be
  * NULL. */

@@ -168,11 +168,11 @@ static void load_element(const ty_gltf_accessor* accessor, const uint8_t* at, si
 static size_t find_sparse(const ty_gltf_accessor* accessor, size_t first) {
     size_t low = 0, high = accessor->sparse_count;
     while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (sparse_index(accessor, middle) < first)
-            low = middle + 1;
+        const size_t center = low + (high - low) / 2;
+        if (sparse_index(accessor, center) < first)
+            low = center + 1;
         else
-            high = middle;
+            high = center;
     }
     return low;
 }

@@ -77,7 +77,7 @@ bool ty_gltf_decode_percent(char* text) {
 }
 
 static ty_result load_file(const ty_gltf* gltf, const ty_json_path* json_path, const char* uri, size_t limit,
-                           ty_file_form_fn judge, uint8_t** bytes, size_t* size) {
+                           ty_file_form_fn inspect, uint8_t** bytes, size_t* size) {
     char* name = ty_copy_text(gltf->context, uri);
     if (name == NULL) return TY_ERROR_MEMORY;
     char where[256], message[512], *path = NULL;
@@ -88,16 +88,16 @@ static ty_result load_file(const ty_gltf* gltf, const ty_json_path* json_path, c
                            ? ty_model_inner_path(gltf->context, message, gltf->folder, name, &path)
                            : ty_gltf_fail(gltf, json_path, "a URI with a damaged %% escape");
     ty_free_array(gltf->context, name, length, 1);
-    if (result == TY_OK) result = ty_model_read_reference(gltf->context, message, path, limit, judge, bytes, size);
+    if (result == TY_OK) result = ty_model_read_reference(gltf->context, message, path, limit, inspect, bytes, size);
     ty_free_text(gltf->context, path);
     return result;
 }
 
 ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* json_path, const char* uri, size_t limit,
-                           ty_file_form_fn judge, uint8_t** bytes, size_t* size) {
+                           ty_file_form_fn inspect, uint8_t** bytes, size_t* size) {
     const ty_json_path here = ty_json_path_key(json_path, "uri");
     return strncmp(uri, "data:", 5) == 0 ? load_data(gltf, &here, uri, bytes, size)
-                                         : load_file(gltf, &here, uri, limit, judge, bytes, size);
+                                         : load_file(gltf, &here, uri, limit, inspect, bytes, size);
 }
 
 /* ---- buffers and views ---- */

@@ -120,7 +120,7 @@ static ty_result embed_image(writer* w, size_t index, json_t* image, const char*
     uint8_t* bytes = NULL;
     size_t size = 0, at = 0;
     int64_t view = 0;
-    ty_result result = ty_gltf_load_uri(&w->gltf, &json_path, uri, TY_GLTF_FILE_MAX, ty_judge_image, &bytes, &size);
+    ty_result result = ty_gltf_load_uri(&w->gltf, &json_path, uri, TY_GLTF_FILE_MAX, ty_inspect_image, &bytes, &size);
     if (result != TY_OK) return result;
     const char* type = image_type(bytes, size);
     result = append(w, bytes, size, &at);
@@ -368,7 +368,8 @@ ty_result ty_mesh_file_write_colors(ty_context* context, const char* from, const
     uint8_t* bytes = NULL;
     size_t size = 0;
     ty_result result = check_colors(context, colors, count);
-    if (result == TY_OK) result = ty_read_judged_file(context, from, TY_GLTF_FILE_MAX, ty_judge_model, &bytes, &size);
+    if (result == TY_OK)
+        result = ty_read_inspected_file(context, from, TY_GLTF_FILE_MAX, ty_inspect_model, &bytes, &size);
     if (result != TY_OK) return result;
     char* folder = ty_folder_of(context, from);
     writer w = {.gltf = {.context = context, .path = from, .folder = folder}};

@@ -33,14 +33,14 @@ static bool is_ply(const uint8_t* bytes, size_t size) {
     return begins(bytes, size, "ply\n") || begins(bytes, size, "ply\r");
 }
 
-ty_result ty_judge_model(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
+ty_result ty_inspect_model(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
     enum { GLB_SIZE = 8, GLB_HEAD = 12 };
     if (begins(head, size, "glTF") && size >= GLB_HEAD) {
         uint32_t stated;
         memcpy(&stated, head + GLB_SIZE, sizeof stated);
         form->longest = stated + TY_FILE_SLACK;
     } else if (is_ply(head, size)) {
-        return ty_judge_ply(context, path, head, size, form);
+        return ty_inspect_ply(context, path, head, size, form);
     } else if (is_json(head, size) || is_obj(path)) {
         form->text = true;
     } else {
@@ -62,7 +62,7 @@ ty_result ty_read_model(ty_context* context, const char* path, unsigned want, ty
     *model = (ty_model){.context = context};
     uint8_t* bytes = NULL;
     size_t size = 0;
-    ty_result result = ty_read_judged_file(context, path, file_size_max, ty_judge_model, &bytes, &size);
+    ty_result result = ty_read_inspected_file(context, path, file_size_max, ty_inspect_model, &bytes, &size);
     if (result != TY_OK) return result;
     char* folder = ty_folder_of(context, path);
     result = folder == NULL ? TY_ERROR_MEMORY : read_bytes(context, path, folder, bytes, size, want, model);

@@ -83,7 +83,7 @@ static ty_result use_image(library* lib, const char* name, int32_t* out) {
             return TY_OK;
         }
     ty_model_image image = {.name = path};
-    result = ty_model_read_reference(lib->context, place, path, IMAGE_SIZE_MAX, ty_judge_image, &image.encoded,
+    result = ty_model_read_reference(lib->context, place, path, IMAGE_SIZE_MAX, ty_inspect_image, &image.encoded,
                                      &image.encoded_size);
     if (result != TY_OK) {
         ty_free_text(lib->context, path);

@@ -300,7 +300,7 @@ static uint64_t longest_rows(const ty_ply* ply) {
     return longest;
 }
 
-ty_result ty_judge_ply(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
+ty_result ty_inspect_ply(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
     ty_ply ply = {.context = context, .path = path, .data = {(const char*)head, (const char*)head + size}};
     const ty_result result = ty_ply_read_header(&ply);
     form->text = ply.format == TY_PLY_ASCII;

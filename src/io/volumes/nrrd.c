@@ -45,7 +45,7 @@ static uint64_t longest_data(const ty_nrrd* nrrd) {
 }
 
 /* As ty_file_form_fn. */
-static ty_result judge(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
+static ty_result inspect(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
     ty_nrrd nrrd;
     const ty_result result = ty_nrrd_parse(context, path, head, size, &nrrd);
     if (result != TY_OK) return result;
@@ -231,7 +231,7 @@ static ty_result read_data(source* file, const ty_nrrd* nrrd, int32_t component,
 
 ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
     source file = {.context = context, .path = path};
-    ty_result result = ty_read_judged_file(context, path, file_size_max, judge, &file.bytes, &file.size);
+    ty_result result = ty_read_inspected_file(context, path, file_size_max, inspect, &file.bytes, &file.size);
     if (result != TY_OK) return result;
     ty_nrrd nrrd;
     result = ty_nrrd_parse(context, path, file.bytes, file.size, &nrrd);
