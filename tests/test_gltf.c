@@ -406,6 +406,8 @@ static void broken_sparse_accessors_are_refused(void** state) {
         {"5121", "5126", "the componentType is not that of unsigned integers"},
         {"'bufferView':1", "'bufferView':0,'byteOffset':30", "accessors[0].sparse.indices: index 128 is past the end"},
         {"'values':{'bufferView':0", "'values':{'bufferView':0,'byteOffset':30", "sparse.values: reaches past the end"},
+        {"'count':1,'indices':{'bufferView':1", "'count':2,'indices':{'bufferView':0",
+         "accessors[0].sparse.indices: index 0 follows 0: they do not increase"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char* accessor = with_part(sparse, cases[i].part, cases[i].by);

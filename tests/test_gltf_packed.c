@@ -152,6 +152,50 @@ static void instances_are_placed(void** state) {
     ty_model_free(&model);
 }
 
+/* Instances of a skinned mesh are placed in the scene and not in the node, like the mesh itself. */
+static void instances_of_skins_are_placed(void** state) {
+    (void)state;
+    const content c = make_content();
+    char* text = with_part(with_skin, "'translation':[99,99,99]",
+                           "'translation':[99,99,99],'extensions':{'EXT_mesh_gpu_instancing':{'attributes':"
+                           "{'TRANSLATION':0}}}");
+    ty_model model;
+    read_well(text, &c, sizeof c, &model);
+    free(text);
+    assert_int_equal(model.instance_count, 3);
+    for (size_t i = 0; i < 3; ++i)
+        for (size_t a = 0; a < 3; ++a)
+            assert_true(model.instances[i].transform.m[4 * a + 3] == (double)triangle[3 * i + a]);
+    ty_model_free(&model);
+}
+
+/* A morph target whose displacements are sparse, of as many vertices as make a search of all for each take minutes. */
+static void large_sparse_targets_are_read(void** state) {
+    (void)state;
+    enum { VERTICES = 400000, SIZE = 12 * VERTICES + 4 * VERTICES };
+    uint8_t* data = calloc(1, SIZE);
+    for (uint32_t i = 0; i < VERTICES; ++i) {
+        const float displaced[3] = {0, 0, (float)i};
+        memcpy(data + 4 * (size_t)i, &i, sizeof i);
+        memcpy(data + 4 * (size_t)VERTICES + 12 * (size_t)i, displaced, sizeof displaced);
+    }
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{'asset':{'version':'2.0'},'buffers':[{'byteLength':%d}],'nodes':[{'mesh':0,'weights':[0.5]}],"
+             "'bufferViews':[{'buffer':0,'byteLength':%d},{'buffer':0,'byteOffset':%d,'byteLength':%d}],"
+             "'accessors':[{'componentType':5126,'count':%d,'type':'VEC3'},{'componentType':5126,'count':%d,"
+             "'type':'VEC3','sparse':{'count':%d,'indices':{'bufferView':0,'componentType':5125},"
+             "'values':{'bufferView':1}}}],"
+             "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':5,'targets':[{'POSITION':1}]}]}]}",
+             SIZE, 4 * VERTICES, 4 * VERTICES, 12 * VERTICES, VERTICES, VERTICES, VERTICES);
+    ty_model model;
+    read_well(text, data, SIZE, &model);
+    const float* positions = model.meshes[0].positions;
+    assert_true(positions[2] == 0 && positions[5] == 0.5f && positions[3 * VERTICES - 1] == 0.5f * (VERTICES - 1));
+    ty_model_free(&model);
+    free(data);
+}
+
 /* ---- compression ---- */
 
 /* The triangle and its indices 0, 1, 2 in meshoptimizer's formats of version 0 and 1. */
@@ -285,10 +329,16 @@ static void other_images_need_a_source(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(joints_place_vertices),      cmocka_unit_test(mirrored_joints_keep_the_outside),
-        cmocka_unit_test(broken_skins_are_refused),   cmocka_unit_test(morph_targets_have_the_weights_of_node_or_mesh),
-        cmocka_unit_test(instances_are_placed),       cmocka_unit_test(meshopt_is_decoded),
-        cmocka_unit_test(draco_is_decoded),           cmocka_unit_test(webp_images_are_read),
+        cmocka_unit_test(joints_place_vertices),
+        cmocka_unit_test(mirrored_joints_keep_the_outside),
+        cmocka_unit_test(broken_skins_are_refused),
+        cmocka_unit_test(morph_targets_have_the_weights_of_node_or_mesh),
+        cmocka_unit_test(instances_are_placed),
+        cmocka_unit_test(meshopt_is_decoded),
+        cmocka_unit_test(instances_of_skins_are_placed),
+        cmocka_unit_test(large_sparse_targets_are_read),
+        cmocka_unit_test(draco_is_decoded),
+        cmocka_unit_test(webp_images_are_read),
         cmocka_unit_test(other_images_need_a_source),
     };
     return cmocka_run_group_tests(tests, start, stop);

@@ -56,9 +56,9 @@ void cli_checkpoint_close(cli_checkpoint* checkpoint) {
     free(checkpoint->path);
 }
 
+/* Also with -q: who asked for a state counts on it. */
 static void warn_once(cli_checkpoint* checkpoint, const char* message) {
-    cli_session* session = checkpoint->session;
-    if (!checkpoint->warned && !session->common.quiet) cli_progress_warn(&session->progress, message);
+    if (!checkpoint->warned) cli_progress_warn(&checkpoint->session->progress, message);
     checkpoint->warned = true;
 }
 

@@ -27,6 +27,7 @@ static int open_locked(const char* path) {
         if (descriptor < 0) return -1;
         if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
             const int reason = errno;
+            if (reason != EWOULDBLOCK) unlink(path); /* this file system has no locks */
             close(descriptor);
             errno = reason;
             return -1;
@@ -55,8 +56,7 @@ static void write_holder(int descriptor) {
 static int fail_locking(cli_session* session, const char* path, int reason) {
     if (reason != ENOLCK && reason != ENOTSUP && reason != ENOSYS && reason != EINVAL)
         return cli_fail(CLI_FAILED, "cannot write %s: %s", path, strerror(reason));
-    if (!session->common.quiet)
-        cli_progress_warn(&session->progress, "this file system has no locks; let no other process use this state");
+    cli_progress_warn(&session->progress, "this file system has no locks; let no other process use this state");
     return CLI_GO;
 }
 

@@ -19,8 +19,10 @@ static const struct {
 
 enum { CAUGHT_COUNT = sizeof caught / sizeof caught[0], STATUS_BASE = 128 };
 
-static volatile sig_atomic_t interrupt; /* number of the first signal; 0: none */
-static volatile sig_atomic_t ends_at_once;
+/* A handler may run in any thread, and all of them ask: lock-free atomics, which a handler may use. */
+static atomic_int interrupt; /* number of the first signal; 0: none */
+static atomic_bool ends_at_once;
+static atomic_bool ending; /* a handler is about to end the program */
 static _Atomic(const char*) remove_path;
 
 static const char* name_of(int number) {
@@ -31,6 +33,7 @@ static const char* name_of(int number) {
 
 /* Only calls that a signal handler may make. */
 static void end_at_once(int number) {
+    atomic_store(&ending, true);
     const char* path = atomic_load(&remove_path);
     const char* const parts[] = {"tyndall: interrupted by ", name_of(number), "\n"};
     if (path != NULL) unlink(path);
@@ -42,8 +45,8 @@ static void end_at_once(int number) {
 
 static void on_interrupt(int number) {
     const int saved = errno;
-    if (interrupt != 0 || ends_at_once) end_at_once(number);
-    interrupt = number;
+    int none = 0;
+    if (atomic_load(&ends_at_once) || !atomic_compare_exchange_strong(&interrupt, &none, number)) end_at_once(number);
     errno = saved;
 }
 
@@ -75,21 +78,23 @@ void cli_catch_interrupts(void) {
 }
 
 void cli_end_on_interrupt(bool at_once) {
-    ends_at_once = at_once;
+    atomic_store(&ends_at_once, at_once);
 }
 
 bool cli_interrupted(void) {
-    return interrupt != 0;
+    return atomic_load(&interrupt) != 0;
 }
 
 const char* cli_interrupt_name(void) {
-    return name_of(interrupt);
+    return name_of(atomic_load(&interrupt));
 }
 
 int cli_interrupt_status(void) {
-    return STATUS_BASE + (interrupt != 0 ? interrupt : SIGINT);
+    const int number = atomic_load(&interrupt);
+    return STATUS_BASE + (number != 0 ? number : SIGINT);
 }
 
 void cli_remove_on_interrupt(const char* path) {
     atomic_store(&remove_path, path);
+    while (path == NULL && atomic_load(&ending)) pause(); /* the caller frees the text that the handler uses */
 }

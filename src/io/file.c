@@ -13,10 +13,18 @@
 #include <tyndall/io.h>
 #include <unistd.h>
 
-enum { HASH_CHUNK = 1 << 16, OUTPUT_BUFFER = 1 << 16, NAME_TRIES = 1000, OPEN_OUTPUTS_MAX = 64 };
+enum {
+    HASH_CHUNK = 1 << 16,
+    HEAD_SIZE = 1 << 20,
+    TEXT_CHUNK = 1 << 24,
+    OUTPUT_BUFFER = 1 << 16,
+    NAME_TRIES = 1000,
+    OPEN_OUTPUTS_MAX = 64
+};
 
-/* Names of the temporary files of open outputs. */
+/* Names of the temporary files of open outputs, and whether they are being removed because the process ends. */
 static _Atomic(const char*) unfinished[OPEN_OUTPUTS_MAX];
+static atomic_bool removing;
 
 /* Opening may wait, on network file systems, and then be interrupted. */
 static int open_uninterrupted(const char* path, int flags, mode_t mode) {
@@ -51,34 +59,98 @@ ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uin
                    errno != 0 ? strerror(errno) : "not a regular file");
 }
 
-ty_result ty_read_file(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size) {
+/* Fails if there is a zero byte in a part of a text that begins at an offset. */
+static ty_result check_text(ty_context* context, const char* path, const uint8_t* part, size_t size, size_t offset) {
+    const uint8_t* zero = memchr(part, 0, size);
+    if (zero == NULL) return TY_OK;
+    return ty_fail(context, TY_ERROR_INPUT, "%s: byte %zu is a zero, which no text has", path,
+                   offset + (size_t)(zero - part));
+}
+
+/* Reads the stream into content, piece by piece if the form is that of text. */
+static ty_result read_content(ty_context* context, const char* path, FILE* stream, const ty_file_form* form,
+                              uint8_t* content, size_t size) {
+    for (size_t got = 0; got < size;) {
+        const size_t piece = form->text && size - got > TEXT_CHUNK ? TEXT_CHUNK : size - got;
+        errno = 0;
+        if (fread(content + got, 1, piece, stream) != piece)
+            return ty_fail(context, TY_ERROR_FILE, "cannot read %s: %s", path,
+                           errno != 0 ? strerror(errno) : "it became shorter meanwhile");
+        const ty_result result = form->text ? check_text(context, path, content + got, piece, got) : TY_OK;
+        if (result != TY_OK) return result;
+        got += piece;
+    }
+    content[size] = 0;
+    return TY_OK;
+}
+
+static ty_result read_stream(ty_context* context, const char* path, FILE* stream, const ty_file_form* form,
+                             size_t length, uint8_t** bytes, size_t* size) {
+    uint8_t* content = ty_alloc_array(context, length + 1, 1, false);
+    if (content == NULL) return TY_ERROR_MEMORY;
+    const ty_result result = read_content(context, path, stream, form, content, length);
+    if (result != TY_OK) {
+        ty_free_array(context, content, length + 1, 1);
+        return result;
+    }
+    *bytes = content;
+    *size = length;
+    return TY_OK;
+}
+
+static const ty_file_form any_form = {.longest = UINT64_MAX};
+
+/* Inspects the beginning of a file; the stream is at its begin before and afterwards. */
+static ty_result inspect_stream(ty_context* context, const char* path, FILE* stream, uint64_t length,
+                                ty_file_form_fn inspect, ty_file_form* form) {
+    uint8_t* head = NULL;
+    size_t size = 0;
+    ty_result result = read_stream(context, path, stream, &any_form, HEAD_SIZE, &head, &size);
+    if (result != TY_OK) return result;
+    result = inspect(context, path, head, size, form);
+    if (result == TY_OK && form->text) result = check_text(context, path, head, size, 0);
+    ty_free_file(context, head, size);
+    rewind(stream);
+    if (result == TY_OK && length > form->longest)
+        return ty_fail(context, TY_ERROR_INPUT, "%s: %llu bytes, of which its header accounts for %llu at most", path,
+                       (unsigned long long)length, (unsigned long long)form->longest);
+    return result;
+}
+
+ty_result ty_read_inspected_file(ty_context* context, const char* path, size_t limit, ty_file_form_fn inspect,
+                                 uint8_t** bytes, size_t* size) {
     FILE* stream = NULL;
     uint64_t length = 0;
-    const ty_result opened = ty_open_file(context, path, &stream, &length);
-    if (opened != TY_OK) return opened;
-    if (length > limit) {
-        fclose(stream);
-        return ty_fail(context, TY_ERROR_INPUT, "%s: %llu bytes, more than the limit of %zu", path,
-                       (unsigned long long)length, limit);
-    }
-    uint8_t* content = ty_alloc_array(context, (size_t)length + 1, 1, false);
-    if (content == NULL) {
-        fclose(stream);
-        return TY_ERROR_MEMORY;
-    }
-    errno = 0;
-    const size_t got = fread(content, 1, (size_t)length, stream);
-    const int reason = errno;
+    ty_file_form form = any_form;
+    ty_result result = ty_open_file(context, path, &stream, &length);
+    if (result != TY_OK) return result;
+    if (length > limit)
+        result = ty_fail(context, TY_ERROR_INPUT, "%s: %llu bytes, more than the limit of %zu", path,
+                         (unsigned long long)length, limit);
+    if (result == TY_OK && inspect != NULL && length > TY_FILE_SLACK)
+        result = inspect_stream(context, path, stream, length, inspect, &form);
+    if (result == TY_OK) result = read_stream(context, path, stream, &form, (size_t)length, bytes, size);
     fclose(stream);
-    if (got != length) {
-        ty_free_array(context, content, (size_t)length + 1, 1);
-        return ty_fail(context, TY_ERROR_FILE, "cannot read %s: %s", path,
-                       reason != 0 ? strerror(reason) : "it became shorter meanwhile");
-    }
-    content[length] = 0;
-    *bytes = content;
-    *size = (size_t)length;
-    return TY_OK;
+    return result;
+}
+
+ty_result ty_read_file(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size) {
+    return ty_read_inspected_file(context, path, limit, NULL, bytes, size);
+}
+
+ty_result ty_read_part(ty_context* context, const char* path, uint64_t offset, size_t limit, uint8_t** bytes,
+                       size_t* size) {
+    FILE* stream = NULL;
+    uint64_t length = 0;
+    ty_result result = ty_open_file(context, path, &stream, &length);
+    if (result != TY_OK) return result;
+    const uint64_t left = offset < length ? length - offset : 0;
+    if (left > 0 && fseeko(stream, (off_t)offset, SEEK_SET) != 0)
+        result = ty_fail(context, TY_ERROR_FILE, "cannot read %s: %s", path, strerror(errno));
+    if (result == TY_OK)
+        result = read_stream(context, path, stream, &any_form, left < limit ? (size_t)left : limit, bytes, size);
+    fclose(stream);
+    return result;
 }
 
 void ty_free_file(ty_context* context, uint8_t* bytes, size_t size) {
@@ -93,11 +165,16 @@ static int list_unfinished(const char* temporary) {
     return -1;
 }
 
+/* The caller frees the name next, which a signal handler in another thread may have in its hands: the process then ends
+ * before this returns. */
 static void unlist(int slot) {
-    if (slot >= 0) atomic_store(&unfinished[slot], NULL);
+    if (slot < 0) return;
+    atomic_store(&unfinished[slot], NULL);
+    while (atomic_load(&removing)) pause();
 }
 
 void ty_remove_unfinished_outputs(void) {
+    atomic_store(&removing, true);
     for (int slot = 0; slot < OPEN_OUTPUTS_MAX; ++slot) {
         const char* temporary = atomic_load(&unfinished[slot]);
         if (temporary != NULL) unlink(temporary);

@@ -14,6 +14,30 @@ ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uin
 
 /* Reads a file of at most `limit` bytes and appends a zero byte; freed with ty_free_file. */
 ty_result ty_read_file(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size);
+/* Reads `size` bytes from an offset on, or as many as there are, in the same way. */
+ty_result ty_read_part(ty_context* context, const char* path, uint64_t offset, size_t limit, uint8_t** bytes,
+                       size_t* size);
+
+/* Form of a large file, by its first bytes. */
+typedef struct ty_file_form {
+    uint64_t longest; /* bytes that such a file may have; UINT64_MAX: any number */
+    bool text;        /* there is no zero byte in it */
+} ty_file_form;
+
+/* Inspects the first bytes of a file, which end with a zero at head[size] and may be changed. *form is any file. Fails
+ * if no file of the format begins so. */
+typedef ty_result (*ty_file_form_fn)(ty_context* context, const char* path, uint8_t* head, size_t size,
+                                     ty_file_form* form);
+
+/* Bytes behind the content of a file that its form lets pass. Files that are no longer are read without being
+ * inspected.
+ */
+#define TY_FILE_SLACK ((uint64_t)1 << 26)
+
+/* As ty_read_file, but a file that is longer than its beginning allows, such as one that ends in nothing but zeros, is
+ * refused before it is read. */
+ty_result ty_read_inspected_file(ty_context* context, const char* path, size_t limit, ty_file_form_fn inspect,
+                                 uint8_t** bytes, size_t* size);
 void ty_free_file(ty_context* context, uint8_t* bytes, size_t size);
 
 /* The one way to write a file: under a temporary name beside its target, which is made durable and renamed. A

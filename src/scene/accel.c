@@ -31,6 +31,7 @@ struct ty_accel {
     const ty_surface* surfaces; /* of meshes: surface i is Embree geometry MESHES + i */
     int32_t first_mesh;         /* index of surfaces[0] in the scene view */
     _Atomic int64_t bytes;
+    _Atomic bool failed; /* a call of Embree failed, in any thread */
 };
 
 /* Embree geometry IDs: all quads, all spheres, then one per mesh. */
@@ -46,9 +47,22 @@ static bool count_memory(void* user, ssize_t bytes, bool post) {
     return true;
 }
 
-static ty_result fail(ty_accel* mesh, const char* what) {
+static void note_error(void* user, enum RTCError code, const char* text) {
+    (void)code;
+    (void)text;
+    atomic_store(&((ty_accel*)user)->failed, true);
+}
+
+static ty_result fail_with(ty_accel* mesh, const char* what, enum RTCError code) {
+    if (code == RTC_ERROR_OUT_OF_MEMORY)
+        return ty_fail(mesh->context, TY_ERROR_MEMORY, "ray tracing structures: not enough memory for %s", what);
     return ty_fail(mesh->context, TY_ERROR_INTERNAL, "ray tracing structures: %s failed (Embree error %d)", what,
-                   mesh->device == NULL ? 0 : (int)rtcGetDeviceError(mesh->device));
+                   (int)code);
+}
+
+/* Embree keeps an error for each thread. */
+static ty_result fail(ty_accel* mesh, const char* what) {
+    return fail_with(mesh, what, rtcGetDeviceError(mesh->device));
 }
 
 /* Rounding displaces a point from a quad by the rounding errors of the coordinates projected on the normal: none for a
@@ -193,6 +207,16 @@ static ty_result add_triangles(ty_accel* mesh, const ty_triangle_mesh* triangles
     return rtcGetDeviceError(mesh->device) == RTC_ERROR_NONE ? TY_OK : fail(mesh, "taking triangles");
 }
 
+/* TBB sets up a device's arena in the first build. If memory runs out there, all other threads that came meanwhile wait
+ * for ever: so one thread builds an empty scene first. */
+static bool start_arena(RTCDevice device) {
+    RTCScene empty = rtcNewScene(device);
+    if (empty == NULL) return false;
+    rtcJoinCommitScene(empty);
+    rtcReleaseScene(empty);
+    return rtcGetDeviceError(device) == RTC_ERROR_NONE;
+}
+
 static ty_result begin_accel(ty_context* context, ty_accel** out) {
     ty_accel* mesh = ty_alloc_array(context, 1, sizeof *mesh, true);
     if (mesh == NULL) return TY_ERROR_MEMORY;
@@ -204,6 +228,12 @@ static ty_result begin_accel(ty_context* context, ty_accel** out) {
     snprintf(config, sizeof config, "threads=%d,user_threads=%d,start_threads=0,set_affinity=0", threads, threads);
     mesh->device = rtcNewDevice(config);
     if (mesh->device == NULL) {
+        const ty_result result = fail(mesh, "starting Embree");
+        ty_accel_destroy(mesh);
+        return result;
+    }
+    rtcSetDeviceErrorFunction(mesh->device, note_error, mesh);
+    if (!start_arena(mesh->device)) {
         const ty_result result = fail(mesh, "starting Embree");
         ty_accel_destroy(mesh);
         return result;
@@ -220,15 +250,22 @@ static void join_build(void* user, int64_t index, int32_t worker) {
     (void)index;
     (void)worker;
     ty_accel* mesh = user;
+    if (!atomic_load(&mesh->failed)) rtcJoinCommitScene(mesh->scene);
+}
+
+/* If a thread failed, whether it built or only joined, this one builds what is not built. */
+static ty_result build(ty_accel* mesh) {
+    ty_parallel_for(mesh->context, ty_context_threads(mesh->context), join_build, mesh);
+    if (!atomic_load(&mesh->failed)) return TY_OK;
+    rtcGetDeviceError(mesh->device); /* forgets this thread's own */
     rtcJoinCommitScene(mesh->scene);
+    const enum RTCError code = rtcGetDeviceError(mesh->device);
+    return code == RTC_ERROR_NONE ? TY_OK : fail_with(mesh, "building", code);
 }
 
 /* Builds the scene, or destroys everything if adding geometry failed. */
 static ty_result finish_accel(ty_accel* mesh, ty_result result, ty_accel** out) {
-    if (result == TY_OK) {
-        ty_parallel_for(mesh->context, ty_context_threads(mesh->context), join_build, mesh);
-        if (rtcGetDeviceError(mesh->device) != RTC_ERROR_NONE) result = fail(mesh, "building");
-    }
+    if (result == TY_OK) result = build(mesh);
     if (result == TY_OK)
         *out = mesh;
     else

@@ -263,7 +263,7 @@ int close(int file) {
 
 #define OPEN_MODE(flags)                                                                                               \
     mode_t mode = 0;                                                                                                   \
-    if (((flags)&O_CREAT) || ((flags)&O_TMPFILE)) {                                                                    \
+    if (((flags)&O_CREAT) || ((flags)&O_TMPFILE) == O_TMPFILE) {                                                       \
         va_list arguments;                                                                                             \
         va_start(arguments, flags);                                                                                    \
         mode = va_arg(arguments, mode_t);                                                                              \

@@ -216,8 +216,6 @@ class Sweep:
         quiet = ["-q"]
         if case.name in ("diff", "help --man") or "convert" in case.name:
             quiet = []
-        if case.name in ("render --resume", "compare scene"):  # -q leaves out warnings of states that cannot be written
-            quiet = ["--progress", "none"]
         count = 1 + THREADS_WANTED if fault.group == "thread" else self.options.threads
         threads = [] if case.name == "help --man" else ["--threads", str(count)]
         return [case.program] + case.arguments + quiet + threads
@@ -287,6 +285,9 @@ class Sweep:
             warned = any(name in line for line in lines)
             if status == 0 and name in reference.files and not reference.has(name, left[name]) and not warned:
                 return "status", f"exit status 0, and {name} was not written"
+        for name in sorted(set(reference.files) - set(left)):
+            if status == 0 and not any(name in line for line in lines):
+                return "status", f"exit status 0, and {name} is not there"
         if fault.error in HARMLESS and (status != 0 or lines) and failed:
             return "retry", f"{fault.error} was not retried: {errors[:200]}"
         return None, ""

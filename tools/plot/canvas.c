@@ -1,11 +1,10 @@
 /* The canvas: the only user of the drawing library. All calls are recorded, and drawn on writing. */
-#define _POSIX_C_SOURCE 200809L
 #include "plot/canvas.h"
 
 #include <cairo.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <tyndall/io.h>
 
 struct plot_canvas {
@@ -144,19 +143,32 @@ void plot_draw_picture(plot_canvas* canvas, double x, double y, double width, do
     cairo_surface_destroy(surface);
 }
 
+/* An encoded picture; open_memstream would lose bytes silently where memory runs out. */
+typedef struct encoded {
+    uint8_t* bytes;
+    size_t size, capacity;
+} encoded;
+
 static cairo_status_t append_bytes(void* user, const unsigned char* bytes, unsigned size) {
-    return fwrite(bytes, 1, size, user) == size ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
+    encoded* to = user;
+    if (size > to->capacity - to->size) {
+        const size_t capacity = 2 * (to->capacity + size);
+        uint8_t* moved = realloc(to->bytes, capacity);
+        if (moved == NULL) return CAIRO_STATUS_NO_MEMORY;
+        to->bytes = moved;
+        to->capacity = capacity;
+    }
+    memcpy(to->bytes + to->size, bytes, size);
+    to->size += size;
+    return CAIRO_STATUS_SUCCESS;
 }
 
 static ty_result write_surface(ty_context* context, cairo_surface_t* surface, const char* path) {
-    char* bytes = NULL;
-    size_t size = 0;
-    FILE* stream = open_memstream(&bytes, &size);
-    if (stream == NULL) return TY_ERROR_MEMORY;
-    const cairo_status_t status = cairo_surface_write_to_png_stream(surface, append_bytes, stream);
-    ty_result result = fclose(stream) == 0 && status == CAIRO_STATUS_SUCCESS && bytes != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK) result = ty_bytes_write(context, path, bytes, size);
-    free(bytes);
+    encoded png = {0};
+    const cairo_status_t status = cairo_surface_write_to_png_stream(surface, append_bytes, &png);
+    const bool whole = status == CAIRO_STATUS_SUCCESS && png.size > 0;
+    const ty_result result = whole ? ty_bytes_write(context, path, png.bytes, png.size) : TY_ERROR_MEMORY;
+    free(png.bytes);
     return result;
 }
 

@@ -297,3 +297,39 @@ ty_result ty_read_exr(ty_context* context, const char* path, const uint8_t* byte
     *out = r.image;
     return TY_OK;
 }
+
+/* Bytes of a part's pixels, with those of the smaller images of its levels and of the heads of its blocks; 0 if they
+ * are not known. */
+static uint64_t longest_part(exr_const_context_t exr, int index) {
+    enum { LEVELS = 4, BLOCK_HEAD = 64 }; /* there is a pixel in each block */
+    exr_attr_box2i_t data;
+    const exr_attr_chlist_t* channels = NULL;
+    if (exr_get_data_window(exr, index, &data) != EXR_ERR_SUCCESS ||
+        exr_get_channels(exr, index, &channels) != EXR_ERR_SUCCESS)
+        return 0;
+    const int64_t width = side(data.min.x, data.max.x), height = side(data.min.y, data.max.y);
+    if (width < 1 || height < 1 || width > TY_IMAGE_SIDE_MAX || height > TY_IMAGE_SIDE_MAX ||
+        channels->num_channels > TY_IMAGE_CHANNELS_MAX)
+        return 0;
+    return LEVELS * (uint64_t)width * (uint64_t)height *
+           (BLOCK_HEAD + sizeof(float) * (uint64_t)channels->num_channels);
+}
+
+uint64_t ty_exr_longest(const uint8_t* head, size_t size) {
+    ty_exr_stream stream = {.bytes = head, .size = size};
+    const exr_context_initializer_t setup = ty_exr_initializer(&stream);
+    exr_context_t exr = NULL;
+    int count = 0;
+    uint64_t longest = size;
+    bool known = exr_start_read(&exr, "head", &setup) == EXR_ERR_SUCCESS;
+    if (known) {
+        known = exr_get_count(exr, &count) == EXR_ERR_SUCCESS && count > 0;
+        for (int i = 0; i < count && known; ++i) {
+            const uint64_t more = longest_part(exr, i);
+            known = more > 0 && !__builtin_add_overflow(longest, more, &longest);
+        }
+        exr_finish(&exr);
+    }
+    ty_exr_stream_end();
+    return known ? longest : UINT64_MAX;
+}

@@ -78,7 +78,9 @@ ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, c
     const bool implausible = !stream->out_of_memory || stream->refused_size / 1032 > stream->size;
     if (code == EXR_ERR_OUT_OF_MEMORY && stream->bytes != NULL && implausible)
         return ty_fail(context, TY_ERROR_INPUT, "%s: it declares more than fits into memory", path);
-    if (code == EXR_ERR_OUT_OF_MEMORY || stream->out_of_memory)
+    /* The library calls a block corrupt for which zlib found no memory. */
+    const bool unpacked = stream->output != NULL && stream->output->error == 0 && code == EXR_ERR_CORRUPT_CHUNK;
+    if (code == EXR_ERR_OUT_OF_MEMORY || stream->out_of_memory || unpacked)
         return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory for OpenEXR", path);
     return ty_fail(context, result, "%s: %s", path,
                    stream->message[0] != '\0' ? stream->message : exr_get_default_error_message(code));

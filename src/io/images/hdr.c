@@ -143,3 +143,15 @@ ty_result ty_read_hdr(ty_context* context, const char* path, const uint8_t* byte
     *out = image;
     return TY_OK;
 }
+
+/* A pixel takes four bytes, or four planes' literals with a length before each 128 of them. */
+uint64_t ty_hdr_longest(const uint8_t* head, size_t size) {
+    enum { PIXEL_MAX = 8 };
+    reader r = {head, head + size};
+    char line[LINE_SIZE];
+    int64_t width = 0, height = 0;
+    while (next_line(&r, line) && line[0] != '\0') continue;
+    if (!next_line(&r, line) || !parse_size(line, &width, &height)) return UINT64_MAX;
+    if (width < 1 || height < 1 || width > TY_IMAGE_SIDE_MAX || height > TY_IMAGE_SIDE_MAX) return UINT64_MAX;
+    return (uint64_t)(r.at - head) + PIXEL_MAX * (uint64_t)width * (uint64_t)height;
+}

@@ -3,6 +3,7 @@
 #define TY_IO_IMAGE_FILE_H
 
 #include "image/image.h"
+#include "io/file.h"
 
 typedef enum ty_image_format {
     TY_IMAGE_UNKNOWN,
@@ -51,6 +52,13 @@ ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, 
  * 255); freed with ty_free_array(context, rgba8, width * height, 4). Thread-safe. */
 ty_result ty_decode_rgba8(ty_context* context, const char* path, const uint8_t* bytes, size_t size, int32_t* width,
                           int32_t* height, uint8_t** rgba8);
+
+/* Bytes that an OpenEXR or Radiance file with this beginning may have; UINT64_MAX: unknown. */
+uint64_t ty_exr_longest(const uint8_t* head, size_t size);
+uint64_t ty_hdr_longest(const uint8_t* head, size_t size);
+
+/* As ty_file_form_fn, for images of any format. */
+ty_result ty_inspect_image(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form);
 
 /* Reads an image of any format. largest: maximum of a PNG's, JPEG's or WebP's samples, 0 for other formats; may be
  * NULL. */

@@ -28,7 +28,7 @@ ty_result ty_draco_decode(ty_context* context, const char* place, const uint8_t*
         *out = new ty_draco{std::move(decoded).value()};
         return TY_OK;
     } catch (const std::bad_alloc&) {
-        return ty_fail(context, TY_ERROR_INPUT, "%s: cannot decode this Draco mesh: not enough memory", place);
+        return ty_fail(context, TY_ERROR_MEMORY, "%s: cannot decode this Draco mesh: not enough memory", place);
     } catch (const std::exception& error) {
         return ty_fail(context, TY_ERROR_INPUT, "%s: cannot decode this Draco mesh: %s", place, error.what());
     }

@@ -78,11 +78,14 @@ ty_result ty_gltf_read_reference(const ty_gltf* gltf, const json_t* object, cons
 
 /* ---- gltf_buffer.c: bytes ---- */
 
+#define TY_GLTF_FILE_MAX ((size_t)1 << 36)
+
 /* Decodes "a%20b" to "a b" in place; false for an invalid escape or a zero byte. */
 bool ty_gltf_decode_percent(char* text);
-/* Loads the bytes of a data URI (base64) or of a file; freed with ty_free_file. */
-ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* json_path, const char* uri, uint8_t** bytes,
-                           size_t* size);
+/* Loads the bytes of a data URI (base64), or of a file of at most `limit` bytes and (unless inspect is NULL) of a known
+ * form; freed with ty_free_file. */
+ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* json_path, const char* uri, size_t limit,
+                           ty_file_form_fn inspect, uint8_t** bytes, size_t* size);
 ty_result ty_gltf_open_buffer(ty_gltf* gltf, size_t index, const ty_gltf_buffer** out);
 /* Bytes of a buffer view, and its stride (0: packed). */
 ty_result ty_gltf_open_view(ty_gltf* gltf, size_t index, const uint8_t** data, size_t* size, size_t* stride);

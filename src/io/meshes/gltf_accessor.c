@@ -53,12 +53,19 @@ static uint32_t load_index(const uint8_t* at, int32_t type) {
     }
 }
 
+static uint32_t sparse_index(const ty_gltf_accessor* accessor, size_t i) {
+    return load_index(accessor->sparse_indices + i * component_size(accessor->sparse_type), accessor->sparse_type);
+}
+
+/* The format wants increasing indices, and ty_gltf_read_floats searches among them. */
 static ty_result check_sparse_indices(ty_gltf* gltf, const ty_json_path* json_path, const ty_gltf_accessor* accessor) {
-    const size_t size = component_size(accessor->sparse_type);
     for (size_t i = 0; i < accessor->sparse_count; ++i) {
-        const uint32_t index = load_index(accessor->sparse_indices + i * size, accessor->sparse_type);
+        const uint32_t index = sparse_index(accessor, i);
         if (index >= accessor->count)
             return ty_gltf_fail(gltf, json_path, "index %u is past the end of %zu elements", index, accessor->count);
+        if (i > 0 && index <= sparse_index(accessor, i - 1))
+            return ty_gltf_fail(gltf, json_path, "index %u follows %u: they do not increase", index,
+                                sparse_index(accessor, i - 1));
     }
     return TY_OK;
 }
@@ -157,25 +164,36 @@ static void load_element(const ty_gltf_accessor* accessor, const uint8_t* at, si
     for (size_t c = 0; c < count; ++c) out[c] = load_float(at + c * size, accessor->type, accessor->normalized);
 }
 
+/* Number of the first sparse value for an element from `first` on. */
+static size_t find_sparse(const ty_gltf_accessor* accessor, size_t first) {
+    size_t low = 0, high = accessor->sparse_count;
+    while (low < high) {
+        const size_t center = low + (high - low) / 2;
+        if (sparse_index(accessor, center) < first)
+            low = center + 1;
+        else
+            high = center;
+    }
+    return low;
+}
+
 void ty_gltf_read_floats(const ty_gltf_accessor* accessor, size_t first, size_t count, size_t width, float* out) {
     static const uint8_t zeros[16 * sizeof(float)];
     for (size_t i = 0; i < count; ++i)
         load_element(accessor, accessor->data == NULL ? zeros : accessor->data + (first + i) * accessor->stride, width,
                      out + i * width);
-    const size_t index_size = component_size(accessor->sparse_type);
     const size_t value_size = component_size(accessor->type) * accessor->components;
-    for (size_t i = 0; i < accessor->sparse_count; ++i) {
-        const size_t index = load_index(accessor->sparse_indices + i * index_size, accessor->sparse_type);
-        if (index >= first && index - first < count)
-            load_element(accessor, accessor->sparse_values + i * value_size, width, out + (index - first) * width);
+    for (size_t i = find_sparse(accessor, first); i < accessor->sparse_count; ++i) {
+        const size_t index = sparse_index(accessor, i);
+        if (index - first >= count) break;
+        load_element(accessor, accessor->sparse_values + i * value_size, width, out + (index - first) * width);
     }
 }
 
 void ty_gltf_read_indices(const ty_gltf_accessor* accessor, uint32_t* out) {
     for (size_t i = 0; i < accessor->count; ++i)
         out[i] = accessor->data == NULL ? 0 : load_index(accessor->data + i * accessor->stride, accessor->type);
-    const size_t size = component_size(accessor->sparse_type);
     for (size_t i = 0; i < accessor->sparse_count; ++i)
-        out[load_index(accessor->sparse_indices + i * size, accessor->sparse_type)] =
+        out[sparse_index(accessor, i)] =
             load_index(accessor->sparse_values + i * component_size(accessor->type), accessor->type);
 }

@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const size_t file_size_max = (size_t)1 << 36;
-
 /* ---- URIs ---- */
 
 /* Value of a base64 digit in either common alphabet, -1 for any other character. */
@@ -78,8 +76,8 @@ bool ty_gltf_decode_percent(char* text) {
     return true;
 }
 
-static ty_result load_file(const ty_gltf* gltf, const ty_json_path* json_path, const char* uri, uint8_t** bytes,
-                           size_t* size) {
+static ty_result load_file(const ty_gltf* gltf, const ty_json_path* json_path, const char* uri, size_t limit,
+                           ty_file_form_fn inspect, uint8_t** bytes, size_t* size) {
     char* name = ty_copy_text(gltf->context, uri);
     if (name == NULL) return TY_ERROR_MEMORY;
     char where[256], message[512], *path = NULL;
@@ -90,16 +88,16 @@ static ty_result load_file(const ty_gltf* gltf, const ty_json_path* json_path, c
                            ? ty_model_inner_path(gltf->context, message, gltf->folder, name, &path)
                            : ty_gltf_fail(gltf, json_path, "a URI with a damaged %% escape");
     ty_free_array(gltf->context, name, length, 1);
-    if (result == TY_OK) result = ty_model_read_reference(gltf->context, message, path, file_size_max, bytes, size);
+    if (result == TY_OK) result = ty_model_read_reference(gltf->context, message, path, limit, inspect, bytes, size);
     ty_free_text(gltf->context, path);
     return result;
 }
 
-ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* json_path, const char* uri, uint8_t** bytes,
-                           size_t* size) {
+ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* json_path, const char* uri, size_t limit,
+                           ty_file_form_fn inspect, uint8_t** bytes, size_t* size) {
     const ty_json_path here = ty_json_path_key(json_path, "uri");
     return strncmp(uri, "data:", 5) == 0 ? load_data(gltf, &here, uri, bytes, size)
-                                         : load_file(gltf, &here, uri, bytes, size);
+                                         : load_file(gltf, &here, uri, limit, inspect, bytes, size);
 }
 
 /* ---- buffers and views ---- */
@@ -121,7 +119,10 @@ ty_result ty_gltf_open_buffer(ty_gltf* gltf, size_t index, const ty_gltf_buffer*
     if (uri == NULL && (index > 0 || gltf->chunk == NULL))
         return ty_gltf_fail(gltf, &json_path, "it has no uri, and there is no binary chunk for it");
     if (uri != NULL) {
-        result = ty_gltf_load_uri(gltf, &json_path, json_string_value(uri), &buffer->owned, &buffer->owned_size);
+        const uint64_t longest = (uint64_t)length < TY_GLTF_FILE_MAX ? (uint64_t)length + TY_FILE_SLACK : 0;
+        if (longest == 0) return ty_gltf_fail(gltf, &json_path, "byteLength is %lld", (long long)length);
+        result = ty_gltf_load_uri(gltf, &json_path, json_string_value(uri), (size_t)longest, NULL, &buffer->owned,
+                                  &buffer->owned_size);
         if (result != TY_OK) return result;
         data = buffer->owned;
         size = buffer->owned_size;

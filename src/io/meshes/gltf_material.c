@@ -2,6 +2,7 @@
  * model only the diffuse color. */
 #include "base/context.h"
 #include "io/file.h"
+#include "io/images/image_file.h"
 #include "io/meshes/gltf.h"
 
 #include <math.h>
@@ -17,7 +18,7 @@ static ty_result load_image(ty_gltf* gltf, size_t index, uint8_t** bytes, size_t
     const ty_json_path json_path = ty_gltf_json_path("images", index);
     const json_t* json = ty_gltf_item(gltf, "images", index);
     const char* uri = json_string_value(json_object_get(json, "uri"));
-    if (uri != NULL) return ty_gltf_load_uri(gltf, &json_path, uri, bytes, size);
+    if (uri != NULL) return ty_gltf_load_uri(gltf, &json_path, uri, TY_GLTF_FILE_MAX, ty_inspect_image, bytes, size);
     int64_t view = -1;
     ty_result result = ty_gltf_read_reference(gltf, json, &json_path, "bufferView", "bufferViews", &view);
     if (result != TY_OK) return result;

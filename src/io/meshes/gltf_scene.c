@@ -166,7 +166,7 @@ static ty_result add_instances(ty_gltf* gltf, int64_t number, const char* name, 
     return result;
 }
 
-/* Vertices of a skinned mesh are in scene space, whatever the transform of its node. */
+/* Vertices of a skinned mesh are in scene space, whatever the transform of its node, so its instances are, too. */
 static ty_result add_posed_mesh(ty_gltf* gltf, int64_t number, size_t index, const json_t* node,
                                 const ty_json_path* json_path, const ty_affine* transform) {
     ty_gltf_pose pose;
@@ -177,12 +177,12 @@ static ty_result add_posed_mesh(ty_gltf* gltf, int64_t number, size_t index, con
     const char* name = mesh_name(gltf, (int64_t)index, node);
     ty_result result = ty_gltf_read_pose(gltf, node, json_path, index, transform, &pose);
     const bool posed = pose.weight_count + pose.joint_count > 0;
+    const ty_affine* base = pose.joint_count > 0 ? &identity : transform;
     if (result == TY_OK) result = ty_gltf_read_mesh(gltf, index, posed ? &pose : NULL, &mesh);
     if (result == TY_OK) result = ty_gltf_read_instances(gltf, node, &maps, &map_count);
-    if (result == TY_OK && map_count == 0)
-        result = add_instances(gltf, number, name, json_path, &mesh, pose.joint_count > 0 ? &identity : transform);
+    if (result == TY_OK && map_count == 0) result = add_instances(gltf, number, name, json_path, &mesh, base);
     for (size_t i = 0; i < map_count && result == TY_OK; ++i) {
-        const ty_affine map = ty_affine_multiply(transform, &maps[i]);
+        const ty_affine map = ty_affine_multiply(base, &maps[i]);
         result = is_finite(&map) ? add_instances(gltf, number, name, json_path, &mesh, &map)
                                  : ty_gltf_fail(gltf, json_path, "instance %zu is too far away", i);
     }

@@ -1,6 +1,7 @@
 /* Writing a copy of a glTF file with vertex colors. */
 #include "base/context.h"
 #include "io/file.h"
+#include "io/images/image_file.h"
 #include "io/meshes/gltf.h"
 
 #include <stdio.h>
@@ -8,8 +9,6 @@
 #include <tyndall/io.h>
 
 enum { GLB_HEAD = 12, CHUNK_HEAD = 8, CHUNK_JSON = 0x4e4f534a, CHUNK_BIN = 0x004e4942, COLORS_MAX = 1000 };
-
-static const size_t file_size_max = (size_t)1 << 36;
 
 /* A color array for all primitives with the same positions and node; each fills a range of it. */
 typedef struct shared_colors {
@@ -121,7 +120,7 @@ static ty_result embed_image(writer* w, size_t index, json_t* image, const char*
     uint8_t* bytes = NULL;
     size_t size = 0, at = 0;
     int64_t view = 0;
-    ty_result result = ty_gltf_load_uri(&w->gltf, &json_path, uri, &bytes, &size);
+    ty_result result = ty_gltf_load_uri(&w->gltf, &json_path, uri, TY_GLTF_FILE_MAX, ty_inspect_image, &bytes, &size);
     if (result != TY_OK) return result;
     const char* type = image_type(bytes, size);
     result = append(w, bytes, size, &at);
@@ -369,7 +368,8 @@ ty_result ty_mesh_file_write_colors(ty_context* context, const char* from, const
     uint8_t* bytes = NULL;
     size_t size = 0;
     ty_result result = check_colors(context, colors, count);
-    if (result == TY_OK) result = ty_read_file(context, from, file_size_max, &bytes, &size);
+    if (result == TY_OK)
+        result = ty_read_inspected_file(context, from, TY_GLTF_FILE_MAX, ty_inspect_model, &bytes, &size);
     if (result != TY_OK) return result;
     char* folder = ty_folder_of(context, from);
     writer w = {.gltf = {.context = context, .path = from, .folder = folder}};

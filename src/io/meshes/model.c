@@ -227,12 +227,12 @@ ty_result ty_model_inner_path(ty_context* context, const char* location, const c
 }
 
 ty_result ty_model_read_reference(ty_context* context, const char* location, const char* path, size_t limit,
-                                  uint8_t** bytes, size_t* size) {
+                                  ty_file_form_fn inspect, uint8_t** bytes, size_t* size) {
     uint64_t length = 0;
     FILE* stream = ty_open_regular(path, &length);
     if (stream == NULL)
         return ty_fail(context, TY_ERROR_FILE, "%s: cannot open %s: %s", location, path,
                        errno != 0 ? strerror(errno) : "not a regular file");
     fclose(stream);
-    return ty_read_file(context, path, limit, bytes, size);
+    return ty_read_inspected_file(context, path, limit, inspect, bytes, size);
 }

@@ -2,6 +2,8 @@
 #ifndef TY_IO_MODEL_H
 #define TY_IO_MODEL_H
 
+#include "io/file.h"
+
 #include <tyndall/scene.h>
 
 /* Content to read. */
@@ -120,12 +122,17 @@ ty_result ty_model_decode_images(ty_model* model);
 /* Number of triangles over all instances. */
 int64_t ty_model_triangles(const ty_model* model);
 
-/* The same as ty_read_file for a file that another one names at `location`, which stands before the message. */
+/* The same as ty_read_inspected_file for a file that another one names at `location`, which stands before the message.
+ */
 ty_result ty_model_read_reference(ty_context* context, const char* location, const char* path, size_t limit,
-                                  uint8_t** bytes, size_t* size);
+                                  ty_file_form_fn inspect, uint8_t** bytes, size_t* size);
 /* Path of a file referenced by another one: folder/name. Absolute names and names that lead out of the folder are
  * refused, as are all if folder is NULL; `location` names the reference in messages. Freed with ty_free_text. */
 ty_result ty_model_inner_path(ty_context* context, const char* location, const char* folder, const char* name,
                               char** out);
+
+/* As ty_file_form_fn, for PLY files and for mesh files of any format. */
+ty_result ty_inspect_ply(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form);
+ty_result ty_inspect_model(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form);
 
 #endif

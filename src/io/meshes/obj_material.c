@@ -1,5 +1,6 @@
 /* OBJ material files (.mtl): diffuse and emitted color, their maps, and opacity. */
 #include "base/context.h"
+#include "io/images/image_file.h"
 #include "io/meshes/obj.h"
 
 #include <math.h>
@@ -82,7 +83,8 @@ static ty_result use_image(library* lib, const char* name, int32_t* out) {
             return TY_OK;
         }
     ty_model_image image = {.name = path};
-    result = ty_model_read_reference(lib->context, place, path, IMAGE_SIZE_MAX, &image.encoded, &image.encoded_size);
+    result = ty_model_read_reference(lib->context, place, path, IMAGE_SIZE_MAX, ty_inspect_image, &image.encoded,
+                                     &image.encoded_size);
     if (result != TY_OK) {
         ty_free_text(lib->context, path);
         return result;

@@ -257,6 +257,11 @@ static ty_result finish(builder* b, unsigned want, ty_model* model) {
     return ty_model_add_material(model, &plain);
 }
 
+static void close_header(ty_ply* ply) {
+    ty_free_array(ply->context, ply->elements, ply->element_capacity, sizeof *ply->elements);
+    ty_free_array(ply->context, ply->properties, ply->property_capacity, sizeof *ply->properties);
+}
+
 ty_result ty_read_ply(ty_context* context, const char* path, const uint8_t* bytes, size_t size, unsigned want,
                       ty_model* model) {
     *model = (ty_model){.context = context};
@@ -269,7 +274,37 @@ ty_result ty_read_ply(ty_context* context, const char* path, const uint8_t* byte
     if (result == TY_OK) result = finish(&b, want, model);
     ty_model_free_mesh(context, &b.mesh);
     ty_free_array(context, b.triangles, b.triangle_capacity, sizeof *b.triangles);
-    ty_free_array(context, ply.elements, ply.element_capacity, sizeof *ply.elements);
-    ty_free_array(context, ply.properties, ply.property_capacity, sizeof *ply.properties);
+    close_header(&ply);
+    return result;
+}
+
+/* Bytes of a property in a binary file at most; lists of 2^31 and more corners are not made. */
+static uint64_t longest_property(const ty_ply_property* property) {
+    const uint64_t size = ty_ply_type_size(property->type);
+    const size_t count_size = ty_ply_type_size(property->count_type);
+    if (!property->list) return size;
+    return count_size + size * (count_size == 1 ? UINT8_MAX : count_size == 2 ? UINT16_MAX : INT32_MAX);
+}
+
+static uint64_t longest_rows(const ty_ply* ply) {
+    uint64_t longest = 0;
+    for (size_t i = 0; i < ply->element_count; ++i) {
+        const ty_ply_element* element = &ply->elements[i];
+        uint64_t row = 0, rows;
+        for (size_t k = 0; k < element->property_count; ++k)
+            row += longest_property(&ply->properties[element->first + k]);
+        if (__builtin_mul_overflow(row, (uint64_t)element->count, &rows) ||
+            __builtin_add_overflow(longest, rows, &longest))
+            return UINT64_MAX / 2;
+    }
+    return longest;
+}
+
+ty_result ty_inspect_ply(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
+    ty_ply ply = {.context = context, .path = path, .data = {(const char*)head, (const char*)head + size}};
+    const ty_result result = ty_ply_read_header(&ply);
+    form->text = ply.format == TY_PLY_ASCII;
+    if (result == TY_OK && !form->text) form->longest = size + TY_FILE_SLACK + longest_rows(&ply);
+    close_header(&ply);
     return result;
 }

@@ -147,10 +147,20 @@ static bool unpack(const uint8_t* stored, uint64_t stored_size, uint8_t* to, uin
     return uncompress(to, &length, stored + sizeof packed, packed) == Z_OK && length == size;
 }
 
+/* True if a plain grid begins with the number that all do, and with the size that the segment states. */
+static bool begins_grid(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid) {
+    enum { HEAD = 40, OFFSET_GRID_SIZE = 32 };
+    uint8_t head[HEAD];
+    uint64_t at = 0, size;
+    if (!move_to(file, &at, grid->at) || !read_bytes(file, &at, head, sizeof head)) return false;
+    memcpy(&size, head + OFFSET_GRID_SIZE, sizeof size);
+    return memcmp(head, "NanoVDB", 7) == 0 && size == grid->size;
+}
+
 ty_result ty_nanovdb_load(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid, uint8_t** bytes) {
     enum { RATIO_MAX = 1032 }; /* maximum compression ratio of deflate */
     const bool zip = grid->codec == TY_NANOVDB_ZIP;
-    if (zip ? grid->size / RATIO_MAX > grid->stored_size : grid->size != grid->stored_size)
+    if (zip ? grid->size / RATIO_MAX > grid->stored_size : grid->size != grid->stored_size || !begins_grid(file, grid))
         return ty_nanovdb_damaged(file, grid->name);
     uint64_t at = 0;
     uint8_t* stored = ty_alloc_array(file->context, grid->stored_size, 1, false);

@@ -35,6 +35,24 @@ static bool is_inside_folder(const char* relative) {
     return true;
 }
 
+/* Bytes that the data of a header may take: a packed or printed number has no more than 64, and others may follow. */
+static uint64_t longest_data(const ty_nrrd* nrrd) {
+    enum { NUMBER_MAX = 64 };
+    const uint64_t count = (uint64_t)nrrd->voxels * (uint64_t)nrrd->components;
+    const uint64_t size = nrrd->encoding == TY_NRRD_TEXT ? count * NUMBER_MAX : 2 * count * ty_sample_size(nrrd->type);
+    const uint64_t skipped = nrrd->byte_skip > 0 ? (uint64_t)nrrd->byte_skip : 0;
+    return skipped < file_size_max ? size + skipped + TY_FILE_SLACK : file_size_max;
+}
+
+/* As ty_file_form_fn. */
+static ty_result inspect(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
+    ty_nrrd nrrd;
+    const ty_result result = ty_nrrd_parse(context, path, head, size, &nrrd);
+    if (result != TY_OK) return result;
+    form->longest = nrrd.data + (nrrd.data_file == NULL ? longest_data(&nrrd) : TY_FILE_SLACK);
+    return TY_OK;
+}
+
 static ty_result open_data(const source* file, const ty_nrrd* nrrd, char** path, source* data) {
     if (strncmp(nrrd->data_file, "LIST", 4) == 0 || strchr(nrrd->data_file, '%') != NULL)
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: data in more than one file cannot be read", file->path);
@@ -46,7 +64,9 @@ static ty_result open_data(const source* file, const ty_nrrd* nrrd, char** path,
     ty_free_text(file->context, folder);
     if (*path == NULL) return TY_ERROR_MEMORY;
     *data = (source){.context = file->context, .path = *path};
-    return ty_read_file(file->context, *path, file_size_max, &data->bytes, &data->size);
+    const uint64_t longest = longest_data(nrrd);
+    return ty_read_file(file->context, *path, longest < file_size_max ? (size_t)longest : file_size_max, &data->bytes,
+                        &data->size);
 }
 
 static ty_result wrong_size(const source* s, const ty_nrrd* nrrd, bool more, size_t found) {
@@ -211,7 +231,7 @@ static ty_result read_data(source* file, const ty_nrrd* nrrd, int32_t component,
 
 ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
     source file = {.context = context, .path = path};
-    ty_result result = ty_read_file(context, path, file_size_max, &file.bytes, &file.size);
+    ty_result result = ty_read_inspected_file(context, path, file_size_max, inspect, &file.bytes, &file.size);
     if (result != TY_OK) return result;
     ty_nrrd nrrd;
     result = ty_nrrd_parse(context, path, file.bytes, file.size, &nrrd);
@@ -223,7 +243,7 @@ ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component,
 
 ty_result ty_nrrd_components(ty_context* context, const char* path, int32_t* out) {
     source file = {.context = context, .path = path};
-    ty_result result = ty_read_file(context, path, file_size_max, &file.bytes, &file.size);
+    ty_result result = ty_read_part(context, path, 0, TY_FILE_SLACK, &file.bytes, &file.size);
     if (result != TY_OK) return result;
     ty_nrrd nrrd;
     result = ty_nrrd_parse(context, path, file.bytes, file.size, &nrrd);

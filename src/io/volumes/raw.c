@@ -7,8 +7,6 @@
 
 #include <string.h>
 
-static const size_t file_size_max = (size_t)1 << 36;
-
 static ty_result check_spacing(ty_context* context, const ty_volume_def* def, ty_grid_def* grid) {
     int given = 0;
     for (int a = 0; a < 3; ++a) {
@@ -25,14 +23,20 @@ static ty_result check_spacing(ty_context* context, const ty_volume_def* def, ty
     return TY_OK;
 }
 
-/* Offset of the samples in a file of `size` bytes. */
-static ty_result find_start(ty_context* context, const char* path, const ty_volume_def* def, size_t size, size_t needed,
+/* Offset of the samples in the file. */
+static ty_result find_start(ty_context* context, const char* path, const ty_volume_def* def, size_t needed,
                             size_t* start) {
-    const size_t extra = size > needed ? size - needed : 0;
-    *start = def->raw_offset < 0 ? extra : (size_t)def->raw_offset;
+    FILE* stream = NULL;
+    uint64_t size = 0;
+    const ty_result result = ty_open_file(context, path, &stream, &size);
+    if (result != TY_OK) return result;
+    fclose(stream);
+    const uint64_t extra = size > needed ? size - needed : 0;
+    *start = def->raw_offset < 0 ? (size_t)extra : (size_t)def->raw_offset;
     if (size >= needed && *start == extra) return TY_OK;
-    return ty_fail(context, TY_ERROR_INPUT, "%s: %zu bytes; %d x %d x %d voxels of %s after %zu bytes are %zu", path,
-                   size, def->raw_size[0], def->raw_size[1], def->raw_size[2], def->raw_type, *start, needed + *start);
+    return ty_fail(context, TY_ERROR_INPUT, "%s: %llu bytes; %d x %d x %d voxels of %s after %zu bytes are %zu", path,
+                   (unsigned long long)size, def->raw_size[0], def->raw_size[1], def->raw_size[2], def->raw_type,
+                   *start, needed + *start);
 }
 
 ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
@@ -50,12 +54,15 @@ ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def
         result =
             ty_check_volume_size(context, path, (const int64_t[]){grid.size[0], grid.size[1], grid.size[2]}, &voxels);
     if (result == TY_OK) result = ty_check_component(context, path, NULL, def->component, 1);
+    const size_t needed = result == TY_OK ? voxels * ty_sample_size(type) : 0;
+    if (result == TY_OK) result = find_start(context, path, def, needed, &start);
     uint8_t* bytes = NULL;
-    if (result == TY_OK) result = ty_read_file(context, path, file_size_max, &bytes, &size);
+    if (result == TY_OK) result = ty_read_part(context, path, start, needed, &bytes, &size);
     if (result != TY_OK) return result;
-    result = find_start(context, path, def, size, voxels * ty_sample_size(type), &start);
-    if (result == TY_OK) { /* or start may lie past the end */
-        const ty_samples samples = {bytes + start, type, def->raw_big_endian, 0, 1};
+    if (size < needed) {
+        result = ty_fail(context, TY_ERROR_FILE, "cannot read %s: it became shorter meanwhile", path);
+    } else {
+        const ty_samples samples = {bytes, type, def->raw_big_endian, 0, 1};
         result = ty_samples_make_grid(context, &samples, &grid, out);
     }
     ty_free_file(context, bytes, size);

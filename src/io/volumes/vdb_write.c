@@ -8,6 +8,7 @@
 
 #include <blosc.h>
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -175,6 +176,13 @@ static size_t pack(writer* w, size_t raw) {
         return code == Z_OK && length < raw ? length : 0;
     }
     if (raw < BLOSC_SIZE_MIN) return 0;
+    /* Blosc does not check its allocation of two blocks, so whether there is memory is tried first. */
+    void* volatile trial = malloc(3 * raw + BLOSC_SIZE_MIN);
+    if (trial == NULL) {
+        w->failed = true;
+        return 0;
+    }
+    free(trial);
     const size_t value_size = w->half ? sizeof(uint16_t) : sizeof(float);
     const int length = blosc_compress_ctx(BLOSC_LEVEL, BLOSC_SHUFFLE, value_size, raw, w->raw, w->packed, PACKED_MAX,
                                           BLOSC_LZ4_COMPNAME, 0, 1);
