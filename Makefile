@@ -66,10 +66,11 @@ fuzz:
 	@scripts/setup.sh build fuzz
 	@scripts/fuzz.sh
 
+# The library's tests under the thread sanitizer; what they leave out there is said in tests/effort.h.
 tsan:
 	@scripts/setup.sh
 	@scripts/build.sh tsan
-	@ctest --preset tsan
+	@ctest --preset tsan -j "$$(nproc)"
 
 # The checks of .clang-tidy on every file.
 tidy:

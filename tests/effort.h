@@ -21,12 +21,42 @@ static inline int32_t fewer(int32_t samples, int32_t part) {
     return in_full() ? samples : samples / part;
 }
 
-/* Leaves a test of how near numbers are, or of how many steps they take, to the optimised build: the address sanitizer
- * makes it slow and looks for other things, which other tests of the same code lead it to. */
-static inline void skip_under_sanitizers(void) {
-#ifdef __SANITIZE_ADDRESS__
-    skip();
+/* The compilers say so in different ways. */
+#if defined __has_feature
+#if __has_feature(address_sanitizer)
+#define UNDER_ADDRESS_SANITIZER true
+#elif __has_feature(thread_sanitizer)
+#define UNDER_THREAD_SANITIZER true
 #endif
+#endif
+#ifdef __SANITIZE_ADDRESS__
+#define UNDER_ADDRESS_SANITIZER true
+#endif
+#ifdef __SANITIZE_THREAD__
+#define UNDER_THREAD_SANITIZER true
+#endif
+#ifndef UNDER_ADDRESS_SANITIZER
+#define UNDER_ADDRESS_SANITIZER false
+#endif
+#ifndef UNDER_THREAD_SANITIZER
+#define UNDER_THREAD_SANITIZER false
+#endif
+
+/* Leaves a test of what several threads do to the builds with all optimisation and with the thread sanitizer. */
+static inline void skip_under_address_sanitizer(void) {
+    if (UNDER_ADDRESS_SANITIZER) skip();
+}
+
+/* Leaves a test that compares with closed forms to the other builds, where it is slow with the thread sanitizer alone
+ * and other tests run the same loops. */
+static inline void skip_under_thread_sanitizer(void) {
+    if (UNDER_THREAD_SANITIZER) skip();
+}
+
+/* Leaves a test of how near numbers are, or of how many steps they take, to the optimised build: sanitizers make it
+ * slow and look for other things, which other tests of the same code lead them to. */
+static inline void skip_under_sanitizers(void) {
+    if (UNDER_ADDRESS_SANITIZER || UNDER_THREAD_SANITIZER) skip();
 }
 
 #endif

@@ -483,6 +483,13 @@ static void progress_is_of_the_whole_and_throttled(void** state) {
     r.most = r.count + 1;
     assert_int_equal(ty_part_next(&progress, "second", 1), TY_CANCELLED);
     assert_true(r.fraction == 0.75);
+    /* What begins again, or is no number, stays where the report was. */
+    const ty_progress back = {.stage = "second", .fraction = -1}, none = {.stage = "second", .fraction = NAN};
+    r.most = 0;
+    ty_part_report(&progress, &back);
+    assert_true(r.fraction == 0.75);
+    ty_part_report(&progress, &none);
+    assert_true(r.fraction == 0.75);
     const ty_progress early = ty_progress_at("a", 0.001, 1), half = ty_progress_at("a", 0.5, 3);
     assert_true(early.remaining == -1 && half.remaining == 3);
 }

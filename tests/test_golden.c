@@ -234,11 +234,12 @@ static uint64_t hash_with(const golden* g, int32_t threads) {
 
 /* Every thread count gives the hash of one thread, and that is the expected one where the table applies. */
 static bool check_method(const golden* g, ty_isa isa) {
-    static const int32_t threads[] = {2, 3, 8, 32};
+    static const int32_t threads[] = {3, 2, 8, 32};
+    const size_t counts = UNDER_THREAD_SANITIZER ? 1 : sizeof threads / sizeof *threads;
     forced_isa = isa;
     const uint64_t hash = hash_with(g, 1);
     bool same = true;
-    for (size_t i = 0; i < sizeof threads / sizeof *threads; ++i) {
+    for (size_t i = 0; i < counts; ++i) {
         const uint64_t other = hash_with(g, threads[i]);
         if (other != hash)
             printf("%s, %s: 0x%016llx by %d threads, 0x%016llx by one\n", g->method, ty_isa_name(isa),
@@ -252,12 +253,17 @@ static bool check_method(const golden* g, ty_isa isa) {
     return same && (!known || hash == expected_hash(g, isa));
 }
 
+/* Builds with sanitizers have kernels of one instruction set alone. */
+static int least_isa(void) {
+    return UNDER_THREAD_SANITIZER ? (int)__real_ty_best_isa() : 0;
+}
+
 static void results_depend_neither_on_threads_nor_on_time(void** state) {
     (void)state;
-    skip_under_sanitizers();
+    skip_under_address_sanitizer();
     bool right = true;
     for (int m = 0; m < METHODS; ++m)
-        for (int isa = 0; isa <= (int)__real_ty_best_isa(); ++isa)
+        for (int isa = least_isa(); isa <= (int)__real_ty_best_isa(); ++isa)
             right = check_method(&table[m], (ty_isa)isa) && right;
     assert_true(right);
 }

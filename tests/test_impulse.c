@@ -277,7 +277,7 @@ static void files_hold_numbers_of_the_same_tables(void** state) {
 /* ---- making them ---- */
 
 static void threads_do_not_matter(void** state) {
-    skip_under_sanitizers();
+    skip_under_address_sanitizer();
     (void)state;
     ty_context* alone = make_context(1);
     const ty_impulse_def def = small_def("");

@@ -1,4 +1,5 @@
 /* Multiple scattering octaves: calls, and the sums of single scattering that they are, in closed form. */
+#include "effort.h"
 #include "volume_calls.h"
 
 static ty_octaves_def small_octaves(void) {
@@ -107,6 +108,7 @@ static void check_block(ty_context* context, const ty_scene* scene, const ty_oct
 }
 
 static void octaves_are_single_scattering_in_scaled_media(void** state) {
+    skip_under_thread_sanitizer();
     static const double scales[][3] = {{0.5, 0.5, 0.5}, {0.3, 0.7, 0.9}, {0.5, 0.5, 0}, {0, 0.5, 0.5}, {1, 1, 1}};
     ty_scene* scene = block_scene(*state);
     ty_octaves_def def = ty_default_octaves_def();

@@ -44,7 +44,7 @@ bool ty_part_report(void* user, const ty_progress* part) {
     ty_part_progress* progress = user;
     if (progress->function == NULL) return true;
     progress->reported = ty_wall_seconds();
-    const double fraction = fmin(progress->from + progress->share * part->fraction, 1);
-    const ty_progress whole = ty_progress_at(part->stage, fraction, progress->reported - progress->begun);
+    progress->shown = fmin(fmax(progress->shown, progress->from + progress->share * part->fraction), 1);
+    const ty_progress whole = ty_progress_at(part->stage, progress->shown, progress->reported - progress->begun);
     return progress->function(progress->user, &whole);
 }

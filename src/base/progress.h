@@ -15,6 +15,7 @@ typedef struct ty_part_progress {
     double begun;       /* s */
     double reported;    /* s: time of the last report */
     double from, share; /* of the whole work */
+    double shown;       /* the largest fraction that was reported */
 } ty_part_progress;
 
 /* For work that begins now and is from..from + share of the caller's. */
@@ -23,7 +24,8 @@ ty_part_progress ty_part_begin(ty_progress_fn function, void* user, double from,
 ty_result ty_part_next(ty_part_progress* progress, const char* stage, double until);
 /* Reports a fraction of this part, if a report is due. Errors: TY_CANCELLED. */
 ty_result ty_part_show(ty_part_progress* progress, const char* stage, double fraction);
-/* A ty_progress_fn whose user is a ty_part_progress. */
+/* A ty_progress_fn whose user is a ty_part_progress. Fractions that it reports never fall: parts that begin again (each
+ * fluence of a light), and errors that grow between iterations, stay at what was reported. */
 bool ty_part_report(void* user, const ty_progress* part);
 
 #endif

@@ -128,6 +128,19 @@ int bake_lock(bake_run* run);
 int bake_read_state(bake_run* run);
 ty_result bake_write_state(const bake_run* run);
 
+/* ---- state_text.c ---- */
+
+typedef enum bake_state_kind {
+    BAKE_STATE_TAKEN,
+    BAKE_STATE_NONE, /* the text is not a state */
+    BAKE_STATE_OTHER /* the state of a bake with another key */
+} bake_state_kind;
+
+/* key: the settings as one line, with its end. */
+void bake_print_state(FILE* file, const bake_run* run, const char* key);
+/* Marks the units that the text lists, once each, and whose files exist. */
+bake_state_kind bake_take_state(bake_run* run, const char* key, const char* text);
+
 /* ---- sidecar.c ---- */
 
 /* Writes bake.json. */

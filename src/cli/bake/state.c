@@ -8,8 +8,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char state_head[] = "tyndall bake state 1\n";
-
 /* The settings that a resumed bake must have in common with the earlier run, as one line. */
 static void make_key(const bake_run* run, char key[BAKE_KEY_SIZE]) {
     const bake_options* o = run->options;
@@ -45,13 +43,7 @@ static ty_result print_state(ty_context* context, FILE* file, const void* user) 
     const bake_run* run = user;
     char key[BAKE_KEY_SIZE];
     make_key(run, key);
-    fprintf(file, "%s%s", state_head, key);
-    for (int32_t i = 0; i < run->plan.count; ++i) {
-        const bake_unit* unit = &run->plan.units[i];
-        if (unit->done)
-            fprintf(file, "unit %d %d %.17g %.17g %" PRId64 " %" PRId64 "\n", (int)i, unit->overlapping, unit->seconds,
-                    unit->mean_samples, unit->paths, unit->rays);
-    }
+    bake_print_state(file, run, key);
     return TY_OK;
 }
 
@@ -59,42 +51,6 @@ ty_result bake_write_state(const bake_run* run) {
     char path[BAKE_PATH_SIZE];
     state_path(run, path);
     return cli_write_text_file(run->session->context, path, print_state, run);
-}
-
-/* True if all files of a finished unit still exist. */
-static bool is_there(const bake_run* run, const bake_unit* unit) {
-    char path[BAKE_PATH_SIZE];
-    const char* extension = unit->kind == BAKE_PROBES ? ".json" : ".exr";
-    for (int32_t i = 0; i < (unit->overlapping ? unit->count : 1); ++i) {
-        bake_image_path(run, unit, unit->overlapping ? i : -1, extension, path);
-        if (access(path, R_OK) != 0) return false;
-    }
-    return true;
-}
-
-static void read_line(bake_run* run, const char* line) {
-    int index = -1, overlapping = 0;
-    bake_unit read = {.done = true, .resumed = true};
-    if (sscanf(line, "unit %d %d %lf %lf %" SCNd64 " %" SCNd64, &index, &overlapping, &read.seconds, &read.mean_samples,
-               &read.paths, &read.rays) != 6 ||
-        index < 0 || index >= run->plan.count)
-        return;
-    bake_unit* unit = &run->plan.units[index];
-    unit->overlapping = overlapping != 0;
-    if (!is_there(run, unit)) return;
-    unit->done = unit->resumed = true;
-    unit->seconds = read.seconds;
-    unit->mean_samples = read.mean_samples;
-    unit->paths = read.paths;
-    unit->rays = read.rays;
-    run->receivers_done += (double)unit->receivers;
-}
-
-static bool consume_text(const char** text, const char* expected_text) {
-    const size_t length = strlen(expected_text);
-    if (strncmp(*text, expected_text, length) != 0) return false;
-    *text += length;
-    return true;
 }
 
 int bake_read_state(bake_run* run) {
@@ -105,21 +61,15 @@ int bake_read_state(bake_run* run) {
     if (access(path, F_OK) != 0 && errno == ENOENT) return CLI_GO;
     const ty_result result = ty_bytes_read(run->session->context, path, (size_t)1 << 28, &bytes, &size);
     if (result != TY_OK) return cli_fail_reading(run->session, result);
-    const char* text = (const char*)bytes;
-    int status = CLI_GO;
     make_key(run, key);
-    if (!consume_text(&text, state_head))
-        status = cli_fail(CLI_USAGE, "%s: not the state of a bake; remove it to start again", path);
-    else if (!consume_text(&text, key))
-        status = cli_fail(CLI_USAGE,
-                          "%s: the state of another bake: the scene, the options or the seed were others; remove it to "
-                          "start again",
-                          path);
-    for (; status == CLI_GO && *text != '\0'; text += *text == '\n') {
-        read_line(run, text);
-        text += strcspn(text, "\n");
-    }
-    run->receivers_skipped = run->receivers_done;
+    const bake_state_kind kind = bake_take_state(run, key, (const char*)bytes);
     ty_bytes_destroy(run->session->context, bytes, size);
-    return status;
+    if (kind == BAKE_STATE_NONE)
+        return cli_fail(CLI_USAGE, "%s: not the state of a bake; remove it to start again", path);
+    if (kind == BAKE_STATE_OTHER)
+        return cli_fail(CLI_USAGE,
+                        "%s: the state of another bake: the scene, the options or the seed were others; remove it to "
+                        "start again",
+                        path);
+    return CLI_GO;
 }
