@@ -15,4 +15,5 @@ const bench_entry bench_entries[BENCH_COUNT] = {
     {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
     {"bake", "baking: overhead of radiance caches and impulse responses, and speedup over paths", bench_bake},
     {"load", "reading volumes of every format", bench_load},
+    {"edit", "changes of a scene that is shown, beside loading it", bench_edit},
 };
