@@ -197,6 +197,7 @@ static void a_level_is_edited(void** state) {
     static const edit edits[] = {
         {"media[0].g", "0.5", TY_EDIT_LIGHT},
         {"camera", "{\"resolution\": [16, 16]}", TY_EDIT_CAMERA},
+        {"geometry[0].transform", "{\"translate\": [0, 0.5, 0]}", TY_EDIT_GEOMETRY | TY_EDIT_CAMERA},
         {"camera.file", "\"level.gltf\"", TY_EDIT_CAMERA},
         {"camera.name", "\"side\"", TY_EDIT_CAMERA},
         {"camera.position", "[0.5, 0.5, 6]", TY_EDIT_CAMERA},
@@ -213,7 +214,7 @@ static void a_level_is_edited(void** state) {
         {"geometry[0].lights", "false", TY_EDIT_GEOMETRY},
         {"lights", NULL, TY_EDIT_LIGHT | TY_EDIT_GEOMETRY},
         {"meters_per_unit", "0.5", TY_EDIT_CAMERA | TY_EDIT_LIGHT | TY_EDIT_GEOMETRY},
-        {"geometry[0]", NULL, TY_EDIT_GEOMETRY},
+        {"geometry[0]", NULL, TY_EDIT_GEOMETRY | TY_EDIT_CAMERA},
         {"media[0].bounds", "{\"file\": \"tetra.obj\", \"transform\": {\"scale\": 3}}", TY_EDIT_LIGHT},
         {"media[0].g", "0.6", TY_EDIT_LIGHT},
     };

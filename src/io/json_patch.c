@@ -13,7 +13,7 @@ typedef struct span {
     size_t length;
 } span;
 
-/* How a text is written. */
+/* Form of a text. */
 typedef struct json_style {
     span newline;
     span indent; /* of one level; empty: all is on one line */
@@ -357,11 +357,11 @@ static void write_object(patch* p, const json_t* before, const json_t* after, sp
 }
 
 ty_json_alignment ty_json_align(const json_t* before, const json_t* after) {
-    const size_t m = json_array_size(before), n = json_array_size(after), least = m < n ? m : n;
+    const size_t m = json_array_size(before), n = json_array_size(after), min = m < n ? m : n;
     ty_json_alignment found = {.start = 0};
-    while (found.start < least && json_equal(json_array_get(before, found.start), json_array_get(after, found.start)))
+    while (found.start < min && json_equal(json_array_get(before, found.start), json_array_get(after, found.start)))
         ++found.start;
-    while (found.end < least - found.start &&
+    while (found.end < min - found.start &&
            json_equal(json_array_get(before, m - 1 - found.end), json_array_get(after, n - 1 - found.end)))
         ++found.end;
     found.before = m - found.start - found.end;

@@ -253,8 +253,9 @@ static int measure(int count, char** arguments) {
          NULL},
         {"mesh", 0, CLI_TEXT, "FILE", "mesh for the rays (default: a terrain)", &options.mesh, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "DIR", "also compare with DIR/SCENE.exr", &options.reference, 0, 0, NULL},
-        {"data", 0, CLI_TEXT, "DIR", "lpv, dom: third-party scenes (default: the environment variable TYNDALL_DATA)",
-         &options.data, 0, 0, NULL},
+        {"data", 0, CLI_TEXT, "DIR",
+         "lpv, dom, edit: third-party scenes (default: the environment variable TYNDALL_DATA)", &options.data, 0, 0,
+         NULL},
     };
     char details[2048] =
         "Without --json, -o, --from, --baseline and --markdown numbers are printed as YAML as they come. "

@@ -287,14 +287,27 @@ static unsigned sections_of(const json_t* before, const json_t* after) {
     return sections;
 }
 
+static bool same_camera(const ty_camera_def* a, const ty_camera_def* b) {
+    return memcmp(a->position, b->position, sizeof a->position) == 0 &&
+           memcmp(a->target, b->target, sizeof a->target) == 0 && memcmp(a->up, b->up, sizeof a->up) == 0 &&
+           memcmp(a->resolution, b->resolution, sizeof a->resolution) == 0 && a->fov_y == b->fov_y &&
+           a->exposure == b->exposure;
+}
+
 static ty_result apply(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count, uint32_t* edited) {
     ty_scene_reader reader = start_reading(editor);
     reader.bare = true;
     ty_result result = change_copy(editor, changes, count, &reader.root);
     if (result == TY_OK && !json_equal(editor->root, reader.root)) {
+        const ty_camera_def camera = ty_scene_camera(editor->scene);
+        uint32_t flags = TY_EDIT_NOTHING;
         result = ty_reader_check(&reader, NULL);
-        const uint32_t flags = result == TY_OK ? compare(editor->root, reader.root) : TY_EDIT_NOTHING;
-        if (result == TY_OK) result = build(editor, &reader, sections_of(editor->root, reader.root));
+        if (result == TY_OK) {
+            flags = compare(editor->root, reader.root);
+            result = build(editor, &reader, sections_of(editor->root, reader.root));
+        }
+        const ty_camera_def now = ty_scene_camera(editor->scene);
+        if (!same_camera(&camera, &now)) flags |= TY_EDIT_CAMERA; /* that of a geometry's file */
         if (result == TY_OK) *edited = flags;
     }
     end_reading(&reader);

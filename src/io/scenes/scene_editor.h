@@ -2,10 +2,12 @@
  * stay in memory, and a change makes anew only what depends on it. The scene is then as if ty_scene_load had read the
  * edited document: its hash and its images are the same, bit by bit.
  *
- * Files are looked at when the section that names them changes, and read again if their size or time of modification
- * is another; what is not named any more is kept in memory up to a limit, so that a look at the frame before is fast.
+ * A file is looked at when the section that names it changes, and read again if its size or time of modification is
+ * another; buffers and images that a .gltf or .obj names count with it. Volumes, maps, closed meshes and noise that the
+ * document does not name any more, such as the frame before, stay in memory up to the limits in asset_cache.h. A change
+ * of geometry, meters_per_unit or up_axis makes the whole scene anew from them; other changes keep its meshes.
  *
- * One thread uses an editor at a time. */
+ * One thread uses an editor at a time, and an edit changes the scene in place: no renderer may be using it. */
 #ifndef TY_IO_SCENE_EDITOR_H
 #define TY_IO_SCENE_EDITOR_H
 
