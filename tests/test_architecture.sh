@@ -109,7 +109,7 @@ only() {
 }
 only embree "src/scene/accel.c tools/bench/embree.c"
 only cairo "tools/plot/canvas.c"
-only civetweb "src/cli/view/server.c"
+only civetweb "src/cli/view/server.c tools/bench/view_client.c"
 only turbojpeg "src/cli/view/frame.c"
 only blosc "src/io/volumes/vdb_tree.c src/io/volumes/vdb_write.c"
 only openvdb "no file: it starts threads before main"

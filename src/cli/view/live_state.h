@@ -11,7 +11,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-/* How good the image is that clients were last shown of the present revision. */
+/* The quality of the image of the present revision that clients were last shown. */
 typedef enum view_shown { VIEW_SHOWN_NOTHING, VIEW_SHOWN_COARSE, VIEW_SHOWN_FULL } view_shown;
 
 /* The last full image of a channel, for files. */

@@ -29,7 +29,7 @@ export const axes = camera => {
 const swing = (arm, camera, side, rise) => {
   const up = upOf(camera), { right } = axes(camera);
   const angle = Math.acos(Math.min(Math.max(dot(unit(arm), up), -1), 1)); // from the pole
-  const least = Math.PI / 360, wanted = Math.min(Math.max(angle - rise, least), Math.PI - least);
+  const margin = Math.PI / 360, wanted = Math.min(Math.max(angle - rise, margin), Math.PI - margin);
   const towards = dot(arm, axes(camera).forward) > 0 ? 1 : -1;
   return turn(turn(arm, right, towards * (angle - wanted)), up, side);
 };
@@ -50,10 +50,10 @@ export const pan = (camera, x, y) => {
   return { position: add(camera.position, shift), target: add(camera.target, shift) };
 };
 
-/* Towards the target: the distance times a factor, no nearer than least. */
-export const dolly = (camera, factor, least) => {
+/* Towards the target: the distance times a factor, no nearer than nearest. */
+export const dolly = (camera, factor, nearest) => {
   const arm = subtract(camera.position, camera.target);
-  return { position: add(camera.target, times(unit(arm), Math.max(length(arm) * factor, least))) };
+  return { position: add(camera.target, times(unit(arm), Math.max(length(arm) * factor, nearest))) };
 };
 
 /* Right, up, forward in metres. */
