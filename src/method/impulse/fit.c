@@ -85,7 +85,7 @@ double ty_impulse_fit_axis(const ty_impulse_recurrence* recurrence, const ty_imp
     return sin(minimize(&fit, low, best * step, high));
 }
 
-void ty_impulse_project(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response, double shift,
+void ty_impulse_project(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response, double axis_tilt,
                         double zonal[TY_IMPULSE_TERMS]) {
-    project(recurrence, response, asin(shift), zonal);
+    project(recurrence, response, asin(axis_tilt), zonal);
 }

@@ -23,9 +23,9 @@ typedef struct ty_dom_scratch {
 
 ty_result ty_dom_scratch_create(const ty_dom_job* job, ty_dom_scratch* scratch);
 void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch);
-/* Adds the first-collision source of a field to q_lm. light: the field's fluence, TY_FLUENCE_DIRECTIONAL or _POINT.
- * mean_cosine: of directional light about its direction. */
-void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, const ty_light_fluence* light,
+/* Adds the first-collision source of a field to q_lm. uncollided: the field's fluence, TY_FLUENCE_DIRECTIONAL or
+ * _POINT. mean_cosine: of directional light about its direction. */
+void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, const ty_light_fluence* uncollided,
                                  float mean_cosine, ty_dom_scratch* scratch);
 
 /* Several directional samples without dedicated fields, whose moments are added to q_lm in one pass over its planes. */

@@ -8,6 +8,6 @@
 /* Errors: TY_ERROR_MEMORY. Ended with ty_packed_lattices_destroy, failed or not. */
 ty_result ty_packed_lattices_create(ty_context* context, ty_lattice* const* lattices, int32_t count,
                                     ty_packed_lattices* out);
-void ty_packed_lattices_destroy(ty_context* context, ty_packed_lattices* look);
+void ty_packed_lattices_destroy(ty_context* context, ty_packed_lattices* packed);
 
 #endif

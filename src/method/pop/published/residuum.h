@@ -19,6 +19,6 @@ void ty_pop_residuum_deposit(ty_context* context, const ty_pop_light* lights, in
  * to its radiance. medium: any resolution; it is empty outside its box. Returns the iterations, -1 if memory runs
  * out; *left: the fraction that remains. */
 int32_t ty_pop_residuum(ty_context* context, const ty_grid_medium* medium, double tolerance, int32_t iterations,
-                        ty_pop_merged* merged, double* unpropagated);
+                        ty_pop_merged* merged, double* left);
 
 #endif
