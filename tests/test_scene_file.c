@@ -440,22 +440,23 @@ static const char every_key[] =
     "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"max_flux_fraction\":1,\"boundary\":\"dirichlet\",\"solver\":"
     "\"sor\","
     "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
-    "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5},"
+    "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5,\"ray_spacing\":2},"
     "\"pop\":{\"mode\":\"collided\",\"resolution\":16,\"merged\":24,\"fine_lights\":false,\"direct\":40,\"ordinates\":"
     "27,"
     "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"vpl_min_distance\":"
     "0.1,"
     "\"iterations\":11,\"residuum\":0.2,\"residuum_iterations\":12,\"max_flux_fraction\":0.7,\"tolerance\":1e-2,"
     "\"spp\":3,"
-    "\"step\":0.25},"
+    "\"step\":0.25,\"ray_spacing\":8},"
     "\"lpv\":{\"mode\":\"published\",\"parts\":\"both\",\"place\":\"camera\",\"resolution\":24,\"extent\":20,"
     "\"cascades\":3,\"bands\":3,\"window\":0.1,\"iterations\":10,\"tolerance\":0.02,\"map_side\":64,\"samples\":4,"
     "\"block_side\":2,\"shadow_side\":128,\"shadow_rays\":false,\"half\":false,\"step\":0.75,\"spp\":5},"
     "\"dom\":{\"resolution\":20,\"direct\":60,\"directions\":48,\"last_directions\":80,\"bands\":4,\"acceleration\":"
     "\"none\","
-    "\"tolerance\":1e-4,\"iterations\":50,\"environment_beams\":9,\"surface_points\":6,\"spp\":4,\"step\":2},"
+    "\"tolerance\":1e-4,\"iterations\":50,\"environment_beams\":9,\"surface_points\":6,\"spp\":4,\"step\":2,\"ray_"
+    "spacing\":4},"
     "\"octaves\":{\"count\":3,\"scattering\":0.4,\"extinction\":0.6,\"anisotropy\":0.3,\"view_extinction\":\"scaled\","
-    "\"resolution\":30,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5}}}";
+    "\"resolution\":30,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5,\"ray_spacing\":2}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {
