@@ -181,8 +181,14 @@ def check_methods(client):
     client.send("view", method="nonsense")
     assert "nonsense" in client.next("error")["text"]
     lights = client.welcome["document"]["lights"]
-    client.send("view", method="lpv")
+    client.send("view", method="pop")
     client.set("lights", [{"type": "environment", "radiance": 1}])
+    revision = client.set("camera.position", [1, 0, 4])  # which only light that keeps its lobes can be viewed from
+    client.wait_final(revision)
+    client.wait(lambda: client.status["revision"] >= revision, "the status of the moved camera")
+    assert client.status["message"] == "", client.status
+    client.set("camera.position", [0, 0, 4])
+    client.send("view", method="lpv")
     client.wait(lambda: client.status["method"] == "lpv" and "lpv" in client.status["message"], "the refusal of a method")
     client.set("lights", lights)
     client.send("view", method="fld")

@@ -195,6 +195,10 @@ static ty_result view(ty_volume_call* call, ty_image** out) {
 /* ty_pop_solve, ty_pop_view and ty_pop_render. */
 TY_DEFINE_VOLUME_CALLS(pop);
 
+static void free_camera(void* user) {
+    ((ty_pop_def*)user)->keep_lobes = true;
+}
+
 static void coarsen(void* user) {
     ty_pop_def* def = user;
     ty_lower_option(&def->resolution, 24);
@@ -206,8 +210,8 @@ static void coarsen(void* user) {
     def->tolerance = fmax(def->tolerance, 0.03);
 }
 
-const ty_volume_method ty_volume_pop = {TY_VOLUME_METHOD(pop), .solve_fraction = 0.5, .solve = solve, .view = view,
-                                        .coarsen = coarsen};
+const ty_volume_method ty_volume_pop = {TY_VOLUME_METHOD(pop), .solve_fraction = 0.5,      .solve = solve,
+                                        .view = view,          .free_camera = free_camera, .coarsen = coarsen};
 
 /* ---- importance ---- */
 
