@@ -52,7 +52,7 @@ typedef struct ty_path_def {
     void* state_user;       ///< Passed on to `state`; default NULL.
     double state_seconds;   ///< Time between two states, s, 0..1e9. TY_AUTO (default): 2, or 50 times the time that a
                             ///< state takes from the threads, if that is longer, so that states take at most 2% of it;
-                            ///< with `state_change` at most 3.
+                            ///< with `state_change` always 2.
     const void*
         resume; ///< Images: a state to go on from, with any changes of it behind it; default NULL. A resumed render
                 ///< gives the same image, bit for bit, as an uninterrupted one, if spp, seed, size, crop, aovs,

@@ -215,7 +215,7 @@ int cli_render(int count, char** arguments) {
         {"aov", 0, CLI_TEXT, "NAME,...", "also write these channels to the EXR (see above)", &options.aov, 0, 0, NULL},
         {"resume", 0, CLI_FLAG, NULL, "go on from FILE.state if it is there, and keep it up to date", &options.resume,
          0, 0, NULL},
-        {"checkpoint", 0, CLI_REAL, "SECONDS", "time between two states of --resume (default: 2 or 3, see above)",
+        {"checkpoint", 0, CLI_REAL, "SECONDS", "time between two states of --resume (default: 2, see above)",
          &options.checkpoint, 0.05, 1e6, &options.checkpoint_given},
         {"tev", 0, CLI_TEXT, "HOST:PORT", "also show the image in the viewer tev; path while it converges",
          &options.tev, 0, 0, NULL},
@@ -233,7 +233,7 @@ int cli_render(int count, char** arguments) {
         "With --resume the same command goes on where the last one was interrupted, also by a crash, and ends with\n"
         "the same image; the seconds of all runs count for --time, and --spp may be larger than before. What changed "
         "is\n"
-        "added to FILE.state every 2 or 3 seconds, so that a kill costs at most 5 seconds of work, as long as the "
+        "added to FILE.state every 2 seconds, so that a kill costs at most 5 seconds of work, as long as the "
         "disk\n"
         "takes it within one. One process at a time may use FILE.state.\n\n"
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "

@@ -17,10 +17,10 @@ enum { PASS_MAX = 16, STRIDE_FIRST = 16, STRIDE_MAX = TY_PATH_BLOCK * PASS_MAX }
 /* Target duration of a thread's work between two checks for an early stop, seconds. */
 static const double stride_seconds = 2e-3;
 
-/* Saved states with TY_AUTO: seconds between two of them, at most those where changes are handed out, the largest
- * fraction of all threads' time that they should take, and the target duration of samples that are in no state yet
- * because their block is not merged. */
-static const double state_seconds_auto = 2, change_seconds_max = 3, state_fraction = 0.02, merge_seconds = 0.5;
+/* Saved states with TY_AUTO: the shortest time between two of them in seconds, the largest fraction of all threads'
+ * time that they should take, and the target duration of samples that are in no state yet because their block is not
+ * merged. */
+static const double state_seconds_auto = 2, state_fraction = 0.02, merge_seconds = 0.5;
 
 /* The shortest time between two partial images. */
 static const double partial_seconds = 1;
@@ -127,8 +127,7 @@ static double period_of(const sampling* pass, double copying, double rest) {
 static double next_state_period(const sampling* pass, double copying, double rest) {
     const ty_path_def* def = pass->run->def;
     if (def->state_seconds != TY_AUTO) return def->state_seconds;
-    const double period = fmax(state_seconds_auto, period_of(pass, copying, rest));
-    return def->state_change != NULL ? fmin(period, change_seconds_max) : period;
+    return def->state_change != NULL ? state_seconds_auto : fmax(state_seconds_auto, period_of(pass, copying, rest));
 }
 
 /* Hands out a whole state, or changes; returns false if it is a whole state and the caller cancels. */
