@@ -2,7 +2,7 @@
 """`tyndall view` as its clients see it: what is shown is what `tyndall render` writes, changes of several clients, what is saved,
 what is refused; and the page in a headless browser where there is one.
 usage: test_view.py TYNDALL"""
-import json, math, os, re, signal, struct, subprocess, sys, tempfile, time
+import itertools, json, math, os, re, signal, struct, subprocess, sys, tempfile, threading, time
 from websocket import BINARY, TEXT, Refused, WebSocket, request
 
 TYNDALL = sys.argv[1]
@@ -172,6 +172,40 @@ def check_coarse(client):
     client.set("camera.position", [0, 0, 4])
 
 
+def check_surfaces():
+    """Surfaces, which are traced beside the light of media, are those of `tyndall render`; a camera that moves faster than
+    images come is followed all the same."""
+    document = json.loads(SCENE)
+    document["geometry"] = [{"quad": {"origin": [-5, -1, 5], "u": [10, 0, 0], "v": [0, 0, -10]}, "material": {"albedo": 0.5}}]
+    document["render"]["spp"] = 64
+    json.dump(document, open("floor.json", "w"))
+    viewer = Viewer("floor.json", "--no-compare", "--threads", "2")
+    client = viewer.connect()
+    client.wait_final()
+    open("live_floor.exr", "wb").write(viewer.image("method")[2])
+    render("floor.json", "-o", "floor.exr")
+    found = difference("live_floor.exr", "floor.exr")["all"]
+    assert abs(found["mean_ratio"] - 1) < 0.02 and found["relative_rmse"] < 0.2, found
+    client.send("view", width=8 * WIDTH, height=8 * HEIGHT)
+    revision = client.set("media[0].g", 0.3)
+    moved = threading.Event()
+
+    def move():
+        for step in itertools.count():
+            client.send("camera", position=[0.01 * (step % 50), 0, 4], moving=True)
+            if moved.wait(0.004):
+                return
+    mover = threading.Thread(target=move)
+    mover.start()
+    for _ in range(3):
+        client.wait(lambda: METHOD in client.frames and client.frames[METHOD]["revision"] > revision, "an image of a moving camera")
+        revision = client.frames[METHOD]["revision"]
+    moved.set()
+    mover.join()
+    client.wait_final(revision + 1)
+    assert viewer.stop()[0] == 0
+
+
 def check_methods(client):
     for method in ("pop", "dom", "octaves", "lpv", "path"):
         client.send("view", method=method)
@@ -290,6 +324,7 @@ def main():
         page = check_page(viewer)
         status, errors = viewer.stop()
         assert status == 0 and errors == "view: Ctrl-C ends it\n", (status, errors)
+        check_surfaces()
         os.chdir(here)
     print("test_view: passed" + (", but for the page: there is no browser" if page == 77 else ""))
     return 0

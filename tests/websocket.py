@@ -1,5 +1,5 @@
 """A WebSocket client and plain requests, byte by byte, so that tests can send what no browser would."""
-import base64, os, socket, struct
+import base64, os, socket, struct, threading
 
 WAIT = 60  # seconds, for a slow and busy machine
 CONTINUATION, TEXT, BINARY, CLOSE, PING, PONG = 0, 1, 2, 8, 9, 10
@@ -42,7 +42,7 @@ class WebSocket:
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         self.socket.settimeout(WAIT)
         self.socket.connect(("127.0.0.1", port))
-        self.buffer, self.closed = b"", None
+        self.buffer, self.closed, self.sending = b"", None, threading.Lock()
         upgrade = {"upgrade": "websocket", "connection": "Upgrade", "sec_websocket_version": "13",
                    "sec_websocket_key": base64.b64encode(os.urandom(16)).decode()}
         self.socket.sendall(head_of(port, target, "GET", "HTTP/1.1", upgrade | headers))
@@ -71,7 +71,8 @@ class WebSocket:
         head = bytes([(0x80 if last else 0) | opcode])
         head += bytes([0x80 | size]) if size < 126 else struct.pack(">BH", 0xfe, size) if size < 1 << 16 \
             else struct.pack(">BQ", 0xff, size)
-        self.socket.sendall(head + bytes(4) + data)  # masked by zeros
+        with self.sending:
+            self.socket.sendall(head + bytes(4) + data)  # masked by zeros
 
     def receive(self):
         """(opcode, data) of the next message; pings are answered. After a goodbye self.closed is its code."""

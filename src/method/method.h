@@ -29,8 +29,18 @@ typedef struct ty_render_request {
 } ty_render_request;
 
 /* The accuracy of a solve: TY_SOLVE_COARSE, for a scene that changes while it is shown, takes the method's options with
- * fewer cells, directions and samples where they ask for more. */
-typedef enum ty_solve_quality { TY_SOLVE_COARSE, TY_SOLVE_FULL } ty_solve_quality;
+ * fewer cells, directions and samples where they ask for more; TY_SOLVE_COARSEST with half as many along each axis. */
+typedef enum ty_solve_quality {
+    TY_SOLVE_COARSEST,
+    TY_SOLVE_COARSE,
+    TY_SOLVE_FULL,
+    TY_SOLVE_QUALITIES
+} ty_solve_quality;
+
+/* The bound of a number of cells along an axis in a solve of a coarse quality. */
+static inline int32_t ty_coarse_bound(ty_solve_quality quality, int32_t bound) {
+    return quality == TY_SOLVE_COARSEST ? bound / 2 : bound;
+}
 
 enum { TY_METHOD_STATS_MAX = 1024 };
 
@@ -78,8 +88,8 @@ typedef struct ty_method {
     ty_result (*check)(const ty_scene* scene);
     /* Results like ty_path_render, except that *out is NULL on TY_CANCELLED where a partial result is no image. */
     ty_result (*render)(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run);
-    /* `render` in two parts, for images of one light from many cameras: NULL in methods that cannot. solve: *light is freed
-     * with destroy, and NULL on failure. view: scene is the solved one, or one like it except for its camera;
+    /* `render` in two parts, for images of one light from many cameras: NULL in methods that cannot. solve: *light is
+     * freed with destroy, and NULL on failure. view: scene is the solved one, or one like it except for its camera;
      * unscattered: the surfaces as by ty_trace_surfaces in the request's size, or NULL. run receives the stats of the
      * part. follows_camera: true if the light holds for the scene's present camera alone; NULL: never. */
     ty_result (*solve)(const ty_scene* scene, const ty_render_request* request, ty_solve_quality quality, void** light,

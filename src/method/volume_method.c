@@ -147,7 +147,7 @@ ty_result ty_volume_method_solve(const ty_volume_method* method, void (*change)(
     *light = NULL;
     ty_result result = make_def(method, change, scene, request, NULL, def);
     if (method->free_camera != NULL) method->free_camera(def);
-    if (quality == TY_SOLVE_COARSE && method->coarsen != NULL) method->coarsen(def);
+    if (quality != TY_SOLVE_FULL && method->coarsen != NULL) method->coarsen(def, quality);
     if (result == TY_OK) result = ty_volume_solve(method, scene, def, light, ty_method_stats(run, method->stats_bytes));
     return result;
 }

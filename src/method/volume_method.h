@@ -44,7 +44,8 @@ typedef struct ty_volume_method {
     ty_result (*solve)(ty_volume_call* call);
     ty_result (*view)(ty_volume_call* call, ty_image** out);
     void (*free_camera)(void* def); /* the def of light that other cameras view, too; NULL: the same */
-    void (*coarsen)(void* def);     /* the def of TY_SOLVE_COARSE; NULL: the same */
+    void (*coarsen)(void* def,
+                    ty_solve_quality quality); /* the def of a solve coarser than TY_SOLVE_FULL; NULL: the same */
     void (*destroy)(void* light);
 } ty_volume_method;
 

@@ -163,6 +163,13 @@ static bool measure(const bench_session* bench, view_client* client, measured* o
            time_orbit(client, &at, bench->options->quick ? 1 : orbit_seconds, out);
 }
 
+/* complaint: the viewer's; "": it sent nothing in time. */
+static void tell_failure(const bench_session* bench, const char* complaint) {
+    char late[64];
+    snprintf(late, sizeof late, "no final image within %.0f s", timeout);
+    json_text(bench->json, "refused", complaint[0] != '\0' ? complaint : late);
+}
+
 static int measure_case(const bench_session* bench, const char* scene, const char* method) {
     int32_t size[2];
     char pixels[32], threads[16];
@@ -182,7 +189,7 @@ static int measure_case(const bench_session* bench, const char* scene, const cha
                       {"images_per_second", m.rate}, {"width_while_moving", m.coarse}, {"solve_ms", m.solve},
                       {"view_ms", m.view});
     else
-        json_text(bench->json, "refused", view_client_complaint(client));
+        tell_failure(bench, view_client_complaint(client));
     json_close_object(bench->json);
     view_client_close(client);
     return CLI_DONE;

@@ -5,6 +5,7 @@
 
 #include <tyndall/choose.h>
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,6 +47,7 @@ static bool set_method(view_live* live, const char* name) {
 
 static void begin_revision(view_live* live, const view_request* request) {
     ++live->revision;
+    live->rested = false;
     live->shown = VIEW_SHOWN_NOTHING;
     live->failed = false;
     live->has_difference = false;
@@ -197,15 +199,9 @@ static void wait_for_request(view_live* live) {
     until.tv_sec += (time_t)seconds + until.tv_nsec / 1000000000;
     until.tv_nsec %= 1000000000;
     pthread_mutex_lock(&live->mutex);
-    if (live->first == NULL && !live->stop) pthread_cond_timedwait(&live->changed, &live->mutex, &until);
+    if (live->first == NULL && !live->stop)
+        live->rested = pthread_cond_timedwait(&live->changed, &live->mutex, &until) == ETIMEDOUT;
     pthread_mutex_unlock(&live->mutex);
-}
-
-static bool stopped(view_live* live) {
-    pthread_mutex_lock(&live->mutex);
-    const bool stop = live->stop;
-    pthread_mutex_unlock(&live->mutex);
-    return stop;
 }
 
 /* Shows a client that has just connected what the others see. */
@@ -221,7 +217,7 @@ static void greet(view_live* live) {
 
 static void* run(void* user) {
     view_live* live = user;
-    while (!stopped(live)) {
+    while (!atomic_load(&live->stop)) {
         greet(live);
         view_request* request = take_request(live);
         if (request != NULL) {
@@ -393,6 +389,7 @@ void view_live_close(view_live* live) {
     view_accumulation_free(&live->path);
     for (int i = 0; i < VIEW_CHANNEL_COUNT; ++i) free(live->pictures[i].rgb);
     free(live->rgb);
+    free(live->media);
     free(live->original);
     free(live->document);
     free(live->view);

@@ -55,8 +55,8 @@ struct view_live {
     uint32_t document_revision;
     double extent[2][3];
     view_picture pictures[VIEW_CHANNEL_COUNT];
-    bool stop;
-    bool newcomer;           /* a client has connected that has not been shown anything */
+    bool newcomer; /* a client has connected that has not been shown anything */
+    atomic_bool stop;
     atomic_bool interrupted; /* a request waits, or the end: the running work gives up */
 
     /* Of the rendering thread alone. */
@@ -69,14 +69,15 @@ struct view_live {
     int32_t width, height;
     double exposure;
     uint32_t revision;
+    bool rested;     /* nothing was left to do for a while */
     double moved;    /* s: time of the last request that said that more follow; 0: at rest */
     double received; /* s: of the oldest request that the next image answers */
 
     const ty_method* light_method;
-    void* lights[TY_SOLVE_FULL + 1];          /* of light_method, by quality; NULL: none */
-    double solve_seconds[TY_SOLVE_FULL + 1];  /* the last solve took; 0: none yet */
-    double coarse_seconds[TY_SOLVE_FULL + 1]; /* the last coarse view of the light took; 0: none yet */
-    double view_seconds;                      /* estimate of a view at full size */
+    void* lights[TY_SOLVE_QUALITIES];          /* of light_method, by quality; NULL: none */
+    double solve_seconds[TY_SOLVE_QUALITIES];  /* the last solve took; 0: none yet */
+    double coarse_seconds[TY_SOLVE_QUALITIES]; /* the last coarse view of the light took; 0: none yet */
+    double view_seconds;                       /* estimate of a view at full size */
     view_shown shown;
     bool has_surfaces;
     bool failed;                /* the method refused the scene: nothing is shown until it changes */
@@ -86,6 +87,8 @@ struct view_live {
     double path_seconds; /* estimate of its first pass at full size */
     float* rgb;          /* pixels of the last image, interleaved */
     size_t rgb_capacity; /* values */
+    float* media;        /* pixels of the last view of media, interleaved, without the surfaces' own light */
+    size_t media_capacity;
     view_difference difference;
     bool has_difference;
     double shown_times[32]; /* s: of the last images, a ring, for the rate */

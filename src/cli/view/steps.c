@@ -8,28 +8,48 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double coarse_view_seconds = 0.04; /* aim for images while something moves */
-static const double quick_solve_seconds = 0.06; /* a full solve that takes less is done at once */
+static const double coarse_view_seconds = 0.04;    /* aim for images while something moves */
+static const double coarse_surface_seconds = 0.02; /* of that, for more than a sample of surfaces in each pixel */
+static const double full_surface_seconds = 0.2;    /* between two full images of noisy surfaces */
+static const double quick_solve_seconds = 0.06;    /* a solve that takes less is done at once */
 enum { COARSEST = 8, PATH_SPP_MAX = 1 << 20 };
 
 /* ---- pieces ---- */
 
+/* While something moves, changes do not interrupt its first image: they come faster than images, and none would ever be
+ * shown. */
 static bool report(void* user, const ty_progress* progress) {
     view_live* live = user;
     live->stage = progress->stage;
     live->fraction = progress->fraction;
     view_tell_status(live, false);
+    if (live->moved > 0 && live->shown == VIEW_SHOWN_NOTHING) return !atomic_load(&live->stop);
     return !atomic_load(&live->interrupted);
 }
 
-static float* pixels(view_live* live, int32_t width, int32_t height) {
+/* Makes room for 3 values per pixel; NULL without memory. */
+static float* make_room(float** pixels, size_t* capacity, int32_t width, int32_t height) {
     const size_t values = 3 * (size_t)width * (size_t)height;
-    if (values > live->rgb_capacity) {
-        free(live->rgb);
-        live->rgb = malloc(values * sizeof(float));
-        live->rgb_capacity = live->rgb != NULL ? values : 0;
+    if (values > *capacity) {
+        free(*pixels);
+        *pixels = malloc(values * sizeof(float));
+        *capacity = *pixels != NULL ? values : 0;
     }
-    return live->rgb;
+    return *pixels;
+}
+
+static float* pixels(view_live* live, int32_t width, int32_t height) {
+    return make_room(&live->rgb, &live->rgb_capacity, width, height);
+}
+
+/* Copies the planes R, G, B of an image, interleaved. Returns false if it has none. */
+static bool interleave(const ty_image* image, float* rgb) {
+    const size_t count = (size_t)ty_image_width(image) * (size_t)ty_image_height(image);
+    const float* planes[3];
+    if (!ty_image_rgb_planes(image, planes)) return false;
+    for (size_t i = 0; i < count; ++i)
+        for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = planes[c][i];
+    return true;
 }
 
 static void note_image(view_live* live) {
@@ -63,12 +83,8 @@ static void show(view_live* live, view_channel channel, const float* rgb, int32_
 
 static bool show_image(view_live* live, const ty_image* image, bool final) {
     const int32_t width = ty_image_width(image), height = ty_image_height(image);
-    const float* planes[3];
     float* rgb = pixels(live, width, height);
-    if (rgb == NULL || !ty_image_rgb_planes(image, planes)) return false;
-    const size_t count = (size_t)width * (size_t)height;
-    for (size_t i = 0; i < count; ++i)
-        for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = planes[c][i];
+    if (rgb == NULL || !interleave(image, rgb)) return false;
     show(live, VIEW_CHANNEL_METHOD, rgb, width, height, 0, final);
     return true;
 }
@@ -129,7 +145,7 @@ static void note_stages(view_live* live, const ty_method_run* run) {
 /* ---- methods that solve once and view often ---- */
 
 void view_live_drop_light(view_live* live) {
-    for (int i = 0; i <= TY_SOLVE_FULL; ++i) {
+    for (int i = 0; i < TY_SOLVE_QUALITIES; ++i) {
         if (live->lights[i] != NULL) live->light_method->destroy(live->lights[i]);
         live->lights[i] = NULL;
     }
@@ -157,62 +173,76 @@ static bool has_light(const view_live* live, ty_solve_quality quality) {
     return live->light_method == live->method && live->lights[quality] != NULL;
 }
 
-/* The light for a coarse image: the full one, unless it takes long to solve or to view. */
+/* The light for a coarse image: the full one, unless it takes long to solve or to view, or else the better of the
+ * coarse ones that does not. */
 static ty_solve_quality coarse_quality(const view_live* live) {
     const double solve = live->solve_seconds[TY_SOLVE_FULL], view = live->coarse_seconds[TY_SOLVE_FULL];
-    if (view > 2 * coarse_view_seconds) return TY_SOLVE_COARSE;
+    const bool slow = live->solve_seconds[TY_SOLVE_COARSE] > quick_solve_seconds;
+    const ty_solve_quality coarse = slow ? TY_SOLVE_COARSEST : TY_SOLVE_COARSE;
+    if (view > 2 * coarse_view_seconds) return has_light(live, TY_SOLVE_COARSE) ? TY_SOLVE_COARSE : coarse;
     if (has_light(live, TY_SOLVE_FULL)) return TY_SOLVE_FULL;
-    return solve > 0 && solve < quick_solve_seconds ? TY_SOLVE_FULL : TY_SOLVE_COARSE;
+    return solve > 0 && solve < quick_solve_seconds ? TY_SOLVE_FULL : coarse;
 }
 
-/* The surfaces' own light as an image of the sums' size; *out stays NULL where the method needs none. */
-static ty_result surfaces_image(view_live* live, ty_image** out) {
-    const view_accumulation* sum = &live->surfaces;
-    *out = NULL;
-    if (!live->method->takes_surfaces || !live->has_surfaces) return TY_OK;
-    const ty_result result = ty_image_create_rgb(live->context, sum->width, sum->height, out);
-    if (result != TY_OK) return result;
-    const size_t count = (size_t)sum->width * (size_t)sum->height;
-    float* rgb = pixels(live, sum->width, sum->height);
-    if (rgb == NULL) return TY_ERROR_MEMORY;
-    view_accumulation_mean(sum, rgb);
-    for (int32_t c = 0; c < 3; ++c) {
-        float* plane = ty_image_plane(*out, c);
-        for (size_t i = 0; i < count; ++i) plane[i] = rgb[3 * i + (size_t)c];
-    }
-    return TY_OK;
+/* True if the method's view shows media alone, and the surfaces' own light is added to it. */
+static bool adds_surfaces(const view_live* live) {
+    return live->method->takes_surfaces && live->has_surfaces;
 }
 
-/* Adds samples to the surfaces' own light, from none where its size or the scene changed. */
-static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew) {
-    if (!live->method->takes_surfaces || !live->has_surfaces) return TY_OK;
+/* Adds samples to the surfaces' own light for some seconds, and at least once; from none where its size or the scene
+ * changed. */
+static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew, double seconds) {
+    if (!adds_surfaces(live)) return TY_OK;
     const int32_t width = divided(live->width, divisor), height = divided(live->height, divisor);
     if (anew && !view_accumulation_reset(&live->surfaces, width, height, true)) return TY_ERROR_MEMORY;
     const double begun = cli_wall_seconds();
-    const ty_result result = view_accumulation_add(&live->surfaces, live->scene, PATH_SPP_MAX, report, live);
-    live->times.surfaces = 1e3 * (cli_wall_seconds() - begun);
+    double last, now = begun;
+    ty_result result;
+    do {
+        last = now;
+        result = view_accumulation_add(&live->surfaces, live->scene, PATH_SPP_MAX, report, live);
+        now = cli_wall_seconds();
+    } while (result == TY_OK && now + 2 * (now - last) < begun + seconds);
+    live->times.surfaces = 1e3 * (now - begun);
     return result;
 }
 
-static ty_result view(view_live* live, ty_solve_quality quality, int32_t divisor, bool final) {
+/* Views the light of media: all that the method shows but for the surfaces' own light. */
+static ty_result view_media(view_live* live, ty_solve_quality quality, int32_t divisor) {
     const ty_render_request request = request_of(live, divisor);
-    ty_image *surfaces = NULL, *image = NULL;
+    ty_image *black = NULL, *image = NULL;
     ty_method_run run = {.own_seconds = 0};
-    ty_result result = surfaces_image(live, &surfaces);
+    ty_result result = TY_OK;
+    if (adds_surfaces(live)) result = ty_image_create_rgb(live->context, request.width, request.height, &black);
     const double begun = cli_wall_seconds();
-    if (result == TY_OK)
-        result = live->method->view(live->lights[quality], live->scene, &request, surfaces, &image, &run);
+    if (result == TY_OK) result = live->method->view(live->lights[quality], live->scene, &request, black, &image, &run);
     const double seconds = cli_wall_seconds() - begun;
     if (result == TY_OK) {
         live->times.view = 1e3 * seconds;
         note_view(live, seconds, divisor);
         if (divisor > 1) live->coarse_seconds[quality] = seconds;
         note_stages(live, &run);
-        if (!show_image(live, image, final)) result = TY_ERROR_MEMORY;
+        float* rgb = make_room(&live->media, &live->media_capacity, request.width, request.height);
+        if (rgb == NULL || !interleave(image, rgb)) result = TY_ERROR_MEMORY;
     }
     ty_image_destroy(image);
-    ty_image_destroy(surfaces);
+    ty_image_destroy(black);
     return result;
+}
+
+/* Shows the light of media, and that of surfaces as far as it is traced in the same size. */
+static ty_result show_sum(view_live* live, int32_t divisor, bool final) {
+    const int32_t width = divided(live->width, divisor), height = divided(live->height, divisor);
+    const size_t values = 3 * (size_t)width * (size_t)height;
+    float* rgb = pixels(live, width, height);
+    if (rgb == NULL) return TY_ERROR_MEMORY;
+    if (adds_surfaces(live))
+        view_accumulation_mean(&live->surfaces, rgb);
+    else
+        memset(rgb, 0, values * sizeof *rgb);
+    for (size_t i = 0; i < values; ++i) rgb[i] += live->media[i];
+    show(live, VIEW_CHANNEL_METHOD, rgb, width, height, 0, final);
+    return TY_OK;
 }
 
 /* The first image after a change: from the light that holds, or a coarse or quick solve. */
@@ -220,15 +250,30 @@ static ty_result show_coarse(view_live* live) {
     const ty_solve_quality quality = coarse_quality(live);
     const int32_t divisor = coarse_divisor(live);
     ty_result result = has_light(live, quality) ? TY_OK : solve(live, quality);
-    if (result == TY_OK) result = trace_surfaces(live, divisor, true);
-    if (result == TY_OK) result = view(live, quality, divisor, false);
+    if (result == TY_OK) result = view_media(live, quality, divisor);
+    if (result == TY_OK) result = trace_surfaces(live, divisor, true, coarse_surface_seconds);
+    if (result == TY_OK) result = show_sum(live, divisor, false);
     return result;
 }
 
 /* True while more samples of the surfaces would show in the image. */
 static bool surfaces_are_noisy(const view_live* live) {
-    if (!live->method->takes_surfaces || !live->has_surfaces) return false;
+    if (!adds_surfaces(live)) return false;
     return view_accumulation_spp(&live->surfaces) < fmax(ty_scene_render_settings(live->scene).spp, 16);
+}
+
+/* At rest for a while: times a coarse view of the full light, and solves the coarse light if that view is slow, so that
+ * the next move of the camera need not. Returns false if there is nothing to prepare. */
+static bool prepare_coarse(view_live* live) {
+    const view_times times = live->times;
+    ty_result result = TY_OK;
+    if (live->moved > 0 || live->coarse_seconds[TY_SOLVE_FULL] > 0 || coarse_divisor(live) < 2) return false;
+    if (!live->rested) return false;
+    result = view_media(live, TY_SOLVE_FULL, coarse_divisor(live));
+    const ty_solve_quality quality = coarse_quality(live);
+    if (result == TY_OK && !has_light(live, quality)) result = solve(live, quality);
+    live->times = times;
+    return result == TY_OK || fail(live, result);
 }
 
 /* Returns false when the method's image is final. */
@@ -246,9 +291,10 @@ static bool step_light(view_live* live) {
         return result == TY_OK || fail(live, result);
     }
     const bool first = live->shown == VIEW_SHOWN_COARSE;
-    if (!first && !surfaces_are_noisy(live)) return false;
-    result = trace_surfaces(live, 1, first);
-    if (result == TY_OK) result = view(live, TY_SOLVE_FULL, 1, !surfaces_are_noisy(live));
+    if (!first && !surfaces_are_noisy(live)) return prepare_coarse(live);
+    if (first) result = view_media(live, TY_SOLVE_FULL, 1);
+    if (result == TY_OK) result = trace_surfaces(live, 1, first, full_surface_seconds);
+    if (result == TY_OK) result = show_sum(live, 1, !surfaces_are_noisy(live));
     if (result != TY_OK) return fail(live, result);
     live->shown = VIEW_SHOWN_FULL;
     live->has_difference = false;

@@ -93,12 +93,12 @@ void ty_dom_destroy(ty_dom* light) {
 /* ty_dom_solve, ty_dom_view and ty_dom_render. */
 TY_DEFINE_VOLUME_CALLS(dom);
 
-static void coarsen(void* user) {
+static void coarsen(void* user, ty_solve_quality quality) {
     ty_dom_def* def = user;
     ty_lower_option(&def->directions, 24);
     ty_lower_option(&def->last_directions, 0);
-    ty_lower_option(&def->resolution, 16);
-    ty_lower_option(&def->direct, 64);
+    ty_lower_option(&def->resolution, ty_coarse_bound(quality, 16));
+    ty_lower_option(&def->direct, ty_coarse_bound(quality, 64));
     ty_lower_option(&def->environment_beams, 16);
     ty_lower_option(&def->surface_points, 4);
     def->tolerance = fmax(def->tolerance, 0.02);

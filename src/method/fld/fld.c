@@ -85,9 +85,9 @@ static ty_result view(ty_volume_call* call, ty_image** out) {
 /* ty_fld_solve, ty_fld_view and ty_fld_render. */
 TY_DEFINE_VOLUME_CALLS(fld);
 
-static void coarsen(void* user) {
+static void coarsen(void* user, ty_solve_quality quality) {
     ty_fld_def* def = user;
-    ty_lower_option(&def->resolution, 64);
+    ty_lower_option(&def->resolution, ty_coarse_bound(quality, 64));
     ty_lower_option(&def->environment_beams, 16);
     ty_lower_option(&def->surface_points, 4);
     def->tolerance = fmax(def->tolerance, 0.01);

@@ -69,10 +69,10 @@ static ty_result render(const ty_scene* scene, const ty_render_request* request,
     return result;
 }
 
-static void coarsen(ty_lpv_def* def) {
-    ty_lower_option(&def->resolution, 16);
-    ty_lower_option(&def->map_side, 128);
-    ty_lower_option(&def->shadow_side, 256);
+static void coarsen(ty_lpv_def* def, ty_solve_quality quality) {
+    ty_lower_option(&def->resolution, ty_coarse_bound(quality, 16));
+    ty_lower_option(&def->map_side, ty_coarse_bound(quality, 128));
+    ty_lower_option(&def->shadow_side, ty_coarse_bound(quality, 256));
     ty_lower_option(&def->samples, 4);
     def->tolerance = fmax(def->tolerance, 0.03);
 }
@@ -83,7 +83,7 @@ static ty_result solve(const ty_scene* scene, const ty_render_request* request, 
     ty_lpv_def def;
     ty_lpv* solved = NULL;
     ty_result result = make_def(scene, request, &def);
-    if (quality == TY_SOLVE_COARSE) coarsen(&def);
+    if (quality != TY_SOLVE_FULL) coarsen(&def, quality);
     if (result == TY_OK) result = ty_lpv_solve(scene, &def, &solved, lpv);
     *light = solved;
     return result;

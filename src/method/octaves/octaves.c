@@ -73,12 +73,13 @@ static ty_result view(ty_volume_call* call, ty_image** out) {
 /* ty_octaves_solve, ty_octaves_view and ty_octaves_render. */
 TY_DEFINE_VOLUME_CALLS(octaves);
 
-static void coarsen(void* user) {
+static void coarsen(void* user, ty_solve_quality quality) {
     ty_octaves_def* def = user;
-    ty_lower_option(&def->resolution, 64);
+    ty_lower_option(&def->resolution, ty_coarse_bound(quality, 64));
     ty_lower_option(&def->environment_beams, 16);
     ty_lower_option(&def->surface_points, 4);
 }
 
-const ty_volume_method ty_volume_octaves = {TY_VOLUME_METHOD(octaves), .solve_fraction = 0.4,
-                                            .check = ty_octaves_check_scales, .solve = solve, .view = view, .coarsen = coarsen};
+const ty_volume_method ty_volume_octaves = {
+    TY_VOLUME_METHOD(octaves), .solve_fraction = 0.4, .check = ty_octaves_check_scales, .solve = solve, .view = view,
+    .coarsen = coarsen};

@@ -199,11 +199,11 @@ static void free_camera(void* user) {
     ((ty_pop_def*)user)->keep_lobes = true;
 }
 
-static void coarsen(void* user) {
+static void coarsen(void* user, ty_solve_quality quality) {
     ty_pop_def* def = user;
-    ty_lower_option(&def->resolution, 24);
-    ty_lower_option(&def->merged, 32);
-    ty_lower_option(&def->direct, 64);
+    ty_lower_option(&def->resolution, ty_coarse_bound(quality, 24));
+    ty_lower_option(&def->merged, ty_coarse_bound(quality, 32));
+    ty_lower_option(&def->direct, ty_coarse_bound(quality, 64));
     ty_lower_option(&def->ordinates, 16);
     ty_lower_option(&def->surface_points, 4);
     ty_lower_option(&def->vpls, 16);
