@@ -38,7 +38,7 @@ typedef struct sampling {
     uint32_t* saved_counts; /* samples of each block in the saved state */
     bool whole_due;         /* the next state is a whole one */
     size_t changes_size;    /* bytes of changes since the last whole state */
-    double saved;           /* time of the last saved state */
+    double saved;           /* time of the last saved state: when copying it began */
     double state_period;    /* seconds until the next one */
     double shown;           /* time of the last partial image */
     double partial_period;  /* seconds until the next one */
@@ -158,8 +158,8 @@ static void save(sampling* pass, bool always) {
         const double copied = ty_wall_seconds();
         ty_path_state_seal(pass->state, size);
         if (!hand_out(pass, whole, size)) atomic_store(&pass->cancelled, true);
-        pass->saved = ty_wall_seconds();
-        pass->state_period = next_state_period(pass, copied - begun, pass->saved - copied);
+        pass->saved = begun;
+        pass->state_period = next_state_period(pass, copied - begun, ty_wall_seconds() - copied);
     }
     pthread_mutex_unlock(&pass->lock);
 }
