@@ -244,6 +244,15 @@ def check_difference(client):
     client.set("media[0].albedo", 0.9)
 
 
+def check_unchanged(client):
+    """A change to what is there already is answered with its id, and makes no revision."""
+    revision = client.set("media[0].g", 0.5)
+    for value in (0.5, 0.50):
+        done = client.next("done", "error", "scene", id=client.send("set", changes=[{"path": "media[0].g", "value": value}]))
+        assert done["type"] == "done" and done["revision"] == revision, done
+    client.set("media[0].g", 0.4)
+
+
 def check_refusals(viewer, client):
     before = client.welcome["document"]
     assert client.refused("set", changes=[{"path": "media[0].g", "value": 1.5}]).startswith("media[0].g: "), "range"
@@ -317,6 +326,7 @@ def main():
         check_methods(client)
         check_difference(client)
         check_record(client)
+        check_unchanged(client)
         check_clients(viewer, client)
         check_refusals(viewer, client)
         taken = subprocess.run([TYNDALL, "view", "scene.json", "--port", str(viewer.port)], capture_output=True, text=True)

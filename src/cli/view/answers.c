@@ -41,6 +41,12 @@ void view_answer_done(view_live* live, const view_request* request, const char* 
     send(live->server, request->client, message);
 }
 
+void view_answer_unchanged(view_live* live, const view_request* request) {
+    if (request->id < 0) return;
+    send(live->server, request->client,
+         json_pack("{s:s, s:I, s:i}", "type", "done", "id", request->id, "revision", (int)live->revision));
+}
+
 /* ---- status ---- */
 
 /* A finite number, or null. */

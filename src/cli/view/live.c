@@ -117,6 +117,7 @@ static void set(view_live* live, const view_request* request) {
     live->times.load = 1e3 * (cli_wall_seconds() - begun);
     if (edited == 0) { /* the end of a drag whose last value is there already */
         live->moved = request->moving ? live->moved : 0;
+        view_answer_unchanged(live, request);
         return;
     }
     begin_revision(live, request);
@@ -341,6 +342,7 @@ ty_result view_live_open(const view_live_def* def, view_live** out) {
     live->compare = def->compare;
     live->remote = def->remote;
     live->record = def->record;
+    live->tev = def->tev;
     live->scene_path = def->path;
     live->revision = 1;
     const char* slash = strrchr(def->path, '/');
@@ -390,6 +392,7 @@ void view_live_close(view_live* live) {
     for (int i = 0; i < VIEW_CHANNEL_COUNT; ++i) free(live->pictures[i].rgb);
     free(live->rgb);
     free(live->media);
+    free(live->enlarged);
     free(live->original);
     free(live->document);
     free(live->view);

@@ -3,7 +3,7 @@
 #ifndef TY_CLI_VIEW_LIVE_H
 #define TY_CLI_VIEW_LIVE_H
 
-#include "cli/options.h"
+#include "cli/tev.h"
 #include "cli/view/server.h"
 
 #include <tyndall/base.h>
@@ -20,6 +20,7 @@ typedef struct view_live_def {
     bool compare;          /* path runs in the background */
     bool remote;
     const char* record; /* folder for recorded images; NULL: none */
+    cli_tev* tev;       /* is shown the method's images, too; NULL: none */
 } view_live_def;
 
 /* Reads the scene. Errors: those of ty_scene_load; TY_ERROR_ARGUMENT for an unknown method. */

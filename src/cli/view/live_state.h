@@ -89,6 +89,9 @@ struct view_live {
     size_t rgb_capacity; /* values */
     float* media;        /* pixels of the last view of media, interleaved, without the surfaces' own light */
     size_t media_capacity;
+    cli_tev* tev;    /* NULL: none */
+    float* enlarged; /* the last coarse image for tev */
+    size_t enlarged_capacity;
     view_difference difference;
     bool has_difference;
     double shown_times[32]; /* s: of the last images, a ring, for the rate */
@@ -108,6 +111,20 @@ bool view_live_step(view_live* live);
 /* Frees light and sums. */
 void view_live_drop_light(view_live* live);
 
+/* ---- show.c ---- */
+
+/* Makes room for 3 values per pixel; NULL without memory. */
+float* view_make_room(float** pixels, size_t* capacity, int32_t width, int32_t height);
+/* Copies the planes R, G, B of an image, interleaved. Returns false if it has none. */
+bool view_interleave(const ty_image* image, float* rgb);
+/* Room for an image, 3 values per pixel, until the next call; NULL without memory. */
+float* view_pixels(view_live* live, int32_t width, int32_t height);
+/* Sends an image to all clients, and the method's to tev; one of full size is kept for files. rgb: 3 per pixel. */
+void view_show(view_live* live, view_channel channel, const float* rgb, int32_t width, int32_t height, double spp,
+               bool final);
+/* The same for an image of the method. Returns false without memory. */
+bool view_show_image(view_live* live, const ty_image* image, bool final);
+
 /* ---- answers.c: texts for clients ---- */
 
 void view_tell_status(view_live* live, bool at_once);
@@ -117,6 +134,8 @@ char* view_welcome(view_live* live); /* under the mutex; freed with free() */
 void view_refuse(view_server* server, int32_t client, json_int_t id, const char* text);
 void view_answer_document(view_live* live, const view_request* request);
 void view_answer_done(view_live* live, const view_request* request, const char* key, const char* value);
+/* To a `set` with an id that changed nothing, of which no `scene` tells. */
+void view_answer_unchanged(view_live* live, const view_request* request);
 
 /* ---- pictures.c: images for files ---- */
 

@@ -27,68 +27,6 @@ static bool report(void* user, const ty_progress* progress) {
     return !atomic_load(&live->interrupted);
 }
 
-/* Makes room for 3 values per pixel; NULL without memory. */
-static float* make_room(float** pixels, size_t* capacity, int32_t width, int32_t height) {
-    const size_t values = 3 * (size_t)width * (size_t)height;
-    if (values > *capacity) {
-        free(*pixels);
-        *pixels = malloc(values * sizeof(float));
-        *capacity = *pixels != NULL ? values : 0;
-    }
-    return *pixels;
-}
-
-static float* pixels(view_live* live, int32_t width, int32_t height) {
-    return make_room(&live->rgb, &live->rgb_capacity, width, height);
-}
-
-/* Copies the planes R, G, B of an image, interleaved. Returns false if it has none. */
-static bool interleave(const ty_image* image, float* rgb) {
-    const size_t count = (size_t)ty_image_width(image) * (size_t)ty_image_height(image);
-    const float* planes[3];
-    if (!ty_image_rgb_planes(image, planes)) return false;
-    for (size_t i = 0; i < count; ++i)
-        for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = planes[c][i];
-    return true;
-}
-
-static void note_image(view_live* live) {
-    live->shown_times[live->shown_count++ % (sizeof live->shown_times / sizeof live->shown_times[0])] =
-        cli_wall_seconds();
-}
-
-static void show(view_live* live, view_channel channel, const float* rgb, int32_t width, int32_t height, double spp,
-                 bool final) {
-    const double now = cli_wall_seconds();
-    if (channel == VIEW_CHANNEL_METHOD) {
-        if (live->received > 0) live->times.latency = 1e3 * (now - live->received);
-        live->received = 0;
-        note_image(live);
-    }
-    const view_frame frame = {.channel = channel,
-                              .revision = live->revision,
-                              .width = width,
-                              .height = height,
-                              .full_width = live->width,
-                              .full_height = live->height,
-                              .rgb = rgb,
-                              .spp = (float)spp,
-                              .latency = (float)live->times.latency,
-                              .exposure = (float)live->exposure,
-                              .final = final,
-                              .moving = width < live->width || live->moved > 0};
-    if (width == live->width && height == live->height) view_keep_picture(live, channel, rgb, width, height, spp);
-    view_server_show(live->server, &frame);
-}
-
-static bool show_image(view_live* live, const ty_image* image, bool final) {
-    const int32_t width = ty_image_width(image), height = ty_image_height(image);
-    float* rgb = pixels(live, width, height);
-    if (rgb == NULL || !interleave(image, rgb)) return false;
-    show(live, VIEW_CHANNEL_METHOD, rgb, width, height, 0, final);
-    return true;
-}
-
 /* Keeps the refusal of a method for the status, until something changes. Returns true: the step is done. */
 static bool fail(view_live* live, ty_result result) {
     const char* text = ty_take_error(live->context);
@@ -222,8 +160,8 @@ static ty_result view_media(view_live* live, ty_solve_quality quality, int32_t d
         note_view(live, seconds, divisor);
         if (divisor > 1) live->coarse_seconds[quality] = seconds;
         note_stages(live, &run);
-        float* rgb = make_room(&live->media, &live->media_capacity, request.width, request.height);
-        if (rgb == NULL || !interleave(image, rgb)) result = TY_ERROR_MEMORY;
+        float* rgb = view_make_room(&live->media, &live->media_capacity, request.width, request.height);
+        if (rgb == NULL || !view_interleave(image, rgb)) result = TY_ERROR_MEMORY;
     }
     ty_image_destroy(image);
     ty_image_destroy(black);
@@ -234,14 +172,14 @@ static ty_result view_media(view_live* live, ty_solve_quality quality, int32_t d
 static ty_result show_sum(view_live* live, int32_t divisor, bool final) {
     const int32_t width = divided(live->width, divisor), height = divided(live->height, divisor);
     const size_t values = 3 * (size_t)width * (size_t)height;
-    float* rgb = pixels(live, width, height);
+    float* rgb = view_pixels(live, width, height);
     if (rgb == NULL) return TY_ERROR_MEMORY;
     if (adds_surfaces(live))
         view_accumulation_mean(&live->surfaces, rgb);
     else
         memset(rgb, 0, values * sizeof *rgb);
     for (size_t i = 0; i < values; ++i) rgb[i] += live->media[i];
-    show(live, VIEW_CHANNEL_METHOD, rgb, width, height, 0, final);
+    view_show(live, VIEW_CHANNEL_METHOD, rgb, width, height, 0, final);
     return TY_OK;
 }
 
@@ -317,7 +255,7 @@ static bool step_render(view_live* live) {
         live->times.view = 1e3 * seconds;
         note_view(live, seconds, divisor);
         note_stages(live, &run);
-        if (!show_image(live, image, divisor == 1)) result = TY_ERROR_MEMORY;
+        if (!view_show_image(live, image, divisor == 1)) result = TY_ERROR_MEMORY;
     }
     ty_image_destroy(image);
     if (result != TY_OK) return fail(live, result);
@@ -329,12 +267,12 @@ static bool step_render(view_live* live) {
 
 static bool show_path(view_live* live, bool as_method, bool final) {
     const view_accumulation* sum = &live->path;
-    float* rgb = pixels(live, sum->width, sum->height);
+    float* rgb = view_pixels(live, sum->width, sum->height);
     if (rgb == NULL) return fail(live, TY_ERROR_MEMORY);
     view_accumulation_mean(sum, rgb);
     const double spp = view_accumulation_spp(sum);
-    if (as_method) show(live, VIEW_CHANNEL_METHOD, rgb, sum->width, sum->height, spp, final);
-    show(live, VIEW_CHANNEL_PATH, rgb, sum->width, sum->height, spp, false);
+    if (as_method) view_show(live, VIEW_CHANNEL_METHOD, rgb, sum->width, sum->height, spp, final);
+    view_show(live, VIEW_CHANNEL_PATH, rgb, sum->width, sum->height, spp, false);
     return true;
 }
 

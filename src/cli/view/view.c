@@ -14,7 +14,7 @@
 typedef struct view_options {
     int32_t port, size[2];
     bool no_open, remote, no_compare;
-    const char *method, *record;
+    const char *method, *record, *tev;
     cli_list overrides;
 } view_options;
 
@@ -63,6 +63,7 @@ static int serve(cli_session* session, view_live* live, const view_options* opti
 }
 
 static int load_and_serve(cli_session* session, const char* path, const view_options* options) {
+    cli_tev tev = {.session = session};
     const view_live_def def = {.context = session->context,
                                .path = path,
                                .overrides = options->overrides.items,
@@ -72,13 +73,17 @@ static int load_and_serve(cli_session* session, const char* path, const view_opt
                                .height = options->size[1],
                                .compare = !options->no_compare,
                                .remote = options->remote,
-                               .record = options->record};
+                               .record = options->record,
+                               .tev = options->tev != NULL ? &tev : NULL};
     view_live* live = NULL;
     cli_end_on_interrupt(true);
     const ty_result result = view_live_open(&def, &live);
     cli_end_on_interrupt(false);
-    const int status = result == TY_OK ? serve(session, live, options) : cli_fail_reading(session, result);
+    int status = result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
+    if (status == CLI_GO && options->tev != NULL) status = cli_tev_open(&tev, session, options->tev, path);
+    if (status == CLI_GO) status = serve(session, live, options);
     view_live_close(live);
+    cli_tev_close(&tev);
     return cli_session_close(session, status);
 }
 
@@ -103,6 +108,7 @@ int cli_view(int count, char** arguments) {
         {"no-compare", 0, CLI_FLAG, NULL, "do not path trace in the background", &options.no_compare, 0, 0, NULL},
         {"remote", 0, CLI_FLAG, NULL, "compress: JPEG while something moves, lossless at rest", &options.remote, 0, 0,
          NULL},
+        {"tev", 0, CLI_TEXT, "HOST:PORT", "also show the method's images in the viewer tev", &options.tev, 0, 0, NULL},
         {"record", 0, CLI_TEXT, "FOLDER", "where the page may write images", &options.record, 0, 0, NULL},
     };
     const cli_syntax syntax = {
@@ -124,6 +130,7 @@ int cli_view(int count, char** arguments) {
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO && options.method != NULL && cli_find_method("view", options.method) == NULL)
         status = CLI_USAGE;
+    if (status == CLI_GO && options.tev != NULL) status = cli_tev_check_address("view", options.tev);
     if (status == CLI_GO && options.record != NULL) status = cli_make_folder("view", options.record);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "view", &given.common);
