@@ -11,7 +11,7 @@
 typedef struct view_live view_live;
 
 typedef struct view_live_def {
-    ty_context* context;
+    cli_session* session;
     const char* path; /* of the scene file, or builtin:NAME */
     const char* const* overrides;
     int32_t override_count;
@@ -23,8 +23,8 @@ typedef struct view_live_def {
     cli_tev* tev;       /* is shown the method's images, too; NULL: none */
 } view_live_def;
 
-/* Reads the scene. Errors: those of ty_scene_load; TY_ERROR_ARGUMENT for an unknown method. */
-ty_result view_live_open(const view_live_def* def, view_live** out);
+/* Reads the scene. CLI_GO, or an exit status after a message. */
+int view_live_open(const view_live_def* def, view_live** out);
 /* Ends the thread, before the server stops. */
 void view_live_stop(view_live* live);
 /* Frees all; NULL is allowed. The server must have been stopped. */

@@ -34,7 +34,30 @@ typedef struct view_times {
     } stages[VIEW_STAGES_MAX];
 } view_times;
 
+/* What is shown: a document that clients change, and images of it. */
+typedef struct view_source {
+    const char* kind;      /* in the welcome: "scene" */
+    const char* reference; /* what the second channel shows: "path" */
+    ty_tone_curve curve;   /* of PNG files, and at first of the page */
+    /* Changes the document, or else leaves it as it was; *edited stays 0 where nothing is another than before. */
+    ty_result (*apply)(view_live* live, const ty_scene_change* changes, int32_t count, uint32_t* edited);
+    /* Takes over what `apply` changed; edited: its flags. */
+    void (*take)(view_live* live, uint32_t edited);
+    /* False for an unknown name. */
+    bool (*set_method)(view_live* live, const char* name);
+    /* As view_live_step. */
+    bool (*step)(view_live* live);
+    const char* (*text)(const view_live* live); /* the document as compact JSON */
+    /* Add members to the view, and to the welcome; `describe` is called under the mutex, by any thread. */
+    void (*describe_view)(const view_live* live, json_t* view);
+    void (*describe)(const view_live* live, json_t* welcome);
+    /* What clients keep, as JSON text, and the command that makes the image; freed with free(). */
+    ty_result (*save)(view_live* live, char** json, char** command);
+    void (*close)(view_live* live); /* after a failed opening, too */
+} view_source;
+
 struct view_live {
+    const view_source* source;
     ty_context* context;
     ty_scene_editor* editor;
     view_server* server;
@@ -103,11 +126,19 @@ struct view_live {
     double told; /* s: time of the last status */
 };
 
+/* ---- scene_source.c ---- */
+
+/* Sets the source, its method and the size of the frame. CLI_GO, or an exit status after a message. */
+int view_open_scene(view_live* live, const view_live_def* def);
+
 /* ---- steps.c ---- */
 
 /* Does the next piece of work: a coarse image, a solve, the full image, a better image of the surfaces, a pass of path.
  * Returns false when nothing is left to do. */
 bool view_live_step(view_live* live);
+/* The same for a scene, and for a method that renders at once. */
+bool view_step_scene(view_live* live);
+bool view_step_render(view_live* live);
 /* Frees light and sums. */
 void view_live_drop_light(view_live* live);
 
@@ -126,6 +157,11 @@ void view_show(view_live* live, view_channel channel, const float* rgb, int32_t 
 bool view_show_image(view_live* live, const ty_image* image, bool final);
 
 /* ---- answers.c: texts for clients ---- */
+
+json_t* view_number(double value); /* null where it is not finite */
+json_t* view_presets(void);        /* names of media */
+/* Appends a word to a command line, in single quotes where it needs them; *text begins as NULL. */
+void view_append_word(char** text, size_t* size, const char* word);
 
 void view_tell_status(view_live* live, bool at_once);
 /* Renews document and view, and sends them to all clients; changed: an array of paths, or NULL. */

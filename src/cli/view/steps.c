@@ -241,7 +241,7 @@ static bool step_light(view_live* live) {
 
 /* ---- methods that render at once ---- */
 
-static bool step_render(view_live* live) {
+bool view_step_render(view_live* live) {
     if (live->shown == VIEW_SHOWN_FULL || (live->shown == VIEW_SHOWN_COARSE && live->moved > 0)) return false;
     const bool coarse = live->shown == VIEW_SHOWN_NOTHING;
     const int32_t divisor = coarse ? coarse_divisor(live) : 1;
@@ -330,9 +330,13 @@ static bool step_reference(view_live* live) {
     return pass_path(live, coarse ? path_divisor(live) : 1, false);
 }
 
+bool view_step_scene(view_live* live) {
+    if (live->method == &ty_method_path) return step_path(live);
+    const bool worked = !live->failed && (live->method->solve != NULL ? step_light(live) : view_step_render(live));
+    return worked || (!live->paused && step_reference(live));
+}
+
 bool view_live_step(view_live* live) {
     if (live->paused && live->shown != VIEW_SHOWN_NOTHING) return false;
-    if (live->method == &ty_method_path) return step_path(live);
-    const bool worked = !live->failed && (live->method->solve != NULL ? step_light(live) : step_render(live));
-    return worked || (!live->paused && step_reference(live));
+    return live->source->step(live);
 }

@@ -64,7 +64,7 @@ static int serve(cli_session* session, view_live* live, const view_options* opti
 
 static int load_and_serve(cli_session* session, const char* path, const view_options* options) {
     cli_tev tev = {.session = session};
-    const view_live_def def = {.context = session->context,
+    const view_live_def def = {.session = session,
                                .path = path,
                                .overrides = options->overrides.items,
                                .override_count = options->overrides.count,
@@ -77,9 +77,8 @@ static int load_and_serve(cli_session* session, const char* path, const view_opt
                                .tev = options->tev != NULL ? &tev : NULL};
     view_live* live = NULL;
     cli_end_on_interrupt(true);
-    const ty_result result = view_live_open(&def, &live);
+    int status = view_live_open(&def, &live);
     cli_end_on_interrupt(false);
-    int status = result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
     if (status == CLI_GO && options->tev != NULL) status = cli_tev_open(&tev, session, options->tev, path);
     if (status == CLI_GO) status = serve(session, live, options);
     view_live_close(live);
