@@ -5,20 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-static ty_screen_image describe_image(const screen_input* input, const screen_output* output) {
-    ty_screen_image image = ty_default_screen_image();
-    image.width = input->width;
-    image.height = input->height;
-    image.distance = input->distance;
-    /* A read-only view of an input. */
-    for (int c = 0; c < 3; ++c) {
-        image.color.data[c] = (float*)(uintptr_t)input->color[c];
-        image.out.data[c] = output->color[c];
-    }
-    image.color.row = image.out.row = image.distance_row = input->width;
-    return image;
-}
-
 /* The distances in use, with the substitute for unknown ones. */
 static void copy_distances(const screen_input* input, const ty_screen_def* def, float* out) {
     const int64_t pixels = (int64_t)input->width * input->height;
@@ -29,7 +15,7 @@ static void copy_distances(const screen_input* input, const ty_screen_def* def, 
 }
 
 static ty_result compute(cli_session* session, screen_report* report, const screen_output* output) {
-    const ty_screen_image image = describe_image(report->input, output);
+    const ty_screen_image image = screen_describe_image(report->input, output->color);
     const bool parts = output->attenuated[0] != NULL || output->scattered[0] != NULL || output->spread[0] != NULL;
     copy_distances(report->input, report->def, output->distance);
     ty_result result = TY_OK;

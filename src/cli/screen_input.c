@@ -225,3 +225,17 @@ int screen_make_def(const screen_options* options, const screen_input* input, co
         memcpy(def->environment, around, sizeof def->environment);
     return CLI_GO;
 }
+
+ty_screen_image screen_describe_image(const screen_input* input, float* const out[3]) {
+    ty_screen_image image = ty_default_screen_image();
+    image.width = input->width;
+    image.height = input->height;
+    image.distance = input->distance;
+    /* A read-only view of an input. */
+    for (int c = 0; c < 3; ++c) {
+        image.color.data[c] = (float*)(uintptr_t)input->color[c];
+        image.out.data[c] = out[c];
+    }
+    image.color.row = image.out.row = image.distance_row = input->width;
+    return image;
+}

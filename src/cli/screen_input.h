@@ -28,5 +28,7 @@ int screen_read_environment(cli_session* session, const screen_options* options,
 /* Sets all fields of the def but for its progress; the camera comes from the options or the image. */
 int screen_make_def(const screen_options* options, const screen_input* input, const ty_medium_def* medium,
                     const float around[3], ty_screen_def* def);
+/* The call's images: out has planes of the input's size. */
+ty_screen_image screen_describe_image(const screen_input* input, float* const out[3]);
 
 #endif

@@ -62,6 +62,26 @@ void screen_list_options(screen_options* options, cli_option out[SCREEN_OPTIONS]
     memcpy(out, table, sizeof table);
 }
 
+bool screen_is_given(const cli_option* option, const cli_option* preset) {
+    switch (option->kind) {
+    case CLI_FLAG: return *(bool*)option->target;
+    case CLI_REAL: return *(double*)option->target != *(double*)preset->target;
+    case CLI_INT: return *(int32_t*)option->target != *(int32_t*)preset->target;
+    case CLI_CHOICE: return *(int*)option->target != *(int*)preset->target;
+    default: return *(const char**)option->target != NULL;
+    }
+}
+
+const char* screen_first_given(screen_options* options) {
+    screen_options presets = screen_default_options(options->command);
+    cli_option table[SCREEN_OPTIONS], preset[SCREEN_OPTIONS];
+    screen_list_options(options, table);
+    screen_list_options(&presets, preset);
+    for (int i = 0; i < SCREEN_OPTIONS; ++i)
+        if (screen_is_given(&table[i], &preset[i])) return table[i].name;
+    return NULL;
+}
+
 /* The options that only some variants have. */
 static const struct {
     const char* name;

@@ -56,6 +56,9 @@ screen_options screen_default_options(const char* command);
 /* The options of input, medium and method; targets are the fields of *options. */
 enum { SCREEN_OPTIONS = 21 };
 void screen_list_options(screen_options* options, cli_option out[SCREEN_OPTIONS]);
+/* The first of these options that is not at its default, or NULL. */
+const char* screen_first_given(screen_options* options);
+bool screen_is_given(const cli_option* option, const cli_option* preset);
 /* The variants that have an option: bits 1 << screen_kind. */
 unsigned screen_kinds_of(const char* name);
 

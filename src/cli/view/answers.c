@@ -106,9 +106,10 @@ void view_tell_status(view_live* live, bool at_once) {
 
 static json_t* view_object(const view_live* live) {
     json_t* view =
-        json_pack("{s:s, s:s, s:b, s:b, s:i, s:i, s:o}", "method", live->automatic ? "auto" : live->method->name,
+        json_pack("{s:s, s:s, s:b, s:b, s:i, s:i, s:s, s:o}", "method", live->automatic ? "auto" : live->method->name,
                   "chosen", live->method->name, "compare", live->compare, "paused", live->paused, "width",
-                  (int)live->width, "height", (int)live->height, "exposure", view_number(live->exposure));
+                  (int)live->width, "height", (int)live->height, "curve",
+                  live->curve == TY_TONE_FILMIC ? "filmic" : "srgb", "exposure", view_number(live->exposure));
     if (view != NULL) live->source->describe_view(live, view);
     return view;
 }
@@ -151,27 +152,6 @@ char* view_welcome(view_live* live) {
 }
 
 /* ---- the document as text ---- */
-
-void view_append_word(char** text, size_t* size, const char* word) {
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=,-+";
-    const bool quoted = word[0] == '\0' || strspn(word, plain) != strlen(word);
-    const size_t needed = *size + 4 * strlen(word) + 4;
-    char* longer = realloc(*text, needed);
-    if (longer == NULL) return;
-    *text = longer;
-    if (*size > 0) longer[(*size)++] = ' ';
-    if (quoted) longer[(*size)++] = '\'';
-    for (const char* at = word; *at != '\0'; ++at) {
-        if (*at == '\'') {
-            memcpy(longer + *size, "'\\''", 4);
-            *size += 4;
-        } else {
-            longer[(*size)++] = *at;
-        }
-    }
-    if (quoted) longer[(*size)++] = '\'';
-    longer[*size] = '\0';
-}
 
 void view_answer_document(view_live* live, const view_request* request) {
     char *json = NULL, *command = NULL;

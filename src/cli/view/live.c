@@ -101,6 +101,11 @@ static void change_view(view_live* live, const view_request* request) {
     if (compare != NULL) live->compare = json_is_true(compare);
     if (paused != NULL) live->paused = json_is_true(paused);
     if (exposure != NULL) live->exposure = json_number_value(exposure);
+    if ((json_object_get(message, "width") != NULL || json_object_get(message, "height") != NULL) &&
+        live->source->own_size) {
+        view_refuse(live->server, request->client, request->id, "width: the image has its own size");
+        return;
+    }
     if (take_size(live, message)) begin_revision(live, request);
     view_tell_scene(live, NULL);
 }
@@ -264,7 +269,7 @@ int view_live_open(const view_live_def* def, view_live** out) {
     snprintf(live->name, sizeof live->name, "%s", slash != NULL ? slash + 1 : def->path);
     pthread_mutex_init(&live->mutex, NULL);
     pthread_cond_init(&live->changed, NULL);
-    int status = view_open_scene(live, def);
+    int status = def->photo != NULL ? view_open_photo(live, def) : view_open_scene(live, def);
     if (status == CLI_GO) {
         live->original = strdup(live->source->text(live));
         if (live->original == NULL) status = cli_fail(CLI_FAILED, "not enough memory");

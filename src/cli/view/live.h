@@ -4,6 +4,7 @@
 #define TY_CLI_VIEW_LIVE_H
 
 #include "cli/tev.h"
+#include "cli/view/photo.h"
 #include "cli/view/server.h"
 
 #include <tyndall/base.h>
@@ -12,7 +13,8 @@ typedef struct view_live view_live;
 
 typedef struct view_live_def {
     cli_session* session;
-    const char* path; /* of the scene file, or builtin:NAME */
+    const char* path;            /* of the scene file, or builtin:NAME; of the photograph */
+    const view_photo_def* photo; /* NULL: a scene, to which the members up to `compare` belong */
     const char* const* overrides;
     int32_t override_count;
     const char* method;    /* NULL: the scene's */
@@ -23,7 +25,7 @@ typedef struct view_live_def {
     cli_tev* tev;       /* is shown the method's images, too; NULL: none */
 } view_live_def;
 
-/* Reads the scene. CLI_GO, or an exit status after a message. */
+/* Reads the scene or the photograph. CLI_GO, or an exit status after a message. */
 int view_live_open(const view_live_def* def, view_live** out);
 /* Ends the thread, before the server stops. */
 void view_live_stop(view_live* live);

@@ -38,7 +38,7 @@ typedef struct view_times {
 typedef struct view_source {
     const char* kind;      /* in the welcome: "scene" */
     const char* reference; /* what the second channel shows: "path" */
-    ty_tone_curve curve;   /* of PNG files, and at first of the page */
+    bool own_size;         /* clients cannot change the frame's size */
     /* Changes the document, or else leaves it as it was; *edited stays 0 where nothing is another than before. */
     ty_result (*apply)(view_live* live, const ty_scene_change* changes, int32_t count, uint32_t* edited);
     /* Takes over what `apply` changed; edited: its flags. */
@@ -91,6 +91,7 @@ struct view_live {
     bool compare, paused;
     int32_t width, height;
     double exposure;
+    ty_tone_curve curve; /* of PNG files, and at first of the page */
     uint32_t revision;
     bool rested;     /* nothing was left to do for a while */
     double moved;    /* s: time of the last request that said that more follow; 0: at rest */
@@ -103,6 +104,8 @@ struct view_live {
     double view_seconds;                       /* estimate of a view at full size */
     view_shown shown;
     bool has_surfaces;
+    view_photo* photo;          /* NULL: a scene */
+    bool photo_shown;           /* as the second channel */
     bool failed;                /* the method refused the scene: nothing is shown until it changes */
     view_accumulation surfaces; /* light of surfaces alone, for methods that need it */
     view_accumulation path;     /* the reference, of path_revision */
@@ -131,14 +134,22 @@ struct view_live {
 /* Sets the source, its method and the size of the frame. CLI_GO, or an exit status after a message. */
 int view_open_scene(view_live* live, const view_live_def* def);
 
+/* ---- photo_source.c ---- */
+
+/* The same for a photograph. */
+int view_open_photo(view_live* live, const view_live_def* def);
+
 /* ---- steps.c ---- */
 
 /* Does the next piece of work: a coarse image, a solve, the full image, a better image of the surfaces, a pass of path.
  * Returns false when nothing is left to do. */
 bool view_live_step(view_live* live);
-/* The same for a scene, and for a method that renders at once. */
+/* The same for a scene. */
 bool view_step_scene(view_live* live);
-bool view_step_render(view_live* live);
+/* The same by `render`: makes an image with the sides of the frame divided, and its stats. */
+typedef ty_result (*view_render_fn)(view_live* live, int32_t divisor, ty_progress_fn progress, ty_image** out,
+                                    ty_method_run* run);
+bool view_step_render(view_live* live, view_render_fn render);
 /* Frees light and sums. */
 void view_live_drop_light(view_live* live);
 
@@ -160,8 +171,6 @@ bool view_show_image(view_live* live, const ty_image* image, bool final);
 
 json_t* view_number(double value); /* null where it is not finite */
 json_t* view_presets(void);        /* names of media */
-/* Appends a word to a command line, in single quotes where it needs them; *text begins as NULL. */
-void view_append_word(char** text, size_t* size, const char* word);
 
 void view_tell_status(view_live* live, bool at_once);
 /* Renews document and view, and sends them to all clients; changed: an array of paths, or NULL. */

@@ -83,7 +83,7 @@ bool view_write_picture(view_live* live, view_channel channel, const char* path,
     pthread_mutex_lock(&live->mutex);
     const view_picture* picture = &live->pictures[channel];
     const bool there = picture->rgb != NULL;
-    if (there) result = write_image(context, picture, live->exposure, live->source->curve, path);
+    if (there) result = write_image(context, picture, live->exposure, live->curve, path);
     pthread_mutex_unlock(&live->mutex);
     if (!there) snprintf(text, size, "there is no image yet");
     if (result != TY_OK) snprintf(text, size, "%s", ty_take_error(context));

@@ -3,6 +3,7 @@
 #include "cli/view/live_state.h"
 
 #include "base/context.h"
+#include "cli/text.h"
 #include "io/scenes/scene_schema.h"
 
 #include <tyndall/choose.h>
@@ -116,15 +117,15 @@ static char* command_of(view_live* live, char** changes, int32_t count) {
     char *text = NULL, number_text[32];
     size_t size = 0;
     const char* const first[] = {"tyndall", "render", live->scene_path, "--method", live->method->name, "--size"};
-    for (size_t i = 0; i < sizeof first / sizeof first[0]; ++i) view_append_word(&text, &size, first[i]);
+    for (size_t i = 0; i < sizeof first / sizeof first[0]; ++i) cli_append_word(&text, &size, first[i]);
     snprintf(number_text, sizeof number_text, "%dx%d", (int)live->width, (int)live->height);
-    view_append_word(&text, &size, number_text);
+    cli_append_word(&text, &size, number_text);
     for (int32_t i = 0; i < count; ++i) {
-        view_append_word(&text, &size, "-D");
-        view_append_word(&text, &size, changes[i]);
+        cli_append_word(&text, &size, "-D");
+        cli_append_word(&text, &size, changes[i]);
     }
-    view_append_word(&text, &size, "-o");
-    view_append_word(&text, &size, "out.exr");
+    cli_append_word(&text, &size, "-o");
+    cli_append_word(&text, &size, "out.exr");
     return text;
 }
 
@@ -185,7 +186,6 @@ static void close_scene(view_live* live) {
 
 static const view_source scene_source = {.kind = "scene",
                                          .reference = "path",
-                                         .curve = TY_TONE_FILMIC,
                                          .apply = apply,
                                          .take = take,
                                          .set_method = set_method,
@@ -198,6 +198,7 @@ static const view_source scene_source = {.kind = "scene",
 
 int view_open_scene(view_live* live, const view_live_def* def) {
     live->source = &scene_source;
+    live->curve = TY_TONE_FILMIC;
     const ty_result result = open_editor(live, def);
     return result == TY_OK ? CLI_GO : cli_fail_reading(def->session, result);
 }

@@ -241,15 +241,21 @@ static bool step_light(view_live* live) {
 
 /* ---- methods that render at once ---- */
 
-bool view_step_render(view_live* live) {
+static ty_result render_scene(view_live* live, int32_t divisor, ty_progress_fn progress, ty_image** out,
+                              ty_method_run* run) {
+    const ty_render_request request = request_of(live, divisor);
+    (void)progress; /* the request has it */
+    return live->method->render(live->scene, &request, out, run);
+}
+
+bool view_step_render(view_live* live, view_render_fn render) {
     if (live->shown == VIEW_SHOWN_FULL || (live->shown == VIEW_SHOWN_COARSE && live->moved > 0)) return false;
     const bool coarse = live->shown == VIEW_SHOWN_NOTHING;
     const int32_t divisor = coarse ? coarse_divisor(live) : 1;
-    const ty_render_request request = request_of(live, divisor);
     const double begun = cli_wall_seconds();
     ty_method_run run = {.own_seconds = 0};
     ty_image* image = NULL;
-    ty_result result = live->method->render(live->scene, &request, &image, &run);
+    ty_result result = render(live, divisor, report, &image, &run);
     const double seconds = cli_wall_seconds() - begun;
     if (result == TY_OK) {
         live->times.view = 1e3 * seconds;
@@ -332,7 +338,8 @@ static bool step_reference(view_live* live) {
 
 bool view_step_scene(view_live* live) {
     if (live->method == &ty_method_path) return step_path(live);
-    const bool worked = !live->failed && (live->method->solve != NULL ? step_light(live) : view_step_render(live));
+    const bool worked =
+        !live->failed && (live->method->solve != NULL ? step_light(live) : view_step_render(live, render_scene));
     return worked || (!live->paused && step_reference(live));
 }
 
