@@ -59,7 +59,7 @@ static int check_schema(const view_photo* photo, const json_t* root) {
     char path[PATH_SIZE];
     if (ty_schema_check(photo->schema, root, &issue)) return CLI_GO;
     ty_json_path_text(&issue.path, path, sizeof path);
-    return cli_fail(CLI_USAGE, "%s: %s", path, issue.text);
+    return cli_fail(CLI_USAGE, "%s%s%s", path, path[0] != '\0' ? ": " : "", issue.text);
 }
 
 /* A medium that was not changed has the text that was given. */
