@@ -252,6 +252,8 @@ bool view_step_render(view_live* live, view_render_fn render) {
     if (live->shown == VIEW_SHOWN_FULL || (live->shown == VIEW_SHOWN_COARSE && live->moved > 0)) return false;
     const bool coarse = live->shown == VIEW_SHOWN_NOTHING;
     const int32_t divisor = coarse ? coarse_divisor(live) : 1;
+    const bool lossy = live->remote && live->moved > 0; /* the image at rest follows, though it is the same */
+    const bool full = divisor == 1 && !lossy;
     const double begun = cli_wall_seconds();
     ty_method_run run = {.own_seconds = 0};
     ty_image* image = NULL;
@@ -261,11 +263,11 @@ bool view_step_render(view_live* live, view_render_fn render) {
         live->times.view = 1e3 * seconds;
         note_view(live, seconds, divisor);
         note_stages(live, &run);
-        if (!view_show_image(live, image, divisor == 1)) result = TY_ERROR_MEMORY;
+        if (!view_show_image(live, image, full)) result = TY_ERROR_MEMORY;
     }
     ty_image_destroy(image);
     if (result != TY_OK) return fail(live, result);
-    live->shown = divisor == 1 ? VIEW_SHOWN_FULL : VIEW_SHOWN_COARSE;
+    live->shown = full ? VIEW_SHOWN_FULL : VIEW_SHOWN_COARSE;
     return true;
 }
 

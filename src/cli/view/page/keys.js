@@ -80,8 +80,10 @@ export const openHelp = () => {
   const nameOf = key => key === " " ? "Space" : key.length === 1 ? key.toUpperCase() : key;
   const row = ([key, words]) => make("div", {}, make("dt", {}, make("kbd", {}, nameOf(key))), make("dd", {}, isPhoto() && OF_PHOTOS[key] || words));
   const titles = [...new Set([...Object.keys(KEYS), ...Object.keys(MORE)])].filter(suits);
+  const listOf = title => [...MORE[title] ?? [], ...KEYS[title] ?? []].filter(([key]) => suits(key)).map(row);
+  const headed = title => isPhoto() && title === "Scene" ? "Photograph" : title;
   dialog.replaceChildren(make("h2", {}, "Keys"), make("div", { class: "columns" }, ...titles.map(title =>
-    make("dl", {}, make("h3", {}, isPhoto() && title === "Scene" ? "Photograph" : title), ...[...MORE[title] ?? [], ...KEYS[title] ?? []].filter(([key]) => suits(key)).map(row)))),
+    make("dl", {}, make("h3", {}, headed(title)), ...listOf(title)))),
   make("form", { method: "dialog" }, make("button", { autofocus: true }, "Close")));
   dialog.showModal();
 };
