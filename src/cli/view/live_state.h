@@ -34,7 +34,7 @@ typedef struct view_times {
     } stages[VIEW_STAGES_MAX];
 } view_times;
 
-/* What is shown: a document that clients change, and images of it. */
+/* The source of images: a document that clients change, and the methods of rendering it. */
 typedef struct view_source {
     const char* kind;      /* in the welcome: "scene" */
     const char* reference; /* what the second channel shows: "path" */
@@ -51,7 +51,7 @@ typedef struct view_source {
     /* Add members to the view, and to the welcome; `describe` is called under the mutex, by any thread. */
     void (*describe_view)(const view_live* live, json_t* view);
     void (*describe)(const view_live* live, json_t* welcome);
-    /* What clients keep, as JSON text, and the command that makes the image; freed with free(). */
+    /* The part that clients keep, as JSON text, and the command that makes the image; freed with free(). */
     ty_result (*save)(view_live* live, char** json, char** command);
     void (*close)(view_live* live); /* after a failed opening, too */
 } view_source;
