@@ -373,6 +373,7 @@ def check_large_photo():
     viewer = Viewer("large.exr", "--medium", "fog:40", "--environment", "0.5", "--threads", "1")
     client = viewer.connect()
     mean = lambda frame: sum(struct.unpack(f"<{len(frame['pixels']) // 2}e", frame["pixels"])) * 2 / len(frame["pixels"])
+    client.wait_final()
     for step in range(6):
         revision = client.set("medium.visibility", 41 + step, moving=True)
         client.wait(lambda: client.frames[METHOD]["revision"] >= revision, "a coarse image")

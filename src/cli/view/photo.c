@@ -95,6 +95,9 @@ static int take_input(const view_photo* photo, const photo_state* before, photo_
         return CLI_GO;
     }
     const int status = screen_open_input(photo->session, b, photo->image_path, photo->distance_path, &state->input);
+    if (status == CLI_GO && before->root != NULL &&
+        (state->input.width != before->input.width || state->input.height != before->input.height))
+        return cli_fail(CLI_USAGE, "%s: the file has another size now; start anew", photo->image_path);
     return status == CLI_GO ? screen_prepare_distances(photo->session, b, &state->input) : status;
 }
 
@@ -197,6 +200,7 @@ ty_result view_photo_apply(view_photo* photo, const ty_scene_change* changes, in
     char message[MESSAGE_SIZE];
     photo_state state;
     json_t* root = json_deep_copy(photo->now.root);
+    if (root == NULL) return TY_ERROR_MEMORY;
     for (int32_t i = 0; i < count; ++i) {
         const ty_result result = ty_change_document(photo->context, root, &changes[i]);
         if (result == TY_OK) continue;
