@@ -66,10 +66,10 @@ static int serve(cli_session* session, view_live* live, const view_options* opti
 
 /* A photograph, which tyndall screen takes: by its extension, or because there is a medium for it. */
 static bool is_photo(const view_options* options, const char* path) {
-    static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg"};
+    static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".webp"};
     for (size_t i = 0; i < sizeof extensions / sizeof extensions[0]; ++i)
         if (cli_has_extension(path, extensions[i])) return true;
-    return options->screen.medium != NULL;
+    return options->screen.medium != NULL && !cli_has_extension(path, ".json") && strncmp(path, "builtin:", 8) != 0;
 }
 
 /* Options of scenes with a photograph, and the other way round, would be without effect. */
@@ -157,8 +157,8 @@ int cli_view(int count, char** arguments) {
         "numbers.\n"
         "The address holds a token: who has it may look and change the scene in memory. Nothing is written but images\n"
         "into FOLDER. On another machine, forward the port by ssh -L and use --remote. docs/view.md\n\n"
-        "IMAGE (.exr, .hdr, .png, .jpg) needs a --medium; it, DISTANCE, and the options from --medium on are those of\n"
-        "'tyndall screen', which tells of them.",
+        "IMAGE (.exr, .hdr, .png, .jpg, .webp) needs a --medium, such as fog:50; it, DISTANCE, and the options from\n"
+        "--medium on are those of 'tyndall screen', which tells of them.",
         table,
         sizeof table / sizeof table[0],
         1,
