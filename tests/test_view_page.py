@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """The viewer's page in a headless browser: image, probe, wipe, controls, undo, camera, keys; no errors, no request elsewhere.
 usage: test_view_page.py ADDRESS, as `tyndall view` prints it; the scene has media, and none of the methods needs long."""
-import base64, json, os, re, sys, tempfile
+import base64, json, os, re, sys, tempfile, time
 from urllib.parse import urlsplit
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from chromium import Browser, find_browser
+from chromium import Browser, WAIT, find_browser
 
 STATE = "window.tyndall.state"
 
@@ -160,6 +160,19 @@ def check_sequence(browser, folder, last):
 
 # ---- JPEG while something moves ----
 
+def wait_rest(browser, center):
+    """Until the image is exact, final, and that of the last change."""
+    seen, since, deadline = None, 0, time.monotonic() + WAIT
+    while time.monotonic() < deadline:
+        frame = browser.run(f"(f => [f.revision, f.final, {center}.exact])({STATE}.frames[0])")
+        if frame != seen:
+            seen, since = frame, time.monotonic()
+        if frame[1:] == [True, True] and time.monotonic() - since > 2:
+            return
+        time.sleep(0.05)
+    raise AssertionError(("no rest", seen))
+
+
 def check_remote(browser, row):
     """While a number is dragged images are JPEG, at rest exact, and both show the same."""
     check_image(browser)
@@ -176,10 +189,10 @@ def check_remote(browser, row):
     assert not frame["final"] and frame["exposure"] > 0.3, frame
     assert 0.5 < found["luminance"] / exact < 2, (found, exact)
     browser.run("clearInterval(window.moving); true")
-    browser.wait_for(f"{center}.exact && {STATE}.frames[0].final")  # without the drag's end, too
+    wait_rest(browser, center)  # without the drag's end, too
     rest = browser.run(center)["luminance"]
     browser.run(f"{slider}.dispatchEvent(new Event('change')); true")
-    wait_final(browser)
+    wait_rest(browser, center)
     assert 0.5 < rest / exact < 2 and browser.run(center)["luminance"] == rest, (rest, exact)
     if browser.run(f"{STATE}.welcome.kind") == "scene":  # the camera moves in the same way
         x, y, width, height = box_of(browser, "#screen")
