@@ -147,9 +147,11 @@ bool view_live_step(view_live* live);
 /* The same for a scene. */
 bool view_step_scene(view_live* live);
 /* The same by `render`: makes an image with the sides of the frame divided, and its stats. */
-typedef ty_result (*view_render_fn)(view_live* live, int32_t divisor, ty_progress_fn progress, ty_image** out,
-                                    ty_method_run* run);
+typedef ty_result (*view_render_fn)(view_live* live, int32_t divisor, ty_image** out, ty_method_run* run);
 bool view_step_render(view_live* live, view_render_fn render);
+/* A ty_progress_fn; user: the view_live. While something moves, changes do not interrupt its first image: they come
+ * faster than images, and none would ever be shown. */
+bool view_report(void* user, const ty_progress* progress);
 /* Frees light and sums. */
 void view_live_drop_light(view_live* live);
 

@@ -19,8 +19,9 @@ static bool set_method(view_live* live, const char* name) {
     return strcmp(name, live->method->name) == 0;
 }
 
-static ty_result render(view_live* live, int32_t divisor, ty_progress_fn progress, ty_image** out, ty_method_run* run) {
-    return view_photo_render(live->photo, divisor, progress, live, out, ty_method_stats(run, sizeof(ty_screen_stats)));
+static ty_result render(view_live* live, int32_t divisor, ty_image** out, ty_method_run* run) {
+    return view_photo_render(live->photo, divisor, view_report, live, out,
+                             ty_method_stats(run, sizeof(ty_screen_stats)));
 }
 
 /* The photograph, once: its clients keep it. */

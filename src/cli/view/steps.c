@@ -16,9 +16,7 @@ enum { COARSEST = 8, PATH_SPP_MAX = 1 << 20 };
 
 /* ---- pieces ---- */
 
-/* While something moves, changes do not interrupt its first image: they come faster than images, and none would ever be
- * shown. */
-static bool report(void* user, const ty_progress* progress) {
+bool view_report(void* user, const ty_progress* progress) {
     view_live* live = user;
     live->stage = progress->stage;
     live->fraction = progress->fraction;
@@ -58,7 +56,7 @@ static ty_render_request request_of(view_live* live, int32_t divisor) {
                                .seed = ty_scene_render_settings(live->scene).seed,
                                .width = divided(live->width, divisor),
                                .height = divided(live->height, divisor),
-                               .progress = report,
+                               .progress = view_report,
                                .progress_user = live};
 }
 
@@ -138,7 +136,7 @@ static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew, dou
     ty_result result;
     do {
         last = now;
-        result = view_accumulation_add(&live->surfaces, live->scene, PATH_SPP_MAX, report, live);
+        result = view_accumulation_add(&live->surfaces, live->scene, PATH_SPP_MAX, view_report, live);
         now = cli_wall_seconds();
     } while (result == TY_OK && now + 2 * (now - last) < begun + seconds);
     live->times.surfaces = 1e3 * (now - begun);
@@ -241,10 +239,8 @@ static bool step_light(view_live* live) {
 
 /* ---- methods that render at once ---- */
 
-static ty_result render_scene(view_live* live, int32_t divisor, ty_progress_fn progress, ty_image** out,
-                              ty_method_run* run) {
+static ty_result render_scene(view_live* live, int32_t divisor, ty_image** out, ty_method_run* run) {
     const ty_render_request request = request_of(live, divisor);
-    (void)progress; /* the request has it */
     return live->method->render(live->scene, &request, out, run);
 }
 
@@ -257,7 +253,7 @@ bool view_step_render(view_live* live, view_render_fn render) {
     const double begun = cli_wall_seconds();
     ty_method_run run = {.own_seconds = 0};
     ty_image* image = NULL;
-    ty_result result = render(live, divisor, report, &image, &run);
+    ty_result result = render(live, divisor, &image, &run);
     const double seconds = cli_wall_seconds() - begun;
     if (result == TY_OK) {
         live->times.view = 1e3 * seconds;
@@ -299,7 +295,7 @@ static bool pass_path(view_live* live, int32_t divisor, bool as_method) {
     if (anew) live->has_difference = false;
     live->path_revision = live->revision;
     const double begun = cli_wall_seconds();
-    const ty_result result = view_accumulation_add(&live->path, live->scene, PATH_SPP_MAX, report, live);
+    const ty_result result = view_accumulation_add(&live->path, live->scene, PATH_SPP_MAX, view_report, live);
     if (result == TY_CANCELLED) return true;
     if (result != TY_OK) return fail(live, result);
     const double seconds = cli_wall_seconds() - begun;
