@@ -133,8 +133,7 @@ static bool parse_crop(const char* text, int32_t out[4]) {
     return parse_size(text, out + 2);
 }
 
-/* The index of text among the words of "auto|plain|none", or -1. */
-static int find_choice(const char* choices, const char* text) {
+int cli_find_choice(const char* choices, const char* text) {
     const size_t length = strlen(text);
     int index = 0;
     for (const char* word = choices; word != NULL; ++index) {
@@ -191,7 +190,7 @@ int cli_set_option(const char* command, const cli_option* option, const char* te
                                    option->name, text);
         break;
     case CLI_CHOICE: {
-        const int choice = find_choice(option->value, text);
+        const int choice = cli_find_choice(option->value, text);
         if (choice < 0) return cli_usage_error(command, "--%s: '%s' is none of %s", option->name, text, option->value);
         *(int*)option->target = choice;
         break;

@@ -94,6 +94,9 @@ int cli_parse(const cli_syntax* syntax, int count, char** arguments, cli_argumen
  * or CLI_USAGE after a message of the command. */
 int cli_set_option(const char* command, const cli_option* option, const char* text);
 
+/* The index of text among the words of "auto|plain|none", or -1. */
+int cli_find_choice(const char* choices, const char* text);
+
 /* Prints a usage error of a command (printf-like) and returns CLI_USAGE. */
 int cli_usage_error(const char* command, const char* format, ...) __attribute__((format(printf, 2, 3)));
 

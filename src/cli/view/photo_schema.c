@@ -7,7 +7,6 @@
 #include "io/scenes/scene_schema.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <string.h>
 
 /* Made of photo.schema.json: what the table of options does not say. */
@@ -118,27 +117,22 @@ json_t* view_photo_schema(void) {
 
 /* ---- options as a document ---- */
 
-/* A whole number without a point. */
-static json_t* number(double value) {
-    return value == floor(value) && fabs(value) < 1e15 ? json_integer((json_int_t)value) : json_real(value);
-}
-
 /* Numbers where the text has them and the schema does not ask for a text. */
 static json_t* value_of_text(const json_t* schema, const char* text) {
     double numbers[3];
     const char* type = json_string_value(json_object_get(schema, "type"));
     const int count = type != NULL && strcmp(type, "string") == 0 ? 0 : screen_parse_numbers(text, 1, numbers);
     if (count == 0) return json_string(text);
-    if (count == 1) return number(numbers[0]);
+    if (count == 1) return ty_json_number(numbers[0]);
     json_t* list = json_array();
-    for (int i = 0; i < count; ++i) json_array_append_new(list, number(numbers[i]));
+    for (int i = 0; i < count; ++i) json_array_append_new(list, ty_json_number(numbers[i]));
     return list;
 }
 
 static json_t* value_of(const json_t* schema, const cli_option* option) {
     switch (option->kind) {
     case CLI_FLAG: return json_true();
-    case CLI_REAL: return number(*(double*)option->target);
+    case CLI_REAL: return ty_json_number(*(double*)option->target);
     case CLI_INT: return json_integer(*(int32_t*)option->target);
     case CLI_CHOICE:
         return json_incref(json_array_get(json_object_get(schema, "enum"), (size_t)(*(int*)option->target)));
@@ -175,21 +169,15 @@ int view_photo_document(cli_session* session, const json_t* schema, screen_optio
 
 /* ---- a document as options ---- */
 
-/* The index of the document's variant among SCREEN_KINDS. */
-static unsigned kind_of(const json_t* document) {
-    const char* word = json_string_value(json_object_get(document, "variant"));
-    json_t* words = words_of(SCREEN_KINDS);
-    unsigned found = 0;
-    for (size_t i = 0; word != NULL && i < json_array_size(words); ++i)
-        if (strcmp(json_string_value(json_array_get(words, i)), word) == 0) found = (unsigned)i;
-    json_decref(words);
-    return found;
+/* True if the document's variant has the option. */
+static bool has_option(const json_t* document, const char* name) {
+    const char* variant = json_string_value(json_object_get(document, "variant"));
+    return (screen_kinds_of(name) & 1u << (variant != NULL ? cli_find_choice(SCREEN_KINDS, variant) : 0)) != 0;
 }
 
 char* view_photo_text(ty_context* context, const json_t* document, const cli_option* option) {
     const json_t* value = json_object_get(document, option->name);
-    if (value == NULL || json_is_false(value) || (screen_kinds_of(option->name) & 1u << kind_of(document)) == 0)
-        return NULL;
+    if (value == NULL || json_is_false(value) || !has_option(document, option->name)) return NULL;
     if (json_is_string(value)) return strdup(json_string_value(value));
     ty_text text = {.context = context};
     ty_text_add_compact(&text, value);
