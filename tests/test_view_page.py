@@ -219,9 +219,8 @@ def check_photo(browser):
     press(browser, "m")
     through = lambda: browser.run(f"(f => window.tyndall.probe(f.fullWidth >> 1, f.fullHeight >> 1, 0).luminance)({STATE}.frames[0])")
     before = through()
-    for key in ("ArrowUp", "+", "w"):  # no camera moves
+    for key in ("ArrowUp", "+", "Home", "o", "1", "c", "."):  # there is no camera, no other method, no frame
         press(browser, key)
-    press(browser, "m")
     x, y, width, height = box_of(browser, "#screen")
     drag(browser, (x + width / 2, y + height / 2), (x + width / 2 + 60, y + height / 2))
     assert "no camera" in browser.run("document.querySelector('#notice').textContent")
@@ -239,6 +238,7 @@ def check_photo(browser):
     wait_final(browser, 5)
     assert through() == before and not browser.run("document.querySelector('.row.changed') !== null")
     assert browser.run("document.querySelector('#save').textContent") == "Save medium"
+    assert not browser.run("document.querySelector('#troubles').textContent")
     press(browser, "?")
     assert not re.search("path|orbit|camera", browser.run("document.querySelector('#keys').textContent"))
     press(browser, "Escape")

@@ -16,7 +16,7 @@ export const changeView = changes => {
 export const methodNames = () => (state.welcome?.methods ?? []).map(({ name }) => name);
 
 export const chooseMethod = name => {
-  if (name !== undefined && name !== state.view.method) changeView({ method: name });
+  if (name !== undefined && name !== state.view.method && !isPhoto()) changeView({ method: name });
 };
 
 export const setCompare = compare => {
