@@ -2,7 +2,7 @@
 """`tyndall view` as its clients see it: what is shown is what `tyndall render` writes, changes of several clients, what is saved,
 what is refused; and the page in a headless browser where there is one.
 usage: test_view.py TYNDALL"""
-import itertools, json, math, os, re, signal, struct, subprocess, sys, tempfile, threading, time
+import atexit, itertools, json, math, os, re, signal, struct, subprocess, sys, tempfile, threading, time
 from websocket import BINARY, TEXT, Refused, WebSocket, request
 
 TYNDALL = sys.argv[1]
@@ -27,6 +27,7 @@ class Viewer:
     def __init__(self, scene, *options):
         self.process = subprocess.Popen([TYNDALL, "view", scene, "--no-open", *options], stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, text=True)
+        atexit.register(self.process.kill)  # where a check fails
         self.address = self.process.stdout.readline().strip()
         found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{32})", self.address)
         assert found, (self.address, self.process.stderr.read() if self.process.poll() is not None else "")
