@@ -376,11 +376,12 @@ def check_large_photo():
     mean = lambda frame: sum(struct.unpack(f"<{len(frame['pixels']) // 2}e", frame["pixels"])) * 2 / len(frame["pixels"])
     client.wait_final()
     for step in range(6):
-        revision = client.set("medium.visibility", 41 + step, moving=True)
-        client.wait(lambda: client.frames[METHOD]["revision"] >= revision, "a coarse image")
-    coarse = client.frames[METHOD]
-    assert coarse["coarse"] and not coarse["final"], coarse["width"]
-    final = client.wait_final(revision)
+        before = client.frames[METHOD]["revision"]
+        client.send("set", changes=[{"path": "medium.visibility", "value": 41 + step}], moving=True)
+        client.wait(lambda: client.frames[METHOD]["revision"] > before, "the image of a change")
+        coarse = client.frames[METHOD]
+        assert coarse["coarse"] and not coarse["final"], coarse["width"]
+    final = client.wait_final(coarse["revision"])
     assert final["width"] == 2000 and abs(mean(coarse) / mean(final) - 1) < 0.02, (mean(coarse), mean(final))
     viewer.stop()
 
