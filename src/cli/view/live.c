@@ -265,6 +265,7 @@ int view_live_open(const view_live_def* def, view_live** out) {
     live->tev = def->tev;
     live->scene_path = def->path;
     live->revision = 1;
+    live->view_power = 2;
     const char* slash = strrchr(def->path, '/');
     snprintf(live->name, sizeof live->name, "%s", slash != NULL ? slash + 1 : def->path);
     pthread_mutex_init(&live->mutex, NULL);

@@ -267,6 +267,10 @@ int32_t view_photo_height(const view_photo* photo) {
     return photo->now.input.height;
 }
 
+bool view_photo_is_quadratic(const view_photo* photo) {
+    return photo->now.def.variant == TY_SCREEN_REFERENCE;
+}
+
 void view_photo_pixels(const view_photo* photo, float* rgb) {
     const screen_input* input = &photo->now.input;
     const size_t count = (size_t)input->width * (size_t)input->height;

@@ -35,6 +35,8 @@ char* view_photo_command(const view_photo* photo);
 
 int32_t view_photo_width(const view_photo* photo);
 int32_t view_photo_height(const view_photo* photo);
+/* True for the variant that takes a time quadratic in the number of pixels. */
+bool view_photo_is_quadratic(const view_photo* photo);
 /* The photograph itself, 3 values per pixel. */
 void view_photo_pixels(const view_photo* photo, float* rgb);
 /* The image seen through the medium, its sides divided: at 1 that of tyndall screen. stats: with all fields 0. Errors:

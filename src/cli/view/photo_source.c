@@ -13,6 +13,7 @@ static ty_result apply(view_live* live, const ty_scene_change* changes, int32_t 
 /* Other variants take other times. */
 static void take(view_live* live, uint32_t edited) {
     if ((edited & VIEW_PHOTO_FILTER) != 0) live->view_seconds = 0;
+    live->view_power = view_photo_is_quadratic(live->photo) ? 4 : 2;
 }
 
 static bool set_method(view_live* live, const char* name) {
@@ -86,6 +87,7 @@ int view_open_photo(view_live* live, const view_live_def* def) {
     live->compare = false;
     const int status = view_photo_open(def->session, def->photo, &live->photo);
     if (status != CLI_GO) return status;
+    take(live, VIEW_PHOTO_FILTER);
     live->width = view_photo_width(live->photo);
     live->height = view_photo_height(live->photo);
     return CLI_GO;

@@ -38,12 +38,12 @@ static bool fail(view_live* live, ty_result result) {
 /* The divisor of both sides of coarse images. */
 static int32_t coarse_divisor(const view_live* live) {
     if (live->view_seconds <= 0) return 4;
-    const double divisor = ceil(sqrt(live->view_seconds / coarse_view_seconds));
+    const double divisor = ceil(pow(live->view_seconds / coarse_view_seconds, 1 / live->view_power));
     return (int32_t)fmax(1, fmin(divisor, COARSEST));
 }
 
 static void note_view(view_live* live, double seconds, int32_t divisor) {
-    const double full = seconds * divisor * divisor;
+    const double full = seconds * pow(divisor, live->view_power);
     live->view_seconds = live->view_seconds > 0 ? 0.5 * (live->view_seconds + full) : full;
 }
 
