@@ -382,7 +382,7 @@ def check_slow_photo():
         coarse = client.frames[METHOD]
         assert coarse["coarse"] and not coarse["final"], coarse["width"]
     final = client.wait_final(coarse["revision"])
-    assert final["width"] == 240 and abs(mean(coarse) / mean(final) - 1) < 0.03, (mean(coarse), mean(final))
+    assert final["width"] == 240 and abs(mean(coarse) / mean(final) - 1) < 0.15, (mean(coarse), mean(final))
     viewer.stop()
 
 
