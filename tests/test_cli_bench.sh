@@ -25,6 +25,8 @@ test_keeping() {
   expect 0 bench load --side 12 --runs 1 --json -q
   valid_json out.txt
   said out.txt '"nrrd gzip": \{$'
+  expect 0 bench view --scenes photograph --data nowhere
+  said out.txt 'skipped: "rgbd/tum_fr1_color.png and .* are not in the folder of --data"'
   # All that was asked for lacks what it needs.
   expect 2 bench path --scenes nosuch -o none.json
 }

@@ -1,7 +1,8 @@
-"""tyndall render --tev against a server that speaks tev's protocol: packets, pixels, and servers that are missing, slow or
+"""tyndall render --tev and tyndall view --tev against a server that speaks tev's protocol: packets, pixels, and servers that are missing, slow or
 gone. tev reads integers as little-endian, and texts to their NUL.
 usage: test_cli_tev.py TYNDALL"""
 import json, socket, struct, subprocess, sys, threading, time
+import test_view
 
 CREATE_IMAGE, UPDATE_IMAGE = 4, 6
 NAMES = ["R", "G", "B"]
@@ -30,7 +31,7 @@ class FakeTev:
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.port = self.listener.getsockname()[1]
         self.packets_max, self.reads = packets_max, reads
-        self.images, self.updates, self.packets = {}, [], 0
+        self.images, self.updates, self.packets, self.created = {}, [], 0, 0
         self.failure = None
         self.thread = threading.Thread(target=self.serve, daemon=True)
         self.thread.start()
@@ -62,6 +63,7 @@ class FakeTev:
         if kind == CREATE_IMAGE:
             width, height, channels = packet.take("iii")
             assert focus == 1 and [packet.text() for _ in range(channels)] == NAMES
+            self.created += 1
             self.images[name] = width, height, [[0.0] * (width * height) for _ in NAMES]
         else:
             assert kind == UPDATE_IMAGE and focus == 0, kind
@@ -192,6 +194,36 @@ def test_failures():
     assert "warning: tev is gone" in done.stderr, done.stderr
 
 
-for test in test_methods, test_bands, test_convergence, test_failures:
+def test_viewer():
+    """The viewer's images, coarse ones enlarged, in one image of tev that ends as the method's final one; and with tev gone the
+    viewer goes on."""
+    tev = FakeTev()
+    viewer = test_view.Viewer("builtin:cloud_sun", "--method", "fld", "--size", "48x32", "--no-compare", "--threads", "2",
+                              "--tev", f"127.0.0.1:{tev.port}")
+    client = viewer.connect()
+    client.wait_final()
+    for step in range(5):
+        revision = client.set("media[0].scale", 1.1 + 0.1 * step, moving=True)
+    client.wait_final(revision)
+    open("live.exr", "wb").write(viewer.image("method")[2])
+    assert viewer.stop() == (0, "view: Ctrl-C ends it\n")
+    tev.join()
+    assert tev.created == 1 and list(tev.images) == ["builtin:cloud_sun"] and len(tev.updates) >= 3, tev.created
+    check_same(tev, "live.exr")
+    tev = FakeTev(packets_max=2)
+    viewer = test_view.Viewer("builtin:cloud_sun", "--method", "fld", "--size", "48x32", "--no-compare",
+                              "--tev", f"127.0.0.1:{tev.port}")
+    client = viewer.connect()
+    client.wait_final()
+    tev.join()
+    client.wait_final(client.set("media[0].scale", 2))
+    status, errors = viewer.stop()
+    assert status == 0 and errors.count("\n") == 2 and "warning: tev is gone" in errors, errors
+    for arguments, status in (("--tev", "nowhere"), 2), (("--tev", f"127.0.0.1:{tev.port}"), 1):
+        done = subprocess.run([sys.argv[1], "view", "builtin:cloud_sun", "--no-open", *arguments], capture_output=True, text=True)
+        assert done.returncode == status and done.stderr.count("\n") == 1 and "--tev" in done.stderr, done
+
+
+for test in test_methods, test_bands, test_convergence, test_failures, test_viewer:
     test()
     print(test.__name__, flush=True)

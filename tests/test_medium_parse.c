@@ -1,7 +1,9 @@
 /* Media in words: what they come to, and every message about those that are wrong. */
 #include "checks.h"
+#include "io/scenes/medium_text.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
@@ -55,6 +57,27 @@ static void words_come_to_coefficients(void** state) {
         assert_int_equal(def.bounds, TY_BOUNDS_NONE);
         assert_null(def.density_grid);
     }
+}
+
+/* The object of a text is the same medium, bit for bit. */
+static void objects_are_the_same_media(void** state) {
+    for (size_t i = 0; i < COUNT(word_cases); ++i) {
+        ty_medium_def def, again;
+        json_t* object = NULL;
+        assert_int_equal(ty_medium_object(*state, word_cases[i].text, &object), TY_OK);
+        char* text = json_dumps(object, JSON_COMPACT);
+        assert_int_equal(ty_medium_parse(*state, word_cases[i].text, &def), TY_OK);
+        assert_int_equal(ty_medium_parse(*state, text, &again), TY_OK);
+        assert_memory_equal(def.sigma_s, again.sigma_s, sizeof def.sigma_s);
+        assert_memory_equal(def.sigma_a, again.sigma_a, sizeof def.sigma_a);
+        assert_memory_equal(def.g, again.g, sizeof def.g);
+        free(text);
+        json_decref(object);
+    }
+    json_t* none = NULL;
+    assert_int_equal(ty_medium_object(*state, "fog", &none), TY_ERROR_INPUT);
+    assert_null(none);
+    assert_error(*state, "medium: Fog needs its visibility in metres: Fog:50");
 }
 
 /* A name and an object say the same, bit for bit, in words and in a scene. */
@@ -147,6 +170,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(words_come_to_coefficients),
         cmocka_unit_test(every_preset_is_the_same_in_words_and_in_a_scene),
+        cmocka_unit_test(objects_are_the_same_media),
         cmocka_unit_test(wrong_words_are_refused),
         cmocka_unit_test(missing_arguments_are_refused),
     };

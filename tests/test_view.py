@@ -2,7 +2,7 @@
 """`tyndall view` as its clients see it: what is shown is what `tyndall render` writes, changes of several clients, what is saved,
 what is refused; and the page in a headless browser where there is one.
 usage: test_view.py TYNDALL"""
-import itertools, json, math, os, re, signal, struct, subprocess, sys, tempfile, threading, time
+import atexit, itertools, json, math, os, re, signal, struct, subprocess, sys, tempfile, threading, time
 from websocket import BINARY, TEXT, Refused, WebSocket, request
 
 TYNDALL = sys.argv[1]
@@ -27,6 +27,7 @@ class Viewer:
     def __init__(self, scene, *options):
         self.process = subprocess.Popen([TYNDALL, "view", scene, "--no-open", *options], stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, text=True)
+        atexit.register(self.process.kill)  # where a check fails
         self.address = self.process.stdout.readline().strip()
         found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{32})", self.address)
         assert found, (self.address, self.process.stderr.read() if self.process.poll() is not None else "")
@@ -244,6 +245,15 @@ def check_difference(client):
     client.set("media[0].albedo", 0.9)
 
 
+def check_unchanged(client):
+    """A change to what is there already is answered with its id, and makes no revision."""
+    revision = client.set("media[0].g", 0.5)
+    for value in (0.5, 0.50):
+        done = client.next("done", "error", "scene", id=client.send("set", changes=[{"path": "media[0].g", "value": value}]))
+        assert done["type"] == "done" and done["revision"] == revision, done
+    client.set("media[0].g", 0.4)
+
+
 def check_refusals(viewer, client):
     before = client.welcome["document"]
     assert client.refused("set", changes=[{"path": "media[0].g", "value": 1.5}]).startswith("media[0].g: "), "range"
@@ -289,9 +299,130 @@ def check_record(client):
         assert done["type"] == "done" and os.path.getsize(f"frames/{name}") > 100, done
 
 
-def check_page(viewer):
-    import test_view_page
-    return test_view_page.main(viewer.address)
+# ---- photographs through screen ----
+
+PHOTO = ("photo.exr", "--medium", "fog:40", "--environment", "0.5", "--balance", "--sky", "20")
+
+
+def check_photo():
+    """What is shown is what `tyndall screen` writes; beside it the photograph; options change like keys of a scene."""
+    render("builtin:demo", "-o", "photo.exr", "--size", SIZE, "--spp", "4", "--aov", "depth")
+    viewer = Viewer(*PHOTO, "--record", "frames")
+    client = viewer.connect()
+    welcome = client.welcome
+    assert welcome["kind"] == welcome["reference"] == "photograph" and "camera" not in welcome["view"], welcome["view"]
+    assert welcome["document"] == {"medium": {"preset": "fog", "visibility": 40}, "environment": 0.5, "balance": True,
+                                   "sky": 20}, welcome["document"]
+    assert (welcome["view"]["width"], welcome["view"]["height"], welcome["view"]["curve"]) == (WIDTH, HEIGHT, "filmic")
+    client.wait_final()
+    client.wait(lambda: PATH in client.frames, "the photograph")
+    open("before.exr", "wb").write(viewer.image("path")[2])
+    assert difference("before.exr", "photo.exr")["differing"] == 0
+
+    def same_as_command(*words):
+        client.wait_final(client.scene["revision"] if client.scene else 1)
+        done = client.next("done", id=client.send("document"))
+        assert done["command"].startswith("tyndall screen photo.exr --medium "), done
+        assert all(word in done["command"] for word in words), done["command"]
+        out = subprocess.run(done["command"].replace("tyndall", f"'{TYNDALL}'", 1), shell=True, capture_output=True)
+        assert out.returncode == 0, out.stderr
+        open("live.exr", "wb").write(viewer.image("method")[2])
+        assert difference("live.exr", "out.exr")["differing"] == 0, done["command"]
+        return json.loads(done["json"])
+
+    assert same_as_command("fog:40", "--environment 0.5", "--balance") == {"preset": "fog", "visibility": 40}
+    client.set("medium", {"sigma_s": [0.02, 0.03, 0.05], "sigma_a": 0.001, "g": 0.8})
+    client.set("medium.sigma_s[1]", 0.04)
+    for key, value in (("spread", "gaussian"), ("filter", "6"), ("levels", 3), ("sky", 500), ("environment", [0.1, 0.2, 0.4]),
+                       ("balance", None), ("distance-scale", 2), ("fov-y", 70)):
+        client.set(key, value)
+    kept = same_as_command("--spread gaussian", "--filter 6", "--levels 3", "--sky 500", "--environment 0.1,0.2,0.4",
+                           "--distance-scale 2", "--fov-y 70")
+    assert kept == {"sigma_s": [0.02, 0.04, 0.05], "sigma_a": 0.001, "g": 0.8}, kept
+    client.set("variant", "gather")  # spread belongs to scatter, and waits until that comes back
+    client.set("mask", "step")
+    same_as_command("--variant gather", "--mask step")
+    client.set("sky", "fill")
+    client.set("variant", "reference")
+    client.set("window", 9)
+    same_as_command("--window 9", "--sky fill")
+    client.set("variant", None)
+    same_as_command("--spread gaussian")
+
+    revision = client.scene["revision"]
+    for path, value, text in (("medium.visibility", 3, "medium"), ("medium.density", 1, "medium.density: "), ("variant", "x", "variant: "),
+                              ("medium", None, "medium"), ("environment", "none.exr", "none.exr"), ("environment", -1, "environment"),
+                              ("distance-channel", "Q", "Q"), ("focal", 50, "fov-y"), ("levels", 99, "levels: "), ("spp", 4, "spp")):
+        refused = client.refused("set", changes=[{"path": path, "value": value}])
+        assert text in refused and "--help" not in refused, refused
+    client.send("view", width=50, height=50)
+    assert "own size" in client.next("error")["text"]
+    client.send("camera", position=[0, 0, 0])
+    assert client.next("error")["text"]
+    assert viewer.connect().welcome["revision"] == revision
+    done = client.next("done", id=client.send("record", name="photo.png"))
+    assert os.path.getsize(done["file"]) > 100
+    for step in range(20):
+        moved = client.set("medium.sigma_a", 0.001 * step, moving=True)
+    client.wait_final(moved)
+    assert viewer.stop() == (0, "view: Ctrl-C ends it\n")
+
+
+def check_slow_photo():
+    """Images while something moves are smaller where the whole takes long, and look like it."""
+    render("builtin:demo", "-o", "slow.exr", "--size", "240x160", "--spp", "4", "--aov", "depth")
+    viewer = Viewer("slow.exr", "--medium", "fog:40", "--environment", "0.5", "--sky", "20", "--variant", "reference", "--threads", "1")
+    client = viewer.connect()
+    mean = lambda frame: sum(struct.unpack(f"<{len(frame['pixels']) // 2}e", frame["pixels"])) * 2 / len(frame["pixels"])
+    client.wait_final()
+    for step in range(8):
+        before = client.frames[METHOD]["revision"]
+        client.send("set", changes=[{"path": "medium.visibility", "value": 41 + step}], moving=True)
+        client.wait(lambda: client.frames[METHOD]["revision"] > before, "the image of a change")
+        coarse = client.frames[METHOD]
+        assert coarse["coarse"] and not coarse["final"], coarse["width"]
+    final = client.wait_final(coarse["revision"])
+    assert final["width"] == 240 and abs(mean(coarse) / mean(final) - 1) < 0.15, (mean(coarse), mean(final))
+    viewer.stop()
+
+
+# ---- the page ----
+
+def write_frames(last):
+    """A sequence of volumes, and a scene of it."""
+    for frame in range(last + 1):
+        values = [1 + frame + (x + y + z) % 3 for z in range(6) for y in range(6) for x in range(6)]
+        head = "NRRD0004\ntype: float\ndimension: 3\nsizes: 6 6 6\nencoding: raw\nendian: little\n\n"
+        open(f"puff_{frame:02}.nrrd", "wb").write(head.encode() + struct.pack("<216f", *values))
+    scene = json.loads(SCENE)
+    scene["media"][0] |= {"density": {"file": "puff_##.nrrd"}, "bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_t": 0.5}
+    open("frames.json", "w").write(json.dumps(scene))
+
+
+def check_sequence(pages):
+    last = 4
+    write_frames(last)
+    viewer = Viewer("frames.json", "--record", "frames", "--no-compare")
+    found = pages.sequence(viewer.address, os.path.abspath("frames"), last)
+    for frame in range(last + 1 if found != 77 else 0):
+        render("frames.json", "-o", "frame.exr", "-D", f"frame={frame}", "--size", SIZE)
+        assert difference(f"frames/take_{frame:04}.exr", "frame.exr")["differing"] == 0, frame
+    viewer.stop()
+
+
+def check_pages(viewer):
+    import test_view_page as pages
+    if pages.main(viewer.address) == 77:
+        return 77
+    check_sequence(pages)
+    for arguments, row in ((("scene.json", "--no-compare"), "media[0].sigma_t"), (PHOTO, "medium.visibility")):
+        other = Viewer(*arguments, "--remote")
+        pages.remote(other.address, row)
+        other.stop()
+    other = Viewer(*PHOTO)
+    pages.photo(other.address)
+    other.stop()
+    return 0
 
 
 def check_start():
@@ -301,6 +432,10 @@ def check_start():
         assert out.stdout == "" and out.stderr.startswith("tyndall: ") and out.stderr.count("\n") == 1, out
         return out.returncode
     assert fails("missing.json") == 2 and fails("scene.json", "--method", "nonsense") == 2
+    assert fails("scene.json", "--medium", "fog:50") == 2 and fails("scene.json", "--sky", "fill") == 2
+    assert fails("scene.json", "depth.exr") == 2 and fails("missing.exr", "--medium", "fog:50") == 2
+    assert fails("missing.exr") == 2 and fails("missing.exr", "--medium", "fog:50", "--method", "path") == 2
+    assert fails("missing.exr", "--medium", "fog:50", "-D", "variant=gather") == 2
     assert fails("scene.json", "-D", "media[0].g=2") == 2 and fails("scene.json", "--port", "70000") == 2
 
 
@@ -317,11 +452,14 @@ def main():
         check_methods(client)
         check_difference(client)
         check_record(client)
+        check_unchanged(client)
         check_clients(viewer, client)
         check_refusals(viewer, client)
         taken = subprocess.run([TYNDALL, "view", "scene.json", "--port", str(viewer.port)], capture_output=True, text=True)
         assert taken.returncode == 1 and str(viewer.port) in taken.stderr, taken
-        page = check_page(viewer)
+        check_photo()
+        check_slow_photo()
+        page = check_pages(viewer)
         status, errors = viewer.stop()
         assert status == 0 and errors == "view: Ctrl-C ends it\n", (status, errors)
         check_surfaces()

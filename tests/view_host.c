@@ -5,6 +5,7 @@
 #include "cli/view/server.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -15,14 +16,23 @@ const view_page_file view_page_files[] = {
     {"index.html", "<!doctype html><script src=a.js></script>", 41}, {"a.js", "let a = 1", 9}, {NULL, NULL, 0}};
 
 static view_server* server;
+static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
+
+/* The server, for its own threads, which can run before view_server_start has returned. */
+static view_server* started(void) {
+    pthread_mutex_lock(&starting);
+    view_server* found = server;
+    pthread_mutex_unlock(&starting);
+    return found;
+}
 
 static void receive(void* user, int32_t client, const char* text, size_t size) {
     char reply[160];
     (void)user;
     if (size == 5 && memcmp(text, "flood", 5) == 0)
-        for (int i = 0; i < 100000; ++i) view_server_send(server, client, "{\"type\": \"flood\"}");
+        for (int i = 0; i < 100000; ++i) view_server_send(started(), client, "{\"type\": \"flood\"}");
     snprintf(reply, sizeof reply, "{\"type\": \"echo\", \"size\": %zu}", size);
-    view_server_send(server, client, reply);
+    view_server_send(started(), client, reply);
 }
 
 static atomic_bool refuse_next;
@@ -32,7 +42,7 @@ static bool connected(void* user, int32_t client) {
     const bool accepted = !atomic_exchange(&refuse_next, false);
     (void)user;
     snprintf(text, sizeof text, "{\"type\": \"%s\", \"client\": %d}", accepted ? "welcome" : "error", (int)client);
-    view_server_send(server, client, text);
+    view_server_send(started(), client, text);
     return accepted;
 }
 
@@ -96,7 +106,9 @@ int main(int count, char** arguments) {
                                  .connected = connected,
                                  .image = image};
     struct sigaction action;
+    pthread_mutex_lock(&starting);
     server = view_server_start(&def, line, sizeof line);
+    pthread_mutex_unlock(&starting);
     if (server == NULL) {
         printf("error %s\n", line);
         return 1;

@@ -21,6 +21,10 @@ int cli_usage_error(const char* command, const char* format, ...) {
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    if (cli_keeps_messages()) {
+        cli_print_message(text);
+        return CLI_USAGE;
+    }
     snprintf(line, sizeof line, "%s (see 'tyndall %s%s--help')", text, command, command[0] == '\0' ? "" : " ");
     cli_print_message(line);
     return CLI_USAGE;
@@ -129,8 +133,7 @@ static bool parse_crop(const char* text, int32_t out[4]) {
     return parse_size(text, out + 2);
 }
 
-/* The index of text among the words of "auto|plain|none", or -1. */
-static int find_choice(const char* choices, const char* text) {
+int cli_find_choice(const char* choices, const char* text) {
     const size_t length = strlen(text);
     int index = 0;
     for (const char* word = choices; word != NULL; ++index) {
@@ -141,7 +144,7 @@ static int find_choice(const char* choices, const char* text) {
     return -1;
 }
 
-static int store_value(const char* command, const cli_option* option, const char* text) {
+int cli_set_option(const char* command, const cli_option* option, const char* text) {
     switch (option->kind) {
     case CLI_FLAG: *(bool*)option->target = true; break;
     case CLI_TEXT:
@@ -187,7 +190,7 @@ static int store_value(const char* command, const cli_option* option, const char
                                    option->name, text);
         break;
     case CLI_CHOICE: {
-        const int choice = find_choice(option->value, text);
+        const int choice = cli_find_choice(option->value, text);
         if (choice < 0) return cli_usage_error(command, "--%s: '%s' is none of %s", option->name, text, option->value);
         *(int*)option->target = choice;
         break;
@@ -260,7 +263,7 @@ static int parse_option(const char* command, const table* all, int count, char**
         if (*index + 1 >= count) return cli_usage_error(command, "--%s needs a %s", option->name, option->value);
         value = arguments[++*index];
     }
-    return store_value(command, option, value);
+    return cli_set_option(command, option, value);
 }
 
 int cli_parse(const cli_syntax* syntax, int count, char** arguments, cli_arguments* out) {

@@ -90,6 +90,13 @@ typedef struct cli_arguments {
  * print to stdout and give CLI_DONE. */
 int cli_parse(const cli_syntax* syntax, int count, char** arguments, cli_arguments* out);
 
+/* Sets the target of an option from the text of its value, which stays the caller's; a flag's is not looked at. CLI_GO,
+ * or CLI_USAGE after a message of the command. */
+int cli_set_option(const char* command, const cli_option* option, const char* text);
+
+/* The index of text among the words of "auto|plain|none", or -1. */
+int cli_find_choice(const char* choices, const char* text);
+
 /* Prints a usage error of a command (printf-like) and returns CLI_USAGE. */
 int cli_usage_error(const char* command, const char* format, ...) __attribute__((format(printf, 2, 3)));
 

@@ -172,9 +172,8 @@ static int check_options(render_options* options) {
         return cli_usage_error("render", "--aov is for .exr images, and %s is none", options->output);
     if (options->checkpoint_given && !options->resume)
         return cli_usage_error("render", "--checkpoint says how often --resume saves; give both");
-    if (options->tev != NULL && !cli_tev_is_address(options->tev))
-        return cli_usage_error("render", "--tev: '%s' is not HOST:PORT, such as 127.0.0.1:14158", options->tev);
-    int status = options->aov != NULL ? cli_parse_aovs("render", options->aov, &options->aovs) : CLI_GO;
+    int status = options->tev != NULL ? cli_tev_check_address("render", options->tev) : CLI_GO;
+    if (status == CLI_GO && options->aov != NULL) status = cli_parse_aovs("render", options->aov, &options->aovs);
     if (status == CLI_GO) status = cli_check_output("render", options->output);
     return status != CLI_GO || options->png == NULL ? status : cli_check_output("render", options->png);
 }

@@ -5,20 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-static ty_screen_image describe_image(const screen_input* input, const screen_output* output) {
-    ty_screen_image image = ty_default_screen_image();
-    image.width = input->width;
-    image.height = input->height;
-    image.distance = input->distance;
-    /* A read-only view of an input. */
-    for (int c = 0; c < 3; ++c) {
-        image.color.data[c] = (float*)(uintptr_t)input->color[c];
-        image.out.data[c] = output->color[c];
-    }
-    image.color.row = image.out.row = image.distance_row = input->width;
-    return image;
-}
-
 /* The distances in use, with the substitute for unknown ones. */
 static void copy_distances(const screen_input* input, const ty_screen_def* def, float* out) {
     const int64_t pixels = (int64_t)input->width * input->height;
@@ -29,7 +15,7 @@ static void copy_distances(const screen_input* input, const ty_screen_def* def, 
 }
 
 static ty_result compute(cli_session* session, screen_report* report, const screen_output* output) {
-    const ty_screen_image image = describe_image(report->input, output);
+    const ty_screen_image image = screen_describe_image(report->input, output->color);
     const bool parts = output->attenuated[0] != NULL || output->scattered[0] != NULL || output->spread[0] != NULL;
     copy_distances(report->input, report->def, output->distance);
     ty_result result = TY_OK;
@@ -40,21 +26,6 @@ static ty_result compute(cli_session* session, screen_report* report, const scre
     if (result == TY_OK) result = ty_screen_apply(session->context, report->def, &image, NULL, 0, &report->stats);
     cli_progress_clear(&session->progress);
     return result;
-}
-
-/* Sets all fields of the def; the camera comes from the image. */
-static int make_def(cli_session* session, const screen_options* options, const screen_input* input,
-                    const ty_medium_def* medium, ty_screen_def* def) {
-    *def = ty_default_screen_def();
-    memcpy(def->sigma_s, medium->sigma_s, sizeof def->sigma_s);
-    memcpy(def->sigma_a, medium->sigma_a, sizeof def->sigma_a);
-    memcpy(def->g, medium->g, sizeof def->g);
-    def->missing_depth = (float)options->sky_distance;
-    def->progress = cli_progress_report;
-    def->progress_user = &session->progress;
-    screen_set_variant(options, def);
-    const int status = screen_set_camera(options, input, def);
-    return status == CLI_GO ? screen_set_environment(session, options, def) : status;
 }
 
 static int apply(cli_session* session, screen_input* input, screen_report* report) {
@@ -78,6 +49,7 @@ static int load_and_apply(cli_session* session, const screen_options* options, c
     screen_input input = {0};
     ty_screen_def def;
     ty_medium_def medium = ty_default_medium_def();
+    float around[3];
     screen_report report = {.options = options, .input = &input, .def = &def, .stats = ty_default_screen_stats()};
     cli_end_on_interrupt(true);
     const ty_result result = ty_medium_parse(session->context, options->medium, &medium);
@@ -85,8 +57,11 @@ static int load_and_apply(cli_session* session, const screen_options* options, c
     if (status == CLI_GO)
         status = screen_open_input(session, options, given->positional[0],
                                    given->positional_count > 1 ? given->positional[1] : NULL, &input);
-    if (status == CLI_GO) status = make_def(session, options, &input, &medium, &def);
+    if (status == CLI_GO) status = screen_read_environment(session, options, around);
+    if (status == CLI_GO) status = screen_make_def(options, &input, &medium, around, &def);
     cli_end_on_interrupt(false);
+    def.progress = cli_progress_report;
+    def.progress_user = &session->progress;
     if (status == CLI_GO) {
         session->stats = screen_report_stats;
         session->stats_user = &report;
@@ -109,57 +84,23 @@ static const char* const details =
     "of the scattered light), distance (metres), or all.";
 
 int cli_screen(int count, char** arguments) {
-    screen_options options = {.filter = 1, .distance_scale = 1, .sky_distance = 1e6, .level_count = -1};
-    const cli_option table[] = {
+    screen_options options = screen_default_options("screen");
+    const cli_option before[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
-        {"medium", 0, CLI_TEXT, "NAME|JSON", "what lies between the camera and what it sees (see above)",
-         &options.medium, 0, 0, NULL},
-        {"distance-channel", 0, CLI_TEXT, "NAME", "of the distances (default: depth.Z, Z, depth, ...)",
-         &options.channel, 0, 0, NULL},
-        {"distance-scale", 0, CLI_REAL, "METRES", "what 1 in the file of distances is (default 1)",
-         &options.distance_scale, 1e-12, 1e12, &options.distance_scale_given},
-        {"depth-is", 0, CLI_CHOICE, "radial|planar", "distances are along rays (default) or along the camera's axis",
-         &options.depth_is, 0, 0, NULL},
-        {"sky", 0, CLI_TEXT, "METRES|fill", "pixels without a distance: so far away (default 1e6), or as those around",
-         &options.sky, 0, 0, NULL},
-        {"fov-y", 0, CLI_REAL, "DEGREES", "full vertical angle of view", &options.fov_y, 1e-3, 179.999,
-         &options.fov_y_given},
-        {"focal", 0, CLI_TEXT, "FX[,FY]", "focal length, pixels", &options.focal_text, 0, 0, NULL},
-        {"center", 0, CLI_TEXT, "CX,CY", "principal point, pixels from the corner (default: the center)",
-         &options.center_text, 0, 0, NULL},
-        {"environment", 0, CLI_TEXT, "L|R,G,B|FILE", "radiance around, W m^-2 sr^-1, or a map of it (default 0)",
-         &options.environment, 0, 0, NULL},
-        {"balance", 0, CLI_FLAG, NULL, "what scatters backwards comes from --environment, not from the image",
-         &options.balance, 0, 0, NULL},
-        {"variant", 0, CLI_CHOICE, SCREEN_KINDS, "ours (default), the paper's, and baselines", &options.kind, 0, 0,
-         NULL},
-        {"spread", 0, CLI_CHOICE, "small-angle|gaussian", "scatter: by phase function (default), or the paper's",
-         &options.spread, 0, 0, &options.spread_given},
-        {"filter", 0, CLI_CHOICE, "2|4|6", "taps along x and y between levels (default 4)", &options.filter, 0, 0,
-         NULL},
-        {"levels", 0, CLI_TEXT, "N|auto|all", "of the pyramid (default auto: what it takes, of Gaussians 6 at most)",
-         &options.levels, 0, 0, NULL},
-        {"window", 0, CLI_INT, "N", "reference: pixels that light reaches along x and y (default: all)",
-         &options.window, 1, 65536, &options.window_given},
-        {"mask", 0, CLI_CHOICE, "none|step|smooth",
-         "gather: what keeps near pixels out of wide levels (default smooth)", &options.mask, 0, 0,
-         &options.mask_given},
-        {"mask-width", 0, CLI_REAL, "E", "gather: epsilon of the smooth mask (default 0.5)", &options.mask_width, 1e-6,
-         1e6, &options.mask_width_given},
-        {"level-scale", 0, CLI_REAL, "C", "gather: pixels of spread at level 0 (default 0.8)", &options.level_scale,
-         1e-3, 1e3, &options.level_scale_given},
-        {"uniform-weights", 0, CLI_FLAG, NULL, "gather: spreads are averaged without luminance",
-         &options.uniform_weights, 0, 0, NULL},
-        {"plain-distance", 0, CLI_FLAG, NULL, "gather: levels from distances that are not blurred",
-         &options.plain_distance, 0, 0, NULL},
-        {"no-normalise", 0, CLI_FLAG, NULL, "gather: masks take light away", &options.no_normalise, 0, 0, NULL},
+    };
+    const cli_option after[] = {
         {"png", 0, CLI_TEXT, "FILE", "also write a PNG", &options.png, 0, 0, NULL},
         {"exposure", 0, CLI_REAL, "STOPS", "exposure of the PNG (default 0)", &options.exposure, -64, 64, NULL},
         {"curve", 0, CLI_CHOICE, "auto|none|filmic", "curve of the PNG (default: none for PNG and JPEG, else filmic)",
          &options.curve, 0, 0, NULL},
         {"aov", 0, CLI_TEXT, "NAME,...", "also write these channels to the EXR (see above)", &options.aov, 0, 0, NULL},
     };
+    enum { BEFORE = sizeof before / sizeof before[0], AFTER = sizeof after / sizeof after[0] };
+    cli_option table[BEFORE + SCREEN_OPTIONS + AFTER];
+    memcpy(table, before, sizeof before);
+    screen_list_options(&options, table + BEFORE);
+    memcpy(table + BEFORE + SCREEN_OPTIONS, after, sizeof after);
     const cli_syntax syntax = {"screen",
                                "IMAGE [DISTANCE] -o OUT.exr|OUT.png --medium NAME|JSON [options]",
                                "Puts fog, water or any other medium over an image whose distances are known.",
@@ -172,6 +113,7 @@ int cli_screen(int count, char** arguments) {
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO) status = screen_check_options(&options);
+    if (status == CLI_GO) status = screen_check_outputs(&options);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "screen", &given.common);
     return status == CLI_GO ? load_and_apply(&session, &options, &given) : status;

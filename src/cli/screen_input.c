@@ -142,7 +142,8 @@ int screen_prepare_distances(cli_session* session, const screen_options* options
     return result == TY_OK ? CLI_GO : cli_fail_running(session, result);
 }
 
-int screen_set_camera(const screen_options* options, const screen_input* input, ty_screen_def* def) {
+/* Focal length and principal point, from the options or the image. */
+static int set_camera(const screen_options* options, const screen_input* input, ty_screen_def* def) {
     int32_t frame[4];
     ty_image_get_frame(input->image, frame);
     double fov_y = options->fov_y;
@@ -179,7 +180,7 @@ static void mean_radiance(const ty_image* map, const float* const planes[3], dou
     for (int c = 0; c < 3; ++c) out[c] /= total;
 }
 
-static int read_environment(cli_session* session, const char* path, double out[3]) {
+static int read_map(cli_session* session, const char* path, double out[3]) {
     ty_image* map = NULL;
     const ty_result result = ty_image_read(session->context, path, &map);
     if (result != TY_OK) return cli_fail_reading(session, result);
@@ -190,23 +191,51 @@ static int read_environment(cli_session* session, const char* path, double out[3
     return colored ? CLI_GO : cli_fail(CLI_USAGE, "%s: neither R, G and B nor one channel alone", path);
 }
 
-int screen_set_environment(cli_session* session, const screen_options* options, ty_screen_def* def) {
+int screen_read_environment(cli_session* session, const screen_options* options, float out[3]) {
     double radiance[3] = {0};
     const int count = options->environment == NULL ? 0 : screen_parse_numbers(options->environment, 1, radiance);
     if (count == 2)
-        return cli_usage_error("screen", "--environment: '%s' is neither one number nor R,G,B", options->environment);
+        return cli_usage_error(options->command, "--environment: '%s' is neither one number nor R,G,B",
+                               options->environment);
     if (count == 1) radiance[1] = radiance[2] = radiance[0];
     for (int c = 0; c < count; ++c)
         if (!(radiance[c] >= 0 && radiance[c] <= 1e12))
-            return cli_usage_error("screen", "--environment: %g is outside 0..1e12", radiance[c]);
+            return cli_usage_error(options->command, "--environment: %g is outside 0..1e12", radiance[c]);
     if (options->environment != NULL && count == 0) {
-        const int status = read_environment(session, options->environment, radiance);
+        const int status = read_map(session, options->environment, radiance);
         if (status != CLI_GO) return status;
     }
-    const float around[3] = {(float)radiance[0], (float)radiance[1], (float)radiance[2]};
+    for (int c = 0; c < 3; ++c) out[c] = (float)radiance[c];
+    return CLI_GO;
+}
+
+int screen_make_def(const screen_options* options, const screen_input* input, const ty_medium_def* medium,
+                    const float around[3], ty_screen_def* def) {
+    *def = ty_default_screen_def();
+    memcpy(def->sigma_s, medium->sigma_s, sizeof def->sigma_s);
+    memcpy(def->sigma_a, medium->sigma_a, sizeof def->sigma_a);
+    memcpy(def->g, medium->g, sizeof def->g);
+    def->missing_depth = (float)options->sky_distance;
+    screen_set_variant(options, def);
+    const int status = set_camera(options, input, def);
+    if (status != CLI_GO) return status;
     if (options->balance)
         ty_screen_balance(def, around);
     else
-        memcpy(def->environment, around, sizeof around);
+        memcpy(def->environment, around, sizeof def->environment);
     return CLI_GO;
+}
+
+ty_screen_image screen_describe_image(const screen_input* input, float* const out[3]) {
+    ty_screen_image image = ty_default_screen_image();
+    image.width = input->width;
+    image.height = input->height;
+    image.distance = input->distance;
+    /* A read-only view of an input. */
+    for (int c = 0; c < 3; ++c) {
+        image.color.data[c] = (float*)(uintptr_t)input->color[c];
+        image.out.data[c] = out[c];
+    }
+    image.color.row = image.out.row = image.distance_row = input->width;
+    return image;
 }

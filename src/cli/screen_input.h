@@ -23,9 +23,12 @@ void screen_close_input(screen_input* input);
 /* Converts the distances to metres in place, and fills holes on request. */
 int screen_prepare_distances(cli_session* session, const screen_options* options, screen_input* input);
 
-/* Focal length and principal point, from the options or the image. */
-int screen_set_camera(const screen_options* options, const screen_input* input, ty_screen_def* def);
-/* The ambient light after --balance. */
-int screen_set_environment(cli_session* session, const screen_options* options, ty_screen_def* def);
+/* The radiance around, of --environment. */
+int screen_read_environment(cli_session* session, const screen_options* options, float out[3]);
+/* Sets all fields of the def but for its progress; the camera comes from the options or the image. */
+int screen_make_def(const screen_options* options, const screen_input* input, const ty_medium_def* medium,
+                    const float around[3], ty_screen_def* def);
+/* The call's images: out has planes of the input's size. */
+ty_screen_image screen_describe_image(const screen_input* input, float* const out[3]);
 
 #endif

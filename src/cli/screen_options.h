@@ -12,6 +12,7 @@ typedef enum screen_kind { SCREEN_SCATTER, SCREEN_GATHER, SCREEN_PUBLISHED, SCRE
 enum { SCREEN_ATTENUATED = 1, SCREEN_SCATTERED = 2, SCREEN_SPREAD = 4, SCREEN_DISTANCE = 8 };
 
 typedef struct screen_options {
+    const char* command; /* in messages */
     const char *output, *png, *aov;
     double exposure;
     int curve; /* 0 from the image, 1 none, 2 filmic */
@@ -50,8 +51,21 @@ typedef struct screen_options {
     uint32_t aovs;
 } screen_options;
 
-/* Checks of options that need no file; parses the textual values. Returns an exit status. */
+/* The options of a command, "screen" or "view". */
+screen_options screen_default_options(const char* command);
+/* The options of input, medium and method; targets are the fields of *options. */
+enum { SCREEN_OPTIONS = 21 };
+void screen_list_options(screen_options* options, cli_option out[SCREEN_OPTIONS]);
+/* The first of these options that is not at its default, or NULL. */
+const char* screen_first_given(screen_options* options);
+bool screen_is_given(const cli_option* option, const cli_option* preset);
+/* The variants that have an option: bits 1 << screen_kind. */
+unsigned screen_kinds_of(const char* name);
+
+/* Checks of these options, as far as they need no file; parses the textual values. Returns an exit status. */
 int screen_check_options(screen_options* options);
+/* Checks --output, --png and --aov likewise. */
+int screen_check_outputs(screen_options* options);
 /* The variant and its details. */
 void screen_set_variant(const screen_options* options, ty_screen_def* def);
 /* Parses "1,2,3" as at least `min_count` and at most 3 numbers; returns their number, 0 on a syntax error. */

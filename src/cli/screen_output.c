@@ -241,8 +241,7 @@ static ty_result set_metadata(ty_image* image, const screen_report* report) {
     return result == TY_OK ? set_triple(image, "tyndall.screen.environment", def->environment) : result;
 }
 
-/* An image from a display-referred file is written without a tone curve. */
-static ty_tone_curve choose_curve(const screen_options* options, const char* image_path) {
+ty_tone_curve screen_choose_curve(const screen_options* options, const char* image_path) {
     if (options->curve != 0) return options->curve == 2 ? TY_TONE_FILMIC : TY_TONE_CLIP;
     const bool display_ready = cli_has_extension(image_path, ".png") || cli_has_extension(image_path, ".jpg") ||
                                cli_has_extension(image_path, ".jpeg");
@@ -252,7 +251,7 @@ static ty_tone_curve choose_curve(const screen_options* options, const char* ima
 static ty_result write_files(cli_session* session, const screen_report* report, const ty_image* image) {
     const screen_options* options = report->options;
     const char* const paths[] = {options->output, options->png};
-    const ty_tone_curve curve = choose_curve(options, report->input->image_path);
+    const ty_tone_curve curve = screen_choose_curve(options, report->input->image_path);
     for (int i = 0; i < 2; ++i) {
         if (paths[i] == NULL) continue;
         const ty_result result = cli_has_extension(paths[i], ".png")

@@ -28,6 +28,9 @@ int screen_fail_running(cli_session* session, const screen_report* report, int32
 /* Writes metadata, files and closing lines; returns an exit status. */
 int screen_write_output(cli_session* session, const screen_report* report, const screen_output* output);
 
+/* The curve of a PNG: none for an image from a display-referred file. */
+ty_tone_curve screen_choose_curve(const screen_options* options, const char* image_path);
+
 /* Prints one line for each anomaly of distances, values, spreads and alpha. */
 void screen_print_notes(cli_session* session, const screen_report* report);
 /* Adds a screen_report to --stats (cli_session.stats). */

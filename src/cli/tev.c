@@ -85,8 +85,15 @@ static bool create_image(cli_tev* tev, int32_t width, int32_t height) {
     return send_packet(tev, &create);
 }
 
+/* The pixels of an image: channel c of pixel i is planes[c][i * step]. */
+typedef struct pixels {
+    int32_t width, height;
+    const float* planes[CHANNELS];
+    size_t step;
+} pixels;
+
 /* Rows of all channels, one channel after another. */
-static bool update_rows(const cli_tev* tev, const float* const planes[CHANNELS], int32_t first, int32_t rows) {
+static bool update_rows(const cli_tev* tev, const pixels* image, int32_t first, int32_t rows) {
     packet update;
     const size_t begin = (size_t)first * (size_t)tev->width, count = (size_t)rows * (size_t)tev->width;
     if (!begin_packet(&update, tev, UPDATE_IMAGE, false, CHANNELS * count)) return false;
@@ -98,16 +105,19 @@ static bool update_rows(const cli_tev* tev, const float* const planes[CHANNELS],
     for (size_t c = 0; c < CHANNELS; ++c) put_number(&update, c * count, 8); /* offsets in values */
     for (int c = 0; c < CHANNELS; ++c) put_number(&update, 1, 8);            /* strides in values */
     for (int c = 0; c < CHANNELS; ++c)
-        for (size_t i = 0; i < count; ++i) put_number(&update, ty_bits_from_float(planes[c][begin + i]), 4);
+        for (size_t i = 0; i < count; ++i) {
+            const float value = image->planes[c][(begin + i) * image->step];
+            put_number(&update, ty_bits_from_float(value), 4);
+        }
     return send_packet(tev, &update);
 }
 
-static bool send_image(cli_tev* tev, const ty_image* image, const float* const planes[CHANNELS]) {
-    const int32_t width = ty_image_width(image), height = ty_image_height(image);
+static bool send_image(cli_tev* tev, const pixels* image) {
+    const int32_t width = image->width, height = image->height;
     const int32_t band = BAND_VALUES / width > 0 ? BAND_VALUES / width : 1;
     if ((width != tev->width || height != tev->height) && !create_image(tev, width, height)) return false;
     for (int32_t y = 0; y < height; y += band)
-        if (!update_rows(tev, planes, y, y + band < height ? band : height - y)) return false;
+        if (!update_rows(tev, image, y, y + band < height ? band : height - y)) return false;
     return true;
 }
 
@@ -117,15 +127,23 @@ static bool is_gone(const cli_tev* tev) {
     return recv(tev->socket, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
 }
 
-bool cli_tev_show(void* user, const ty_image* image) {
-    cli_tev* tev = user;
-    const float* planes[CHANNELS];
-    if (tev->socket <= 0 || !ty_image_rgb_planes(image, planes)) return true;
-    if (!is_gone(tev) && send_image(tev, image, planes)) return true;
+static void show(cli_tev* tev, const pixels* image) {
+    if (!is_gone(tev) && send_image(tev, image)) return;
     cli_tev_close(tev);
     if (!tev->session->common.quiet)
         cli_progress_warn(&tev->session->progress, "tev is gone: the image is not shown there any more");
+}
+
+bool cli_tev_show(void* user, const ty_image* image) {
+    cli_tev* tev = user;
+    pixels all = {.width = ty_image_width(image), .height = ty_image_height(image), .step = 1};
+    if (tev->socket > 0 && ty_image_rgb_planes(image, all.planes)) show(tev, &all);
     return true;
+}
+
+void cli_tev_show_pixels(cli_tev* tev, const float* rgb, int32_t width, int32_t height) {
+    const pixels all = {width, height, {rgb, rgb + 1, rgb + 2}, CHANNELS};
+    if (tev->socket > 0) show(tev, &all);
 }
 
 /* The parts of HOST:PORT and [IPV6]:PORT. */
@@ -147,10 +165,11 @@ static bool split_address(const char* address, char host[HOST_MAX + 1], const ch
     return bracketed || strchr(host, ':') == NULL;
 }
 
-bool cli_tev_is_address(const char* address) {
+int cli_tev_check_address(const char* command, const char* address) {
     char host[HOST_MAX + 1];
     const char* port;
-    return split_address(address, host, &port);
+    if (split_address(address, host, &port)) return CLI_GO;
+    return cli_usage_error(command, "--tev: '%s' is not HOST:PORT, such as 127.0.0.1:14158", address);
 }
 
 /* Waits until a socket is connected. Returns an errno. */

@@ -1,6 +1,7 @@
 /* Output of untrusted text. */
 #include "cli/text.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 void cli_print_text(FILE* file, const char* text, int width) {
@@ -35,8 +36,46 @@ void cli_print_markdown(FILE* file, const char* text) {
     }
 }
 
+static _Thread_local char* kept;
+static _Thread_local size_t kept_size;
+
+void cli_keep_messages(char* text, size_t size) {
+    kept = text;
+    kept_size = size;
+    if (text != NULL) text[0] = '\0';
+}
+
+bool cli_keeps_messages(void) {
+    return kept != NULL;
+}
+
 void cli_print_message(const char* text) {
+    if (kept != NULL) {
+        if (kept[0] == '\0') snprintf(kept, kept_size, "%s", text);
+        return;
+    }
     fputs("tyndall: ", stderr);
     cli_print_text(stderr, text, 0);
     putc('\n', stderr);
+}
+
+void cli_append_word(char** text, size_t* size, const char* word) {
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=,-+";
+    const bool quoted = word[0] == '\0' || strspn(word, plain) != strlen(word);
+    const size_t needed = *size + 4 * strlen(word) + 4;
+    char* longer = realloc(*text, needed);
+    if (longer == NULL) return;
+    *text = longer;
+    if (*size > 0) longer[(*size)++] = ' ';
+    if (quoted) longer[(*size)++] = '\'';
+    for (const char* at = word; *at != '\0'; ++at) {
+        if (*at == '\'') {
+            memcpy(longer + *size, "'\\''", 4);
+            *size += 4;
+        } else {
+            longer[(*size)++] = *at;
+        }
+    }
+    if (quoted) longer[(*size)++] = '\'';
+    longer[*size] = '\0';
 }

@@ -3,10 +3,15 @@
 #include "base/context.h"
 #include "base/number.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { START_SIZE = 256 };
+
+json_t* ty_json_number(double value) {
+    return value == floor(value) && fabs(value) < 1e15 ? json_integer((json_int_t)value) : json_real(value);
+}
 
 /* Room for `more` bytes and a zero byte. */
 static bool make_room(ty_text* text, size_t more) {

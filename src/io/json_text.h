@@ -5,6 +5,9 @@
 #include <jansson.h>
 #include <tyndall/base.h>
 
+/* A number: a whole one without a point. */
+json_t* ty_json_number(double value);
+
 /* Text that grows. After `failed` is set, because memory ran out, further calls do nothing. */
 typedef struct ty_text {
     ty_context* context;

@@ -247,14 +247,14 @@ static int measure(int count, char** arguments) {
         {"runs", 0, CLI_INT, "N", "repetitions whose median counts (default 3)", &options.runs, 1, 99, &runs_given},
         {"side", 0, CLI_INT, "N", "voxels a side of the volumes to load (default 192)", &options.side, 8, 1024,
          &side_given},
-        {"scenes", 0, CLI_TEXT, "A,B,...", "scenes to render: files, or names of builtin ones", &options.scenes, 0, 0,
-         &options.scenes_given},
+        {"scenes", 0, CLI_TEXT, "A,B,...", "scenes to render: files, or names of builtin ones; view: photograph, too",
+         &options.scenes, 0, 0, &options.scenes_given},
         {"full", 0, CLI_FLAG, NULL, "screen: the whole image through the reference, not 100 rows", &options.full, 0, 0,
          NULL},
         {"mesh", 0, CLI_TEXT, "FILE", "mesh for the rays (default: a terrain)", &options.mesh, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "DIR", "also compare with DIR/SCENE.exr", &options.reference, 0, 0, NULL},
         {"data", 0, CLI_TEXT, "DIR",
-         "lpv, dom, edit: third-party scenes (default: the environment variable TYNDALL_DATA)", &options.data, 0, 0,
+         "lpv, dom, edit, view: third-party data (default: the environment variable TYNDALL_DATA)", &options.data, 0, 0,
          NULL},
     };
     char details[2048] =

@@ -1,6 +1,7 @@
 /* tyndall bench view: latency and frame rate of `tyndall view`, as a headless client sees them. */
 #define _GNU_SOURCE
 #include "bench/view_client.h"
+#include "scenes/scenes.h"
 
 #include <jansson.h>
 
@@ -9,8 +10,8 @@
 #include <string.h>
 #include <time.h>
 
-enum { CHANGES = 9, CHANGES_QUICK = 3, ORBIT_HERTZ = 60, ARRIVALS_MAX = 4096 };
-static const double orbit_seconds = 3, timeout = 60;
+enum { CHANGES = 9, CHANGES_QUICK = 3, MOTION_HERTZ = 60, ARRIVALS_MAX = 4096 };
+static const double motion_seconds = 3, timeout = 60;
 
 typedef struct view_case {
     const char *scene, *method;
@@ -30,7 +31,7 @@ typedef struct measured {
     double latency, latency_max; /* ms from a change of a medium to its first image; median and largest */
     double camera_latency;       /* ms, of the camera; median */
     double final_seconds;        /* from a change of a medium to its final image, median */
-    double rate;                 /* images per second while the camera orbits */
+    double rate;                 /* images per second while the camera, or a photograph's medium, moves */
     double coarse;               /* width of those images over the full width, median */
     double solve, view;          /* ms of the server, at rest */
 } measured;
@@ -48,18 +49,25 @@ static bool time_change(view_client* client, const char* text, bool final, doubl
     return true;
 }
 
-/* A change of the first medium's scale. */
-static void medium_change(int index, bool moving, char* out, size_t size) {
-    snprintf(out, size,
-             "{\"type\":\"set\",\"id\":%d,\"moving\":%s,\"changes\":[{\"path\":\"media[0].scale\",\"value\":%.3f}]}",
-             index, moving ? "true" : "false", 1 + 0.01 * (1 + index % 7));
+/* A change of the medium: by up to 7 % of `value`. */
+typedef struct medium_value {
+    const char* path;
+    double value;
+} medium_value;
+
+static const medium_value first_scale = {"media[0].scale", 1};
+static const medium_value photo_visibility = {"medium.visibility", 5};
+
+static void medium_change(const medium_value* medium, int index, bool moving, char* out, size_t size) {
+    snprintf(out, size, "{\"type\":\"set\",\"id\":%d,\"moving\":%s,\"changes\":[{\"path\":\"%s\",\"value\":%.3f}]}",
+             index, moving ? "true" : "false", medium->path, medium->value * (1 + 0.01 * (1 + index % 7)));
 }
 
-static bool time_media(view_client* client, int count, measured* out) {
+static bool time_media(view_client* client, const medium_value* medium, int count, measured* out) {
     double ms[CHANGES], finals[CHANGES];
     char text[256];
     for (int i = 0; i < count; ++i) {
-        medium_change(i, false, text, sizeof text);
+        medium_change(medium, i, false, text, sizeof text);
         const double begun = cli_wall_seconds();
         view_arrival arrival;
         if (!time_change(client, text, false, &ms[i])) return false;
@@ -116,8 +124,19 @@ static void sleep_seconds(double seconds) {
     nanosleep(&time, NULL);
 }
 
-/* Orbits at ORBIT_HERTZ messages a second, and counts the images that arrive. */
-static bool time_orbit(view_client* client, const orbit* at, double seconds, measured* out) {
+/* The i-th of many changes, of the camera or of a medium; `moving` false: the last one. */
+typedef void (*change_fn)(const void* user, int index, bool moving, char* out, size_t size);
+
+static void turn_camera(const void* user, int index, bool moving, char* out, size_t size) {
+    camera_change(user, moving ? 0.5 * (index + 1) : 0, moving, out, size);
+}
+
+static void change_medium(const void* user, int index, bool moving, char* out, size_t size) {
+    medium_change(user, index, moving, out, size);
+}
+
+/* Sends MOTION_HERTZ changes a second, and counts the images that arrive. */
+static bool time_motion(view_client* client, change_fn change, const void* user, double seconds, measured* out) {
     static double widths[ARRIVALS_MAX];
     char text[256];
     const uint32_t first = view_client_frames(client);
@@ -126,16 +145,16 @@ static bool time_orbit(view_client* client, const orbit* at, double seconds, mea
     uint32_t seen = first;
     int count = 0;
     for (int i = 0; cli_wall_seconds() - begun < seconds; ++i) {
-        camera_change(at, 0.5 * (i + 1), true, text, sizeof text);
+        change(user, i, true, text, sizeof text);
         if (!view_client_send(client, text)) return false;
         for (; seen < view_client_frames(client) && count < ARRIVALS_MAX; ++seen)
             if (view_client_wait(client, seen, 0, false, 0, &arrival))
                 widths[count++] = (double)arrival.width / arrival.full_width;
-        sleep_seconds(1.0 / ORBIT_HERTZ);
+        sleep_seconds(1.0 / MOTION_HERTZ);
     }
     out->rate = (view_client_frames(client) - first) / (cli_wall_seconds() - begun);
     out->coarse = count > 0 ? bench_median(widths, count) : 0;
-    camera_change(at, 0, false, text, sizeof text);
+    change(user, 0, false, text, sizeof text);
     return view_client_send(client, text);
 }
 
@@ -158,9 +177,62 @@ static bool measure(const bench_session* bench, view_client* client, measured* o
     const orbit at = read_orbit(client);
     view_arrival first;
     *out = (measured){.latency = 0};
-    return view_client_wait(client, 0, 0, true, timeout, &first) && time_media(client, count, out) &&
+    return view_client_wait(client, 0, 0, true, timeout, &first) && time_media(client, &first_scale, count, out) &&
            time_camera(client, &at, count, out) &&
-           time_orbit(client, &at, bench->options->quick ? 1 : orbit_seconds, out);
+           time_motion(client, turn_camera, &at, bench->options->quick ? 1 : motion_seconds, out);
+}
+
+/* ---- a photograph ---- */
+
+/* A frame of a depth camera, 640 x 480, and how it is read (the figure screen-photo tells more). */
+#define PHOTO_FILE "rgbd/tum_fr1_color.png"
+#define DISTANCE_FILE "rgbd/tum_fr1_depth.png"
+
+static const char* const photo_name = "photograph"; /* also in --scenes */
+
+static bool measure_photo(const bench_session* bench, view_client* client, measured* out) {
+    const int count = bench->options->quick ? CHANGES_QUICK : CHANGES;
+    view_arrival first;
+    *out = (measured){.latency = 0};
+    return view_client_wait(client, 0, 0, true, timeout, &first) && time_media(client, &photo_visibility, count, out) &&
+           time_motion(client, change_medium, &photo_visibility, bench->options->quick ? 1 : motion_seconds, out);
+}
+
+static int run_photo(const bench_session* bench) {
+    char photo[BENCH_PATH_SIZE], distance[BENCH_PATH_SIZE], threads[16];
+    snprintf(photo, sizeof photo, "%s/%s", bench->options->data, PHOTO_FILE);
+    snprintf(distance, sizeof distance, "%s/%s", bench->options->data, DISTANCE_FILE);
+    snprintf(threads, sizeof threads, "%d", (int)ty_context_threads(bench->session->context));
+    const char* const arguments[] = {photo,      distance,      "--medium",  "fog:5",   "--distance-scale",
+                                     "0.0002",   "--depth-is",  "planar",    "--focal", "517.3,516.5",
+                                     "--center", "318.6,255.3", "--sky",     "fill",    "--environment",
+                                     "0.4",      "--balance",   "--threads", threads,   NULL};
+    view_client* client = view_client_open(arguments);
+    if (client == NULL) return CLI_FAILED;
+    measured m;
+    const bool done = measure_photo(bench, client, &m);
+    json_open_object(bench->json, "screen");
+    if (done)
+        bench_numbers(bench->json, {"latency_ms", m.latency}, {"latency_max_ms", m.latency_max},
+                      {"final_seconds", m.final_seconds}, {"images_per_second", m.rate},
+                      {"width_while_moving", m.coarse}, {"view_ms", m.view});
+    else
+        json_text(bench->json, "refused", view_client_complaint(client));
+    json_close_object(bench->json);
+    view_client_close(client);
+    return CLI_DONE;
+}
+
+static int bench_photo(const bench_session* bench) {
+    int status = CLI_DONE;
+    const char* data = bench->options->data;
+    json_open_object(bench->json, photo_name);
+    if (tools_has_data(data, PHOTO_FILE) && tools_has_data(data, DISTANCE_FILE))
+        status = run_photo(bench);
+    else
+        json_text(bench->json, "skipped", PHOTO_FILE " and " DISTANCE_FILE " are not in the folder of --data");
+    json_close_object(bench->json);
+    return status;
 }
 
 /* complaint: the viewer's; "": it sent nothing in time. */
@@ -210,6 +282,10 @@ static int measure_files(const bench_session* bench) {
         snprintf(scene, sizeof scene, "%.*s", (int)strcspn(rest, ","), rest);
         rest += strcspn(rest, ",");
         rest += *rest == ',';
+        if (strcmp(scene, photo_name) == 0) {
+            status = bench_photo(bench);
+            continue;
+        }
         scene_name(scene, name, sizeof name);
         json_open_object(bench->json, name);
         for (size_t m = 0; m < sizeof volume_methods / sizeof volume_methods[0] && status == CLI_DONE; ++m)
@@ -234,5 +310,5 @@ int bench_view(const bench_session* bench) {
         status = measure_case(bench, cases[i].scene, cases[i].method);
     }
     if (open[0] != '\0') json_close_object(bench->json);
-    return status;
+    return status == CLI_DONE && !cli_interrupted() ? bench_photo(bench) : status;
 }

@@ -6,14 +6,17 @@
 
 #include <errno.h>
 #include <math.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { PATH_SIZE = 4096, HEADER = 64, RING = 256, ARGUMENTS_MAX = 32 };
+enum { PATH_SIZE = 4096, HEADER = 64, RING = 256, ARGUMENTS_MAX = 32, SOCKETS_MAX = 256 };
 
 struct view_client {
     pid_t child;
@@ -141,6 +144,19 @@ static bool start(view_client* client, const char* const* arguments, char* url, 
     return client->child > 0 && read;
 }
 
+/* civetweb's client lets small messages wait for the acknowledgement of those before, up to 40 ms, as no browser does.
+ * Its socket is the one that is connected to the port. */
+static void send_at_once(int port) {
+    const int on = 1;
+    for (int socket = 3; socket < SOCKETS_MAX; ++socket) {
+        struct sockaddr_in peer;
+        socklen_t size = sizeof peer;
+        if (getpeername(socket, (struct sockaddr*)&peer, &size) == 0 && peer.sin_family == AF_INET &&
+            ntohs(peer.sin_port) == port)
+            setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    }
+}
+
 static bool connect_to(view_client* client, const char* url) {
     char path[256], origin[64], error[256];
     int port = 0;
@@ -150,6 +166,7 @@ static bool connect_to(view_client* client, const char* url) {
     snprintf(origin, sizeof origin, "http://127.0.0.1:%d", port);
     client->connection =
         mg_connect_websocket_client("127.0.0.1", port, 0, error, sizeof error, path, origin, on_data, on_close, client);
+    if (client->connection != NULL) send_at_once(port);
     return client->connection != NULL;
 }
 

@@ -3,8 +3,6 @@
 
 #include "cli/session.h"
 
-#include <tyndall/choose.h>
-
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,36 +10,6 @@
 #include <string.h>
 
 static const double rest_seconds = 0.3; /* without messages after which a drag counts as ended */
-enum { SIDE_MAX_X = 960, SIDE_MAX_Y = 540 };
-
-/* ---- the method ---- */
-
-static const ty_method* choose(view_live* live) {
-    const ty_choose_def def = ty_default_choose_def();
-    ty_choice choice;
-    if (ty_choose_method(live->scene, &def, &choice) != TY_OK) {
-        ty_take_error(live->context);
-        return &ty_method_path;
-    }
-    return ty_method_find(choice.method);
-}
-
-/* False for an unknown name. */
-static bool set_method(view_live* live, const char* name) {
-    const bool automatic = strcmp(name, "auto") == 0;
-    const ty_method* method = automatic ? choose(live) : ty_method_find(name);
-    if (method == NULL) return false;
-    live->automatic = automatic;
-    live->method = method;
-    live->shown = VIEW_SHOWN_NOTHING;
-    live->failed = false;
-    live->view_seconds = 0;
-    memset(live->solve_seconds, 0, sizeof live->solve_seconds);
-    memset(live->coarse_seconds, 0, sizeof live->coarse_seconds);
-    live->has_difference = false;
-    live->message[0] = '\0';
-    return true;
-}
 
 /* ---- requests ---- */
 
@@ -54,25 +22,6 @@ static void begin_revision(view_live* live, const view_request* request) {
     live->message[0] = '\0';
     live->moved = request->moving ? cli_wall_seconds() : 0;
     if (live->received == 0) live->received = request->received;
-}
-
-static void take_scene(view_live* live, uint32_t edited) {
-    live->scene = ty_scene_editor_scene(live->editor);
-    live->up_axis = ty_scene_up_axis(live->scene);
-    const ty_scene_info info = ty_scene_get_info(live->scene);
-    live->has_surfaces = info.shapes > 0 || info.meshes > 0;
-    pthread_mutex_lock(&live->mutex);
-    memcpy(live->extent[0], info.lower, sizeof info.lower);
-    memcpy(live->extent[1], info.upper, sizeof info.upper);
-    pthread_mutex_unlock(&live->mutex);
-    const bool light = (edited & (TY_EDIT_LIGHT | TY_EDIT_GEOMETRY | TY_EDIT_RENDER)) != 0;
-    if (light || (live->light_method != NULL && live->light_method->follows_camera != NULL &&
-                  live->light_method->follows_camera(live->scene)))
-        view_live_drop_light(live);
-    if (live->automatic && light) {
-        const ty_method* method = choose(live);
-        if (method != live->method) set_method(live, "auto");
-    }
 }
 
 /* Changes that clients ask for, as the editor takes them. Returns NULL without memory. */
@@ -98,7 +47,7 @@ static ty_result apply_changes(view_live* live, const json_t* list, uint32_t* ed
     ty_scene_change* changes = to_changes(list, &values);
     if (changes == NULL) return TY_ERROR_MEMORY;
     const size_t count = json_array_size(list);
-    const ty_result result = ty_scene_editor_apply(live->editor, changes, (int32_t)count, edited);
+    const ty_result result = live->source->apply(live, changes, (int32_t)count, edited);
     for (size_t i = 0; i < count; ++i) free(values[i]);
     free(values);
     free(changes);
@@ -117,10 +66,11 @@ static void set(view_live* live, const view_request* request) {
     live->times.load = 1e3 * (cli_wall_seconds() - begun);
     if (edited == 0) { /* the end of a drag whose last value is there already */
         live->moved = request->moving ? live->moved : 0;
+        view_answer_unchanged(live, request);
         return;
     }
     begin_revision(live, request);
-    take_scene(live, edited);
+    live->source->take(live, edited);
     json_t* paths = json_array();
     size_t i;
     json_t* change;
@@ -140,7 +90,7 @@ static bool take_size(view_live* live, const json_t* message) {
 static void change_view(view_live* live, const view_request* request) {
     const json_t* message = request->message;
     const char* method = json_string_value(json_object_get(message, "method"));
-    if (method != NULL && !set_method(live, method)) {
+    if (method != NULL && !live->source->set_method(live, method)) {
         char text[128];
         snprintf(text, sizeof text, "unknown method '%.64s'", method);
         view_refuse(live->server, request->client, request->id, text);
@@ -151,6 +101,11 @@ static void change_view(view_live* live, const view_request* request) {
     if (compare != NULL) live->compare = json_is_true(compare);
     if (paused != NULL) live->paused = json_is_true(paused);
     if (exposure != NULL) live->exposure = json_number_value(exposure);
+    if ((json_object_get(message, "width") != NULL || json_object_get(message, "height") != NULL) &&
+        live->source->own_size) {
+        view_refuse(live->server, request->client, request->id, "width: the image has its own size");
+        return;
+    }
     if (take_size(live, message)) begin_revision(live, request);
     view_tell_scene(live, NULL);
 }
@@ -300,61 +255,33 @@ bool view_live_connected(void* user, int32_t client) {
 
 /* ---- opening and closing ---- */
 
-static void set_size(view_live* live, const view_live_def* def) {
-    const ty_camera_def camera = ty_scene_camera(live->scene);
-    live->width = def->width > 0 ? def->width : camera.resolution[0];
-    live->height = def->width > 0 ? def->height : camera.resolution[1];
-    const double fit = fmin(1, fmin((double)SIDE_MAX_X / live->width, (double)SIDE_MAX_Y / live->height));
-    if (def->width > 0 || fit >= 1) return;
-    live->width = (int32_t)fmax(16, floor(fit * live->width));
-    live->height = (int32_t)fmax(16, floor(fit * live->height));
-}
-
-/* The document's unit of length. */
-static double document_unit(const view_live* live) {
-    json_t* document = json_loads(ty_scene_editor_text(live->editor), 0, NULL);
-    const json_t* unit = json_object_get(document, "meters_per_unit");
-    const double meters = json_is_number(unit) ? json_number_value(unit) : 1;
-    json_decref(document);
-    return meters;
-}
-
-static ty_result open_scene(view_live* live, const view_live_def* def) {
-    ty_result result =
-        ty_scene_editor_open(live->context, def->path, def->overrides, def->override_count, &live->editor);
-    if (result != TY_OK) return result;
-    take_scene(live, 0);
-    live->original = strdup(ty_scene_editor_text(live->editor));
-    if (live->original == NULL) return TY_ERROR_MEMORY;
-    live->meters_per_unit = document_unit(live);
-    live->exposure = ty_scene_camera(live->scene).exposure;
-    set_size(live, def);
-    const ty_render_settings settings = ty_scene_render_settings(live->scene);
-    if (!set_method(live, def->method != NULL ? def->method : settings.method)) result = TY_ERROR_ARGUMENT;
-    return result;
-}
-
-ty_result view_live_open(const view_live_def* def, view_live** out) {
+int view_live_open(const view_live_def* def, view_live** out) {
     view_live* live = calloc(1, sizeof *live);
-    if (live == NULL) return TY_ERROR_MEMORY;
-    live->context = def->context;
+    if (live == NULL) return cli_fail(CLI_FAILED, "not enough memory");
+    live->context = def->session->context;
     live->compare = def->compare;
     live->remote = def->remote;
     live->record = def->record;
+    live->tev = def->tev;
     live->scene_path = def->path;
     live->revision = 1;
+    live->view_power = 2;
     const char* slash = strrchr(def->path, '/');
     snprintf(live->name, sizeof live->name, "%s", slash != NULL ? slash + 1 : def->path);
     pthread_mutex_init(&live->mutex, NULL);
     pthread_cond_init(&live->changed, NULL);
-    const ty_result result = open_scene(live, def);
-    if (result != TY_OK) {
+    int status = def->photo != NULL ? view_open_photo(live, def) : view_open_scene(live, def);
+    if (status == CLI_GO) {
+        live->original = strdup(live->source->text(live));
+        if (live->original == NULL) status = cli_fail(CLI_FAILED, "not enough memory");
+    }
+    if (status != CLI_GO) {
         view_live_close(live);
-        return result;
+        return status;
     }
     view_tell_scene(live, NULL);
     *out = live;
-    return TY_OK;
+    return CLI_GO;
 }
 
 bool view_live_start(view_live* live, view_server* server) {
@@ -384,16 +311,14 @@ void view_live_close(view_live* live) {
         view_request_free(live->first);
         live->first = next;
     }
-    view_live_drop_light(live);
-    view_accumulation_free(&live->surfaces);
-    view_accumulation_free(&live->path);
+    live->source->close(live);
     for (int i = 0; i < VIEW_CHANNEL_COUNT; ++i) free(live->pictures[i].rgb);
     free(live->rgb);
     free(live->media);
+    free(live->enlarged);
     free(live->original);
     free(live->document);
     free(live->view);
-    ty_scene_editor_close(live->editor);
     pthread_cond_destroy(&live->changed);
     pthread_mutex_destroy(&live->mutex);
     free(live);

@@ -3,7 +3,8 @@
 #ifndef TY_CLI_VIEW_LIVE_H
 #define TY_CLI_VIEW_LIVE_H
 
-#include "cli/options.h"
+#include "cli/tev.h"
+#include "cli/view/photo.h"
 #include "cli/view/server.h"
 
 #include <tyndall/base.h>
@@ -11,8 +12,9 @@
 typedef struct view_live view_live;
 
 typedef struct view_live_def {
-    ty_context* context;
-    const char* path; /* of the scene file, or builtin:NAME */
+    cli_session* session;
+    const char* path;            /* of the scene file, or builtin:NAME; of the photograph */
+    const view_photo_def* photo; /* NULL: a scene, to which the members up to `compare` belong */
     const char* const* overrides;
     int32_t override_count;
     const char* method;    /* NULL: the scene's */
@@ -20,10 +22,11 @@ typedef struct view_live_def {
     bool compare;          /* path runs in the background */
     bool remote;
     const char* record; /* folder for recorded images; NULL: none */
+    cli_tev* tev;       /* is shown the method's images, too; NULL: none */
 } view_live_def;
 
-/* Reads the scene. Errors: those of ty_scene_load; TY_ERROR_ARGUMENT for an unknown method. */
-ty_result view_live_open(const view_live_def* def, view_live** out);
+/* Reads the scene or the photograph. CLI_GO, or an exit status after a message. */
+int view_live_open(const view_live_def* def, view_live** out);
 /* Ends the thread, before the server stops. */
 void view_live_stop(view_live* live);
 /* Frees all; NULL is allowed. The server must have been stopped. */

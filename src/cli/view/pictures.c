@@ -25,7 +25,7 @@ void view_keep_picture(view_live* live, view_channel channel, const float* rgb, 
         picture->revision = live->revision;
         picture->spp = spp;
         snprintf(picture->method, sizeof picture->method, "%s",
-                 channel == VIEW_CHANNEL_PATH ? ty_method_path.name : live->method->name);
+                 channel == VIEW_CHANNEL_PATH ? live->source->reference : live->method->name);
     }
     pthread_mutex_unlock(&live->mutex);
 }
@@ -60,11 +60,12 @@ static ty_result make_image(ty_context* context, const view_picture* picture, ty
     return result;
 }
 
-static ty_result write_image(ty_context* context, const view_picture* picture, double exposure, const char* path) {
+static ty_result write_image(ty_context* context, const view_picture* picture, double exposure, ty_tone_curve curve,
+                             const char* path) {
     ty_image* image;
     ty_result result = make_image(context, picture, &image);
     if (result != TY_OK) return result;
-    result = cli_has_extension(path, ".png") ? ty_image_write_png(context, image, exposure, TY_TONE_FILMIC, path)
+    result = cli_has_extension(path, ".png") ? ty_image_write_png(context, image, exposure, curve, path)
                                              : ty_image_write_exr(context, image, path);
     ty_image_destroy(image);
     return result;
@@ -82,7 +83,7 @@ bool view_write_picture(view_live* live, view_channel channel, const char* path,
     pthread_mutex_lock(&live->mutex);
     const view_picture* picture = &live->pictures[channel];
     const bool there = picture->rgb != NULL;
-    if (there) result = write_image(context, picture, live->exposure, path);
+    if (there) result = write_image(context, picture, live->exposure, live->curve, path);
     pthread_mutex_unlock(&live->mutex);
     if (!there) snprintf(text, size, "there is no image yet");
     if (result != TY_OK) snprintf(text, size, "%s", ty_take_error(context));

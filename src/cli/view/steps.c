@@ -16,77 +16,13 @@ enum { COARSEST = 8, PATH_SPP_MAX = 1 << 20 };
 
 /* ---- pieces ---- */
 
-/* While something moves, changes do not interrupt its first image: they come faster than images, and none would ever be
- * shown. */
-static bool report(void* user, const ty_progress* progress) {
+bool view_report(void* user, const ty_progress* progress) {
     view_live* live = user;
     live->stage = progress->stage;
     live->fraction = progress->fraction;
     view_tell_status(live, false);
     if (live->moved > 0 && live->shown == VIEW_SHOWN_NOTHING) return !atomic_load(&live->stop);
     return !atomic_load(&live->interrupted);
-}
-
-/* Makes room for 3 values per pixel; NULL without memory. */
-static float* make_room(float** pixels, size_t* capacity, int32_t width, int32_t height) {
-    const size_t values = 3 * (size_t)width * (size_t)height;
-    if (values > *capacity) {
-        free(*pixels);
-        *pixels = malloc(values * sizeof(float));
-        *capacity = *pixels != NULL ? values : 0;
-    }
-    return *pixels;
-}
-
-static float* pixels(view_live* live, int32_t width, int32_t height) {
-    return make_room(&live->rgb, &live->rgb_capacity, width, height);
-}
-
-/* Copies the planes R, G, B of an image, interleaved. Returns false if it has none. */
-static bool interleave(const ty_image* image, float* rgb) {
-    const size_t count = (size_t)ty_image_width(image) * (size_t)ty_image_height(image);
-    const float* planes[3];
-    if (!ty_image_rgb_planes(image, planes)) return false;
-    for (size_t i = 0; i < count; ++i)
-        for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = planes[c][i];
-    return true;
-}
-
-static void note_image(view_live* live) {
-    live->shown_times[live->shown_count++ % (sizeof live->shown_times / sizeof live->shown_times[0])] =
-        cli_wall_seconds();
-}
-
-static void show(view_live* live, view_channel channel, const float* rgb, int32_t width, int32_t height, double spp,
-                 bool final) {
-    const double now = cli_wall_seconds();
-    if (channel == VIEW_CHANNEL_METHOD) {
-        if (live->received > 0) live->times.latency = 1e3 * (now - live->received);
-        live->received = 0;
-        note_image(live);
-    }
-    const view_frame frame = {.channel = channel,
-                              .revision = live->revision,
-                              .width = width,
-                              .height = height,
-                              .full_width = live->width,
-                              .full_height = live->height,
-                              .rgb = rgb,
-                              .spp = (float)spp,
-                              .latency = (float)live->times.latency,
-                              .exposure = (float)live->exposure,
-                              .final = final,
-                              .moving = width < live->width || live->moved > 0};
-    if (width == live->width && height == live->height) view_keep_picture(live, channel, rgb, width, height, spp);
-    view_server_show(live->server, &frame);
-}
-
-static bool show_image(view_live* live, const ty_image* image, bool final) {
-    const int32_t width = ty_image_width(image), height = ty_image_height(image);
-    float* rgb = pixels(live, width, height);
-    if (rgb == NULL || !interleave(image, rgb)) return false;
-    show(live, VIEW_CHANNEL_METHOD, rgb, width, height, 0, final);
-    return true;
 }
 
 /* Keeps the refusal of a method for the status, until something changes. Returns true: the step is done. */
@@ -102,12 +38,12 @@ static bool fail(view_live* live, ty_result result) {
 /* The divisor of both sides of coarse images. */
 static int32_t coarse_divisor(const view_live* live) {
     if (live->view_seconds <= 0) return 4;
-    const double divisor = ceil(sqrt(live->view_seconds / coarse_view_seconds));
+    const double divisor = ceil(pow(live->view_seconds / coarse_view_seconds, 1 / live->view_power));
     return (int32_t)fmax(1, fmin(divisor, COARSEST));
 }
 
 static void note_view(view_live* live, double seconds, int32_t divisor) {
-    const double full = seconds * divisor * divisor;
+    const double full = seconds * pow(divisor, live->view_power);
     live->view_seconds = live->view_seconds > 0 ? 0.5 * (live->view_seconds + full) : full;
 }
 
@@ -120,7 +56,7 @@ static ty_render_request request_of(view_live* live, int32_t divisor) {
                                .seed = ty_scene_render_settings(live->scene).seed,
                                .width = divided(live->width, divisor),
                                .height = divided(live->height, divisor),
-                               .progress = report,
+                               .progress = view_report,
                                .progress_user = live};
 }
 
@@ -200,7 +136,7 @@ static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew, dou
     ty_result result;
     do {
         last = now;
-        result = view_accumulation_add(&live->surfaces, live->scene, PATH_SPP_MAX, report, live);
+        result = view_accumulation_add(&live->surfaces, live->scene, PATH_SPP_MAX, view_report, live);
         now = cli_wall_seconds();
     } while (result == TY_OK && now + 2 * (now - last) < begun + seconds);
     live->times.surfaces = 1e3 * (now - begun);
@@ -222,8 +158,8 @@ static ty_result view_media(view_live* live, ty_solve_quality quality, int32_t d
         note_view(live, seconds, divisor);
         if (divisor > 1) live->coarse_seconds[quality] = seconds;
         note_stages(live, &run);
-        float* rgb = make_room(&live->media, &live->media_capacity, request.width, request.height);
-        if (rgb == NULL || !interleave(image, rgb)) result = TY_ERROR_MEMORY;
+        float* rgb = view_make_room(&live->media, &live->media_capacity, request.width, request.height);
+        if (rgb == NULL || !view_interleave(image, rgb)) result = TY_ERROR_MEMORY;
     }
     ty_image_destroy(image);
     ty_image_destroy(black);
@@ -234,14 +170,14 @@ static ty_result view_media(view_live* live, ty_solve_quality quality, int32_t d
 static ty_result show_sum(view_live* live, int32_t divisor, bool final) {
     const int32_t width = divided(live->width, divisor), height = divided(live->height, divisor);
     const size_t values = 3 * (size_t)width * (size_t)height;
-    float* rgb = pixels(live, width, height);
+    float* rgb = view_pixels(live, width, height);
     if (rgb == NULL) return TY_ERROR_MEMORY;
     if (adds_surfaces(live))
         view_accumulation_mean(&live->surfaces, rgb);
     else
         memset(rgb, 0, values * sizeof *rgb);
     for (size_t i = 0; i < values; ++i) rgb[i] += live->media[i];
-    show(live, VIEW_CHANNEL_METHOD, rgb, width, height, 0, final);
+    view_show(live, VIEW_CHANNEL_METHOD, rgb, width, height, 0, final);
     return TY_OK;
 }
 
@@ -303,25 +239,31 @@ static bool step_light(view_live* live) {
 
 /* ---- methods that render at once ---- */
 
-static bool step_render(view_live* live) {
+static ty_result render_scene(view_live* live, int32_t divisor, ty_image** out, ty_method_run* run) {
+    const ty_render_request request = request_of(live, divisor);
+    return live->method->render(live->scene, &request, out, run);
+}
+
+bool view_step_render(view_live* live, view_render_fn render) {
     if (live->shown == VIEW_SHOWN_FULL || (live->shown == VIEW_SHOWN_COARSE && live->moved > 0)) return false;
     const bool coarse = live->shown == VIEW_SHOWN_NOTHING;
     const int32_t divisor = coarse ? coarse_divisor(live) : 1;
-    const ty_render_request request = request_of(live, divisor);
+    const bool lossy = live->remote && live->moved > 0; /* the image at rest follows, though it is the same */
+    const bool full = divisor == 1 && !lossy;
     const double begun = cli_wall_seconds();
     ty_method_run run = {.own_seconds = 0};
     ty_image* image = NULL;
-    ty_result result = live->method->render(live->scene, &request, &image, &run);
+    ty_result result = render(live, divisor, &image, &run);
     const double seconds = cli_wall_seconds() - begun;
     if (result == TY_OK) {
         live->times.view = 1e3 * seconds;
         note_view(live, seconds, divisor);
         note_stages(live, &run);
-        if (!show_image(live, image, divisor == 1)) result = TY_ERROR_MEMORY;
+        if (!view_show_image(live, image, full)) result = TY_ERROR_MEMORY;
     }
     ty_image_destroy(image);
     if (result != TY_OK) return fail(live, result);
-    live->shown = divisor == 1 ? VIEW_SHOWN_FULL : VIEW_SHOWN_COARSE;
+    live->shown = full ? VIEW_SHOWN_FULL : VIEW_SHOWN_COARSE;
     return true;
 }
 
@@ -329,12 +271,12 @@ static bool step_render(view_live* live) {
 
 static bool show_path(view_live* live, bool as_method, bool final) {
     const view_accumulation* sum = &live->path;
-    float* rgb = pixels(live, sum->width, sum->height);
+    float* rgb = view_pixels(live, sum->width, sum->height);
     if (rgb == NULL) return fail(live, TY_ERROR_MEMORY);
     view_accumulation_mean(sum, rgb);
     const double spp = view_accumulation_spp(sum);
-    if (as_method) show(live, VIEW_CHANNEL_METHOD, rgb, sum->width, sum->height, spp, final);
-    show(live, VIEW_CHANNEL_PATH, rgb, sum->width, sum->height, spp, false);
+    if (as_method) view_show(live, VIEW_CHANNEL_METHOD, rgb, sum->width, sum->height, spp, final);
+    view_show(live, VIEW_CHANNEL_PATH, rgb, sum->width, sum->height, spp, false);
     return true;
 }
 
@@ -353,7 +295,7 @@ static bool pass_path(view_live* live, int32_t divisor, bool as_method) {
     if (anew) live->has_difference = false;
     live->path_revision = live->revision;
     const double begun = cli_wall_seconds();
-    const ty_result result = view_accumulation_add(&live->path, live->scene, PATH_SPP_MAX, report, live);
+    const ty_result result = view_accumulation_add(&live->path, live->scene, PATH_SPP_MAX, view_report, live);
     if (result == TY_CANCELLED) return true;
     if (result != TY_OK) return fail(live, result);
     const double seconds = cli_wall_seconds() - begun;
@@ -392,9 +334,14 @@ static bool step_reference(view_live* live) {
     return pass_path(live, coarse ? path_divisor(live) : 1, false);
 }
 
+bool view_step_scene(view_live* live) {
+    if (live->method == &ty_method_path) return step_path(live);
+    const bool worked =
+        !live->failed && (live->method->solve != NULL ? step_light(live) : view_step_render(live, render_scene));
+    return worked || (!live->paused && step_reference(live));
+}
+
 bool view_live_step(view_live* live) {
     if (live->paused && live->shown != VIEW_SHOWN_NOTHING) return false;
-    if (live->method == &ty_method_path) return step_path(live);
-    const bool worked = !live->failed && (live->method->solve != NULL ? step_light(live) : step_render(live));
-    return worked || (!live->paused && step_reference(live));
+    return live->source->step(live);
 }

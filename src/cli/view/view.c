@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "cli/commands.h"
 #include "cli/methods.h"
+#include "cli/screen_options.h"
 #include "cli/session.h"
 #include "cli/view/live.h"
 
@@ -14,8 +15,9 @@
 typedef struct view_options {
     int32_t port, size[2];
     bool no_open, remote, no_compare;
-    const char *method, *record;
+    const char *method, *record, *tev;
     cli_list overrides;
+    screen_options screen;
 } view_options;
 
 /* Opens the page in the desktop's browser, where there is a desktop. */
@@ -62,9 +64,41 @@ static int serve(cli_session* session, view_live* live, const view_options* opti
     return status;
 }
 
-static int load_and_serve(cli_session* session, const char* path, const view_options* options) {
-    const view_live_def def = {.context = session->context,
+/* A photograph, which tyndall screen takes: by its extension, or because there is a medium for it. */
+static bool is_photo(const view_options* options, const char* path) {
+    static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".webp"};
+    for (size_t i = 0; i < sizeof extensions / sizeof extensions[0]; ++i)
+        if (cli_has_extension(path, extensions[i])) return true;
+    return options->screen.medium != NULL && !cli_has_extension(path, ".json") && strncmp(path, "builtin:", 8) != 0;
+}
+
+/* Options of scenes with a photograph, and the other way round, would be without effect. */
+static int check_kind(view_options* options, const cli_arguments* given) {
+    const char* path = given->positional[0];
+    if (!is_photo(options, path)) {
+        const char* name = screen_first_given(&options->screen);
+        if (name != NULL) return cli_usage_error("view", "--%s is for photographs, and %s is none", name, path);
+        if (given->positional_count == 1) return CLI_GO;
+        return cli_usage_error("view", "%s: distances are for photographs, and %s is none", given->positional[1], path);
+    }
+    const char* name = options->method != NULL        ? "method"
+                       : options->size[0] > 0         ? "size"
+                       : options->overrides.count > 0 ? "define"
+                       : options->no_compare          ? "no-compare"
+                                                      : NULL;
+    if (name != NULL) return cli_usage_error("view", "--%s is for scenes, and %s is a photograph", name, path);
+    return screen_check_options(&options->screen);
+}
+
+static int load_and_serve(cli_session* session, const cli_arguments* given, view_options* options) {
+    const char* path = given->positional[0];
+    const view_photo_def photo = {.options = &options->screen,
+                                  .image = path,
+                                  .distance = given->positional_count > 1 ? given->positional[1] : NULL};
+    cli_tev tev = {.session = session};
+    const view_live_def def = {.session = session,
                                .path = path,
+                               .photo = is_photo(options, path) ? &photo : NULL,
                                .overrides = options->overrides.items,
                                .override_count = options->overrides.count,
                                .method = options->method,
@@ -72,13 +106,16 @@ static int load_and_serve(cli_session* session, const char* path, const view_opt
                                .height = options->size[1],
                                .compare = !options->no_compare,
                                .remote = options->remote,
-                               .record = options->record};
+                               .record = options->record,
+                               .tev = options->tev != NULL ? &tev : NULL};
     view_live* live = NULL;
     cli_end_on_interrupt(true);
-    const ty_result result = view_live_open(&def, &live);
+    int status = view_live_open(&def, &live);
     cli_end_on_interrupt(false);
-    const int status = result == TY_OK ? serve(session, live, options) : cli_fail_reading(session, result);
+    if (status == CLI_GO && options->tev != NULL) status = cli_tev_open(&tev, session, options->tev, path);
+    if (status == CLI_GO) status = serve(session, live, options);
     view_live_close(live);
+    cli_tev_close(&tev);
     return cli_session_close(session, status);
 }
 
@@ -90,10 +127,10 @@ static bool print_words(FILE* file, const char* option) {
 }
 
 int cli_view(int count, char** arguments) {
-    view_options options = {.port = 0};
+    view_options options = {.screen = screen_default_options("view")};
     char methods[160];
     cli_name_methods_in("(default: that of the scene)", methods, sizeof methods);
-    const cli_option table[] = {
+    const cli_option own[] = {
         {"port", 0, CLI_INT, "N", "port on 127.0.0.1 (default 0: a free one)", &options.port, 0, 65535, NULL},
         {"no-open", 0, CLI_FLAG, NULL, "do not open the browser", &options.no_open, 0, 0, NULL},
         {"method", 0, CLI_TEXT, "NAME", methods, &options.method, 0, 0, NULL},
@@ -103,29 +140,38 @@ int cli_view(int count, char** arguments) {
         {"no-compare", 0, CLI_FLAG, NULL, "do not path trace in the background", &options.no_compare, 0, 0, NULL},
         {"remote", 0, CLI_FLAG, NULL, "compress: JPEG while something moves, lossless at rest", &options.remote, 0, 0,
          NULL},
+        {"tev", 0, CLI_TEXT, "HOST:PORT", "also show the method's images in the viewer tev", &options.tev, 0, 0, NULL},
         {"record", 0, CLI_TEXT, "FOLDER", "where the page may write images", &options.record, 0, 0, NULL},
     };
+    enum { OWN = sizeof own / sizeof own[0] };
+    cli_option table[OWN + SCREEN_OPTIONS];
+    memcpy(table, own, sizeof own);
+    screen_list_options(&options.screen, table + OWN);
     const cli_syntax syntax = {
         "view",
-        "SCENE [options]",
-        "Shows a scene in the browser, live.",
+        "SCENE|IMAGE [DISTANCE] [options]",
+        "Shows a scene, or a photograph through a medium, in the browser, live.",
         "Prints the page's address as the first line on stdout and serves it on 127.0.0.1 until Ctrl-C. Fog, lights "
         "and\n"
         "camera move in the page; any method renders them, and path converges beside it with the difference in "
         "numbers.\n"
         "The address holds a token: who has it may look and change the scene in memory. Nothing is written but images\n"
-        "into FOLDER. On another machine, forward the port by ssh -L and use --remote. docs/view.md",
+        "into FOLDER. On another machine, forward the port by ssh -L and use --remote. docs/view.md\n\n"
+        "IMAGE (.exr, .hdr, .png, .jpg, .webp) needs a --medium, such as fog:50; it, DISTANCE, and the options from\n"
+        "--medium on are those of 'tyndall screen', which tells of them.",
         table,
         sizeof table / sizeof table[0],
         1,
-        1,
+        2,
         print_words};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
+    if (status == CLI_GO) status = check_kind(&options, &given);
     if (status == CLI_GO && options.method != NULL && cli_find_method("view", options.method) == NULL)
         status = CLI_USAGE;
+    if (status == CLI_GO && options.tev != NULL) status = cli_tev_check_address("view", options.tev);
     if (status == CLI_GO && options.record != NULL) status = cli_make_folder("view", options.record);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "view", &given.common);
-    return status == CLI_GO ? load_and_serve(&session, given.positional[0], &options) : status;
+    return status == CLI_GO ? load_and_serve(&session, &given, &options) : status;
 }

@@ -1,6 +1,7 @@
 /* Coefficients and presets of media, in scene files and as short text. */
 #include "base/context.h"
 #include "base/number.h"
+#include "io/scenes/medium_text.h"
 #include "io/scenes/scene_reader.h"
 #include "io/schema_text.h"
 #include "scene/check.h"
@@ -139,18 +140,19 @@ ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medi
 
 /* ---- homogeneous medium as text ---- */
 
+const char* const ty_homogeneous_keys[] = {"preset",  "visibility", "dilution", "sigma_s", "sigma_a",
+                                           "sigma_t", "albedo",     "scale",    "g",       NULL};
+
 /* Fails on properties that a homogeneous medium does not have. */
 static ty_result check_homogeneous(const ty_scene_reader* reader) {
-    static const char* const known[] = {"preset",  "visibility", "dilution", "sigma_s", "sigma_a",
-                                        "sigma_t", "albedo",     "scale",    "g"};
     const ty_json_path root = {.depth = 0};
     const char* key;
     json_t* value;
     json_object_foreach(reader->root, key, value) {
-        size_t i = 0;
-        while (i < sizeof known / sizeof known[0] && strcmp(key, known[i]) != 0) ++i;
+        const char* const* known = ty_homogeneous_keys;
+        while (*known != NULL && strcmp(key, *known) != 0) ++known;
         const ty_json_path json_path = ty_json_path_key(&root, key);
-        if (i == sizeof known / sizeof known[0])
+        if (*known == NULL)
             return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
                                   "has no place here, where a medium is the same everywhere; give what it is made of");
         if (json_is_object(value))
@@ -192,20 +194,37 @@ static ty_result parse_name(ty_scene_reader* reader, const char* text) {
     return TY_OK;
 }
 
+static ty_scene_reader start_reading(ty_context* context) {
+    return (ty_scene_reader){.context = context, .clean = !ty_has_error(context), .name = "medium", .text = ""};
+}
+
+/* Sets root from JSON, or from a name and a number. */
+static ty_result read_text(ty_scene_reader* reader, const char* text) {
+    const bool json = text[strspn(text, " \t\r\n")] == '{';
+    if (json) {
+        reader->text = text;
+        reader->length = strlen(text);
+    }
+    ty_result result = json ? ty_reader_parse(reader) : parse_name(reader, text);
+    if (result == TY_OK) result = ty_reader_check(reader, "medium");
+    return result == TY_OK ? check_homogeneous(reader) : result;
+}
+
+ty_result ty_medium_object(ty_context* context, const char* text, json_t** out) {
+    ty_scene_reader reader = start_reading(context);
+    const ty_result result = read_text(&reader, text);
+    *out = result == TY_OK ? json_incref(reader.root) : NULL;
+    json_decref(reader.root);
+    return result;
+}
+
 ty_result ty_medium_parse(ty_context* context, const char* text, ty_medium_def* medium) {
     if (context == NULL || text == NULL || medium == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_medium_parse: context, text or medium is NULL");
     const ty_json_path root = {.depth = 0};
-    ty_scene_reader reader = {.context = context, .clean = !ty_has_error(context), .name = "medium", .text = ""};
+    ty_scene_reader reader = start_reading(context);
     ty_medium_def def = ty_default_medium_def();
-    const bool json = text[strspn(text, " \t\r\n")] == '{';
-    if (json) {
-        reader.text = text;
-        reader.length = strlen(text);
-    }
-    ty_result result = json ? ty_reader_parse(&reader) : parse_name(&reader, text);
-    if (result == TY_OK) result = ty_reader_check(&reader, "medium");
-    if (result == TY_OK) result = check_homogeneous(&reader);
+    ty_result result = read_text(&reader, text);
     if (result == TY_OK) result = ty_read_coefficients(&reader, reader.root, &root, &def);
     double scale = 1;
     if (result == TY_OK) ty_read_number(reader.root, "scale", &scale);

@@ -197,7 +197,7 @@ static ty_result fail_change(ty_context* context, const ty_scene_change* change,
     return ty_fail(context, TY_ERROR_ARGUMENT, "%s: %s", text, reason);
 }
 
-static ty_result change_document(ty_context* context, json_t* root, const ty_scene_change* change) {
+ty_result ty_change_document(ty_context* context, json_t* root, const ty_scene_change* change) {
     if (change->path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "a change has no path");
     char keys[PATH_SIZE], reason[256];
     ty_json_path path;
@@ -221,7 +221,8 @@ static ty_result change_copy(ty_scene_editor* editor, const ty_scene_change* cha
     *out = json_deep_copy(editor->root);
     if (*out == NULL) return ty_fail(editor->context, TY_ERROR_MEMORY, "not enough memory for a change");
     ty_result result = TY_OK;
-    for (int32_t i = 0; i < count && result == TY_OK; ++i) result = change_document(editor->context, *out, &changes[i]);
+    for (int32_t i = 0; i < count && result == TY_OK; ++i)
+        result = ty_change_document(editor->context, *out, &changes[i]);
     if (result != TY_OK) return result;
     json_t* same = ty_json_keep_same(editor->opened, *out); /* numbers are written as in the file */
     json_decref(*out);

@@ -11,6 +11,7 @@
 #ifndef TY_IO_SCENE_EDITOR_H
 #define TY_IO_SCENE_EDITOR_H
 
+#include <jansson.h>
 #include <tyndall/io.h>
 
 typedef struct ty_scene_editor ty_scene_editor;
@@ -30,6 +31,9 @@ typedef struct ty_scene_change {
     const char* path;  /* "media[0].g"; the index after the last appends an element to an array */
     const char* value; /* JSON; NULL or "null" removes the member or element */
 } ty_scene_change;
+
+/* Changes a document, without a check of what it holds then; on failure it may hold some of the objects on the way. */
+ty_result ty_change_document(ty_context* context, json_t* root, const ty_scene_change* change);
 
 /* Parts that an edit changed. */
 typedef enum ty_edit_flags {

@@ -1,27 +1,22 @@
 /* The JSON Schema of scene files. */
 #include "io/scenes/scene_schema.h"
 
+#include "io/json_text.h"
 #include "io/scenes/builtin.h"
 #include "option/option.h"
 
-#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <tyndall/io.h>
 
-/* A whole number without a point, as all others in the schema. */
-static json_t* number(double value) {
-    return value == floor(value) && fabs(value) < 1e15 ? json_integer((json_int_t)value) : json_real(value);
-}
-
 static int set_range(json_t* schema, const ty_option* option) {
     const char* min = (option->flags & TY_OPTION_OPEN_MIN) != 0 ? "exclusiveMinimum" : "minimum";
     const char* max = (option->flags & TY_OPTION_OPEN_MAX) != 0 ? "exclusiveMaximum" : "maximum";
     int failed = json_object_set_new(schema, "type", json_string(option->type == TY_OPTION_INT ? "integer" : "number"));
-    failed |= json_object_set_new(schema, min, number(option->min));
-    failed |= json_object_set_new(schema, max, number(option->max));
-    if (option->multiple != 0) failed |= json_object_set_new(schema, "multipleOf", number(option->multiple));
+    failed |= json_object_set_new(schema, min, ty_json_number(option->min));
+    failed |= json_object_set_new(schema, max, ty_json_number(option->max));
+    if (option->multiple != 0) failed |= json_object_set_new(schema, "multipleOf", ty_json_number(option->multiple));
     return failed;
 }
 
@@ -48,7 +43,7 @@ static int set_default(json_t* schema, const ty_option* option) {
     ty_option_text(option, option->preset, text);
     json_t* value = option->type == TY_OPTION_BOOL                ? json_boolean(option->preset != 0)
                     : option->type == TY_OPTION_WORD || automatic ? json_string(text)
-                                                                  : number(option->preset);
+                                                                  : ty_json_number(option->preset);
     return json_object_set_new(schema, "default", value);
 }
 

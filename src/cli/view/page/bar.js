@@ -3,7 +3,7 @@
 import { find, make } from "./dom.js";
 import { canRedo, canUndo, redo, undo } from "./edit.js";
 import { send } from "./link.js";
-import { display, emit, methodShown, on, state } from "./state.js";
+import { display, emit, isPhoto, methodShown, on, state } from "./state.js";
 
 /* Asks the server for another view, and takes it for granted. */
 export const changeView = changes => {
@@ -16,17 +16,18 @@ export const changeView = changes => {
 export const methodNames = () => (state.welcome?.methods ?? []).map(({ name }) => name);
 
 export const chooseMethod = name => {
-  if (name !== undefined && name !== state.view.method) changeView({ method: name });
+  if (name !== undefined && name !== state.view.method && !isPhoto()) changeView({ method: name });
 };
 
 export const setCompare = compare => {
+  if (isPhoto()) return;
   changeView({ compare });
   if (!compare && state.display.mode !== "method") display({ mode: "method" });
 };
 
-/* A mode that needs the image of path starts it. */
+/* A mode that needs the image of path starts it; a photograph is there. */
 export const setMode = mode => {
-  if (mode !== "method" && !state.view.compare) setCompare(true);
+  if (mode !== "method" && !state.view.compare && !isPhoto()) setCompare(true);
   display({ mode });
 };
 
@@ -91,6 +92,16 @@ const makeMethods = () => find("#methods").replaceChildren(
     make("button", { type: "button", role: "radio", "data-method": name, title: `${summary ?? name} (${i === 0 ? "O" : i})`,
       click: () => chooseMethod(name) }, ...i > 0 && i < 10 ? [make("kbd", {}, `${i}`)] : [], make("span", {}, name))));
 
+/* A photograph has one method, and in the place of path itself. */
+const PHOTO_MODES = {
+  method: ["Through", "Through the medium (M)"], wipe: ["Wipe", "Through the medium left, the photograph right (W)"],
+  path: ["Photograph", "The photograph alone (P)"], difference: ["Difference", "What the medium adds or takes (D)"],
+};
+const suitPhoto = () => {
+  find("#methods").hidden = find("#compare").hidden = true;
+  for (const button of find("#modes").children) [button.textContent, button.title] = PHOTO_MODES[button.dataset.mode];
+};
+
 const refresh = () => {
   const { compare, paused, method } = state.view;
   check(find("#methods"), button => button.dataset.method === method);
@@ -126,6 +137,7 @@ on("server:welcome", message => {
   find("#scene-name").textContent = message.name ?? "";
   document.title = `${message.name ? `${message.name} – ` : ""}Tyndall`;
   makeMethods();
+  if (isPhoto()) suitPhoto();
   if (known) changeView(mine); // after a connection anew the view is what it was
   known = true;
   emit("view");

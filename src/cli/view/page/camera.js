@@ -5,10 +5,13 @@ import { isFresh, moveCamera } from "./edit.js";
 import { dolly, fly, length, look, orbit, pan, subtract } from "./orbit.js";
 import { near } from "./path.js";
 import { zoomAbout } from "./screen.js";
-import { emit, on, state } from "./state.js";
+import { emit, isPhoto, on, state } from "./state.js";
+import { notice } from "./status.js";
 
 const canvas = find("#screen");
 let home = null, drag = null, held = new Set(), speed = 1, wheelEnd = 0;
+
+const FIXED = "A photograph has no camera to move. The wheel zooms into it.";
 
 /* The diagonal of what there is, m. */
 const extent = () => {
@@ -37,12 +40,17 @@ const overview = () => {
   return { position: target.map((x, i) => x + away[i] * extent()), target, up, fov_y: 40 };
 };
 
-/* As the server says, or else as the document does. */
-const cameraOf = message => structuredClone(message.view?.camera ??
+/* As the server says, or else as the document does; a photograph has none that could move. */
+const cameraOf = message => isPhoto() ? null : structuredClone(message.view?.camera ??
   (isElsewhere(state.document) ? state.camera ?? overview() : cameraIn(state.document)));
 
 on("server:welcome", message => {
   state.camera = cameraOf(message);
+  if (state.camera === null) {
+    canvas.title = FIXED;
+    canvas.setAttribute("aria-label", `The image. ${FIXED}`);
+    return;
+  }
   home ??= state.original.camera?.position ? cameraIn(state.original) : structuredClone(state.camera);
   emit("camera");
 });
@@ -51,7 +59,7 @@ on("server:welcome", message => {
 const follow = message => {
   if (drag !== null) return;
   const camera = cameraOf(message);
-  if (near(camera, state.camera)) return;
+  if (camera === null || near(camera, state.camera)) return;
   state.camera = camera;
   emit("camera");
 };
@@ -67,6 +75,7 @@ export const goHome = () => {
 /* ---- the mouse ---- */
 
 const begin = event => {
+  if (isPhoto() && !event.shiftKey) notice(FIXED);
   if (state.camera === null || drag !== null) return;
   const kind = event.button === 2 ? "look" : event.button === 1 || event.shiftKey ? "pan" : "orbit";
   drag = { kind, x: event.clientX, y: event.clientY, moved: false, button: event.button, id: event.pointerId };
@@ -96,7 +105,7 @@ const end = event => {
 const roll = event => {
   event.preventDefault();
   const lines = event.deltaY * (event.deltaMode === 1 ? 1 : event.deltaMode === 2 ? 10 : 1 / 40);
-  if (event.ctrlKey) {
+  if (event.ctrlKey || isPhoto()) {
     zoomAbout(1.1 ** -lines, event.clientX, event.clientY);
     return;
   }

@@ -87,18 +87,20 @@ export const amountControl = ({ limits, name, change, spatial = false }) => {
 };
 
 /* A number that the method may choose itself. */
-export const autoControl = ({ limits, name, change }) => {
+/* A number, or a word in its place: auto. */
+export const autoControl = ({ limits, name, change, word = "auto" }) => {
   let own = typeof limits.default === "number" ? limits.default : Math.max(range(limits)[0], 1);
   const inner = numberControl({ limits, name, change: (value, moving) => {
     own = value;
     change(value, moving);
   } });
-  const box = make("input", { type: "checkbox", "aria-label": `${name}: auto`,
-    change: () => change(box.checked ? "auto" : own, false) });
+  const box = make("input", { type: "checkbox", "aria-label": `${name}: ${word}`,
+    change: () => change(box.checked ? word : own, false) }), text = make("span", {}, word);
   return {
-    element: make("div", { class: "auto" }, make("label", { class: "check" }, box, "auto"), inner.element),
+    element: make("div", { class: "auto" }, make("label", { class: "check" }, box, text), inner.element),
     update: (value, reference) => {
-      box.checked = value === "auto";
+      box.checked = typeof value === "string";
+      text.textContent = box.checked ? value : word;
       inner.element.hidden = box.checked;
       if (!box.checked) own = value;
       inner.update(own, typeof reference === "number" ? reference : NaN);

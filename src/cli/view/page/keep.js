@@ -6,10 +6,10 @@ import { hasFrames } from "./kinds.js";
 import { ask } from "./link.js";
 import { makeNumber } from "./field.js";
 import { snapshot } from "./screen.js";
-import { emit, methodShown, on, state } from "./state.js";
+import { emit, isPhoto, methodShown, on, referenceName, state } from "./state.js";
 import { notice } from "./status.js";
 
-const stem = () => (state.welcome?.name ?? "view").split("/").pop().replace(/^builtin:/, "").replace(/\.json$/, "") || "view";
+const stem = () => (state.welcome?.name ?? "view").split("/").pop().replace(/^builtin:/, "").replace(/\.(json|exr|hdr|png|jpe?g)$/i, "") || "view";
 
 /* Runs an action and says what went wrong. */
 const attempt = action => async () => {
@@ -22,8 +22,8 @@ const attempt = action => async () => {
 
 export const saveScene = attempt(async () => {
   const { json } = await ask({ type: "document" });
-  download(`${stem()}.json`, new Blob([json], { type: "application/json" }));
-  notice("Scene saved");
+  download(`${stem()}${isPhoto() ? "_medium" : ""}.json`, new Blob([json], { type: "application/json" }));
+  notice(isPhoto() ? "Medium saved" : "Scene saved");
 });
 
 /* Without the clipboard's permission the text is selected in a field that can be copied from. */
@@ -50,7 +50,7 @@ export const copyCommand = attempt(async () => {
 export const savePng = attempt(async () => {
   if (!state.frames.some(Boolean)) throw new Error("There is no image yet.");
   const blob = await snapshot().convertToBlob({ type: "image/png" });
-  download(`${stem()}_${state.display.mode === "method" ? methodShown() : state.display.mode}.png`, blob);
+  download(`${stem()}_${{ method: methodShown(), path: referenceName() }[state.display.mode] ?? state.display.mode}.png`, blob);
   notice("PNG saved");
 });
 
@@ -64,7 +64,7 @@ const recordOne = attempt(async () => {
 const refreshLink = () => {
   const token = new URLSearchParams(location.search).get("token"), channel = state.display.mode === "path" ? "path" : "method";
   find("#exr").href = `image.exr?${new URLSearchParams({ ...token && { token }, channel })}`;
-  find("#exr").download = `${stem()}_${channel === "path" ? "path" : methodShown()}.exr`;
+  find("#exr").download = `${stem()}_${channel === "path" ? referenceName() : methodShown()}.exr`;
 };
 
 /* ---- sequences ---- */
@@ -172,6 +172,7 @@ export const start = () => {
 let begun = false;
 on("server:welcome", message => {
   find("#record-row").hidden = !message.record;
+  if (isPhoto()) Object.assign(find("#save"), { textContent: "Save medium", title: "The medium, as --medium and scenes take it (Ctrl+S)" });
   recordButton.hidden = !message.record;
   if (!begun) Object.assign(sequence, { from: 0, to: Math.max(100, frameNow()) });
   begun = true;

@@ -7,7 +7,7 @@ import { redo, undo } from "./edit.js";
 import { saveScene, savePng, stepFrame, togglePlay } from "./keep.js";
 import { movePin, togglePin, unpin } from "./probe.js";
 import { autoAll, expose, setLook, setZoom } from "./show.js";
-import { display, state } from "./state.js";
+import { display, isPhoto, state } from "./state.js";
 
 const CURVES = ["filmic", "srgb", "reinhard", "linear"];
 const channel = name => () => display({ channel: state.display.channel === name ? "rgb" : name });
@@ -63,6 +63,14 @@ const MORE = {
   Mouse: [["Ctrl + wheel", "zoom into the image"], ["Shift + click", "pin the probe"], ["drag a number", "change it"]],
 };
 
+/* A photograph has neither camera nor methods nor frames. */
+const SCENES_ALONE = new Set(["o", "c", "Home", ",", ".", "y", "1 … 9", "Camera"]);
+const OF_PHOTOS = {
+  m: "the image through the medium", w: "wipe: through the medium left, the photograph right", p: "the photograph alone",
+  d: "difference: what the medium adds or takes", "Ctrl S": "save the medium", "Ctrl + wheel": "zoom into the image; also the wheel alone",
+};
+const suits = key => !isPhoto() || !SCENES_ALONE.has(key);
+
 export const openHelp = () => {
   const dialog = find("#keys");
   if (dialog.open) {
@@ -70,10 +78,12 @@ export const openHelp = () => {
     return;
   }
   const nameOf = key => key === " " ? "Space" : key.length === 1 ? key.toUpperCase() : key;
-  const row = ([key, words]) => make("div", {}, make("dt", {}, make("kbd", {}, nameOf(key))), make("dd", {}, words));
-  const titles = [...new Set([...Object.keys(KEYS), ...Object.keys(MORE)])];
+  const row = ([key, words]) => make("div", {}, make("dt", {}, make("kbd", {}, nameOf(key))), make("dd", {}, isPhoto() && OF_PHOTOS[key] || words));
+  const titles = [...new Set([...Object.keys(KEYS), ...Object.keys(MORE)])].filter(suits);
+  const listOf = title => [...MORE[title] ?? [], ...KEYS[title] ?? []].filter(([key]) => suits(key)).map(row);
+  const headed = title => isPhoto() && title === "Scene" ? "Photograph" : title;
   dialog.replaceChildren(make("h2", {}, "Keys"), make("div", { class: "columns" }, ...titles.map(title =>
-    make("dl", {}, make("h3", {}, title), ...[...MORE[title] ?? [], ...KEYS[title] ?? []].map(row)))),
+    make("dl", {}, make("h3", {}, headed(title)), ...listOf(title)))),
   make("form", { method: "dialog" }, make("button", { autofocus: true }, "Close")));
   dialog.showModal();
 };

@@ -8,7 +8,7 @@ import { edit } from "./edit.js";
 import { coefficientRows, initial, titleOf } from "./kinds.js";
 import { copy, get, join, same, shape } from "./path.js";
 import { controlOf, label, resolve, unitOf, variantOf, variants } from "./schema.js";
-import { methodShown, on, state } from "./state.js";
+import { isPhoto, methodShown, on, state } from "./state.js";
 import { setTip } from "./tip.js";
 
 const MAKERS = {
@@ -185,13 +185,41 @@ const makeScene = () => makeGroup("scene", "Scene", false, () =>
   [...makeObject("render", { properties: { spp: schemaOf("render").properties.spp, seed: schemaOf("render").properties.seed } }),
     ...["meters_per_unit", "up_axis", "frame"].map(key => makeRow(key, key, schemaOf(key)))], { section: true });
 
+/* ---- a photograph: the medium, and the options of tyndall screen ---- */
+
+const PHOTO_PARTS = {
+  "Light around": ["environment", "balance"],
+  Photograph: ["distance-channel", "distance-scale", "depth-is", "sky", "fov-y", "focal", "center"],
+};
+
+/* The options that the variant has, but for those of other parts. */
+const screenKeys = () => {
+  const { properties } = state.welcome.schema, variant = state.document.variant ?? properties.variant.default;
+  const elsewhere = new Set(["medium", ...Object.values(PHOTO_PARTS).flat()]);
+  return Object.keys(properties).filter(key => !elsewhere.has(key) && (properties[key]["x-variants"]?.includes(variant) ?? true));
+};
+
+const makeOptions = (title, open, keys) => makeGroup(title, title, open, () =>
+  makeObject("", { properties: Object.fromEntries(keys.map(key => [key, schemaOf(key)])) }), { section: true });
+
+const makePhoto = () => [
+  makeGroup("medium", "Medium", true, () => {
+    const schema = schemaOf("medium"), { skip, before } = coefficientRows("medium", state.document.medium, schema, makeRow);
+    return makeObject("medium", schema, { skip, before });
+  }, { section: true }),
+  makeOptions("Light around", true, PHOTO_PARTS["Light around"]),
+  makeOptions("Screen-space scattering", true, screenKeys()),
+  makeOptions("Photograph", false, PHOTO_PARTS.Photograph)];
+
+const makeParts = () => [makeList("media", "Media"), makeList("lights", "Lights"), makeMethod(), makeList("geometry", "Surfaces"),
+  makeGroup("camera", "Camera", false, () => makeObject("camera", schemaOf("camera"), { skip: ["file", "name"] }), { section: true }),
+  makeScene()];
+
 const build = () => {
   const panel = find("#scene-panels"), focused = document.activeElement?.closest?.("[data-path]")?.dataset.path;
   const top = panel.scrollTop;
   rows = [];
-  panel.replaceChildren(makeList("media", "Media"), makeList("lights", "Lights"), makeMethod(), makeList("geometry", "Surfaces"),
-    makeGroup("camera", "Camera", false, () => makeObject("camera", schemaOf("camera"), { skip: ["file", "name"] }), { section: true }),
-    makeScene());
+  panel.replaceChildren(...isPhoto() ? makePhoto() : makeParts());
   panel.scrollTop = top;
   if (focused) panel.querySelector(`[data-path="${CSS.escape(focused)}"] :is(input, select)`)?.focus({ preventScroll: true });
 };
@@ -200,7 +228,7 @@ let built = "";
 const refresh = () => {
   if (state.document === null || state.welcome === null) return;
   const { render, ...rest } = state.document, { position, target, fov_y, ...camera } = rest.camera ?? {};
-  const now = `${methodShown()} ${shape({ ...rest, camera })} ${shape(render?.[optionsOf(methodShown())] ?? {})}`;
+  const now = `${methodShown()} ${state.document.variant} ${shape({ ...rest, camera })} ${shape(render?.[optionsOf(methodShown())] ?? {})}`;
   if (now !== built) {
     built = now;
     build();

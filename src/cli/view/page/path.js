@@ -1,6 +1,6 @@
 /* Values in a document by paths such as media[0].density.noise.seed. */
 
-const parts = path => path.match(/[^.[\]]+/g).map(part => /^\d+$/.test(part) ? Number(part) : part);
+const parts = path => (path.match(/[^.[\]]+/g) ?? []).map(part => /^\d+$/.test(part) ? Number(part) : part);
 
 export const join = (path, key) => typeof key === "number" ? `${path}[${key}]` : path === "" ? key : `${path}.${key}`;
 

@@ -4,7 +4,7 @@ import { luminance } from "./color.js";
 import { find, fixed, make, number } from "./dom.js";
 import { valueAt } from "./frame.js";
 import { frameSize, toFrame, toWindow } from "./screen.js";
-import { methodShown, on, state } from "./state.js";
+import { isPhoto, methodShown, on, referenceName, state } from "./state.js";
 
 const canvas = find("#screen"), card = find("#probe"), pin = find("#pin");
 let hovered = null, pinned = null;
@@ -22,7 +22,7 @@ const rowOf = (found, word) => make("tr", {}, make("th", { scope: "row" }, word)
   ...[found.r, found.g, found.b, found.luminance].map(value => make("td", {}, `${found.exact ? "" : "≈"}${fixed(value)}`)));
 
 const refresh = () => {
-  const at = pinned ?? hovered, both = state.view.compare || state.display.mode !== "method";
+  const at = pinned ?? hovered, both = state.view.compare || isPhoto() || state.display.mode !== "method";
   const found = at === null ? [] : [probe(...at, 0), both ? probe(...at, 1) : null];
   card.hidden = !found.some(Boolean);
   if (card.hidden) {
@@ -31,7 +31,7 @@ const refresh = () => {
   }
   const [method, path] = found, rows = [];
   if (method) rows.push(rowOf(method, methodShown() || "method"));
-  if (path) rows.push(rowOf(path, "path"));
+  if (path) rows.push(rowOf(path, referenceName()));
   if (method && path) rows.push(make("tr", { class: "ratio" }, make("th", { scope: "row" }, "ratio"),
     ...["r", "g", "b", "luminance"].map(key => make("td", {}, path[key] !== 0 ? number(method[key] / path[key], 4) : "–"))));
   card.firstChild.replaceChildren(make("thead", {}, make("tr", {},

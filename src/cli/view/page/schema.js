@@ -52,8 +52,9 @@ export const controlOf = (schema, value) => {
   const plain = value === undefined ? schema : variantOf(schema, value);
   if (numeric && triple && (value === undefined || typeof value === "number" || suits(triple, value)))
     return { kind: "amount", limits: { ...numeric, default: schema.default }, spatial: SPATIAL.test(schema.description ?? "") };
-  if (numeric && choices.some(choice => choice.const === "auto" || choice.enum?.includes("auto")))
-    return { kind: "auto", limits: { ...numeric, default: schema.default } };
+  const word = choices.find(choice => choice.type === "string" && (choice.const ?? choice.enum?.[0]));
+  if (numeric && word)
+    return { kind: "auto", limits: { ...numeric, default: schema.default }, word: word.const ?? word.enum[0] };
   if (plain.enum) return { kind: "select", limits: plain };
   if (plain.type === "boolean") return { kind: "check", limits: plain };
   if (isNumber(plain)) return { kind: "number", limits: plain };
@@ -93,9 +94,9 @@ export const unitOf = ({ description = "", type, items }) => {
 const WORDS = {
   sigma_t: "Extinction σt", sigma_s: "Scattering σs", sigma_a: "Absorption σa", g: "Mean cosine g", spp: "Samples per pixel",
   fov_y: "Field of view", meters_per_unit: "Metres per unit", kelvin: "Temperatures, K",
-  solar: "Solar irradiance", irradiance: "Irradiance E", intensity: "Intensity I",
+  "fov-y": "Field of view", "depth-is": "Distances are", "no-normalise": "Not normalised", solar: "Solar irradiance", irradiance: "Irradiance E", intensity: "Intensity I",
 };
 
 /* A key in the field's words. */
-export const label = (key, path = "") => /^media\[\d+\]\.scale$/.test(path) ? "Density scale"
-  : WORDS[key] ?? key.charAt(0).toUpperCase() + key.slice(1).replaceAll("_", " ");
+export const label = (key, path = "") => /^(media\[\d+\]|medium)\.scale$/.test(path) ? "Density scale"
+  : WORDS[key] ?? key.charAt(0).toUpperCase() + key.slice(1).replaceAll(/[-_]/g, " ");

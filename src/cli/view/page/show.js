@@ -7,7 +7,7 @@ import { numberControl } from "./controls.js";
 import { makeNumber } from "./field.js";
 import { sortedLuminances } from "./frame.js";
 import { frameSize, place, toFrame, toWindow } from "./screen.js";
-import { display, methodShown, on, state } from "./state.js";
+import { display, isPhoto, methodShown, on, referenceName, state } from "./state.js";
 
 const canvas = find("#screen");
 const CHOICES = ["curve", "channel"];
@@ -106,7 +106,7 @@ const refreshLegend = () => {
     return tick;
   }));
   legend.querySelector("figcaption").textContent = signed
-    ? `${methodShown()} − path, ${CHANNEL_NAMES[channel]}, W m⁻² sr⁻¹` : `${CHANNEL_NAMES[channel]}, W m⁻² sr⁻¹`;
+    ? `${methodShown()} − ${referenceName()}, ${CHANNEL_NAMES[channel]}, W m⁻² sr⁻¹` : `${CHANNEL_NAMES[channel]}, W m⁻² sr⁻¹`;
 };
 
 /* ---- the divider ---- */
@@ -122,11 +122,12 @@ const refreshDivider = () => {
   divider.style.top = `${box[1]}px`;
   divider.style.height = `${box[3] - box[1]}px`;
   divider.setAttribute("aria-valuenow", Math.round(100 * wipe));
-  const names = { method: [methodShown(), ""], wipe: [methodShown(), "path"], path: ["", "path"],
-    difference: [`${methodShown()} − path`, ""] }[mode];
+  const reference = referenceName();
+  const names = { method: [methodShown(), ""], wipe: [methodShown(), reference], path: ["", reference],
+    difference: [`${methodShown()} − ${reference}`, ""] }[mode];
   [find("#side-left"), find("#side-right")].forEach((side, i) => {
     const [method, path] = state.frames, about = names[i] && (i === 1 || mode === "difference");
-    const stale = about && method && path && path.revision < method.revision;
+    const stale = about && !isPhoto() && method && path && path.revision < method.revision;
     side.textContent = `${names[i]}${about && !path ? ", which has no image yet" : stale ? ", of the scene before" : ""}`;
     side.hidden = !names[i] || mode === "method";
     side.style.top = `${box[1] + 10}px`;
@@ -240,6 +241,7 @@ let lastZoom = 0;
 on("server:welcome", ({ view, document: scene }) => {
   if (fileSize === null) {
     fileSize = [view?.width ?? 0, view?.height ?? 0];
-    display({ exposure: view?.exposure ?? scene.camera?.exposure ?? 0 });
+    find("#size").closest(".row").hidden = isPhoto(); // which has its own
+    display({ curve: view?.curve ?? "filmic", exposure: view?.exposure ?? scene.camera?.exposure ?? 0 });
   } else applySize();
 });
