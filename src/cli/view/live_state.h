@@ -112,6 +112,7 @@ struct view_live {
     view_accumulation path;     /* the reference, of path_revision */
     uint32_t path_revision;
     double path_seconds; /* estimate of its first pass at full size */
+    bool path_next;      /* the next step is path's, while surfaces converge */
     float* rgb;          /* pixels of the last image, interleaved */
     size_t rgb_capacity; /* values */
     float* media;        /* pixels of the last view of media, interleaved, without the surfaces' own light */

@@ -282,7 +282,9 @@ static bool show_path(view_live* live, bool as_method, bool final) {
 
 static void compare(view_live* live) {
     const view_picture* picture = &live->pictures[VIEW_CHANNEL_METHOD]; /* written by this thread alone */
-    if (live->shown != VIEW_SHOWN_FULL || picture->rgb == NULL || picture->revision != live->revision) return;
+    if (live->shown != VIEW_SHOWN_FULL || surfaces_are_noisy(live) || picture->rgb == NULL ||
+        picture->revision != live->revision)
+        return;
     if (picture->width != live->path.width || picture->height != live->path.height) return;
     live->has_difference = view_accumulation_compare(&live->path, picture->rgb, &live->difference);
 }
@@ -334,8 +336,16 @@ static bool step_reference(view_live* live) {
     return pass_path(live, coarse ? path_divisor(live) : 1, false);
 }
 
+/* While the surfaces of a full image converge, every other step is one of path, which would wait for seconds else. */
+static bool is_due_to_path(view_live* live) {
+    if (live->shown != VIEW_SHOWN_FULL || !live->compare || live->paused || !surfaces_are_noisy(live)) return false;
+    live->path_next = !live->path_next;
+    return live->path_next;
+}
+
 bool view_step_scene(view_live* live) {
     if (live->method == &ty_method_path) return step_path(live);
+    if (is_due_to_path(live) && step_reference(live)) return true;
     const bool worked =
         !live->failed && (live->method->solve != NULL ? step_light(live) : view_step_render(live, render_scene));
     return worked || (!live->paused && step_reference(live));
