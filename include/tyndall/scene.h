@@ -13,6 +13,7 @@
 #include <tyndall/base.h>
 #include <tyndall/grid.h>
 #include <tyndall/image.h>
+#include <tyndall/phase.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -93,7 +94,8 @@ typedef struct ty_medium_def {
     float sigma_s[3];        ///< Scattering coefficient at density 1, 1/m, >= 0; default 0.
     float sigma_a[3];        ///< Absorption coefficient at density 1, 1/m, >= 0; default 0.
     float scale;             ///< Factor of the density, >= 0; default 1.
-    float g[3];              ///< Mean cosine of the Henyey-Greenstein phase function, (-1, 1); default 0.
+    float g[3];              ///< Mean cosine of the Henyey-Greenstein phase function, (-1, 1); default 0. Only
+                             ///< without `phase`.
 
     const ty_transfer_point* transfer; ///< Transfer function of `density_grid`; default NULL.
     int32_t transfer_count;            ///< Number of its points: 0 (default), or 2..TY_TRANSFER_MAX.
@@ -112,6 +114,9 @@ typedef struct ty_medium_def {
     double kelvin[2];          ///< Temperature where that grid is 0 and where it is 1, K, linear in between and beyond;
                                ///< default 0, 1: the grid holds temperatures.
     float emission_scale;      ///< Factor of the black body, >= 0; default 1.
+
+    ty_phase_lobe phase[TY_PHASE_LOBES_MAX]; ///< The lobes of a phase function other than Henyey-Greenstein of `g`.
+    int32_t phase_count;                     ///< Their number: 0 (default), or 1..TY_PHASE_LOBES_MAX.
 } ty_medium_def;
 
 /// The radiance of a black body at a temperature in linear Rec.709, W m^-2 sr^-1: Planck's law weighted by the CIE 1931
