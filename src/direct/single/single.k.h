@@ -17,6 +17,7 @@ typedef struct ty_light_fluence {
     TY_GLOBAL const float* unscattered[3]; /* where lobe_order is set: U of forward.k.h, and fluence is R */
     TY_GLOBAL const float* next_order[3];  /* likewise S */
     int32_t lobe_order;                    /* L of forward.k.h; 0: all of the fluence travels along one line */
+    TY_GLOBAL const float* legendre;       /* with L above 1: moments by which R and S were made; NULL: g^l */
     TY_GLOBAL const float* flux[3][3];     /* TY_FLUENCE_P1: along x, y, z */
     int32_t shared; /* all channels are the first one's planes times color, as in a ty_light_field of one plane */
     float color[3];
@@ -128,8 +129,9 @@ TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_poin
         radiance->first[c] +=
             color * (phase != NULL ? forward.phi_unscattered * values[c] : ty_forward_unscattered(forward, mu, g[c]));
         radiance->again[c] +=
-            color * (light->lobe_order == 1 ? ty_forward_scattered(forward, mu, g[c])
-                                            : ty_forward_scattered_order(forward, mu, g[c], light->lobe_order));
+            color * (light->lobe_order == 1
+                         ? ty_forward_scattered(forward, mu, g[c])
+                         : ty_forward_scattered_order(forward, mu, g[c], light->legendre, light->lobe_order));
     }
 }
 
