@@ -12,6 +12,7 @@
 static const double pi = 3.14159265358979323846;
 
 static const double coarse_cosines[] = {-1, -0.5, 0.2, 0.9, 1}, coarse_values[] = {2, 1, 0, 3, 50};
+static const double close_cosines[] = {1, 1 - 1e-15, 0, -1 + 1e-12, -1}, close_values[] = {9, 4, 1, 1, 0};
 static const double falling_cosines[] = {1, 0, -1}, falling_values[] = {4, 1, 0};
 
 typedef struct named_phase {
@@ -58,6 +59,7 @@ static const named_phase phases[] = {
     {"backscatter", 1, {FORAND(.backscatter = 0.03)}, 0.9, 0.02},
     {"table", 1, {TABLE(coarse)}, 0.5375, 1e-6},
     {"falling", 1, {TABLE(falling)}, 4.0 / 9, 1e-6},
+    {"close", 1, {TABLE(close)}, 0.2857143, 1e-6},
     {"mixed", 3, {DRAINE(1, 0.3, 2), MIE(20), TABLE(coarse)}, 0.6, 0.3},
 };
 

@@ -125,6 +125,10 @@ typedef struct ty_medium_def {
 /// 200 K, and constant above 100000 K.
 TY_API void ty_blackbody(double kelvin, float radiance[3]);
 
+/// Sets `g` to the mean cosine of a medium's phase function per channel: that of `phase`, or `g` without it; where the
+/// medium has a g_grid, `g`, too. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+TY_API ty_result ty_medium_mean_cosine(ty_context* context, const ty_medium_def* medium, float g[3]);
+
 /// Creates a grid of the fraction, 0..1, of each cell that lies within a medium's bounds, by which grid methods
 /// multiply its density: an unplaced float grid of size[0] x size[1] x size[2] cells over the box [lower, upper] (m).
 /// samples: rays along the side of each cell, 1..64. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
@@ -137,7 +141,7 @@ TY_API ty_result ty_medium_create_coverage(const ty_scene* scene, int32_t medium
 typedef enum ty_preset_kind {
     TY_PRESET_MEASURED = 0,  ///< A liquid or solid, of which reduced scattering was measured, so that g is 0. It may be
                              ///< diluted.
-    TY_PRESET_WATER = 1,     ///< Pure or natural water, with the g of its molecules and particles.
+    TY_PRESET_WATER = 1,     ///< Pure or natural water, with the phase function of its molecules and particles.
     TY_PRESET_VISIBILITY = 2 ///< Fog and haze, which need a visibility.
 } ty_preset_kind;
 

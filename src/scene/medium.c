@@ -116,6 +116,17 @@ ty_result ty_medium_check(ty_context* context, const ty_medium_def** given, ty_m
     return result == TY_OK ? check_bounds(context, def) : result;
 }
 
+ty_result ty_medium_mean_cosine(ty_context* context, const ty_medium_def* medium, float g[3]) {
+    if (medium == NULL || g == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_medium_mean_cosine: medium or g is NULL");
+    memcpy(g, medium->g, sizeof medium->g);
+    if (medium->phase_count == 0) return TY_OK;
+    double moments[6];
+    const ty_result result = ty_phase_moments(context, medium->phase, medium->phase_count, 1, moments);
+    for (int c = 0; c < 3 && result == TY_OK; ++c) g[c] = (float)moments[2 * c + 1];
+    return result;
+}
+
 /* ---- copies ---- */
 
 void ty_medium_grids(const ty_medium_def* def, ty_grid* grids[TY_MEDIUM_GRIDS]) {

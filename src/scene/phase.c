@@ -180,14 +180,14 @@ typedef struct moment {
 /* The integrand of a Legendre moment between two nodes. */
 static double table_moment(const void* user, double tilt) {
     const moment* m = user;
-    const double share = (tilt - (double)m->nodes[0].tilt) / (double)(m->nodes[1].tilt - m->nodes[0].tilt);
+    const double fraction = (tilt - (double)m->nodes[0].tilt) / (double)(m->nodes[1].tilt - m->nodes[0].tilt);
     double before = 0, now = 1;
     for (int32_t l = 0; l < m->order; ++l) {
         const double next = ty_legendre_next_f64(l, 1 - tilt, now, before);
         before = now;
         now = next;
     }
-    return 2 * TY_PI_F64 * now * ((1 - share) * (double)m->nodes[0].value + share * (double)m->nodes[1].value);
+    return 2 * TY_PI_F64 * now * ((1 - fraction) * (double)m->nodes[0].value + fraction * (double)m->nodes[1].value);
 }
 
 /* The Draine lobe's moment from those of Henyey-Greenstein, g^l, by mu P_l = (l + 1) / (2 l + 1) P_l+1 + l / (2 l + 1)
@@ -206,6 +206,7 @@ static double term_moment(const ty_phase_term* term, int32_t l) {
     double sum = 0;
     for (int32_t i = 0; i + 1 < term->node_count; ++i) {
         const moment m = {&term->nodes[i], l};
+        if (!(m.nodes[1].tilt > m.nodes[0].tilt)) continue; /* cosines that a float does not tell apart */
         sum += ty_integrate(table_moment, &m, (double)m.nodes[0].tilt, (double)m.nodes[1].tilt, 1);
     }
     return sum;
@@ -224,9 +225,9 @@ static void find_moments(ty_phase_view* view) {
 
 /* ---- views ---- */
 
-static ty_phase_term* add_draine(ty_phase_view* view, double share, double g, double alpha) {
+static ty_phase_term* add_draine(ty_phase_view* view, double fraction, double g, double alpha) {
     ty_phase_term* term = &view->terms[view->count++];
-    for (int c = 0; c < 3; ++c) term->weight[c] = (float)share;
+    for (int c = 0; c < 3; ++c) term->weight[c] = (float)fraction;
     term->g = (float)g;
     term->alpha = (float)alpha;
     term->scale = (float)(3 / (3 + alpha * (1 + 2 * g * g)));

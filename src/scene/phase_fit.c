@@ -82,11 +82,11 @@ double ty_fournier_forand_index(double slope) {
 double ty_fournier_forand_slope(double backscatter) {
     double low = TY_PHASE_SLOPE_MIN, high = TY_PHASE_SLOPE_MAX;
     for (int i = 0; i < 60; ++i) {
-        const double middle = (low + high) / 2;
-        if (ty_fournier_forand_backscatter(ty_fournier_forand_index(middle), middle) < backscatter)
-            low = middle;
+        const double center = (low + high) / 2;
+        if (ty_fournier_forand_backscatter(ty_fournier_forand_index(center), center) < backscatter)
+            low = center;
         else
-            high = middle;
+            high = center;
     }
     return (low + high) / 2;
 }

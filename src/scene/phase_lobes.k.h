@@ -16,7 +16,7 @@ typedef struct ty_phase_node {
 } ty_phase_node;
 
 typedef struct ty_phase_term {
-    float weight[3]; /* share per channel; the sum over all terms is 1 */
+    float weight[3]; /* fraction per channel; the sum over all terms is 1 */
     float g, alpha;
     float scale;                          /* 3 / (3 + alpha (1 + 2 g^2)) */
     int32_t node_count;                   /* 0: no table */
@@ -36,11 +36,11 @@ typedef struct ty_phase_view {
 TY_FN int32_t ty_phase_find_tilt(TY_GLOBAL const ty_phase_term* term, float tilt) {
     int32_t low = 0, high = term->node_count - 1;
     while (high - low > 1) {
-        const int32_t middle = (low + high) / 2;
-        if (term->nodes[middle].tilt <= tilt)
-            low = middle;
+        const int32_t center = (low + high) / 2;
+        if (term->nodes[center].tilt <= tilt)
+            low = center;
         else
-            high = middle;
+            high = center;
     }
     return low;
 }
@@ -48,11 +48,11 @@ TY_FN int32_t ty_phase_find_tilt(TY_GLOBAL const ty_phase_term* term, float tilt
 TY_FN int32_t ty_phase_find_below(TY_GLOBAL const ty_phase_term* term, float below) {
     int32_t low = 0, high = term->node_count - 1;
     while (high - low > 1) {
-        const int32_t middle = (low + high) / 2;
-        if (term->nodes[middle].below <= below)
-            low = middle;
+        const int32_t center = (low + high) / 2;
+        if (term->nodes[center].below <= below)
+            low = center;
         else
-            high = middle;
+            high = center;
     }
     return low;
 }
@@ -80,23 +80,23 @@ TY_FN float ty_phase_table_sample(TY_GLOBAL const ty_phase_term* term, float u) 
  * u = H (1 + alpha ((1 - (1 - g) q)^2 + r (1 - g) q^2 / 3)) scale,   du/dH = (1 + alpha mu^2) scale,
  * none of which cancels at g = 0 or 1. Solved for H by Newton's iteration within a bracket. */
 TY_FN float ty_draine_solve(float g, float alpha, float scale, float u) {
-    float low = 0.0f, high = 1.0f, share = u;
+    float low = 0.0f, high = 1.0f, fraction = u;
     for (int32_t i = 0; i < 24; ++i) {
         const float less = 1.0f - g;
-        const float q = share * less / ty_maxf(1.0f + g - 2.0f * g * share, 1e-30f), r = less + 2.0f * g * q;
+        const float q = fraction * less / ty_maxf(1.0f + g - 2.0f * g * fraction, 1e-30f), r = less + 2.0f * g * q;
         const float mu = 1.0f - 2.0f * q * (less + g * q), near = 1.0f - less * q;
-        const float excess = share * (1.0f + alpha * (near * near + r * less * q * q * (1.0f / 3.0f))) * scale - u;
+        const float excess = fraction * (1.0f + alpha * (near * near + r * less * q * q * (1.0f / 3.0f))) * scale - u;
         if (excess > 0.0f)
-            high = share;
+            high = fraction;
         else
-            low = share;
-        const float newton = share - excess / ((1.0f + alpha * mu * mu) * scale);
+            low = fraction;
+        const float newton = fraction - excess / ((1.0f + alpha * mu * mu) * scale);
         const float next = newton > low && newton < high ? newton : 0.5f * (low + high);
-        const bool done = fabsf(next - share) <= 1e-6f * next;
-        share = next;
+        const bool done = fabsf(next - fraction) <= 1e-6f * next;
+        fraction = next;
         if (done) break;
     }
-    return share;
+    return fraction;
 }
 
 /* ---- all ---- */
@@ -127,14 +127,14 @@ TY_FN_RARE void ty_phase_evaluate(TY_GLOBAL const ty_phase_view* phase, float mu
 /* A cosine of the mixture of the channels' phase functions by weights whose sum is 1; u in [0, 1). */
 TY_FN_RARE float ty_phase_sample_cosine(TY_GLOBAL const ty_phase_view* phase, const float weight[3], float u) {
     int32_t i = 0;
-    float share;
+    float fraction;
     for (;; ++i) {
         TY_GLOBAL const float* of_term = phase->terms[i].weight;
-        share = weight[0] * of_term[0] + weight[1] * of_term[1] + weight[2] * of_term[2];
-        if (u < share || i + 1 >= phase->count) break;
-        u -= share;
+        fraction = weight[0] * of_term[0] + weight[1] * of_term[1] + weight[2] * of_term[2];
+        if (u < fraction || i + 1 >= phase->count) break;
+        u -= fraction;
     }
-    return ty_phase_term_sample(&phase->terms[i], ty_clampf(u / ty_maxf(share, 1e-30f), 0.0f, 0x1.fffffep-1f));
+    return ty_phase_term_sample(&phase->terms[i], ty_clampf(u / ty_maxf(fraction, 1e-30f), 0.0f, 0x1.fffffep-1f));
 }
 
 #endif

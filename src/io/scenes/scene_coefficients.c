@@ -108,16 +108,6 @@ static ty_result check_forms(const ty_scene_reader* reader, const json_t* medium
     return TY_OK;
 }
 
-/* The mean cosines by which reduced scattering coefficients are divided. */
-static ty_result find_mean_cosines(const ty_scene_reader* reader, const ty_medium_def* def, double mean[3]) {
-    double moments[6];
-    for (int c = 0; c < 3; ++c) mean[c] = (double)def->g[c];
-    if (def->phase_count == 0) return TY_OK;
-    const ty_result result = ty_phase_moments(reader->context, def->phase, def->phase_count, 1, moments);
-    for (int c = 0; c < 3 && result == TY_OK; ++c) mean[c] = moments[2 * c + 1];
-    return result;
-}
-
 ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
                                ty_medium_def* def, ty_phase_table* table) {
     const char* preset = json_string_value(json_object_get(medium, "preset"));
@@ -129,7 +119,8 @@ ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medi
         return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "a volume does not go with \"preset\"");
     }
     const bool reduced = preset != NULL && ty_medium_preset_kind(ty_medium_preset_find(preset)) == TY_PRESET_MEASURED;
-    double g[3] = {def->g[0], def->g[1], def->g[2]}, sigma_t[3] = {0, 0, 0}, albedo[3] = {0, 0, 0}, mean[3];
+    double g[3] = {def->g[0], def->g[1], def->g[2]}, sigma_t[3] = {0, 0, 0}, albedo[3] = {0, 0, 0};
+    float mean[3] = {0, 0, 0};
     if (json_object_get(medium, "g") != NULL) def->phase_count = 0; /* in place of the preset's */
     ty_read_rgb(medium, "sigma_s", def->sigma_s);
     ty_read_rgb(medium, "sigma_a", def->sigma_a);
@@ -145,9 +136,9 @@ ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medi
         }
     }
     result = ty_read_phase(reader, medium, path, def, table);
-    if (result == TY_OK) result = find_mean_cosines(reader, def, mean);
+    if (result == TY_OK) result = ty_medium_mean_cosine(reader->context, def, mean);
     /* Measured values are reduced: sigma_s' = (1 - g) sigma_s. */
-    for (int c = 0; c < 3 && result == TY_OK && reduced; ++c) def->sigma_s[c] /= (float)(1 - mean[c]);
+    for (int c = 0; c < 3 && result == TY_OK && reduced; ++c) def->sigma_s[c] /= 1 - mean[c];
     return result;
 }
 
@@ -168,7 +159,7 @@ static ty_result check_homogeneous(const ty_scene_reader* reader) {
         if (*known == NULL)
             return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
                                   "has no place here, where a medium is the same everywhere; give what it is made of");
-        if (json_is_object(value))
+        if (json_is_object(value) && strcmp(key, "phase") != 0)
             return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
                                   "a volume has no place here, where a medium is the same everywhere");
     }
