@@ -64,10 +64,33 @@ static void fluxes_agree(void** state) {
     free(radiance);
 }
 
+/* Overlapping media of droplets, of a table, and of lobes that differ per channel, which absorb nothing, vanish in
+ * light that is the same from everywhere. */
+static void media_vanish_in_a_furnace(void** state) {
+    static const double cosines[3] = {1, 0, -1}, values[3] = {9, 1, 4};
+    const float color[3] = {0.7f, 1, 0.4f};
+    ty_scene* scene = new_scene(*state);
+    ty_medium_def media[3] = {medium_cube(1, 3, 0, 0), medium_sphere(1.1, 2, 0, 0), medium_cube(0.7, 2, 0, 0)};
+    for (int i = 0; i < 3; ++i) media[i].phase_count = 1;
+    media[0].phase[0] = (ty_phase_lobe){.kind = TY_PHASE_MIE, .weight = {1, 1, 1}, .diameter = 10};
+    media[1].phase[0] =
+        (ty_phase_lobe){.kind = TY_PHASE_TABLE, .weight = {1, 1, 1}, .cosines = cosines, .values = values, .count = 3};
+    media[2].phase_count = 2;
+    media[2].phase[0] = (ty_phase_lobe){.kind = TY_PHASE_FOURNIER_FORAND, .weight = {1, 2, 3}, .backscatter = 0.0183};
+    media[2].phase[1] = (ty_phase_lobe){.kind = TY_PHASE_DRAINE, .weight = {3, 2, 1}, .alpha = 1};
+    for (int i = 0; i < 3; ++i) add_medium(scene, &media[i]);
+    add_furnace_light(scene, color, true);
+    set_camera(scene, 0, 0, 4, 40);
+    commit(scene);
+    assert_furnace("droplets, a table, water", scene, color, in_full() ? 64 : 24, 1024);
+    ty_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(images_agree),
         cmocka_unit_test(fluxes_agree),
+        cmocka_unit_test(media_vanish_in_a_furnace),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }
