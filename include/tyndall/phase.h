@@ -18,15 +18,23 @@ typedef enum ty_phase_kind {
     TY_PHASE_TABLE = 3            ///< `values` at `cosines`.
 } ty_phase_kind;
 
-/// Bounds of a lobe's fields.
+/// Largest `alpha`.
 #define TY_PHASE_ALPHA_MAX 1e6
+/// Smallest and largest `diameter`, micrometres.
 #define TY_PHASE_DIAMETER_MIN 0.001
+/// See TY_PHASE_DIAMETER_MIN.
 #define TY_PHASE_DIAMETER_MAX 50.0
+/// Smallest and largest `n`.
 #define TY_PHASE_INDEX_MIN 1.001
+/// See TY_PHASE_INDEX_MIN.
 #define TY_PHASE_INDEX_MAX 1.5
+/// Smallest and largest `mu`.
 #define TY_PHASE_SLOPE_MIN 3.01
+/// See TY_PHASE_SLOPE_MIN.
 #define TY_PHASE_SLOPE_MAX 4.99
+/// Smallest and largest `backscatter`.
 #define TY_PHASE_BACKSCATTER_MIN 1e-4
+/// See TY_PHASE_BACKSCATTER_MIN.
 #define TY_PHASE_BACKSCATTER_MAX 0.2
 
 /// Largest number of lobes of a phase function, and of nodes of a table.
