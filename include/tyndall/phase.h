@@ -47,12 +47,9 @@ typedef struct ty_phase_lobe {
     double g;           ///< (-1, 1). The mean cosine if `alpha` is 0.
     double alpha;       ///< 0..TY_PHASE_ALPHA_MAX.
     double diameter;    ///< Micrometres, TY_PHASE_DIAMETER_MIN..TY_PHASE_DIAMETER_MAX.
-    double n;           ///< Relative refractive index of the particles, TY_PHASE_INDEX_MIN..TY_PHASE_INDEX_MAX; 0: by
-                        ///< `backscatter`.
-    double mu;          ///< Slope of the distribution of the particles' radii, TY_PHASE_SLOPE_MIN..
-                        ///< TY_PHASE_SLOPE_MAX, if `n` is not 0.
-    double backscatter; ///< Fraction of the light that is scattered back, TY_PHASE_BACKSCATTER_MIN..
-                        ///< TY_PHASE_BACKSCATTER_MAX, if `n` is 0.
+    double n;           ///< Relative refractive index of the particles, 1.001 to 1.5; 0: by `backscatter`.
+    double mu;          ///< Slope of the distribution of the particles' radii, 3.01 to 4.99, if `n` is not 0.
+    double backscatter; ///< Fraction of the light that is scattered back, 1e-4 to 0.2, if `n` is 0.
     const double* cosines; ///< From -1 up to 1, or from 1 down to -1.
     const double* values;  ///< Relative phase function there, >= 0 and not all 0; linear in the cosine in between.
     int32_t count;         ///< Number of nodes, 2..TY_PHASE_NODES_MAX.
