@@ -73,6 +73,6 @@ ty_result ty_read_phase(const ty_scene_reader* reader, const json_t* medium, con
     ty_result result = TY_OK;
     if (strcmp(type, "table") == 0) result = read_table(reader, phase, &json_path, first, table);
     if (result != TY_OK) return result;
-    result = ty_phase_check(reader->context, "phase", def->phase, def->phase_count);
-    return ty_reader_prefix_error(reader, path, result);
+    result = ty_phase_check(reader->context, type, def->phase, def->phase_count);
+    return ty_reader_prefix_error(reader, &json_path, result);
 }
