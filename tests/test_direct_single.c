@@ -42,7 +42,7 @@ static float scattered(const ty_light_fluence* light, ty_vec point, ty_vec way, 
     static const float whole[TY_FLUENCE_COUNT][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
     static const ty_forward_fit none = {.bands = 0};
     ty_single_radiance sent = {{0}, {0}, {0}};
-    ty_single_scattered(light, point, &at, way, whole, gs, &none, &sent);
+    ty_single_scattered(light, point, &at, way, whole, gs, NULL, &none, &sent);
     assert_true(sent.again[1] == 0 && sent.aside[1] == 0);
     return sent.first[1];
 }

@@ -138,7 +138,11 @@ static const coefficient_case coefficient_cases[] = {
     {"\"preset\":\"wholemilk\",\"scale\":0.01", {2550, 3210, 3770}, {1.1, 2.4, 14}, {0, 0, 0}, 0.01},
     {"\"preset\":\"Apple\",\"g\":[0.5,0,-1e-9]", {4580, 2390, 1970}, {3, 3.4, 46}, {0.5, 0, 0}, 1},
     {"\"preset\":\"jerlov 9c\",\"g\":0.8", {2.546, 3.12, 4.39}, {0.4268, 0.348, 0.943}, {0.8, 0.8, 0.8}, 1},
-    {"\"preset\":\"fog\",\"visibility\":0.5", {5.9914645, 5.9914645, 5.9914645}, {0, 0, 0}, {0.85, 0.85, 0.85}, 1},
+    {"\"preset\":\"fog\",\"visibility\":0.5",
+     {5.9914645, 5.9914645, 5.9914645},
+     {0, 0, 0},
+     {0.864164, 0.864164, 0.864164},
+     1},
     {"\"preset\":\"apple\",\"dilution\":2",
      {1145.0004, 1195.0007, 985.00175},
      {1.63775, 1.72825, 23.00461},
@@ -159,11 +163,44 @@ static void coefficients_are_read(void** state) {
         assert_int_equal(ty_scene_get_medium(scene, 0, &medium), TY_OK);
         expect_rgb(medium.sigma_s, row->sigma_s[0], row->sigma_s[1], row->sigma_s[2]);
         expect_rgb(medium.sigma_a, row->sigma_a[0], row->sigma_a[1], row->sigma_a[2]);
-        expect_rgb(medium.g, row->g[0], row->g[1], row->g[2]);
+        float g[3];
+        assert_int_equal(ty_medium_mean_cosine(context, &medium, g), TY_OK);
+        expect_rgb(g, row->g[0], row->g[1], row->g[2]);
         assert_float_equal(medium.scale, row->scale, 1e-6);
         for (int c = 0; c < 3; ++c) assert_true(fabsf(medium.g[c]) < 1);
         ty_scene_destroy(scene);
     }
+    ty_context_destroy(context);
+}
+
+static void phase_functions_are_read(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    ty_scene* scene = parse(
+        context, "{\"tyndall\":1,\"media\":["
+                 "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"mix\",\"lobes\":[{\"weight\":0.9,\"g\":0.85},"
+                 "{\"weight\":0.1,\"g\":-0.3,\"alpha\":2}]}},"
+                 "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"table\",\"angles\":[0,60,180],\"values\":[3,1,2]}},"
+                 "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"fournier_forand\",\"n\":1.1,\"mu\":3.6}},"
+                 "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"rayleigh\"}}]}");
+    ty_medium_def media[4];
+    for (int i = 0; i < 4; ++i) assert_int_equal(ty_scene_get_medium(scene, i, &media[i]), TY_OK);
+    assert_int_equal(media[0].phase_count, 2);
+    assert_float_equal(media[0].phase[0].weight[2], 0.9, 1e-6);
+    assert_float_equal(media[0].phase[0].g, 0.85, 0);
+    assert_float_equal(media[0].phase[1].g, -0.3, 0);
+    assert_float_equal(media[0].phase[1].alpha, 2, 0);
+    assert_int_equal(media[1].phase[0].kind, TY_PHASE_TABLE);
+    assert_int_equal(media[1].phase[0].count, 3);
+    assert_float_equal(media[1].phase[0].cosines[0], 1, 0);
+    assert_float_equal(media[1].phase[0].cosines[1], 0.5, 1e-15);
+    assert_float_equal(media[1].phase[0].cosines[2], -1, 0);
+    assert_float_equal(media[1].phase[0].values[2], 2, 0);
+    assert_int_equal(media[2].phase[0].kind, TY_PHASE_FOURNIER_FORAND);
+    assert_float_equal(media[2].phase[0].n, 1.1, 0);
+    assert_float_equal(media[2].phase[0].mu, 3.6, 0);
+    assert_float_equal(media[3].phase[0].alpha, 1, 0);
+    ty_scene_destroy(scene);
     ty_context_destroy(context);
 }
 
@@ -420,7 +457,16 @@ static const char every_key[] =
     "{\"preset\":\"apple\"," BOX ",\"density\":{\"noise\":{\"kind\":\"fbm\",\"resolution\":[4,5,6],\"seed\":4294967295,"
     "\"frequency\":2,\"octaves\":2,\"gain\":0.5,\"lacunarity\":2,\"coverage\":0.5,\"sharpness\":4}}},"
     "{\"preset\":\"apple\",\"dilution\":2," BOX "},{\"preset\":\"fog\",\"visibility\":9," BOX "},"
-    "{\"sigma_s\":1," BOX ",\"density\":{\"noise\":{\"kind\":\"constant\",\"resolution\":2}}}],"
+    "{\"sigma_s\":1," BOX ",\"density\":{\"noise\":{\"kind\":\"constant\",\"resolution\":2}}},"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"hg\",\"g\":0.5}},"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"rayleigh\"}},"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"draine\",\"g\":0.5,\"alpha\":2}},"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"mie\",\"diameter\":8}},"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"mix\",\"lobes\":[{\"weight\":1,\"g\":0.5,\"alpha\":1}]}},"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"fournier_forand\",\"n\":1.1,\"mu\":3.6}},"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"fournier_forand\",\"backscatter\":0.02}},"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"table\",\"angles\":[0,90,180],\"values\":[3,1,2]}},"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"table\",\"cosines\":[-1,0,1],\"values\":[3,1,2]}}],"
     "\"lights\":[{\"type\":\"directional\",\"direction\":[0,0,-1],\"irradiance\":1},"
     "{\"type\":\"point\",\"position\":[0,0,0],\"intensity\":1},"
     "{\"type\":\"spot\",\"position\":[0,0,0],\"direction\":[0,0,-1],\"intensity\":1,\"cone\":40,\"penumbra\":0.1},"
@@ -485,7 +531,7 @@ static void every_key_is_accepted(void** state) {
     json_decref(schema);
     ty_scene* scene = parse(context, every_key);
     const ty_scene_info info = ty_scene_get_info(scene);
-    assert_int_equal(info.media, 7);
+    assert_int_equal(info.media, 16);
     assert_int_equal(info.lights, 8);
     assert_int_equal(info.meshes, 1);
     assert_int_equal(info.shapes, 3);
@@ -618,6 +664,7 @@ int main(void) {
         cmocka_unit_test(the_smallest_scene_has_the_defaults),
         cmocka_unit_test(camera_and_render_are_read),
         cmocka_unit_test(coefficients_are_read),
+        cmocka_unit_test(phase_functions_are_read),
         cmocka_unit_test(lights_are_read),
         cmocka_unit_test(shapes_are_read),
         cmocka_unit_test(meters_per_unit_scales_lengths),

@@ -103,20 +103,20 @@ static inline estimate measure_cube_energy(ty_context* context, double g, int64_
 
 /* ---- images made by other renderers ---- */
 
-/* The mean of one of the reference images to tolerance, and, where block_noise is not 0, blocks of 8 x 8 pixels within
- * that noise of the reference and our own. */
-static inline void check_reference(ty_context* context, const char* name, double tolerance, double block_noise,
-                                   int32_t spp) {
+/* The mean of one of the reference images, "NAME" + ending, to tolerance, and, where block_noise is not 0, blocks of
+ * 8 x 8 pixels within that noise of the reference and our own. */
+static inline void check_reference_image(ty_context* context, const char* name, const char* ending, int32_t side,
+                                         double tolerance, double block_noise, int32_t spp) {
     char file[64], path[1024], image_path[1024];
     snprintf(file, sizeof file, "reference/%s.json", name);
     data_path(file, path);
-    snprintf(file, sizeof file, "reference/%s.exr", name);
+    snprintf(file, sizeof file, "reference/%s%s", name, ending);
     data_path(file, image_path);
     ty_scene* scene = NULL;
     ty_image* reference = NULL;
     must(context, ty_scene_load(context, path, NULL, 0, &scene));
     must(context, ty_image_read(context, image_path, &reference));
-    ty_image* image = render(scene, 256, spp, 3);
+    ty_image* image = render(scene, side, spp, 3);
     ty_difference blocks;
     must(context, ty_image_compare(context, image, reference, BLOCK_SIDE, &blocks));
     double variance = 0, mean = 0;
@@ -126,7 +126,7 @@ static inline void check_reference(ty_context* context, const char* name, double
         variance += of_channel.error * of_channel.error / 3;
     }
     /* The image's mean has the variance of a block's mean over the number of blocks. */
-    const double error = sqrt(variance) / mean, noise = error * (256.0 / BLOCK_SIDE);
+    const double error = sqrt(variance) / mean, noise = error * ((double)side / BLOCK_SIDE);
     printf("%-12s mean ratio %.5f +- %.5f of %.3f; blocks: relative RMSE %.4f, our noise %.4f, theirs %.4f\n", name,
            blocks.mean_ratio[3], error, tolerance, blocks.relative_rmse[3], noise, block_noise);
     assert_int_equal(blocks.not_finite, 0);
@@ -136,6 +136,11 @@ static inline void check_reference(ty_context* context, const char* name, double
     ty_image_destroy(image);
     ty_image_destroy(reference);
     ty_scene_destroy(scene);
+}
+
+static inline void check_reference(ty_context* context, const char* name, double tolerance, double block_noise,
+                                   int32_t spp) {
+    check_reference_image(context, name, ".exr", 256, tolerance, block_noise, spp);
 }
 
 /* ---- white furnace ---- */

@@ -13,6 +13,7 @@
 #include <tyndall/base.h>
 #include <tyndall/grid.h>
 #include <tyndall/image.h>
+#include <tyndall/phase.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -93,7 +94,8 @@ typedef struct ty_medium_def {
     float sigma_s[3];        ///< Scattering coefficient at density 1, 1/m, >= 0; default 0.
     float sigma_a[3];        ///< Absorption coefficient at density 1, 1/m, >= 0; default 0.
     float scale;             ///< Factor of the density, >= 0; default 1.
-    float g[3];              ///< Mean cosine of the Henyey-Greenstein phase function, (-1, 1); default 0.
+    float g[3];              ///< Mean cosine of the Henyey-Greenstein phase function, (-1, 1); default 0. Only
+                             ///< without `phase`.
 
     const ty_transfer_point* transfer; ///< Transfer function of `density_grid`; default NULL.
     int32_t transfer_count;            ///< Number of its points: 0 (default), or 2..TY_TRANSFER_MAX.
@@ -112,6 +114,9 @@ typedef struct ty_medium_def {
     double kelvin[2];          ///< Temperature where that grid is 0 and where it is 1, K, linear in between and beyond;
                                ///< default 0, 1: the grid holds temperatures.
     float emission_scale;      ///< Factor of the black body, >= 0; default 1.
+
+    ty_phase_lobe phase[TY_PHASE_LOBES_MAX]; ///< The lobes of a phase function other than Henyey-Greenstein of `g`.
+    int32_t phase_count;                     ///< Their number: 0 (default), or 1..TY_PHASE_LOBES_MAX.
 } ty_medium_def;
 
 /// The radiance of a black body at a temperature in linear Rec.709, W m^-2 sr^-1: Planck's law weighted by the CIE 1931
@@ -119,6 +124,10 @@ typedef struct ty_medium_def {
 /// Rec.709, are clipped: blue below 1900 K; luminance grows by 1% at 1000 K and by 15% at 800 K. The result is 0 below
 /// 200 K, and constant above 100000 K.
 TY_API void ty_blackbody(double kelvin, float radiance[3]);
+
+/// Sets `g` to the mean cosine of a medium's phase function per channel: that of `phase`, or `g` without it; where the
+/// medium has a g_grid, `g`, too. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+TY_API ty_result ty_medium_mean_cosine(ty_context* context, const ty_medium_def* medium, float g[3]);
 
 /// Creates a grid of the fraction, 0..1, of each cell that lies within a medium's bounds, by which grid methods
 /// multiply its density: an unplaced float grid of size[0] x size[1] x size[2] cells over the box [lower, upper] (m).
@@ -132,7 +141,7 @@ TY_API ty_result ty_medium_create_coverage(const ty_scene* scene, int32_t medium
 typedef enum ty_preset_kind {
     TY_PRESET_MEASURED = 0,  ///< A liquid or solid, of which reduced scattering was measured, so that g is 0. It may be
                              ///< diluted.
-    TY_PRESET_WATER = 1,     ///< Pure or natural water, with the g of its molecules and particles.
+    TY_PRESET_WATER = 1,     ///< Pure or natural water, with the phase function of its molecules and particles.
     TY_PRESET_VISIBILITY = 2 ///< Fog and haze, which need a visibility.
 } ty_preset_kind;
 

@@ -38,7 +38,7 @@ static void json_medium(json_writer* json, const char* name, const ty_medium_def
     json_rgb(json, "g", medium->g);
 }
 
-static void list_presets(json_writer* json) {
+static void list_presets(ty_context* context, json_writer* json) {
     for (int32_t i = 0; i < ty_medium_preset_count(); ++i) {
         const char* name = ty_medium_preset_name(i);
         const ty_preset_kind kind = ty_medium_preset_kind(i);
@@ -47,6 +47,7 @@ static void list_presets(json_writer* json) {
             ty_medium_preset_with(name, SHOWN_VISIBILITY, &medium);
         else
             ty_medium_preset(name, &medium);
+        if (ty_medium_mean_cosine(context, &medium, medium.g) != TY_OK) return;
         if (json == NULL) {
             print_medium(name, &medium, numbers[kind]);
             continue;
@@ -60,7 +61,8 @@ static void list_presets(json_writer* json) {
 
 int cli_info_media(cli_session* session, const char* medium, bool json) {
     ty_medium_def def = ty_default_medium_def();
-    const ty_result result = medium != NULL ? ty_medium_parse(session->context, medium, &def) : TY_OK;
+    ty_result result = medium != NULL ? ty_medium_parse(session->context, medium, &def) : TY_OK;
+    if (result == TY_OK) result = ty_medium_mean_cosine(session->context, &def, def.g);
     if (result != TY_OK) return cli_fail_reading(session, result);
     json_writer writer;
     if (json) {
@@ -73,7 +75,7 @@ int cli_info_media(cli_session* session, const char* medium, bool json) {
                "absorption, 1/m (r, g, b)");
     }
     if (medium == NULL) {
-        list_presets(json ? &writer : NULL);
+        list_presets(session->context, json ? &writer : NULL);
     } else if (json) {
         json_medium(&writer, medium, &def);
         json_close_object(&writer);

@@ -55,6 +55,27 @@ static void print_bounds(const ty_medium_def* medium) {
     printf("%s\n", transformed ? ", transformed" : "");
 }
 
+static const char* const phase_kinds[] = {[TY_PHASE_DRAINE] = "draine",
+                                          [TY_PHASE_MIE] = "mie",
+                                          [TY_PHASE_FOURNIER_FORAND] = "fournier_forand",
+                                          [TY_PHASE_TABLE] = "table"};
+
+static void print_lobe(const ty_phase_lobe* lobe) {
+    printf("            phase function %s", phase_kinds[lobe->kind]);
+    switch (lobe->kind) {
+    case TY_PHASE_DRAINE: printf(", g %.6g, alpha %.6g", lobe->g, lobe->alpha); break;
+    case TY_PHASE_MIE: printf(", droplets of %.6g um", lobe->diameter); break;
+    case TY_PHASE_FOURNIER_FORAND:
+        if (lobe->n > 0)
+            printf(", n %.6g, mu %.6g", lobe->n, lobe->mu);
+        else
+            printf(", backscatter %.6g", lobe->backscatter);
+        break;
+    case TY_PHASE_TABLE: printf(" of %d nodes", lobe->count); break;
+    }
+    print_color(", weight ", lobe->weight, "\n");
+}
+
 static void print_fields(const ty_medium_def* medium) {
     static const char* const labels[] = {"albedo (red)", "albedo (green)", "albedo (blue)"};
     print_grid("density", medium->density_grid);
@@ -82,6 +103,7 @@ static void print_medium(int32_t index, const ty_medium_def* medium) {
     print_color("sigma_a ", medium->sigma_a, " 1/m, ");
     print_color("g ", medium->g, "");
     printf(", scale %.6g\n", (double)medium->scale);
+    for (int32_t i = 0; i < medium->phase_count; ++i) print_lobe(&medium->phase[i]);
     print_bounds(medium);
     print_fields(medium);
 }
@@ -105,7 +127,9 @@ static void print_scene(const ty_scene* scene, const char* path) {
     printf("\n");
     for (int32_t i = 0; i < info.media; ++i) {
         ty_medium_def medium;
-        if (ty_scene_get_medium(scene, i, &medium) == TY_OK) print_medium(i, &medium);
+        if (ty_scene_get_medium(scene, i, &medium) == TY_OK &&
+            ty_medium_mean_cosine(ty_scene_context(scene), &medium, medium.g) == TY_OK)
+            print_medium(i, &medium);
     }
     printf("media       %d\nlights      %d\nshapes      %d\n", info.media, info.lights, info.shapes);
     if (info.meshes > 0) printf("meshes      %d, %" PRId64 " triangles\n", info.meshes, info.triangles);
@@ -178,12 +202,38 @@ static void json_fields(json_writer* json, const ty_medium_def* medium) {
     json_close_object(json);
 }
 
+static void json_phase(json_writer* json, const ty_medium_def* medium) {
+    json_open_array(json, "phase");
+    for (int32_t i = 0; i < medium->phase_count; ++i) {
+        const ty_phase_lobe* lobe = &medium->phase[i];
+        json_open_object(json, NULL);
+        json_text(json, "type", phase_kinds[lobe->kind]);
+        json_color(json, "weight", lobe->weight);
+        if (lobe->kind == TY_PHASE_DRAINE) {
+            json_number(json, "g", lobe->g);
+            json_number(json, "alpha", lobe->alpha);
+        } else if (lobe->kind == TY_PHASE_MIE) {
+            json_number(json, "diameter", lobe->diameter);
+        } else if (lobe->kind == TY_PHASE_TABLE) {
+            json_int(json, "nodes", lobe->count);
+        } else if (lobe->n > 0) {
+            json_number(json, "n", lobe->n);
+            json_number(json, "mu", lobe->mu);
+        } else {
+            json_number(json, "backscatter", lobe->backscatter);
+        }
+        json_close_object(json);
+    }
+    json_close_array(json);
+}
+
 static void json_medium(json_writer* json, const ty_medium_def* medium) {
     json_open_object(json, NULL);
     json_text(json, "name", medium->name);
     json_color(json, "sigma_s", medium->sigma_s);
     json_color(json, "sigma_a", medium->sigma_a);
     json_color(json, "g", medium->g);
+    if (medium->phase_count > 0) json_phase(json, medium);
     json_number(json, "scale", decimal(medium->scale));
     json_text(json, "bounds", bounds_name(medium));
     if (medium->bounds == TY_BOUNDS_BOX) {
@@ -232,7 +282,9 @@ static void print_scene_json(const ty_scene* scene, const char* path) {
     json_open_array(&json, "media");
     for (int32_t i = 0; i < info.media; ++i) {
         ty_medium_def medium;
-        if (ty_scene_get_medium(scene, i, &medium) == TY_OK) json_medium(&json, &medium);
+        if (ty_scene_get_medium(scene, i, &medium) == TY_OK &&
+            ty_medium_mean_cosine(ty_scene_context(scene), &medium, medium.g) == TY_OK)
+            json_medium(&json, &medium);
     }
     json_close_array(&json);
     json_int(&json, "lights", info.lights);

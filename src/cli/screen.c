@@ -52,7 +52,8 @@ static int load_and_apply(cli_session* session, const screen_options* options, c
     float around[3];
     screen_report report = {.options = options, .input = &input, .def = &def, .stats = ty_default_screen_stats()};
     cli_end_on_interrupt(true);
-    const ty_result result = ty_medium_parse(session->context, options->medium, &medium);
+    ty_result result = ty_medium_parse(session->context, options->medium, &medium);
+    if (result == TY_OK) result = ty_medium_mean_cosine(session->context, &medium, medium.g);
     int status = result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
     if (status == CLI_GO)
         status = screen_open_input(session, options, given->positional[0],

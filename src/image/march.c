@@ -204,6 +204,9 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->lights = def->lights;
     request->light_count = def->light_count;
     request->reduced = def->reduced;
+    for (int32_t l = 0; l < 2 && def->legendre != NULL; ++l)
+        request->forward[l] = ty_maxf(0, def->legendre[def->reduced + l]);
+    request->has_forward = def->legendre != NULL;
     if (def->fit != NULL) request->fit = *def->fit;
     if (def->octaves != NULL) request->octaves = *def->octaves;
     request->blurred = def->blurred;

@@ -45,6 +45,8 @@ typedef struct ty_march_def {
     int32_t light_count;            /* 0..TY_MARCH_LIGHTS_MAX */
     int32_t reduced; /* order L of the scaled extinction sigma_t - g^L sigma_s that attenuated that light, 1..12 (1, for
                         g above 0 only: a reduced beam); default 0: sigma_t */
+    const float* legendre; /* orders 0..13 of the media's common phase function, by which reduced light was attenuated
+                              in place of powers of g; NULL (default): none */
     const ty_forward_fit*
         fit; /* fit of a phase function common to all media that is too narrow for L bands: light is delta-scattered by
                 fit->forward_fraction instead of g^L, and the field holds its radiance scattered by the fit towards the

@@ -74,8 +74,8 @@ TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec
     ty_single_radiance scattered;
     memset(&scattered, 0, sizeof scattered);
     for (int32_t i = 0; i < request->light_count; ++i)
-        ty_single_scattered(&request->lights[i], point, &lights[i].at, wo, lights[i].transmittance, g, &request->fit,
-                            &scattered);
+        ty_single_scattered(&request->lights[i], point, &lights[i].at, wo, lights[i].transmittance, g,
+                            track->medium->phase, &request->fit, &scattered);
     for (int32_t c = 0; c < 3; ++c) {
         const float amount = track->column * sigma_s[c], transmitted = visibility->transmitted[c] * amount;
         ray->light.single[c] += transmitted * scattered.first[c];

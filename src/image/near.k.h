@@ -65,11 +65,14 @@ TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL co
     ty_medium_sigma_s(medium, center, sigma_s);
     ty_medium_g(medium, center, g);
     for (int32_t c = 0; c < 3; ++c) {
-        const float sigma_t = medium->sigma_t[c], power = ty_near_forward_fraction(request->reduced, g[c]);
+        const float sigma_t = medium->sigma_t[c];
+        const float power =
+            request->has_forward != 0 ? request->forward[0] : ty_near_forward_fraction(request->reduced, g[c]);
+        const float next = request->has_forward != 0 ? request->forward[1] : ty_maxf(0.0f, g[c]) * power;
         const float forward = request->fit.bands > 0 ? request->fit.forward_fraction : power;
         depth[TY_FLUENCE_ORDER_L][c] += column * ty_maxf(0.0f, sigma_t - forward * sigma_s[c]);
         depth[TY_FLUENCE_UNSCATTERED][c] += column * sigma_t;
-        depth[TY_FLUENCE_NEXT_ORDER][c] += column * ty_maxf(0.0f, sigma_t - ty_maxf(0.0f, g[c]) * power * sigma_s[c]);
+        depth[TY_FLUENCE_NEXT_ORDER][c] += column * ty_maxf(0.0f, sigma_t - next * sigma_s[c]);
     }
 }
 

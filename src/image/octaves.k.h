@@ -19,7 +19,7 @@ TY_FN void ty_octave_scattered(TY_GLOBAL const ty_march_request* request, int32_
         float passing[TY_FLUENCE_COUNT][3] = {{0.0f}};
         for (int32_t c = 0; c < 3; ++c)
             passing[TY_FLUENCE_ORDER_L][c] = near[i].falloff * ty_attenuation(b * near[i].depth[c]);
-        ty_single_scattered(&lights[i], point, &near[i].at, omega, passing, scaled_g, &request->fit, &sent);
+        ty_single_scattered(&lights[i], point, &near[i].at, omega, passing, scaled_g, NULL, &request->fit, &sent);
     }
     for (int32_t c = 0; c < 3; ++c) radiance[c] = a * sent.first[c];
 }

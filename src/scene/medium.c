@@ -5,6 +5,7 @@
 #include "scene/blackbody.h"
 #include "scene/check.h"
 #include "scene/closed_mesh.h"
+#include "scene/phase.h"
 
 void ty_init_medium_def(void* def, size_t bytes) {
     const ty_medium_def own = {
@@ -91,6 +92,16 @@ static ty_result check_fields(ty_context* context, const ty_medium_def* def) {
     return result;
 }
 
+static ty_result check_phase(ty_context* context, const ty_medium_def* def) {
+    for (int c = 0; c < 3; ++c)
+        if (!(def->g[c] > -1 && def->g[c] < 1))
+            return ty_fail(context, TY_ERROR_ARGUMENT, "medium.g[%d]: %g is outside (-1, 1)", c, (double)def->g[c]);
+    if (def->phase_count == 0) return TY_OK;
+    if (def->g[0] != 0 || def->g[1] != 0 || def->g[2] != 0 || def->g_grid != NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "medium.g: medium.phase gives the phase function already");
+    return ty_phase_check(context, "medium.phase", def->phase, def->phase_count);
+}
+
 ty_result ty_medium_check(ty_context* context, const ty_medium_def** given, ty_medium_def* own) {
     *own = ty_default_medium_def();
     ty_result result = ty_take_def(context, *given, "ty_default_medium_def", own, sizeof *own);
@@ -99,12 +110,21 @@ ty_result ty_medium_check(ty_context* context, const ty_medium_def** given, ty_m
     if (result == TY_OK) result = ty_check_rgb(context, "medium.sigma_s", def->sigma_s, 0, TY_COLOR_MAX);
     if (result == TY_OK) result = ty_check_rgb(context, "medium.sigma_a", def->sigma_a, 0, TY_COLOR_MAX);
     if (result == TY_OK) result = ty_check_number(context, "medium.scale", def->scale, 0, TY_COLOR_MAX);
-    for (int c = 0; c < 3 && result == TY_OK; ++c)
-        if (!(def->g[c] > -1 && def->g[c] < 1))
-            result = ty_fail(context, TY_ERROR_ARGUMENT, "medium.g[%d]: %g is outside (-1, 1)", c, (double)def->g[c]);
+    if (result == TY_OK) result = check_phase(context, def);
     if (result == TY_OK) result = check_transfer(context, def);
     if (result == TY_OK) result = check_fields(context, def);
     return result == TY_OK ? check_bounds(context, def) : result;
+}
+
+ty_result ty_medium_mean_cosine(ty_context* context, const ty_medium_def* medium, float g[3]) {
+    if (medium == NULL || g == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_medium_mean_cosine: medium or g is NULL");
+    memcpy(g, medium->g, sizeof medium->g);
+    if (medium->phase_count == 0) return TY_OK;
+    double moments[6];
+    const ty_result result = ty_phase_moments(context, medium->phase, medium->phase_count, 1, moments);
+    for (int c = 0; c < 3 && result == TY_OK; ++c) g[c] = (float)moments[2 * c + 1];
+    return result;
 }
 
 /* ---- copies ---- */
@@ -118,15 +138,15 @@ void ty_medium_grids(const ty_medium_def* def, ty_grid* grids[TY_MEDIUM_GRIDS]) 
 
 bool ty_medium_copy(ty_context* context, const ty_medium_def* def, ty_medium_def* out) {
     const size_t points = (size_t)def->transfer_count;
+    *out = *def;
     char* name = ty_copy_text(context, def->name);
     ty_transfer_point* transfer = ty_alloc_array(context, points, sizeof *transfer, false);
-    if (name == NULL || transfer == NULL) {
+    if (name == NULL || transfer == NULL || !ty_phase_copy_tables(context, def->phase, def->phase_count, out->phase)) {
         ty_free_text(context, name);
         ty_free_array(context, transfer, points, sizeof *transfer);
         return false;
     }
     if (points > 0) memcpy(transfer, def->transfer, points * sizeof *transfer);
-    *out = *def;
     out->name = name;
     out->transfer = transfer;
     ty_grid* grids[TY_MEDIUM_GRIDS];
@@ -143,6 +163,7 @@ void ty_medium_release(ty_context* context, ty_medium_def* copy) {
     ty_closed_mesh_release(copy->shell);
     ty_free_text(context, (char*)copy->name);
     ty_free_array(context, (void*)copy->transfer, (size_t)copy->transfer_count, sizeof *copy->transfer);
+    ty_phase_free_tables(context, copy->phase, copy->phase_count);
 }
 
 /* ---- views ---- */
@@ -235,6 +256,18 @@ static void view_coefficients(const ty_medium_def* def, ty_medium_view* view) {
     }
 }
 
+/* The phase function, and its mean cosine as g. */
+static ty_result view_phase(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
+    if (def->phase_count == 0) return TY_OK;
+    ty_phase_view* phase = NULL;
+    const ty_result result = ty_phase_view_create(context, def->phase, def->phase_count, &phase);
+    view->phase = phase;
+    if (result != TY_OK) return result;
+    view->gray_g = phase->gray;
+    for (int c = 0; c < 3; ++c) view->g[c] = phase->moments[c][1];
+    return TY_OK;
+}
+
 /* Albedo, g and temperature fields, and emission. */
 static ty_result view_fields(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
     if (def->albedo_grid[0] != NULL) {
@@ -274,8 +307,8 @@ ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, t
         invert_to_floats(&world, view->to_bounds);
     }
     view_coefficients(def, view);
-    ty_result result = TY_OK;
-    if (def->density_grid != NULL) {
+    ty_result result = view_phase(context, def, view);
+    if (result == TY_OK && def->density_grid != NULL) {
         view->has_grid = 1;
         view->grid = place_grid(def, def->density_grid, view->to_index);
         view->extremes = view->grid.extremes;
@@ -290,6 +323,7 @@ void ty_medium_view_destroy(ty_context* context, ty_medium_view* view) {
     if (view->transfer != NULL)
         ty_free_array(context, (void*)view->extremes, brick_count(&view->grid), 2 * sizeof(float));
     ty_free_array(context, (void*)view->blackbody, 1, sizeof *view->blackbody);
+    ty_phase_view_destroy(context, view->phase);
 }
 
 void ty_medium_extent(const ty_medium_def* def, double lower[3], double upper[3]) {

@@ -6,6 +6,7 @@
 #include "base/vector.k.h"
 #include "grid/lookup.k.h"
 #include "scene/blackbody.k.h"
+#include "scene/phase_lobes.k.h"
 #include "scene/accel.h"
 
 enum { TY_MEDIA_MAX = 64 };
@@ -34,11 +35,12 @@ typedef struct ty_medium_view {
     TY_GLOBAL const float* extremes; /* extremes of the density per brick, as in ty_grid_view */
     float sigma_s[3];                /* scale included, at density 1 */
     float sigma_t[3];
-    float sigma_t_max;       /* maximum over channels */
-    float uniform_albedo[3]; /* sigma_s / sigma_t, used without albedo fields; 0 without collisions */
-    float g[3];
-    int32_t gray;                                /* equal sigma_t in all channels */
-    int32_t gray_g;                              /* equal g in all channels */
+    float sigma_t_max;                    /* maximum over channels */
+    float uniform_albedo[3];              /* sigma_s / sigma_t, used without albedo fields; 0 without collisions */
+    float g[3];                           /* mean cosine */
+    int32_t gray;                         /* equal sigma_t in all channels */
+    int32_t gray_g;                       /* equal phase functions in all channels */
+    TY_GLOBAL const ty_phase_view* phase; /* NULL: Henyey-Greenstein of g */
     TY_GLOBAL const ty_transfer_point* transfer; /* density by value; NULL: the value itself */
     int32_t transfer_count;
     int32_t transfer_albedo;
@@ -283,6 +285,17 @@ TY_FN void ty_medium_g(TY_GLOBAL const ty_medium_view* medium, ty_vec point, flo
     }
     const float value = ty_clampf(ty_field_value(&medium->g_field, point), -0.9999f, 0.9999f);
     for (int32_t c = 0; c < 3; ++c) g[c] = value;
+}
+
+/* The phase function per channel at a world point, for cosine mu in [-1, 1], 1/sr. */
+TY_FN void ty_medium_phase(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float mu, float phase[3]) {
+    if (medium->phase != NULL) {
+        ty_phase_evaluate(medium->phase, mu, phase);
+        return;
+    }
+    float g[3];
+    ty_medium_g(medium, point, g);
+    for (int32_t c = 0; c < 3; ++c) phase[c] = ty_hg(mu, g[c]);
 }
 
 /* Emitted radiance of an optically thick body of the medium's state at a world point. */

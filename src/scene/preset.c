@@ -77,8 +77,11 @@ typedef struct water_preset {
     double absorption[3]; /* 1/m */
 } water_preset;
 
-/* Mean cosine of Petzold's average particle (Mobley: Light and Water, 1994). Molecular scattering is symmetric. */
-#define PARTICLE_MEAN_COSINE 0.924
+/* Petzold's average particle scatters 1.83 % back (Mobley, Sundman and Boss 2002). */
+#define PARTICLE_BACKSCATTER 0.0183
+
+/* Density fluctuations of water scatter by 1 + 0.835 cos^2: their depolarisation is 0.09 (Morel 1974). */
+#define MOLECULAR_ALPHA 0.835
 
 enum { PURE_WATER = 0 };
 
@@ -109,15 +112,16 @@ typedef struct aerosol_preset {
     const char* name;
     double spectrum[3]; /* extinction relative to 550 nm */
     double albedo;
+    double diameter; /* of droplets, micrometres; 0: Henyey-Greenstein of g */
     double g;
 } aerosol_preset;
 
-/* Fog droplets are large: wavelength-independent, g about 0.85 (Hu and Stamnes 1993), absorption of the order of 1e-6.
- * Haze: (550 nm / wavelength)^1.3, as for average visibility by Kruse et al. (1962), albedo and g between clean and
- * average continental aerosol (Hess, Koepke, Schult 1998). */
+/* Fog droplets are large, 10 micrometres: wavelength-independent, absorption of the order of 1e-6 (Hu and Stamnes
+ * 1993). Haze: (550 nm / wavelength)^1.3, as for average visibility by Kruse et al. (1962), albedo and g between clean
+ * and average continental aerosol (Hess, Koepke, Schult 1998). */
 static const aerosol_preset aerosols[] = {
-    {"Fog", {1, 1, 1}, 1, 0.85},
-    {"Haze", {0.8558, 1, 1.298}, 0.95, 0.7},
+    {"Fog", {1, 1, 1}, 1, 10, 0},
+    {"Haze", {0.8558, 1, 1.298}, 0.95, 0, 0.7},
 };
 
 enum { AEROSOL_COUNT = sizeof aerosols / sizeof aerosols[0] };
@@ -177,11 +181,16 @@ int32_t ty_medium_preset_find(const char* name) {
 /* ---- coefficients ---- */
 
 static void set_water(const water_preset* water, ty_medium_def* def) {
+    def->phase[0] = (ty_phase_lobe){.kind = TY_PHASE_DRAINE, .alpha = MOLECULAR_ALPHA};
+    def->phase[1] = (ty_phase_lobe){.kind = TY_PHASE_FOURNIER_FORAND, .backscatter = PARTICLE_BACKSCATTER};
+    def->phase_count = water == &waters[PURE_WATER] ? 1 : 2;
     for (int c = 0; c < 3; ++c) {
         const double particles = water->scattering[c] - waters[PURE_WATER].scattering[c];
         def->sigma_s[c] = (float)water->scattering[c];
         def->sigma_a[c] = (float)water->absorption[c];
-        def->g[c] = (float)(PARTICLE_MEAN_COSINE * particles / water->scattering[c]);
+        def->g[c] = 0;
+        def->phase[0].weight[c] = (float)waters[PURE_WATER].scattering[c];
+        def->phase[1].weight[c] = (float)particles;
     }
 }
 
@@ -194,11 +203,14 @@ static void set_diluted(const measured_preset* medium, double parts, ty_medium_d
         def->sigma_a[c] = (float)(1000 * medium->absorption[c] / parts + (1 - 1 / parts) * water->absorption[c]);
         def->g[c] = 0;
     }
+    def->phase_count = 0;
 }
 
 /* Koschmieder's law: at the visibility the contrast is 5 %. */
 static void set_aerosol(const aerosol_preset* aerosol, double visibility, ty_medium_def* def) {
     const double extinction = -log(0.05) / visibility;
+    def->phase_count = aerosol->diameter > 0 ? 1 : 0;
+    def->phase[0] = (ty_phase_lobe){.kind = TY_PHASE_MIE, .weight = {1, 1, 1}, .diameter = aerosol->diameter};
     for (int c = 0; c < 3; ++c) {
         def->sigma_s[c] = (float)(extinction * aerosol->spectrum[c] * aerosol->albedo);
         def->sigma_a[c] = (float)(extinction * aerosol->spectrum[c] * (1 - aerosol->albedo));

@@ -110,7 +110,8 @@ static int take_around(const view_photo* photo, const photo_state* before, photo
 
 static int finish_state(const view_photo* photo, photo_state* state) {
     ty_medium_def medium = ty_default_medium_def();
-    const ty_result result = ty_medium_parse(photo->context, state->options.medium, &medium);
+    ty_result result = ty_medium_parse(photo->context, state->options.medium, &medium);
+    if (result == TY_OK) result = ty_medium_mean_cosine(photo->context, &medium, medium.g);
     if (result != TY_OK) return cli_fail_reading(photo->session, result);
     ty_text text = {.context = photo->context};
     ty_text_add_compact(&text, state->root);

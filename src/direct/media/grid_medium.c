@@ -319,6 +319,24 @@ static void divide_g(ty_grid_medium* medium) {
                 medium->scattering[c][i] > 0 ? ty_clampf(medium->g[c][i] / medium->scattering[c][i], -1, 1) : 0;
 }
 
+/* Largest difference of equal moments. */
+static const float legendre_tolerance = 1e-6f;
+
+/* The moments that all media have in common, in all channels; the first is 0 if there are none such. */
+static void find_common_legendre(const ty_scene_view* view, float legendre[TY_PHASE_MOMENTS]) {
+    const ty_phase_view* common = NULL;
+    for (int32_t m = 0; m < view->medium_count; ++m) {
+        const ty_phase_view* phase = view->media[m].phase;
+        if (phase == NULL) return;
+        if (common == NULL) common = phase;
+        for (int32_t i = 0; i < 3 * TY_PHASE_MOMENTS; ++i)
+            if (fabsf(phase->moments[i / TY_PHASE_MOMENTS][i % TY_PHASE_MOMENTS] -
+                      common->moments[0][i % TY_PHASE_MOMENTS]) > legendre_tolerance)
+                return;
+    }
+    if (common != NULL) memcpy(legendre, common->moments[0], sizeof common->moments[0]);
+}
+
 ty_result ty_grid_medium_create(const ty_scene* scene, const ty_grid_box* box, ty_grid_medium** out) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
@@ -337,6 +355,7 @@ ty_result ty_grid_medium_create(const ty_scene* scene, const ty_grid_box* box, t
         return result;
     }
     divide_g(medium);
+    find_common_legendre(view, medium->legendre);
     *out = medium;
     return TY_OK;
 }
@@ -370,6 +389,7 @@ ty_result ty_grid_medium_resize(const ty_grid_medium* medium, const int32_t size
     }
     for (int32_t c = 0; c < 3 && to->emission[c] != NULL; ++c)
         ty_grid_average(medium->context, medium->emission[c], medium->box.size, size, to->emission[c]);
+    memcpy(to->legendre, medium->legendre, sizeof to->legendre);
     result = resize_g(medium, to);
     if (result != TY_OK) {
         ty_grid_medium_destroy(to);
@@ -410,8 +430,15 @@ static void reduce(reduction job) {
     ty_parallel_for(job.medium->context, (int64_t)chunks, reduce_chunk, &job);
 }
 
+float ty_grid_medium_forward(const ty_grid_medium* medium, int32_t order) {
+    return ty_maxf(0, medium->legendre[order]);
+}
+
 void ty_grid_medium_reduce(const ty_grid_medium* medium, int32_t order, float* const planes[3]) {
-    reduce((reduction){medium, order, 1, planes});
+    if (medium->legendre[0] > 0 && order > 1)
+        reduce((reduction){medium, 0, ty_grid_medium_forward(medium, order), planes});
+    else
+        reduce((reduction){medium, order, 1, planes});
 }
 
 void ty_grid_medium_reduce_by(const ty_grid_medium* medium, float fraction, float* const planes[3]) {

@@ -21,6 +21,9 @@ typedef struct ty_grid_medium {
     float* scattering[3]; /* sigma_s, 1/m */
     float* g[3];          /* mean cosine, weighted by scattering; 0 where nothing scatters */
     float* emission[3];   /* j, W m^-3: 4 pi times absorption coefficient times emitted radiance; NULL: nothing emits */
+    /* Legendre moments 0..13 of the phase function of all media, where they have one in common that is not
+       Henyey-Greenstein; legendre[0] is 0 otherwise, and moments are powers of g. */
+    float legendre[TY_PHASE_ORDER_MAX + 1];
 } ty_grid_medium;
 
 /* The bounding box of all media with cells as small as their finest voxels, but at most `longest` along a side; media
@@ -42,6 +45,9 @@ ty_result ty_grid_medium_create(const ty_scene* scene, const ty_grid_box* box, t
 /* The same box in other cells, as overlap-weighted means: integrals over the box are conserved. */
 ty_result ty_grid_medium_resize(const ty_grid_medium* medium, const int32_t size[3], ty_grid_medium** out);
 void ty_grid_medium_destroy(ty_grid_medium* medium);
+
+/* The moment of an order that counts as unscattered, where medium->legendre is set: at least 0. */
+float ty_grid_medium_forward(const ty_grid_medium* medium, int32_t order);
 
 /* Delta-scaled extinction sigma_t - g^order sigma_s (Wiscombe 1977, delta-M). Order 1 is the reduced extinction of
  * diffusion (similarity), order L the scaling for L Legendre orders. planes: as many as the medium has, of its cells.

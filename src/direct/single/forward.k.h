@@ -94,13 +94,31 @@ TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* be
     return tail;
 }
 
+/* 4 pi times the same scattering by a phase function of Legendre moments 0 .. L + 1 in place of g^l: those above L + 1
+ * are taken as a geometric sequence. */
+TY_FN float ty_forward_tail_of(float b, float mu, TY_GLOBAL const float* legendre, int32_t order, float* below) {
+    float p_before = 0.0f, p_l = 1.0f, sum = 0.0f, unused, power = 1.0f;
+    const float g = ty_clampf(legendre[order + 1] / ty_maxf(legendre[order], 1e-6f), 0.05f, 0.999f);
+    for (int32_t l = 0; l < order; ++l) {
+        const float p_next = ty_legendre_next(l, mu, p_l, p_before);
+        sum += (float)(2 * l + 1) * p_l * legendre[l];
+        p_before = p_l;
+        p_l = p_next;
+        power *= g;
+    }
+    *below = sum;
+    return ty_forward_tail(b, mu, g, order, &unused) * ty_maxf(0.0f, legendre[order]) / power;
+}
+
 /* Like ty_forward_scattered, for a solver of L moments that is given R with tau of sigma_t - g^L sigma_s in full
- * (delta-M); S has order L + 1. The collided light in the lobe has the moments R - U for l <= L, and (R - U) b^(l - L)
- * above, with b = (S - U) / (R - U). */
-TY_FN float ty_forward_scattered_order(ty_forward light, float mu, float g, int32_t order) {
+ * (delta-M); S has order L + 1. legendre: NULL: g^l. The collided light in the lobe has the moments R - U for l <= L,
+ * and (R - U) b^(l - L) above, with b = (S - U) / (R - U). */
+TY_FN float ty_forward_scattered_order(ty_forward light, float mu, float g, TY_GLOBAL const float* legendre,
+                                       int32_t order) {
     float below;
-    const float tail = ty_forward_tail(
-        ty_forward_lobe_cosine(light.phi_unscattered, light.phi_order_l, light.phi_next_order), mu, g, order, &below);
+    const float b = ty_forward_lobe_cosine(light.phi_unscattered, light.phi_order_l, light.phi_next_order);
+    const float tail = legendre != NULL ? ty_forward_tail_of(b, mu, legendre, order, &below)
+                                        : ty_forward_tail(b, mu, g, order, &below);
     return ty_maxf(0.0f, light.phi_order_l - light.phi_unscattered) * TY_INV_4PI * (below + tail);
 }
 

@@ -6,7 +6,7 @@
 #include "direct/media/attenuation.k.h"
 #include "direct/single/forward.k.h"
 #include "scene/medium.k.h"
-#include "scene/phase.k.h"
+#include "scene/phase_lobes.k.h"
 
 /* Uncollided fluence of one light, or of many lights together. */
 typedef struct ty_light_fluence {
@@ -17,6 +17,7 @@ typedef struct ty_light_fluence {
     TY_GLOBAL const float* unscattered[3]; /* where lobe_order is set: U of forward.k.h, and fluence is R */
     TY_GLOBAL const float* next_order[3];  /* likewise S */
     int32_t lobe_order;                    /* L of forward.k.h; 0: all of the fluence travels along one line */
+    TY_GLOBAL const float* legendre;       /* with L above 1: moments by which R and S were made; NULL: g^l */
     TY_GLOBAL const float* flux[3][3];     /* TY_FLUENCE_P1: along x, y, z */
     int32_t shared; /* all channels are the first one's planes times color, as in a ty_light_field of one plane */
     float color[3];
@@ -101,12 +102,15 @@ TY_FN void ty_single_fitted(ty_forward forward, float mu, float g, TY_GLOBAL con
     radiance->aside[c] += color * forward.phi_order_l * ty_forward_blended_phase(fit, mu, g);
 }
 
-/* Adds the scattering at cosine mu of a fluence with a lobe. passing: transmittances of its three parts. */
+/* Adds the scattering at cosine mu of a fluence with a lobe. passing: transmittances of its three parts. phase: NULL:
+ * Henyey-Greenstein of g; else first collisions scatter by it, and g is its mean cosine. */
 TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_point* at, float mu,
                                const float passing[TY_FLUENCE_COUNT][3], const float g[3],
-                               TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* radiance) {
+                               TY_GLOBAL const ty_phase_view* phase, TY_GLOBAL const ty_forward_fit* fit,
+                               ty_single_radiance* radiance) {
     const int32_t planes = light->shared != 0 ? 1 : 3;
-    float fluence[TY_FLUENCE_COUNT][3];
+    float fluence[TY_FLUENCE_COUNT][3], values[3];
+    if (phase != NULL) ty_phase_evaluate(phase, ty_clampf(mu, -1.0f, 1.0f), values);
     for (int32_t c = 0; c < planes; ++c) {
         fluence[TY_FLUENCE_ORDER_L][c] = ty_cell_value(light->fluence[c], at);
         fluence[TY_FLUENCE_UNSCATTERED][c] = ty_cell_value(light->unscattered[c], at);
@@ -122,10 +126,12 @@ TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_poin
             ty_single_fitted(forward, mu, g[c], fit, color, c, radiance);
             continue;
         }
-        radiance->first[c] += color * ty_forward_unscattered(forward, mu, g[c]);
+        radiance->first[c] +=
+            color * (phase != NULL ? forward.phi_unscattered * values[c] : ty_forward_unscattered(forward, mu, g[c]));
         radiance->again[c] +=
-            color * (light->lobe_order == 1 ? ty_forward_scattered(forward, mu, g[c])
-                                            : ty_forward_scattered_order(forward, mu, g[c], light->lobe_order));
+            color * (light->lobe_order == 1
+                         ? ty_forward_scattered(forward, mu, g[c])
+                         : ty_forward_scattered_order(forward, mu, g[c], light->legendre, light->lobe_order));
     }
 }
 
@@ -136,12 +142,14 @@ TY_FN float ty_light_fluence_cosine(const ty_light_fluence* light, ty_vec point,
     return ty_dot(off, omega) / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f));
 }
 
-/* Adds the radiance that a point scatters along omega. passing: factors of the light's fluences there. */
+/* Adds the radiance that a point scatters along omega. passing: factors of the light's fluences there. phase: as
+ * above. */
 TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, const ty_cell_point* at, ty_vec omega,
                                const float passing[TY_FLUENCE_COUNT][3], const float g[3],
-                               TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* radiance) {
+                               TY_GLOBAL const ty_phase_view* phase, TY_GLOBAL const ty_forward_fit* fit,
+                               ty_single_radiance* radiance) {
     if (light->lobe_order != 0) {
-        ty_single_with_lobe(light, at, ty_light_fluence_cosine(light, point, omega), passing, g, fit, radiance);
+        ty_single_with_lobe(light, at, ty_light_fluence_cosine(light, point, omega), passing, g, phase, fit, radiance);
         return;
     }
     const int32_t planes = light->shared != 0 ? 1 : 3;
@@ -164,10 +172,16 @@ TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, cons
         return;
     }
     const float mu = ty_light_fluence_cosine(light, point, omega);
-    float phase = 0.0f;
+    if (phase != NULL) {
+        float values[3];
+        ty_phase_evaluate(phase, ty_clampf(mu, -1.0f, 1.0f), values);
+        for (int32_t c = 0; c < 3; ++c) radiance->first[c] += passing[TY_FLUENCE_ORDER_L][c] * values[c] * fluence[c];
+        return;
+    }
+    float value = 0.0f;
     for (int32_t c = 0; c < 3; ++c) {
-        if (c == 0 || g[c] != g[c - 1]) phase = ty_hg(mu, g[c]);
-        radiance->first[c] += passing[TY_FLUENCE_ORDER_L][c] * phase * fluence[c];
+        if (c == 0 || g[c] != g[c - 1]) value = ty_hg(mu, g[c]);
+        radiance->first[c] += passing[TY_FLUENCE_ORDER_L][c] * value * fluence[c];
     }
 }
 

@@ -109,7 +109,7 @@ static ty_result check_forms(const ty_scene_reader* reader, const json_t* medium
 }
 
 ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
-                               ty_medium_def* def) {
+                               ty_medium_def* def, ty_phase_table* table) {
     const char* preset = json_string_value(json_object_get(medium, "preset"));
     ty_result result = check_forms(reader, medium, path);
     if (result == TY_OK && preset != NULL) result = read_preset(reader, medium, path, def);
@@ -120,6 +120,8 @@ ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medi
     }
     const bool reduced = preset != NULL && ty_medium_preset_kind(ty_medium_preset_find(preset)) == TY_PRESET_MEASURED;
     double g[3] = {def->g[0], def->g[1], def->g[2]}, sigma_t[3] = {0, 0, 0}, albedo[3] = {0, 0, 0};
+    float mean[3] = {0, 0, 0};
+    if (json_object_get(medium, "g") != NULL) def->phase_count = 0; /* in place of the preset's */
     ty_read_rgb(medium, "sigma_s", def->sigma_s);
     ty_read_rgb(medium, "sigma_a", def->sigma_a);
     ty_read_numbers(medium, "sigma_t", sigma_t);
@@ -132,16 +134,18 @@ ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medi
             def->sigma_s[c] = (float)(sigma_t[c] * albedo[c]);
             def->sigma_a[c] = (float)(sigma_t[c] * (1 - albedo[c]));
         }
-        /* Measured values are reduced: sigma_s' = (1 - g) sigma_s. */
-        if (reduced) def->sigma_s[c] /= 1 - def->g[c];
     }
-    return TY_OK;
+    result = ty_read_phase(reader, medium, path, def, table);
+    if (result == TY_OK) result = ty_medium_mean_cosine(reader->context, def, mean);
+    /* Measured values are reduced: sigma_s' = (1 - g) sigma_s. */
+    for (int c = 0; c < 3 && result == TY_OK && reduced; ++c) def->sigma_s[c] /= 1 - mean[c];
+    return result;
 }
 
 /* ---- homogeneous medium as text ---- */
 
-const char* const ty_homogeneous_keys[] = {"preset",  "visibility", "dilution", "sigma_s", "sigma_a",
-                                           "sigma_t", "albedo",     "scale",    "g",       NULL};
+const char* const ty_homogeneous_keys[] = {"preset", "visibility", "dilution", "sigma_s", "sigma_a", "sigma_t",
+                                           "albedo", "scale",      "g",        "phase",   NULL};
 
 /* Fails on properties that a homogeneous medium does not have. */
 static ty_result check_homogeneous(const ty_scene_reader* reader) {
@@ -155,7 +159,7 @@ static ty_result check_homogeneous(const ty_scene_reader* reader) {
         if (*known == NULL)
             return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
                                   "has no place here, where a medium is the same everywhere; give what it is made of");
-        if (json_is_object(value))
+        if (json_is_object(value) && strcmp(key, "phase") != 0)
             return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT,
                                   "a volume has no place here, where a medium is the same everywhere");
     }
@@ -224,8 +228,13 @@ ty_result ty_medium_parse(ty_context* context, const char* text, ty_medium_def* 
     const ty_json_path root = {.depth = 0};
     ty_scene_reader reader = start_reading(context);
     ty_medium_def def = ty_default_medium_def();
+    ty_phase_table table;
     ty_result result = read_text(&reader, text);
-    if (result == TY_OK) result = ty_read_coefficients(&reader, reader.root, &root, &def);
+    if (result == TY_OK) result = ty_read_coefficients(&reader, reader.root, &root, &def, &table);
+    if (result == TY_OK && def.phase_count > 0 && def.phase[0].kind == TY_PHASE_TABLE) {
+        const ty_json_path path = ty_json_path_key(&root, "phase");
+        result = ty_reader_fail(&reader, &path, TY_ERROR_INPUT, "a table has no place here; give a formula");
+    }
     double scale = 1;
     if (result == TY_OK) ty_read_number(reader.root, "scale", &scale);
     json_decref(reader.root);

@@ -109,7 +109,8 @@ static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, cons
                        is_file(json_object_get(medium, "emission"), "temperature");
     const double unit = files ? reader->unit : 1;
     ty_transfer_point points[TY_TRANSFER_MAX];
-    ty_result result = ty_read_coefficients(reader, medium, path, &def);
+    ty_phase_table table;
+    ty_result result = ty_read_coefficients(reader, medium, path, &def, &table);
     if (result == TY_OK) result = read_bounds(reader, medium, path, unit, &def);
     if (result == TY_OK) result = ty_read_transform(reader, medium, path, unit, 1, &def.transform);
     if (result == TY_OK) result = ty_read_fields(reader, medium, path, &def, points);

@@ -143,9 +143,17 @@ ty_result ty_hash_file_and_names(ty_context* context, const char* path, uint64_t
 
 /* ---- sections of a scene ---- */
 
-/* Sets sigma_s, sigma_a and g of a medium at path. */
+/* The nodes of a phase function's table, which a def refers to. */
+typedef struct ty_phase_table {
+    double cosines[TY_PHASE_NODES_MAX], values[TY_PHASE_NODES_MAX];
+} ty_phase_table;
+
+/* Sets the phase function of a medium at path, if it is given otherwise than by g. */
+ty_result ty_read_phase(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
+                        ty_medium_def* def, ty_phase_table* table);
+/* Sets sigma_s, sigma_a, g and phase of a medium at path. */
 ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
-                               ty_medium_def* def);
+                               ty_medium_def* def, ty_phase_table* table);
 /* Sets fields of albedo and g, emission and transfer function. points: an array of TY_TRANSFER_MAX. */
 ty_result ty_read_fields(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, ty_medium_def* def,
                          ty_transfer_point* points);

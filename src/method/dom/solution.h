@@ -49,9 +49,11 @@ struct ty_dom {
     /* Cells of ordinates. */
     ty_grid_box box;
     size_t cells;
-    int32_t planes; /* of g: 1 or 3 */
-    float* g[3];    /* mean cosines of cells */
-    bool isotropic; /* all of them are 0 */
+    int32_t planes;                         /* of g: 1 or 3 */
+    float* g[3];                            /* mean cosines of cells */
+    bool isotropic;                         /* all of them are 0, and the phase function, too */
+    float legendre[TY_PHASE_ORDER_MAX + 1]; /* as in ty_grid_medium */
+    float scattered[TY_DOM_BANDS_MAX];      /* with these: moments less the forward fraction */
     /* Collided light: output_bands^2 planes of cells, one per real spherical harmonic. */
     bool shared; /* all channels are the first one's planes, times color */
     float color[3];
@@ -74,6 +76,17 @@ struct ty_dom {
        sigma_t - g^L sigma_s. */
     float unscattered_ratio[3], next_order_ratio[3];
 };
+
+/* Moments in place of powers of g; NULL: there are none. */
+static inline const float* ty_dom_legendre(const ty_dom* light) {
+    return light->legendre[0] > 0 ? light->legendre : NULL;
+}
+
+/* The moments after light with a mean cosine about its direction has scattered; none without moments. */
+static inline void ty_dom_blur_legendre(const ty_dom* light, float cosine, float out[TY_PHASE_ORDER_MAX + 1]) {
+    float power = 1;
+    for (int32_t l = 0; l <= TY_PHASE_ORDER_MAX; ++l, power *= cosine) out[l] = power * light->legendre[l];
+}
 
 /* Channels that are solved for. */
 static inline int32_t ty_dom_channels(const ty_dom* light) {

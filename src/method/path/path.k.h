@@ -115,8 +115,9 @@ typedef struct ty_scatter_vertex {
     float g[3];
     float weight[3]; /* mixture weights of the channels; their sum is 1 */
     int32_t gray;
-    float guided;     /* probability of sampling a lobe about a light */
-    float guide_g[3]; /* g, g^2, g^4: light that scatters once, twice, four times more */
+    const ty_phase_view* lobes; /* NULL: Henyey-Greenstein of g */
+    float guided;               /* probability of sampling a lobe about a light */
+    float guide_g[3];           /* g, g^2, g^4: light that scatters once, twice, four times more */
     int32_t guide_count;
     ty_vec axis[TY_GUIDES_MAX];
     const float* axis_share;
@@ -148,6 +149,7 @@ TY_FN void ty_scatter_vertex_begin(ty_scatter_vertex* s, const ty_path* path, co
     float g = 0.0f;
     s->incoming = path->direction;
     s->gray = medium->gray_g;
+    s->lobes = medium->phase;
     ty_medium_g(medium, path->origin, s->g);
     for (int c = 0; c < 3; ++c) {
         s->weight[c] = path->beta[c] / sum;
@@ -170,6 +172,10 @@ TY_FN void ty_scatter_vertex_begin(ty_scatter_vertex* s, const ty_path* path, co
 /* The phase function per channel. */
 TY_FN void ty_scatter_vertex_phase(const ty_scatter_vertex* s, ty_vec direction, float phase[3]) {
     const float mu = ty_clampf(ty_dot(s->incoming, direction), -1.0f, 1.0f);
+    if (s->lobes != NULL) {
+        ty_phase_evaluate(s->lobes, mu, phase);
+        return;
+    }
     phase[0] = ty_hg(mu, s->g[0]);
     phase[1] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[1]);
     phase[2] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[2]);
@@ -207,6 +213,8 @@ TY_FN ty_vec ty_scatter_vertex_sample(const ty_scatter_vertex* s, ty_sampler* ra
         }
     } else {
         u = (u - s->guided) / (1.0f - s->guided);
+        if (s->lobes != NULL)
+            return ty_direction_about(axis, ty_phase_sample_cosine(s->lobes, s->weight, ty_minf(u, 0x1.fffffep-1f)), v);
         if (s->gray == 0) g = s->g[ty_sample_discrete(s->weight, 3, 1.0f, &u)];
     }
     return ty_hg_sample(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
@@ -321,12 +329,12 @@ TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, t
     for (int32_t i = 0; i < spans->count; ++i) {
         if (t < spans->enter[i] || t > spans->leave[i]) continue;
         const ty_medium_view* medium = &scene->media[spans->medium[i]];
-        float sigma_s[3], g[3];
+        float sigma_s[3], phase[3];
         ty_medium_sigma_s(medium, at, sigma_s);
-        ty_medium_g(medium, at, g);
-        const float mis_weight = ty_mis_small_light_weight(sample.pdf, ty_hg(mu, g[1]));
+        ty_medium_phase(medium, at, mu, phase);
+        const float mis_weight = ty_mis_small_light_weight(sample.pdf, phase[1]);
         const float amount = mis_weight * weight * ty_medium_density(medium, at, &path->random);
-        for (int c = 0; c < 3; ++c) factor[c] += throughput[c] * amount * sigma_s[c] * ty_hg(mu, g[c]);
+        for (int c = 0; c < 3; ++c) factor[c] += throughput[c] * amount * sigma_s[c] * phase[c];
     }
     if (!(ty_sum3(factor) > 0.0f)) return;
     ty_path_add_light(path, at, &sample, factor, radiance);

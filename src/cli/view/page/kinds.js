@@ -42,6 +42,7 @@ const suggested = {
   v: () => state.document.up_axis === "z" ? [0, Number((0.3 * sceneBox().size).toPrecision(2)), 0]
     : [0, 0, Number((-0.3 * sceneBox().size).toPrecision(2))],
   rotate: () => [0, 0, 0], translate: () => [0, 0, 0], emission: () => undefined,
+  phase: () => ({ type: "mie", diameter: 10 }),
 };
 
 /* A first value that a schema allows, or undefined where only the user can know one, such as a file. */

@@ -189,13 +189,16 @@ static double add_first_collisions(ty_dom_job* job, int32_t channel, float* cons
     const ty_dom* light = job->light;
     const int32_t plane = light->planes == 3 ? channel : 0;
     const float *scattering = job->coarse->scattering[plane], *g = job->coarse->g[plane];
+    const bool moments_given = ty_dom_legendre(light) != NULL;
     double sum = 0;
     for (size_t i = 0; i < light->cells; ++i) {
-        const float forward = powf(g[i], (float)light->bands);
+        const float forward =
+            moments_given ? ty_grid_medium_forward(job->coarse, light->bands) : powf(g[i], (float)light->bands);
         float power = 1;
         for (int32_t l = 0; l < light->bands; ++l, power *= g[i])
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
-                job->source[channel][light->cells * (size_t)t + i] += scattering[i] * (power - forward) * moments[t][i];
+                job->source[channel][light->cells * (size_t)t + i] +=
+                    scattering[i] * (moments_given ? light->scattered[l] : power - forward) * moments[t][i];
         sum += (double)(scattering[i] * (1 - forward) * moments[0][i]);
     }
     return sum * TY_SQRT_4PI_F64 * job->coarse->cell[0] * job->coarse->cell[1] * job->coarse->cell[2];
@@ -207,9 +210,13 @@ static ty_result solve_without_scattering(ty_dom_job* job, int32_t channel, ty_o
     const int32_t plane = light->planes == 3 ? channel : 0;
     const float *sigma = job->coarse->extinction[plane], *scattering = job->coarse->scattering[plane];
     const float* g = job->coarse->g[plane];
+    const bool moments_given = ty_dom_legendre(light) != NULL;
     ty_ordinates_stats stats;
-    for (size_t i = 0; i < light->cells; ++i)
-        planes->extinction[i] = sigma[i] - powf(g[i], (float)light->bands) * scattering[i];
+    for (size_t i = 0; i < light->cells; ++i) {
+        const float forward =
+            moments_given ? ty_grid_medium_forward(job->coarse, light->bands) : powf(g[i], (float)light->bands);
+        planes->extinction[i] = sigma[i] - forward * scattering[i];
+    }
     planes->source[0] = planes->zeros;
     for (int32_t t = 0; t < light->output_bands * light->output_bands; ++t)
         planes->moments[t] = light->wall_moments[channel] + light->cells * (size_t)t;

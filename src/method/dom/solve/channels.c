@@ -149,6 +149,7 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.g = job->coarse->g[plane];
     def.source = source;
     if (light->fit.bands > 0) def.scattered = light->fit.moments;
+    if (ty_dom_legendre(light) != NULL) def.scattered = light->scattered;
     def.face_fluence = light->face_fluence[channel];
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;

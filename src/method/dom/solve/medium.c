@@ -80,6 +80,17 @@ static int32_t choose_bands(const ty_dom_job* job, double g, int32_t exact) {
     return (int32_t)fmin(max, fmax(2, ceil(log(max_peak) / log(g))));
 }
 
+/* The same for moments: at least as many bands as Rayleigh scattering has. */
+enum { MIN_LEGENDRE_BANDS = 3 };
+
+static int32_t choose_legendre_bands(const ty_dom_job* job, const float* legendre, int32_t exact) {
+    const int32_t max = exact / 2 + 1 < TY_DOM_BANDS_MAX ? exact / 2 + 1 : TY_DOM_BANDS_MAX;
+    int32_t bands = MIN_LEGENDRE_BANDS;
+    if (job->def->bands > 0) return job->def->bands;
+    while (bands < max && (double)fabsf(legendre[bands]) > max_peak) ++bands;
+    return bands < max ? bands : max;
+}
+
 /* Relative tolerance for equal mean cosines, which are means over many samples. */
 static const double g_tolerance = 1e-4;
 
@@ -118,10 +129,13 @@ enum { MIN_OUTPUT_BANDS = 2 };
 static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     ty_dom* light = job->light;
     const double g = largest_g(job->coarse);
-    light->isotropic = !(g > 0);
-    light->bands = choose_bands(job, g, exact);
-    fit_bands(job, g);
-    light->has_lobes = pow(g, light->bands) > min_lobe_peak;
+    const float* legendre = ty_dom_legendre(light);
+    light->isotropic = !(g > 0) && legendre == NULL;
+    light->bands = legendre != NULL ? choose_legendre_bands(job, legendre, exact) : choose_bands(job, g, exact);
+    if (legendre == NULL) fit_bands(job, g);
+    light->has_lobes = (legendre != NULL ? (double)legendre[light->bands] : pow(g, light->bands)) > min_lobe_peak;
+    for (int32_t l = 0; l < light->bands && legendre != NULL; ++l)
+        light->scattered[l] = legendre[l] - ty_grid_medium_forward(job->fine, light->bands);
     light->output_bands = light->bands < MIN_OUTPUT_BANDS ? MIN_OUTPUT_BANDS : light->bands;
     job->stats.bands = light->bands;
     job->stats.directions = job->set->count;
@@ -198,6 +212,7 @@ static ty_result keep_medium(ty_dom_job* job) {
     light->box = coarse->box;
     light->cells = coarse->cells;
     light->planes = coarse->planes;
+    memcpy(light->legendre, coarse->legendre, sizeof light->legendre);
     for (int32_t p = 0; p < light->planes; ++p) {
         light->g[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
         if (light->g[p] == NULL) return TY_ERROR_MEMORY;

@@ -48,14 +48,17 @@ typedef struct add_job {
     const ty_dom_collimated_batch* batch;
     int32_t channel, plane;
     float weight[TERMS_MAX]
-                [TY_DOM_BATCH]; /* per harmonic: (g^l - g^L) b^l Y_lm with delta-M, c_l b^l Y_lm with a fit */
+                [TY_DOM_BATCH]; /* per harmonic: (g^l - g^L) b^l Y_lm with delta-M, or c_l b^l Y_lm of given moments */
 } add_job;
 
 /* g: of the medium. */
 static void find_weights(add_job* add, float g) {
     const ty_dom_collimated_batch* batch = add->batch;
     const int32_t bands = add->job->light->bands;
-    const ty_forward_fit* fit = &add->job->light->fit;
+    const ty_dom* light = add->job->light;
+    const float* moments = light->fit.bands > 0             ? light->fit.moments
+                           : ty_dom_legendre(light) != NULL ? light->scattered
+                                                            : NULL;
     float forward = 1;
     for (int32_t l = 0; l < bands; ++l) forward *= g;
     for (int32_t i = 0; i < batch->count; ++i) {
@@ -66,7 +69,7 @@ static void find_weights(add_job* add, float g) {
         ty_harmonics_at(omega, bands, y);
         for (int32_t l = 0; l < bands; ++l, power *= g, b_l *= source->mean_cosine)
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
-                add->weight[t][i] = (fit->bands > 0 ? fit->moments[l] : power - forward) * b_l * (float)y[t];
+                add->weight[t][i] = (moments != NULL ? moments[l] : power - forward) * b_l * (float)y[t];
     }
 }
 

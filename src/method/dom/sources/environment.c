@@ -140,12 +140,17 @@ typedef struct lobe_table {
 } lobe_table;
 
 static void fill_lobes(const ty_dom* light, float g, lobe_table* table) {
+    const float* legendre = ty_dom_legendre(light);
+    float blurred[TY_PHASE_MOMENTS] = {0};
+    ty_dom_blur_legendre(light, light->env_cosine, blurred);
     for (int32_t i = 0; i < STEPS + 2; ++i) {
         const float sine = ty_minf(1, (float)i / STEPS), mu = 1 - 2 * sine * sine;
         for (int32_t n = 0; n < TY_DOM_ENVIRONMENT_LOBES; ++n) {
             float below = 0, tail = 4 * TY_PI * ty_hg(mu, g);
             if (light->fit.bands > 0)
                 tail = 4 * TY_PI * ty_forward_blended_phase(&light->fit, mu, g);
+            else if (n + 1 < TY_DOM_ENVIRONMENT_LOBES && light->has_lobes && legendre != NULL)
+                tail = ty_forward_tail_of((float)n / (TY_DOM_ENVIRONMENT_LOBES - 1), mu, blurred, light->bands, &below);
             else if (n + 1 < TY_DOM_ENVIRONMENT_LOBES && light->has_lobes)
                 tail = ty_forward_tail((float)n / (TY_DOM_ENVIRONMENT_LOBES - 1), mu, g, light->bands, &below);
             table->lobe[i][n] = below + tail;

@@ -22,12 +22,15 @@ static float mean_color(const ty_discrete_light* source) {
 
 /* Optical depth of sigma_t - g^order sigma_s (order 0: sigma_t) over that of sigma_t - g^bands sigma_s. */
 static float depth_ratio(const ty_grid_medium* medium, int32_t plane, int32_t bands, int32_t order) {
+    const bool moments = medium->legendre[0] > 0;
     double sums[2] = {0, 0};
     for (size_t i = 0; i < medium->cells; ++i) {
         const double sigma_t = (double)medium->extinction[plane][i], sigma_s = (double)medium->scattering[plane][i];
         const double g = (double)medium->g[plane][i];
-        sums[0] += sigma_t - pow(g, bands) * sigma_s;
-        sums[1] += sigma_t - (order > 0 ? pow(g, order) * sigma_s : 0);
+        const double forward = moments ? (double)ty_grid_medium_forward(medium, bands) : pow(g, bands);
+        const double at_order = moments ? (double)ty_grid_medium_forward(medium, order) : pow(g, order);
+        sums[0] += sigma_t - forward * sigma_s;
+        sums[1] += sigma_t - (order > 0 ? at_order * sigma_s : 0);
     }
     return sums[0] > 0 ? (float)(sums[1] / sums[0]) : 1;
 }
@@ -191,8 +194,13 @@ static ty_forward forward_of(const ty_dom* light, int32_t plane, float fluence, 
 
 /* Scattering of a cluster's light at cosine mu, per scattering coefficient, times 4 pi. */
 static float scattered_phase(const ty_dom* light, const ty_forward* forward, float mu, float g) {
-    float radiance = ty_forward_unscattered(*forward, mu, g);
-    if (light->has_lobes) radiance += ty_forward_scattered_order(*forward, mu, g * forward->mean_cosine, light->bands);
+    const float* legendre = ty_dom_legendre(light);
+    float radiance = ty_forward_unscattered(*forward, mu, g), blurred[TY_PHASE_MOMENTS] = {0};
+    if (light->has_lobes) {
+        ty_dom_blur_legendre(light, forward->mean_cosine, blurred);
+        radiance += ty_forward_scattered_order(*forward, mu, g * forward->mean_cosine,
+                                               legendre != NULL ? blurred : NULL, light->bands);
+    }
     return 4 * TY_PI * radiance;
 }
 

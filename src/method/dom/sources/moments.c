@@ -57,8 +57,8 @@ typedef struct add_job {
     const float* scattering;         /* of fine cells */
     const float* g;                  /* of fine cells */
     bool uniform;                    /* all that scatters has the same g */
-    float coefficient[TY_DOM_MEANS]; /* where uniform: g^l, or f + c_l of a fit; the last one is the forward fraction;
-                                        else 1 */
+    float coefficient[TY_DOM_MEANS]; /* where uniform: the moments: g^l, or f + c_l of a fit; the last one is the
+                                        forward fraction; else 1 */
     int32_t channel_count, channels[3];
     float factor[3]; /* of the fluence, per channel */
 } add_job;
@@ -280,6 +280,10 @@ static void find_coefficients(add_job* add, float g) {
     const ty_dom* light = add->job->light;
     add->coefficient[0] = 1;
     for (int32_t l = 1; l < TY_DOM_MEANS; ++l) add->coefficient[l] = add->uniform ? add->coefficient[l - 1] * g : 1;
+    if (ty_dom_legendre(light) != NULL) {
+        memcpy(add->coefficient, light->legendre, (size_t)light->bands * sizeof *add->coefficient);
+        add->coefficient[light->bands] = ty_grid_medium_forward(add->job->fine, light->bands);
+    }
     if (light->fit.bands == 0) return;
     const float forward = light->fit.forward_fraction;
     for (int32_t l = 0; l < light->bands; ++l) add->coefficient[l] = forward + light->fit.moments[l];
@@ -297,7 +301,7 @@ void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, c
         add.fluence = field->fluence[p];
         add.scattering = fine->scattering[plane];
         add.g = fine->g[plane];
-        add.uniform = scratch->uniform[plane] || light->fit.bands > 0;
+        add.uniform = scratch->uniform[plane] || light->fit.bands > 0 || ty_dom_legendre(light) != NULL;
         find_coefficients(&add, scratch->g[plane]);
         choose_channels(&add, field, p);
         find_means(&add);

@@ -33,6 +33,7 @@ static void describe_lobe(const ty_dom* light, ty_light_field* const fields[TY_F
                           ty_light_fluence* uncollided) {
     if (!light->has_lobes) return;
     uncollided->lobe_order = light->bands;
+    uncollided->legendre = ty_dom_legendre(light);
     for (int c = 0; c < 3; ++c) {
         uncollided->unscattered[c] = fields[TY_FLUENCE_UNSCATTERED]->fluence[c];
         uncollided->next_order[c] = fields[TY_FLUENCE_NEXT_ORDER]->fluence[c];

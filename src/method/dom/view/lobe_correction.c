@@ -101,12 +101,14 @@ static void correct_row(void* user, int64_t row, int32_t worker) {
             const int32_t count = find_lobes(light, cell, at, c, lobes);
             if (count == 0) continue;
             const double scale = find_scale(light, at, c, lobes, count);
-            const float g = light->g[light->planes == 3 ? c : 0][at];
+            const float *legendre = ty_dom_legendre(light), g = light->g[light->planes == 3 ? c : 0][at];
             for (int32_t n = 0; n < count; ++n) {
                 const double* from = lobes[n].omega;
                 const double mu = from[0] * omega[0] + from[1] * omega[1] + from[2] * omega[2];
+                const float b = (float)lobes[n].cosine;
                 float below;
-                const float tail = ty_forward_tail((float)lobes[n].cosine, (float)mu, g, light->bands, &below);
+                const float tail = legendre != NULL ? ty_forward_tail_of(b, (float)mu, legendre, light->bands, &below)
+                                                    : ty_forward_tail(b, (float)mu, g, light->bands, &below);
                 job->radiance[c][at] += (float)((scale - 1) * lobes[n].order_l) * TY_INV_4PI * tail;
             }
         }

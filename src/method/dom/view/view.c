@@ -63,9 +63,10 @@ static void collided_row(void* user, int64_t row, int32_t worker) {
             const double g = (double)light->g[light->planes == 3 ? c : 0][at];
             const float* surfaces = light->wall_moments[c];
             const ty_forward_fit* fit = light->fit.bands > 0 ? &light->fit : NULL;
-            double sum = y[0] * face_excess(light, c, at, omega) * (fit != NULL ? (double)fit->moments[0] : 1), g_l = 1;
+            const float* moments = fit != NULL ? fit->moments : ty_dom_legendre(light);
+            double sum = y[0] * face_excess(light, c, at, omega) * (moments != NULL ? (double)moments[0] : 1), g_l = 1;
             for (int32_t l = 0; l < light->output_bands; ++l, g_l *= g) {
-                const double power = fit != NULL ? (double)fit->moments[l] : g_l;
+                const double power = moments != NULL ? (double)moments[l] : g_l;
                 for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
                     const size_t item = light->cells * (size_t)t + at;
                     sum += power * y[t] * (double)(light->moments[c][item] + (surfaces != NULL ? surfaces[item] : 0));
@@ -233,6 +234,7 @@ ty_result ty_dom_march(ty_volume_call* call, ty_image** out) {
     march.lights = f.lights;
     march.light_count = light->fluence_count;
     march.reduced = light->bands;
+    march.legendre = ty_dom_legendre(light);
     march.fit = light->fit.bands > 0 ? &light->fit : NULL;
     march.field = &f.collided;
     march.surface_field = surfaces ? &f.surfaces : NULL;

@@ -121,10 +121,12 @@ static void scattered_in(const airlight_ray* ray, const media_interval* interval
     for (int32_t m = 0; m < scene->medium_count; ++m) {
         if ((interval->media >> m & 1) == 0) continue;
         const ty_medium_view* medium = &scene->media[m];
-        float phase = 0;
+        float phase[3];
+        if (medium->phase != NULL) ty_phase_evaluate(medium->phase, ty_clampf(mu, -1, 1), phase);
         for (int c = 0; c < 3; ++c) {
-            if (c == 0 || medium->gray_g == 0) phase = ty_hg(mu, medium->g[c]);
-            out[c] += medium->sigma_s[c] * phase;
+            if (medium->phase == NULL)
+                phase[c] = c > 0 && medium->gray_g != 0 ? phase[c - 1] : ty_hg(mu, medium->g[c]);
+            out[c] += medium->sigma_s[c] * phase[c];
         }
     }
 }
@@ -403,14 +405,20 @@ static void integrate_local_light(const airlight_ray* ray, const void* user, con
     }
 }
 
+static void widen(float g, float max_g[2]) {
+    max_g[0] = ty_maxf(max_g[0], g);
+    max_g[1] = ty_maxf(max_g[1], -g);
+}
+
 /* The Henyey-Greenstein function of the angle has its pole at imaginary distance ln(1 / g). */
 static void find_peaks(const ty_airlight* airlight, local_light* local) {
     float max_g[2] = {1e-3f, 1e-3f};
-    for (int32_t m = 0; m < airlight->scene->medium_count; ++m)
-        for (int c = 0; c < 3; ++c) {
-            max_g[0] = ty_maxf(max_g[0], airlight->scene->media[m].g[c]);
-            max_g[1] = ty_maxf(max_g[1], -airlight->scene->media[m].g[c]);
-        }
+    for (int32_t m = 0; m < airlight->scene->medium_count; ++m) {
+        const ty_medium_view* medium = &airlight->scene->media[m];
+        for (int c = 0; c < 3; ++c) widen(medium->g[c], max_g);
+        for (int32_t i = 0; medium->phase != NULL && i < medium->phase->count; ++i)
+            widen(medium->phase->terms[i].g, max_g);
+    }
     for (int i = 0; i < 2; ++i) local->peak[i] = -ty_logf(max_g[i]);
 }
 
