@@ -10,56 +10,7 @@
 #define TY_SCENE_BSDF_BSDF_K_H
 
 #include "scene/bsdf/sheen.k.h"
-#include "scene/bsdf/tables.k.h"
-
-/* A material at a point. */
-typedef struct ty_bsdf_parameters {
-    float base_color[3];
-    float metallic, roughness;
-    float ior, specular, specular_color[3]; /* of the dielectric: reflectance at normal incidence from ior and colour */
-    float transmission; /* part of the dielectric's base that light passes instead of a diffuse one */
-    float clearcoat, clearcoat_roughness;
-    float sheen_color[3], sheen_roughness;
-} ty_bsdf_parameters;
-
-/* Unit normal and tangents. */
-typedef struct ty_frame {
-    ty_vec s, t, n;
-} ty_frame;
-
-/* Sampled lobes. */
-enum {
-    TY_LOBE_SPECULAR = 0,         /* reflection at microfacets */
-    TY_LOBE_MULTIPLE = 1,         /* light that microfacets scatter several times */
-    TY_LOBE_DIFFUSE = 2,          /* diffuse base, sheen */
-    TY_LOBE_COAT = 3,             /* reflection at the clear coat */
-    TY_LOBE_THROUGH = 4,          /* transmission: reflection at microfacets, mirrored to the other side */
-    TY_LOBE_THROUGH_MULTIPLE = 5, /* the same after several times */
-    TY_LOBE_COUNT = 6
-};
-
-/* A BSDF for one direction wo, towards the viewer, prepared for any number of directions wi, towards the light. */
-typedef struct ty_bsdf {
-    TY_GLOBAL const ty_bsdf_tables* tables;
-    ty_frame frame, coat_frame;
-    ty_vec wo, coat_wo; /* in the frames */
-    float roughness, alpha;
-    float f0[3], f90;        /* Schlick's reflectance of the microfacets, mixed from dielectric and metal */
-    float film_f0, film_f90; /* that of the dielectric alone, in its brightest channel; it attenuates the base */
-    float diffuse[3];        /* albedo of the base */
-    float transmitted[3];    /* colour of the light that passes */
-    float multiple[3];       /* fraction of the light that single scattering loses which returns; 0: no compensation */
-    float film_multiple;     /* the same of the dielectric alone */
-    float lost, lost_mean;   /* 1 - E(wo), 1 - E_mean */
-    float film, film_mean;   /* albedo of the dielectric alone, at wo and its mean */
-    float coat, coat_roughness;
-    float sheen[3], sheen_roughness, sheen_scale; /* sheen_scale: its largest channel */
-    float above_base, above_sheen; /* parts of the light that sheen, and the clear coat, let down at wo */
-    float albedo[3];               /* directional albedo of the side of wo */
-    float total[3];                /* the same with what passes */
-    float probability[TY_LOBE_COUNT];
-    int32_t compensated;
-} ty_bsdf;
+#include "scene/bsdf/state.k.h"
 
 TY_FN ty_vec ty_frame_local(const ty_frame* frame, ty_vec v) {
     return ty_vec_make(ty_dot(frame->s, v), ty_dot(frame->t, v), ty_dot(frame->n, v));
@@ -120,11 +71,10 @@ TY_FN void ty_bsdf_set_fresnel(ty_bsdf* b, const ty_bsdf_parameters* p, float ke
         const float dielectric = ty_minf(f0 * p->specular_color[c], 1.0f) * p->specular;
         b->film_f0 = ty_maxf(b->film_f0, dielectric);
         b->f0[c] = ty_lerpf(dielectric, p->base_color[c], m);
-        b->multiple[c] = b->compensated == 0 ? 0.0f
-                                             : ty_lerpf(ty_bsdf_multiple(dielectric, p->specular, kept),
-                                                        ty_bsdf_multiple(p->base_color[c], 1.0f, kept), m);
+        b->multiple[c] = ty_lerpf(ty_bsdf_multiple(dielectric, p->specular, kept),
+                                  ty_bsdf_multiple(p->base_color[c], 1.0f, kept), m);
     }
-    b->film_multiple = b->compensated == 0 ? 0.0f : ty_bsdf_multiple(b->film_f0, b->film_f90, kept);
+    b->film_multiple = ty_bsdf_multiple(b->film_f0, b->film_f90, kept);
     b->f90 = ty_lerpf(p->specular, 1.0f, m);
 }
 
@@ -139,8 +89,7 @@ TY_FN void ty_bsdf_set_albedo(ty_bsdf* b, float white, float schlick) {
         const float multiple = base * b->multiple[c] * b->lost;
         const float diffuse = base * b->diffuse[c] * (1.0f - b->film) + sheen * b->sheen[c];
         const float through = base * b->transmitted[c] * (white - film_once);
-        const float through_multiple =
-            b->compensated == 0 ? 0.0f : base * b->transmitted[c] * (1.0f - b->film_multiple) * b->lost;
+        const float through_multiple = base * b->transmitted[c] * (1.0f - b->film_multiple) * b->lost;
         weight[TY_LOBE_SPECULAR] += once;
         weight[TY_LOBE_MULTIPLE] += multiple;
         weight[TY_LOBE_DIFFUSE] += diffuse;
@@ -156,9 +105,9 @@ TY_FN void ty_bsdf_set_albedo(ty_bsdf* b, float white, float schlick) {
 
 /* wo: unit, in world space, in front of both normals. normal: of the base; coat_normal: of the clear coat. */
 TY_FN void ty_bsdf_prepare(ty_bsdf* b, const ty_bsdf_parameters* p, TY_GLOBAL const ty_bsdf_tables* tables,
-                           ty_vec normal, ty_vec coat_normal, ty_vec wo, int32_t compensated) {
+                           ty_vec normal, ty_vec coat_normal, ty_vec wo) {
     b->tables = tables;
-    b->compensated = compensated;
+    b->compensated = 1;
     b->roughness = p->roughness;
     b->alpha = ty_ggx_alpha(p->roughness);
     b->frame = ty_frame_make(normal);
@@ -191,6 +140,16 @@ TY_FN void ty_bsdf_prepare(ty_bsdf* b, const ty_bsdf_parameters* p, TY_GLOBAL co
         b->above_sheen = 1.0f - ty_bsdf_coat_albedo(b, b->coat_wo.z);
     }
     ty_bsdf_set_albedo(b, white, schlick);
+}
+
+/* Turns to the model without energy compensation. The albedos stay, as bounds. */
+TY_FN void ty_bsdf_drop_compensation(ty_bsdf* b) {
+    float sum = 0.0f;
+    b->compensated = 0;
+    for (int c = 0; c < 3; ++c) b->multiple[c] = 0.0f;
+    b->probability[TY_LOBE_MULTIPLE] = b->probability[TY_LOBE_THROUGH_MULTIPLE] = 0.0f;
+    for (int i = 0; i < TY_LOBE_COUNT; ++i) sum += b->probability[i];
+    for (int i = 0; i < TY_LOBE_COUNT && sum > 0.0f; ++i) b->probability[i] /= sum;
 }
 
 /* ---- evaluation ---- */
@@ -247,11 +206,6 @@ TY_FN float ty_bsdf_evaluate_through(const ty_bsdf* b, ty_vec wi, float btdf[3])
     float pdf = b->probability[TY_LOBE_THROUGH] * ty_ggx_pdf(b->wo, h, b->alpha);
     if (b->compensated != 0) pdf += b->probability[TY_LOBE_THROUGH_MULTIPLE] * ty_bsdf_power_pdf(b, wi.z);
     return pdf;
-}
-
-/* True if light passes the surface. */
-TY_FN bool ty_bsdf_transmits(const ty_bsdf* b) {
-    return b->probability[TY_LOBE_THROUGH] > 0.0f;
 }
 
 /* BSDF times cosine for light from `direction`; returns the density of ty_bsdf_sample there, 1/sr, or 0 if no light
