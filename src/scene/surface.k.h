@@ -189,8 +189,8 @@ TY_FN_APART float ty_surface_sample_bsdf(const ty_surface_point* point, float pi
 TY_FN_APART void ty_surface_drop_compensation(ty_surface_point* point);
 
 /* Surface properties at a hit of a ray along direction. */
-TY_FN void ty_surface_evaluate(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
-                               ty_surface_point* out) {
+TY_FN_CALLED void ty_surface_evaluate(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
+                                      ty_surface_point* out) {
     ty_surface_evaluate_color(surface, hit, direction, out);
     out->glossy = surface->gloss != NULL;
     if (out->glossy != 0) ty_surface_evaluate_gloss(surface, hit, direction, out);

@@ -63,6 +63,7 @@ typedef struct ty_model_material {
     ty_material_def def;
     int32_t albedo_texture, emission_texture;
     int32_t gloss_textures[TY_GLOSS_TEXTURES];
+    bool has_roughness, has_specular; /* from keys of their own */
 } ty_model_material;
 
 /* Position and directions in file space; directions are unit. */

@@ -7,6 +7,11 @@
 #include "method/path/point_light_direction.k.h"
 #include "scene/phase.k.h"
 
+/* Defined as 0, it makes glossy surfaces diffuse ones of their directional albedo, in less code. */
+#ifndef TY_PATH_GLOSS
+#define TY_PATH_GLOSS 1
+#endif
+
 /* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
 enum { TY_PATH_ROULETTE_DEPTH = 2000 };
 
@@ -382,7 +387,7 @@ TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_v
         return ty_scatter_vertex_pdf(response->scatter, direction, factor);
     }
     const ty_surface_point* point = response->surface;
-    if (point->glossy != 0) return ty_surface_evaluate_bsdf(point, direction, factor);
+    if (TY_PATH_GLOSS != 0 && point->glossy != 0) return ty_surface_evaluate_bsdf(point, direction, factor);
     const float cosine = ty_dot(point->ns, direction) * (1.0f / TY_PI);
     if (!(cosine > 0.0f) || !(ty_dot(point->ng, direction) > 0.0f)) return 0.0f;
     for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * cosine;
@@ -583,7 +588,7 @@ TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_i
     const bool on_surface =
         scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
-    if (on_surface && end->point.glossy != 0) ty_path_meet_gloss(path, &end->point);
+    if (TY_PATH_GLOSS != 0 && on_surface && end->point.glossy != 0) ty_path_meet_gloss(path, &end->point);
     *medium = NULL;
     if (path->request->unscattered != 0) return ty_path_pass_unscattered(path, on_surface ? end : NULL, beta_before);
     ty_spans spans;
@@ -657,7 +662,7 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
             medium != NULL ? ty_path_class_scattered(path->path_class) : ty_path_class_reflected(path->path_class);
         if (medium != NULL)
             ty_path_scatter(path, medium);
-        else if (end.point.glossy != 0)
+        else if (TY_PATH_GLOSS != 0 && end.point.glossy != 0)
             ty_path_reflect_gloss(path, &end);
         else
             ty_path_reflect(path, &end);
