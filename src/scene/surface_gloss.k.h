@@ -90,11 +90,11 @@ TY_FN ty_vec ty_surface_mapped_normal(TY_GLOBAL const ty_surface* surface, const
 /* The normal nearest to `normal` whose mirror direction of wo leaves the surface: shading normals may turn it, or wo,
  * behind the triangle. ng: on the side of wo. */
 TY_FN ty_vec ty_surface_reflecting_normal(ty_vec normal, ty_vec ng, ty_vec wo) {
-    const float cosine = ty_dot(wo, ng), least = ty_minf(0.9f * cosine, 0.01f);
+    const float cosine = ty_dot(wo, ng), min_height = ty_minf(0.9f * cosine, 0.01f);
     ty_vec mirrored = ty_mad(ty_scale(wo, -1.0f), normal, 2.0f * ty_dot(normal, wo));
     const float height = ty_dot(mirrored, ng);
-    if (height >= least && ty_dot(normal, wo) > 0.0f) return normal;
-    mirrored = ty_mad(mirrored, ng, least - height);
+    if (height >= min_height && ty_dot(normal, wo) > 0.0f) return normal;
+    mirrored = ty_mad(mirrored, ng, min_height - height);
     const float square = ty_dot(mirrored, mirrored);
     const ty_vec half = ty_mad(wo, mirrored, 1.0f / sqrtf(ty_maxf(square, 1e-30f)));
     const float half2 = ty_dot(half, half);
