@@ -433,7 +433,7 @@ static const char every_key[] =
     "\"emission\":1,\"metallic\":0,\"roughness\":0.5,\"ior\":1.5,\"specular\":1,\"specular_color\":[1,1,1],"
     "\"transmission\":0.5,\"clearcoat\":1,\"clearcoat_roughness\":0.1,\"sheen_color\":0.5,"
     "\"sheen_roughness\":0.5},"
-    "\"transform\":{}},{\"file\":\"tetra.obj\",\"meshes\":true,\"lights\":true,\"light_scale\":1,"
+    "\"transform\":{}},{\"file\":\"tetra.obj\",\"meshes\":true,\"lights\":true,\"gloss\":false,\"light_scale\":1,"
     "\"emission_scale\":1,\"material\":{\"base_color\":0.5}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,"
     "0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0,\"point_light_directions\":true,"

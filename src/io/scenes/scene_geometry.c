@@ -78,6 +78,7 @@ static ty_result read_mesh_file(ty_scene_reader* reader, const json_t* item, con
     if (result != TY_OK) return result;
     ty_read_bool(item, "meshes", &def.meshes);
     ty_read_bool(item, "lights", &def.lights);
+    ty_read_bool(item, "gloss", &def.gloss);
     ty_read_number(item, "light_scale", &def.light_scale);
     ty_read_number(item, "emission_scale", &def.emission_scale);
     ty_material_def own = ty_default_material_def();
