@@ -89,6 +89,29 @@ static void white_furnaces_stay_white(void** state) {
     print_message("white furnace: within %.4f\n", worst);
 }
 
+/* An ior of 0 is that of a surface which reflects all (KHR_materials_ior): nothing is left for the base. */
+static void extremes_stay_finite(void** state) {
+    (void)state;
+    ty_bsdf_parameters p = white(0, 0);
+    p.ior = 0;
+    for (int i = 0; i < 2; ++i) {
+        for (size_t k = 0; k < sizeof cosines / sizeof *cosines; ++k) {
+            const ty_bsdf b = prepare(&p, cosines[k], i);
+            double out[3];
+            furnace(&b, out);
+            assert_true(out[0] > 0.98 && out[0] < 1.005);
+        }
+        p.roughness = 0.2f;
+    }
+    const float none[3] = {0, 0, 0};
+    memcpy(p.base_color, none, sizeof none);
+    p.specular = 0;
+    const ty_bsdf black = prepare(&p, 0.5f, 1);
+    ty_vec wi;
+    assert_false(ty_bsdf_sample(&black, 0.5f, 0.5f, 0.5f, &wi));
+    assert_true(black.total[0] == 0);
+}
+
 /* Coats and sheen let down the lesser of what they do on both ways, and never add light. */
 static void layers_lose_little_light(void** state) {
     (void)state;
@@ -242,10 +265,10 @@ static void albedos_are_those_of_furnaces(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(white_furnaces_stay_white),       cmocka_unit_test(layers_lose_little_light),
-        cmocka_unit_test(uncompensated_metal_loses_light), cmocka_unit_test(light_takes_both_ways_alike),
-        cmocka_unit_test(densities_integrate_to_1),        cmocka_unit_test(samples_have_their_densities),
-        cmocka_unit_test(albedos_are_those_of_furnaces),
+        cmocka_unit_test(white_furnaces_stay_white),    cmocka_unit_test(extremes_stay_finite),
+        cmocka_unit_test(layers_lose_little_light),     cmocka_unit_test(uncompensated_metal_loses_light),
+        cmocka_unit_test(light_takes_both_ways_alike),  cmocka_unit_test(densities_integrate_to_1),
+        cmocka_unit_test(samples_have_their_densities), cmocka_unit_test(albedos_are_those_of_furnaces),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

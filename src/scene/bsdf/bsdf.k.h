@@ -172,9 +172,9 @@ TY_FN float ty_bsdf_evaluate_base(const ty_bsdf* b, ty_vec wi, float brdf[3]) {
     const float weight = ty_schlick_weight(ty_dot(h, wi));
     const float lobe = ty_ggx_ndf(h, b->alpha) * ty_ggx_visibility(wi.z, b->wo.z, b->alpha);
     const float wide = b->compensated != 0 ? ty_bsdf_multiple_lobe(b, wi.z) : 0.0f;
-    const float passed = b->compensated != 0
-                             ? (1.0f - ty_bsdf_film_albedo(b, wi.z)) * (1.0f - b->film) / (1.0f - b->film_mean)
-                             : 1.0f - ty_lerpf(b->film_f0, b->film_f90, weight);
+    const float passed = b->compensated != 0 ? (1.0f - ty_bsdf_film_albedo(b, wi.z)) * (1.0f - b->film) /
+                                                   ty_maxf(1.0f - b->film_mean, 1e-6f)
+                                             : 1.0f - ty_lerpf(b->film_f0, b->film_f90, weight);
     for (int c = 0; c < 3; ++c)
         brdf[c] =
             ty_lerpf(b->f0[c], b->f90, weight) * lobe + b->multiple[c] * wide + b->diffuse[c] * passed * (1.0f / TY_PI);
