@@ -12,7 +12,7 @@ ROOM, HEIGHT = 2.5, 2.6  # half of its sides and its height, m
 
 data = bytearray()
 gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [], "materials": [],
-        "accessors": [], "bufferViews": [], "extensionsUsed": ["KHR_lights_punctual"]}
+        "accessors": [], "bufferViews": [], "extensionsUsed": ["KHR_lights_punctual", "KHR_materials_specular"]}
 
 
 def accessor(values, kind, code):
@@ -34,7 +34,8 @@ def node(name, **keys):
 
 
 def mesh(name, color, points, normals, triangles, uv=None):
-    gltf["materials"].append({"name": name, "pbrMetallicRoughness": {"baseColorFactor": [*color, 1]}})
+    gltf["materials"].append({"name": name, "pbrMetallicRoughness": {"baseColorFactor": [*color, 1], "metallicFactor": 0},
+                              "extensions": {"KHR_materials_specular": {"specularFactor": 0}}})  # plaster: diffuse alone
     attributes = {"POSITION": accessor(points, "VEC3", "f"), "NORMAL": accessor(normals, "VEC3", "f")}
     if uv:
         attributes["TEXCOORD_0"] = attributes["TEXCOORD_1"] = accessor(uv, "VEC2", "f")

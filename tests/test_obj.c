@@ -120,6 +120,27 @@ static void materials_are_read(void** state) {
     ty_model_free(&model);
 }
 
+/* What a diffuse colour alone, Phong's keys and those of newer writers make of a material. */
+static void gloss_is_read(void** state) {
+    (void)state;
+    put_text("gloss.mtl", "newmtl diffuse\nKd 1 1 1\nNs 100\n"
+                          "newmtl phong\nKd 1 1 1\nKs 0.5 0.25 0.5\nNs 6\nNi 1.25\n"
+                          "newmtl metal\nKd 1 0.5 0\nPr 0.25\nPm 1\nNs 3\nKs 0 0 0\nPc 0.5\nPcr 2\n");
+    static const char text[] = "mtllib gloss.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl metal\nf 1 2 3\n";
+    ty_model model;
+    read_well(text, "", &model);
+    const ty_gloss_def *diffuse = &model.materials[1].def.gloss, *phong = &model.materials[2].def.gloss,
+                       *metal = &model.materials[3].def.gloss;
+    static const float color[] = {1, 0.5f, 1};
+    assert_true(diffuse->specular == 0 && diffuse->metallic == 0);
+    assert_floats(phong->specular_color, color, 3);
+    assert_true(phong->specular == 1 && phong->ior == 1.25f);
+    assert_true(fabs((double)phong->roughness - sqrt(0.5)) < 1e-6);
+    assert_true(metal->metallic == 1 && metal->roughness == 0.25f && metal->specular == 0);
+    assert_true(metal->clearcoat == 0.5f && metal->clearcoat_roughness == 1);
+    ty_model_free(&model);
+}
+
 static void missing_materials_are_survived(void** state) {
     (void)state;
     ty_model model;
@@ -258,11 +279,17 @@ static void short_memory_is_survived(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(corners_become_vertices),           cmocka_unit_test(all_forms_of_corners_are_read),
-        cmocka_unit_test(colours_of_vertices_are_read),      cmocka_unit_test(materials_are_read),
-        cmocka_unit_test(missing_materials_are_survived),    cmocka_unit_test(numbers_do_not_depend_on_the_locale),
-        cmocka_unit_test(references_may_lead_on_or_nowhere), cmocka_unit_test(broken_files_are_refused),
-        cmocka_unit_test(broken_materials_are_refused),      cmocka_unit_test(large_files_are_read),
+        cmocka_unit_test(corners_become_vertices),
+        cmocka_unit_test(all_forms_of_corners_are_read),
+        cmocka_unit_test(colours_of_vertices_are_read),
+        cmocka_unit_test(materials_are_read),
+        cmocka_unit_test(gloss_is_read),
+        cmocka_unit_test(missing_materials_are_survived),
+        cmocka_unit_test(numbers_do_not_depend_on_the_locale),
+        cmocka_unit_test(references_may_lead_on_or_nowhere),
+        cmocka_unit_test(broken_files_are_refused),
+        cmocka_unit_test(broken_materials_are_refused),
+        cmocka_unit_test(large_files_are_read),
         cmocka_unit_test(short_memory_is_survived),
     };
     return cmocka_run_group_tests(tests, start, stop);

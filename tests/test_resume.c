@@ -356,7 +356,7 @@ static void damaged_states_are_refused(void** state) {
     size_t size;
     uint8_t* bytes = stopped_state(scene, &def, 2, &size);
     for (size_t cut = 0; cut < size; cut += cut < 200 ? 1 : 61)
-        refuse(*state, scene, def, bytes, cut, cut < 152 ? "is cut short" : "the state is");
+        refuse(*state, scene, def, bytes, cut, cut < 160 ? "is cut short" : "the state is");
     for (size_t i = 0; i < size; ++i) {
         bytes[i] ^= 0x10;
         refuse(*state, scene, def, bytes, size, i < 8 ? "not the state of a render" : "the state ");

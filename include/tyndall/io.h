@@ -159,6 +159,8 @@ typedef struct ty_mesh_file_def {
                            ///< `transform`; default false.
     bool meshes;           ///< True (default): meshes are taken.
     bool lights;           ///< True (default): lights are taken.
+    bool gloss;            ///< True (default): materials are glossy as they say; false: all are diffuse, of their base
+                           ///< colour.
     double light_scale;    ///< Factor of intensity and irradiance of punctual lights, 0..1e15; default 1: a candela
                            ///< counts as 1 W sr^-1, and a lux as 1 W m^-2.
     double emission_scale; ///< Factor of the emission of materials, 0..1e15; default 1.

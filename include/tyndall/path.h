@@ -69,6 +69,8 @@ typedef struct ty_path_def {
     bool point_light_directions; ///< True (default): vertices sample directions about point and spot lights in media,
                                  ///< and rays sample distances by the light that these scatter into them. False:
                                  ///< equiangular sampling alone, the same mean with far more noise, for comparison.
+    bool energy_compensation;    ///< True (default): surfaces return the light that their microfacets scatter several
+                                 ///< times (docs/materials.md). False: single scattering, which loses it.
     ty_path_partial_fn partial;  ///< Images: receives the image so far at most once a second, and so seldom that this
                                  ///< takes at most 2% of the threads' time; default NULL.
     void* partial_user;          ///< Passed on to `partial`; default NULL.

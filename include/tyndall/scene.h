@@ -204,7 +204,51 @@ typedef enum ty_shape_kind {
     TY_SHAPE_SPHERE = 2 ///< A sphere.
 } ty_shape_kind;
 
-/// A Lambertian surface, which reflects on both sides and emits on its front (u x v, or outwards). Create it with
+/// The colour and opacity of a surface. A texture is immutable and reference counted. Row 0 is at v = 0 (the top, as in
+/// glTF).
+typedef struct ty_texture ty_texture;
+
+/// Textures of a glossy material, and the channels that multiply its numbers.
+typedef enum ty_gloss_texture {
+    TY_GLOSS_METALLIC_ROUGHNESS = 0,  ///< Roughness in green, metallic in blue; linear.
+    TY_GLOSS_NORMAL = 1,              ///< Normals in the frame of tangent, bitangent and normal; linear.
+    TY_GLOSS_SPECULAR = 2,            ///< In alpha.
+    TY_GLOSS_SPECULAR_COLOR = 3,      ///< In red, green and blue.
+    TY_GLOSS_TRANSMISSION = 4,        ///< In red; linear.
+    TY_GLOSS_CLEARCOAT = 5,           ///< In red; linear.
+    TY_GLOSS_CLEARCOAT_ROUGHNESS = 6, ///< In green; linear.
+    TY_GLOSS_SHEEN_COLOR = 7,         ///< In red, green and blue.
+    TY_GLOSS_SHEEN_ROUGHNESS = 8,     ///< In alpha.
+    TY_GLOSS_TEXTURES = 9             ///< Their number.
+} ty_gloss_texture;
+
+/// A texture as a material uses it.
+typedef struct ty_texture_use {
+    ty_texture* texture; ///< Default NULL.
+    int32_t uv;          ///< Texture coordinates for it, 0 or 1; default 0.
+    float map[6];        ///< u' = m[0] u + m[1] v + m[2], v' = m[3] u + m[4] v + m[5]; default identity.
+} ty_texture_use;
+
+/// What a surface reflects and lets through apart from its diffuse part: glTF's metallic-roughness model
+/// (docs/materials.md). Without metal, specular reflection, coat, sheen, transmission and normals of a texture, which
+/// is the default, the surface is Lambertian.
+typedef struct ty_gloss_def {
+    float metallic;          ///< Part of the surface that is bare metal, 0..1; default 0.
+    float roughness;         ///< The square root of the microfacets' alpha, 0..1; default 1.
+    float ior;               ///< Index of refraction of the dielectric part, 0 or 1..100; default 1.5; 0 reflects all.
+    float specular;          ///< Strength of the dielectric's reflection, 0..1; default 0: none. Dielectrics have 1.
+    float specular_color[3]; ///< Colour of it at normal incidence, 0..1e3; default 1.
+    float transmission;      ///< Part of the light in the dielectric that passes the surface, which counts as a thin
+                             ///< wall, in place of the diffuse reflection, 0..1; default 0.
+    float clearcoat;         ///< Strength of a clear coat of ior 1.5, 0..1; default 0.
+    float clearcoat_roughness;                  ///< 0..1; default 0.
+    float sheen_color[3];                       ///< Colour of the sheen of cloth, 0..1; default 0.
+    float sheen_roughness;                      ///< 0..1; default 0.
+    float normal_scale;                         ///< Multiplies the slopes of normals, -1e3..1e3; default 1.
+    ty_texture_use textures[TY_GLOSS_TEXTURES]; ///< By ty_gloss_texture; meshes only.
+} ty_gloss_def;
+
+/// A surface, which reflects on both sides and emits on its front (u x v, or outwards). Create it with
 /// ty_default_shape_def().
 typedef struct ty_shape_def {
     uint32_t cookie;     ///< Set by ty_default_shape_def() and checked.
@@ -215,13 +259,10 @@ typedef struct ty_shape_def {
     double v[3];         ///< Second edge of a quad, m.
     double radius;       ///< Radius of a sphere, m, > 0.
     ty_affine transform; ///< Default identity; spheres take rotation, translation and uniform scale only.
-    float albedo[3];     ///< 0..1; default 0.5.
+    float albedo[3];     ///< Base colour, 0..1; default 0.5.
     float emission[3];   ///< Emitted radiance, W m^-2 sr^-1, >= 0; default 0.
+    ty_gloss_def gloss;  ///< Without textures; default: Lambertian.
 } ty_shape_def;
-
-/// The colour and opacity of a surface. A texture is immutable and reference counted. Row 0 is at v = 0 (the top, as in
-/// glTF).
-typedef struct ty_texture ty_texture;
 
 /// The continuation of a texture beyond 0..1.
 typedef enum ty_wrap {
@@ -236,11 +277,12 @@ typedef struct ty_texture_def {
     uint32_t bytes;        ///< Set by ty_default_texture_def() to the size of the structure, and checked.
     int32_t width;         ///< Width of rgba8, texels, 1..32768.
     int32_t height;        ///< Height of rgba8, texels, 1..32768.
-    const uint8_t* rgba8;  ///< 4 bytes per texel: colour in sRGB, linear alpha; copied. Exactly one of rgba8 and image
-                           ///< is set.
+    const uint8_t* rgba8;  ///< 4 bytes per texel: colour in sRGB unless `linear`, linear alpha; copied. Exactly one of
+                           ///< rgba8 and image is set.
     const ty_image* image; ///< Linear R, G, B, or one channel, and A if there is one; copied.
     ty_wrap wrap[2];       ///< Along u and v; default TY_WRAP_REPEAT.
     bool nearest;          ///< True: lookups take the nearest texel; default false: bilinear.
+    bool linear;           ///< True: rgba8 holds numbers, as maps of normals and roughness do; default false.
 } ty_texture_def;
 
 /// Sets the `bytes` bytes of a ty_texture_def to the defaults, as ty_init_context_def() does.
@@ -268,12 +310,12 @@ typedef enum ty_alpha_mode {
     TY_ALPHA_BLEND = 2   ///< Alpha is the fraction of rays that meet the surface; the same ray always meets the same.
 } ty_alpha_mode;
 
-/// A Lambertian material. Factor, texture, and for albedo the colour of vertices are multiplied. Create it with
+/// A material. Factor, texture, and for albedo the colour of vertices are multiplied. Create it with
 /// ty_default_material_def().
 typedef struct ty_material_def {
     uint32_t cookie;              ///< Set by ty_default_material_def() and checked.
     uint32_t bytes;               ///< Set by ty_default_material_def() to the size of the structure, and checked.
-    float albedo[3];              ///< 0..1; default 0.5.
+    float albedo[3];              ///< Base colour, 0..1; default 0.5.
     float alpha;                  ///< 0..1; default 1.
     ty_texture* albedo_texture;   ///< Its alpha multiplies `alpha`; default NULL.
     int32_t albedo_uv;            ///< Texture coordinates for it, 0 or 1; default 0.
@@ -285,6 +327,7 @@ typedef struct ty_material_def {
     bool double_sided;        ///< True: both sides emit, instead of the front; both reflect in any case; default false.
     ty_alpha_mode alpha_mode; ///< Default TY_ALPHA_OPAQUE.
     float alpha_cutoff;       ///< 0..1; default 0.5.
+    ty_gloss_def gloss;       ///< Default: Lambertian.
 } ty_material_def;
 
 /// The origin of a mesh in a file, for reports and for ty_mesh_file_write_colors().
@@ -312,6 +355,9 @@ typedef struct ty_mesh_def {
     ty_affine transform;      ///< Default identity.
     ty_material_def material; ///< Material of all triangles; default that of ty_default_material_def().
     ty_mesh_origin origin;    ///< Default: none.
+    const float*
+        tangents; ///< 4 per vertex, the direction of u and the sign of the bitangent sign * (normal x tangent),
+                  ///< for maps of normals; or NULL (default): from positions and texture coordinates.
 } ty_mesh_def;
 
 /// The sky seen from the ground: sunlight in a spherical atmosphere with Rayleigh and Mie scattering and ozone,

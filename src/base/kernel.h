@@ -1,7 +1,8 @@
 /* Language of the kernels (*.k.h): a C subset for this machine's compilers, OpenCL C 1.2 and CUDA.
  *
- * TY_FN marks a kernel function, TY_FN_RARE one that is not inlined, so that rare code takes no registers from its
- * callers, and TY_GLOBAL a pointer to memory passed in by a launcher. */
+ * TY_FN marks a kernel function; TY_FN_CALLED one that is not inlined, because seldom used code would take registers
+ * and what compilers inline from its callers; TY_FN_APART one that this machine's compilers build once for all kernels,
+ * in a file of its own; TY_GLOBAL a pointer to memory passed in by a launcher. */
 #ifndef TY_BASE_KERNEL_H
 #define TY_BASE_KERNEL_H
 
@@ -15,15 +16,18 @@
 
 #if defined(__CUDACC__)
 #define TY_FN static __device__ inline
-#define TY_FN_RARE static __device__ __noinline__
+#define TY_FN_CALLED static __device__ __noinline__
+#define TY_FN_APART static __device__
 #define TY_GLOBAL
 #elif defined(__OPENCL_C_VERSION__)
 #define TY_FN static inline
-#define TY_FN_RARE static
+#define TY_FN_CALLED static
+#define TY_FN_APART static
 #define TY_GLOBAL __global
 #else
 #define TY_FN static inline __attribute__((unused))
-#define TY_FN_RARE static __attribute__((noinline, unused))
+#define TY_FN_CALLED static __attribute__((unused, noinline))
+#define TY_FN_APART
 #define TY_GLOBAL
 #endif
 

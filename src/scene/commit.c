@@ -1,6 +1,7 @@
 /* Commits: views of media, surfaces with their acceleration structure, and lights with their tree. Each is made apart
  * from the scene and exchanged when nothing can fail any more. */
 #include "base/context.h"
+#include "scene/gloss.h"
 #include "scene/light.h"
 #include "scene/medium.h"
 #include "scene/scene.h"
@@ -35,6 +36,7 @@ static void drop_surfaces(ty_context* context, ty_committed_surfaces* surfaces) 
     ty_accel_destroy(surfaces->accel);
     ty_free_array(context, surfaces->shapes, surfaces->shape_count, sizeof(ty_shape_def));
     ty_free_array(context, surfaces->surfaces, surfaces->count, sizeof(ty_surface));
+    ty_free_array(context, surfaces->gloss, surfaces->gloss_count, sizeof(ty_surface_gloss));
     ty_free_array(context, surfaces->mesh_lights, surfaces->mesh_light_count, sizeof(int32_t));
     *surfaces = (ty_committed_surfaces){.shapes = NULL};
 }
@@ -85,6 +87,28 @@ static ty_result commit_mesh_lights(const ty_scene* scene, ty_committed_surfaces
     return TY_OK;
 }
 
+/* Gloss of a surface; NULL: Lambertian. */
+static const ty_gloss_def* gloss_of(const ty_scene* scene, const ty_committed_surfaces* surfaces, size_t i) {
+    const size_t shapes = surfaces->shape_count;
+    const ty_gloss_def* def = i < shapes ? &surfaces->shapes[i].gloss : &scene->meshes[i - shapes]->material.gloss;
+    return ty_gloss_exists(def) ? def : NULL;
+}
+
+static ty_result commit_gloss(const ty_scene* scene, ty_committed_surfaces* out) {
+    for (size_t i = 0; i < out->count; ++i) out->gloss_count += gloss_of(scene, out, i) != NULL;
+    if (out->gloss_count == 0) return TY_OK;
+    out->gloss = ty_alloc_array(scene->context, out->gloss_count, sizeof *out->gloss, false);
+    if (out->gloss == NULL) return TY_ERROR_MEMORY;
+    ty_surface_gloss* next = out->gloss;
+    for (size_t i = 0; i < out->count; ++i) {
+        const ty_gloss_def* def = gloss_of(scene, out, i);
+        if (def == NULL) continue;
+        *next = ty_gloss_get_view(def);
+        out->surfaces[i].gloss = next++;
+    }
+    return TY_OK;
+}
+
 /* Surfaces and acceleration structure of listed shapes and the scene's meshes. */
 static ty_result commit_surfaces(const ty_scene* scene, ty_committed_surfaces* out) {
     out->count = out->shape_count + scene->mesh_count;
@@ -97,7 +121,8 @@ static ty_result commit_surfaces(const ty_scene* scene, ty_committed_surfaces* o
     }
     for (size_t i = 0; i < scene->mesh_count; ++i)
         out->surfaces[out->shape_count + i] = ty_triangle_mesh_get_surface(scene->meshes[i]);
-    const ty_result result = commit_mesh_lights(scene, out);
+    ty_result result = commit_mesh_lights(scene, out);
+    if (result == TY_OK) result = commit_gloss(scene, out);
     if (result != TY_OK) return result;
     const ty_accel_input parts = {.shapes = out->shapes,
                                   .shape_count = out->shape_count,

@@ -115,7 +115,7 @@ TY_FN float ty_phase_term_sample(TY_GLOBAL const ty_phase_term* term, float u) {
 }
 
 /* The phase function per channel at cosine mu in [-1, 1], 1/sr. */
-TY_FN_RARE void ty_phase_evaluate(TY_GLOBAL const ty_phase_view* phase, float mu, float values[3]) {
+TY_FN_CALLED void ty_phase_evaluate(TY_GLOBAL const ty_phase_view* phase, float mu, float values[3]) {
     values[0] = values[1] = values[2] = 0.0f;
     for (int32_t i = 0; i < phase->count; ++i) {
         TY_GLOBAL const ty_phase_term* term = &phase->terms[i];
@@ -125,7 +125,7 @@ TY_FN_RARE void ty_phase_evaluate(TY_GLOBAL const ty_phase_view* phase, float mu
 }
 
 /* A cosine of the mixture of the channels' phase functions by weights whose sum is 1; u in [0, 1). */
-TY_FN_RARE float ty_phase_sample_cosine(TY_GLOBAL const ty_phase_view* phase, const float weight[3], float u) {
+TY_FN_CALLED float ty_phase_sample_cosine(TY_GLOBAL const ty_phase_view* phase, const float weight[3], float u) {
     int32_t i = 0;
     float fraction;
     for (;; ++i) {

@@ -228,6 +228,8 @@ void ty_scene_extent(const ty_scene* scene, double lower[3], double upper[3]) {
     copy_extent(&box, lower, upper);
 }
 
+enum { MESH_TEXTURES = TY_GLOSS_TEXTURES + 2 }; /* of a material */
+
 /* Grids of media, and textures of meshes, by number; NULL where there is none. */
 static const ty_grid* numbered_grid(const ty_scene* scene, size_t number) {
     ty_grid* grids[TY_MEDIUM_GRIDS];
@@ -236,8 +238,10 @@ static const ty_grid* numbered_grid(const ty_scene* scene, size_t number) {
 }
 
 static const ty_texture* numbered_texture(const ty_scene* scene, size_t number) {
-    const ty_material_def* material = &scene->meshes[number / 2]->material;
-    return number % 2 == 0 ? material->albedo_texture : material->emission_texture;
+    const ty_material_def* material = &scene->meshes[number / MESH_TEXTURES]->material;
+    const size_t texture = number % MESH_TEXTURES;
+    if (texture < TY_GLOSS_TEXTURES) return material->gloss.textures[texture].texture;
+    return texture == TY_GLOSS_TEXTURES ? material->albedo_texture : material->emission_texture;
 }
 
 static size_t count_environment_bytes(const ty_scene* scene) {
@@ -260,8 +264,8 @@ static size_t count_bytes(const ty_scene* scene) {
     const ty_committed_lights* lights = &scene->committed_lights;
     size_t sum = sizeof *scene + lights->capacity * sizeof(ty_light_view) +
                  scene->medium_count * sizeof(ty_medium_view) + surfaces->count * sizeof(ty_surface) +
-                 surfaces->mesh_light_count * sizeof(int32_t) + ty_accel_bytes(surfaces->accel) +
-                 ty_light_tree_bytes(lights->tree);
+                 surfaces->mesh_light_count * sizeof(int32_t) + surfaces->gloss_count * sizeof(ty_surface_gloss) +
+                 ty_accel_bytes(surfaces->accel) + ty_light_tree_bytes(lights->tree);
     sum += count_environment_bytes(scene);
     for (size_t i = 0; i < TY_MEDIUM_GRIDS * scene->medium_count; ++i) {
         const ty_grid* grid = numbered_grid(scene, i);
@@ -280,7 +284,7 @@ static size_t count_bytes(const ty_scene* scene) {
 }
 
 static void count_textures(const ty_scene* scene, ty_scene_info* info) {
-    for (size_t i = 0; i < 2 * scene->mesh_count; ++i) {
+    for (size_t i = 0; i < MESH_TEXTURES * scene->mesh_count; ++i) {
         const ty_texture* texture = numbered_texture(scene, i);
         bool counted = texture == NULL;
         for (size_t j = 0; j < i && !counted; ++j) counted = numbered_texture(scene, j) == texture;

@@ -31,7 +31,9 @@ typedef struct ty_committed_surfaces {
     ty_shape_def* shapes; /* shapes and area lights */
     size_t shape_count;
     ty_surface* surfaces;
-    size_t count; /* of shapes and meshes */
+    ty_surface_gloss* gloss; /* of the glossy surfaces, in their order */
+    size_t count;            /* of shapes and meshes */
+    size_t gloss_count;
     ty_accel* accel;
     int32_t* mesh_lights; /* light of each triangle of the emissive meshes, one mesh after another; -1: none */
     size_t mesh_light_count;

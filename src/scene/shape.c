@@ -3,11 +3,15 @@
 
 #include "base/context.h"
 #include "scene/check.h"
+#include "scene/gloss.h"
 
 #include <math.h>
 
 void ty_init_shape_def(void* def, size_t bytes) {
-    const ty_shape_def own = {.kind = TY_SHAPE_QUAD, .transform = ty_affine_identity(), .albedo = {0.5f, 0.5f, 0.5f}};
+    const ty_shape_def own = {.kind = TY_SHAPE_QUAD,
+                              .transform = ty_affine_identity(),
+                              .albedo = {0.5f, 0.5f, 0.5f},
+                              .gloss = ty_default_gloss()};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -90,6 +94,10 @@ ty_result ty_shape_check(ty_context* context, const ty_shape_def** given, ty_sha
     if (result == TY_OK) result = ty_check_affine(context, "shape.transform", &shape->transform);
     if (result == TY_OK) result = ty_check_rgb(context, "shape.albedo", shape->albedo, 0, 1);
     if (result == TY_OK) result = ty_check_rgb(context, "shape.emission", shape->emission, 0, TY_COLOR_MAX);
+    if (result == TY_OK) result = ty_gloss_check(context, "shape.gloss", &shape->gloss);
+    for (int i = 0; i < TY_GLOSS_TEXTURES && result == TY_OK; ++i)
+        if (shape->gloss.textures[i].texture != NULL)
+            result = ty_fail(context, TY_ERROR_ARGUMENT, "shape.gloss.textures[%d]: shapes take no textures", i);
     if (result != TY_OK) return result;
     if (shape->kind == TY_SHAPE_SPHERE) {
         if (!(shape->radius > 0 && shape->radius <= 1e15))

@@ -3,6 +3,7 @@
 #define TY_SCENE_SURFACE_K_H
 
 #include "base/vector.k.h"
+#include "scene/bsdf/state.k.h"
 #include "scene/texture.k.h"
 
 /* Hit of a ray with a surface; laid out as ty_ray_hit. */
@@ -15,6 +16,20 @@ typedef struct ty_hit {
     ty_vec normal;        /* unit, outwards (front), geometric */
     float margin;         /* self-intersection offset, m */
 } ty_hit;
+
+/* Textures of a glossy material: ty_gloss_texture. */
+enum { TY_SURFACE_TEXTURES = 9 };
+
+/* A glossy material; its base colour is the surface's albedo. */
+typedef struct ty_surface_gloss {
+    TY_GLOBAL const ty_bsdf_tables* tables;
+    ty_bsdf_parameters factor;
+    float normal_scale;
+    int32_t textured; /* nonzero if there is any texture */
+    ty_texture_view textures[TY_SURFACE_TEXTURES];
+    int32_t uv[TY_SURFACE_TEXTURES];
+    float map[TY_SURFACE_TEXTURES][6];
+} ty_surface_gloss;
 
 /* A shape, area light or mesh. */
 typedef struct ty_surface {
@@ -34,15 +49,19 @@ typedef struct ty_surface {
     TY_GLOBAL const float* uv[2];
     TY_GLOBAL const float* colors;
     TY_GLOBAL const int32_t* lights; /* per triangle, -1: not sampled; NULL: no emission */
+    TY_GLOBAL const float* tangents;
+    TY_GLOBAL const ty_surface_gloss* gloss; /* NULL: Lambertian */
 } ty_surface;
 
 /* Surface properties at a hit. */
 typedef struct ty_surface_point {
-    float albedo[3];
+    float albedo[3];   /* of the side that the ray hits; glossy surfaces: directional albedo towards the ray's origin */
     float emission[3]; /* radiance towards the ray's origin */
     ty_vec ng;         /* geometric unit normal on the ray's side */
     ty_vec ns;         /* shading normal on the ray's side */
     int32_t light;     /* in the scene view; -1: not sampled, counted fully when hit */
+    int32_t glossy;    /* 0: Lambertian, without a BSDF */
+    ty_bsdf bsdf;
 } ty_surface_point;
 
 /* Origin of a ray that leaves a hit along direction without hitting the same surface again. */
@@ -125,9 +144,9 @@ TY_FN void ty_surface_mean_emission(TY_GLOBAL const ty_surface* surface, int32_t
     for (int c = 0; c < 3; ++c) emission[c] *= presence;
 }
 
-/* Surface properties at a hit of a ray along direction. */
-TY_FN void ty_surface_evaluate(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
-                               ty_surface_point* out) {
+/* Colour, emission and normals at a hit of a ray along direction. */
+TY_FN void ty_surface_evaluate_color(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
+                                     ty_surface_point* out) {
     const bool front = ty_dot(hit->normal, direction) < 0.0f;
     out->ng = front ? hit->normal : ty_scale(hit->normal, -1.0f);
     out->ns = out->ng;
@@ -154,6 +173,27 @@ TY_FN void ty_surface_evaluate(TY_GLOBAL const ty_surface* surface, const ty_hit
     const float square = ty_dot(normal, normal), cosine = ty_dot(normal, hit->normal);
     if (!(square > 1e-12f) || cosine == 0.0f) return;
     out->ns = ty_scale(normal, ((cosine < 0.0f) == front ? -1.0f : 1.0f) / sqrtf(square));
+}
+
+/* ---- glossy surfaces: scene/gloss.c, or on other devices the text of surface_gloss.k.h ---- */
+
+/* The BSDF of a glossy surface, and its directional albedo in place of the base colour. */
+TY_FN_APART void ty_surface_evaluate_gloss(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
+                                           ty_surface_point* out);
+/* ty_bsdf_evaluate at a point, for directions that the shading normal and the triangle have on the same side. */
+TY_FN_APART float ty_surface_evaluate_bsdf(const ty_surface_point* point, ty_vec direction, float factor[3]);
+/* ty_bsdf_sample at a point; returns the density of the direction, 1/sr, or 0 for a sample that carries no light. */
+TY_FN_APART float ty_surface_sample_bsdf(const ty_surface_point* point, float pick, float u, float v, ty_vec* direction,
+                                         float factor[3]);
+/* Turns a point's BSDF to single scattering at microfacets. */
+TY_FN_APART void ty_surface_drop_compensation(ty_surface_point* point);
+
+/* Surface properties at a hit of a ray along direction. */
+TY_FN_CALLED void ty_surface_evaluate(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
+                                      ty_surface_point* out) {
+    ty_surface_evaluate_color(surface, hit, direction, out);
+    out->glossy = surface->gloss != NULL;
+    if (out->glossy != 0) ty_surface_evaluate_gloss(surface, hit, direction, out);
 }
 
 #endif

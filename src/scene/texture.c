@@ -43,11 +43,12 @@ static ty_result check_def(ty_context* context, const ty_texture_def** given, ty
     return TY_OK;
 }
 
-/* Inverse sRGB transfer function (IEC 61966-2-1) for 8-bit codes. */
-static void fill_decode(float decode[256]) {
+/* Inverse sRGB transfer function (IEC 61966-2-1) for 8-bit codes, or their own values. */
+static void fill_decode(bool linear, float decode[256]) {
     for (int code = 0; code < 256; ++code) {
         const double value = code / 255.0;
-        decode[code] = (float)(value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4));
+        const double decoded = value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
+        decode[code] = (float)(linear ? value : decoded);
     }
 }
 
@@ -78,7 +79,7 @@ ty_result ty_texture_create(ty_context* context, const ty_texture_def* def, ty_t
     texture->height = def->image != NULL ? ty_image_height(def->image) : def->height;
     memcpy(texture->wrap, def->wrap, sizeof texture->wrap);
     texture->nearest = def->nearest;
-    fill_decode(texture->decode);
+    fill_decode(def->linear, texture->decode);
     const size_t count = (size_t)texture->width * (size_t)texture->height;
     if (def->image != NULL)
         texture->floats = ty_alloc_array(context, count, 4 * sizeof(float), false);

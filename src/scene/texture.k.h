@@ -6,7 +6,7 @@
 
 /* Texture view for kernels. Without rgba8 and floats there is no texture. */
 typedef struct ty_texture_view {
-    TY_GLOBAL const uint8_t* rgba8; /* 4 per texel, colour in sRGB */
+    TY_GLOBAL const uint8_t* rgba8; /* 4 per texel */
     TY_GLOBAL const float* decode;  /* linear value of each of the 256 codes */
     TY_GLOBAL const float* floats;  /* 4 per texel, linear */
     int32_t width, height;

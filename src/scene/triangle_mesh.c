@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "scene/check.h"
+#include "scene/gloss.h"
 #include "scene/texture.h"
 
 void ty_init_material_def(void* def, size_t bytes) {
@@ -10,7 +11,8 @@ void ty_init_material_def(void* def, size_t bytes) {
                                  .alpha = 1,
                                  .albedo_map = {1, 0, 0, 0, 1, 0},
                                  .emission_map = {1, 0, 0, 0, 1, 0},
-                                 .alpha_cutoff = 0.5f};
+                                 .alpha_cutoff = 0.5f,
+                                 .gloss = ty_default_gloss()};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -39,6 +41,7 @@ static ty_result check_material(ty_context* context, const ty_material_def* def)
     if (result == TY_OK) result = ty_check_number(context, "material.albedo_uv", def->albedo_uv, 0, 1);
     if (result == TY_OK) result = ty_check_number(context, "material.emission_uv", def->emission_uv, 0, 1);
     if (result == TY_OK) result = ty_check_number(context, "material.alpha_mode", def->alpha_mode, 0, TY_ALPHA_BLEND);
+    if (result == TY_OK) result = ty_gloss_check(context, "material.gloss", &def->gloss);
     return result;
 }
 
@@ -87,6 +90,22 @@ static void map_normals(const ty_affine* map, const float* in, size_t count, flo
     }
 }
 
+/* Tangents transform as differences of positions; maps with negative determinant change the bitangent's sign. */
+static void map_tangents(const ty_affine* map, double determinant, size_t count, float* tangents) {
+    for (size_t i = 0; i < count; ++i) {
+        float* t = tangents + 4 * i;
+        double mapped[3], length = 0;
+        for (int r = 0; r < 3; ++r) {
+            const double* row = map->m + 4 * r;
+            mapped[r] = row[0] * (double)t[0] + row[1] * (double)t[1] + row[2] * (double)t[2];
+            length += mapped[r] * mapped[r];
+        }
+        const double scale = isfinite(length) && length > 0 ? 1 / sqrt(length) : 0;
+        for (int r = 0; r < 3; ++r) t[r] = scale > 0 ? (float)(mapped[r] * scale) : 0;
+        if (determinant < 0) t[3] = -t[3];
+    }
+}
+
 static void map_positions(const ty_affine* map, const float* in, ty_triangle_mesh* out) {
     for (size_t i = 0; i < out->vertex_count; ++i) {
         const double point[3] = {in[3 * i], in[3 * i + 1], in[3 * i + 2]};
@@ -100,12 +119,15 @@ static void map_positions(const ty_affine* map, const float* in, ty_triangle_mes
     }
 }
 
+static double determinant_of(const ty_affine* map) {
+    const double* m = map->m;
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+           m[2] * (m[4] * m[9] - m[5] * m[8]);
+}
+
 /* Maps with negative determinant flip the orientation of triangles; swapping two corners restores it. */
 static void copy_indices(const ty_mesh_def* def, uint32_t* out) {
-    const double* m = def->transform.m;
-    const double determinant =
-        m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
-    const size_t second = determinant < 0 ? 2 : 1;
+    const size_t second = determinant_of(&def->transform) < 0 ? 2 : 1;
     for (size_t i = 0; i < (size_t)def->triangle_count; ++i) {
         out[3 * i] = def->indices[3 * i];
         out[3 * i + 1] = def->indices[3 * i + second];
@@ -142,6 +164,7 @@ ty_result ty_triangle_mesh_create(ty_context* context, const ty_mesh_def* def, t
     t->material = def->material;
     ty_texture_retain(t->material.albedo_texture);
     ty_texture_retain(t->material.emission_texture);
+    ty_gloss_retain(&t->material.gloss);
     for (int a = 0; a < 3; ++a) {
         t->lower[a] = INFINITY;
         t->upper[a] = -INFINITY;
@@ -156,6 +179,8 @@ ty_result ty_triangle_mesh_create(ty_context* context, const ty_mesh_def* def, t
     for (int set = 0; set < 2; ++set)
         t->uv[set] = copy_values(context, def->uv[set], 2 * vertices, -1e9f, 1e9f, &failed);
     t->colors = copy_values(context, def->colors, 4 * vertices, 0, 1, &failed);
+    if (def->material.gloss.textures[TY_GLOSS_NORMAL].texture != NULL)
+        t->tangents = copy_values(context, def->tangents, 4 * vertices, -1, 1, &failed);
     if (failed) {
         ty_triangle_mesh_destroy(context, t);
         return TY_ERROR_MEMORY;
@@ -167,6 +192,7 @@ ty_result ty_triangle_mesh_create(ty_context* context, const ty_mesh_def* def, t
             return ty_fail(context, TY_ERROR_ARGUMENT, "mesh: its transform takes it outside [-1e15, 1e15]");
         }
     if (t->normals != NULL) map_normals(&def->transform, def->normals, vertices, t->normals);
+    if (t->tangents != NULL) map_tangents(&def->transform, determinant_of(&def->transform), vertices, t->tangents);
     copy_indices(def, t->indices);
     *out = t;
     return TY_OK;
@@ -178,9 +204,11 @@ void ty_triangle_mesh_destroy(ty_context* context, ty_triangle_mesh* t) {
     ty_free_array(context, t->normals, 3 * t->vertex_count, sizeof(float));
     for (int set = 0; set < 2; ++set) ty_free_array(context, t->uv[set], 2 * t->vertex_count, sizeof(float));
     ty_free_array(context, t->colors, 4 * t->vertex_count, sizeof(float));
+    ty_free_array(context, t->tangents, 4 * t->vertex_count, sizeof(float));
     ty_free_array(context, t->indices, 3 * t->triangle_count, sizeof(uint32_t));
     ty_texture_release(t->material.albedo_texture);
     ty_texture_release(t->material.emission_texture);
+    ty_gloss_release(&t->material.gloss);
     ty_free_text(context, (char*)t->origin.file);
     ty_free_text(context, (char*)t->origin.name);
     ty_free_array(context, t, 1, sizeof *t);
@@ -188,7 +216,8 @@ void ty_triangle_mesh_destroy(ty_context* context, ty_triangle_mesh* t) {
 
 size_t ty_triangle_mesh_bytes(const ty_triangle_mesh* t) {
     const size_t floats = 3 + (t->normals != NULL ? 3u : 0u) + (t->uv[0] != NULL ? 2u : 0u) +
-                          (t->uv[1] != NULL ? 2u : 0u) + (t->colors != NULL ? 4u : 0u);
+                          (t->uv[1] != NULL ? 2u : 0u) + (t->colors != NULL ? 4u : 0u) +
+                          (t->tangents != NULL ? 4u : 0u);
     return sizeof *t + floats * sizeof(float) * t->vertex_count + 3 * sizeof(uint32_t) * t->triangle_count;
 }
 
@@ -219,5 +248,6 @@ ty_surface ty_triangle_mesh_get_surface(const ty_triangle_mesh* t) {
     surface.uv[0] = t->uv[0];
     surface.uv[1] = t->uv[1];
     surface.colors = t->colors;
+    surface.tangents = t->tangents;
     return surface;
 }

@@ -12,6 +12,7 @@ typedef struct ty_triangle_mesh {
     float* normals;   /* or NULL */
     float* uv[2];     /* or NULL */
     float* colors;    /* or NULL */
+    float* tangents;  /* 4 per vertex, or NULL */
     uint32_t* indices;
     ty_material_def material; /* textures retained */
     ty_mesh_origin origin;    /* strings owned */
@@ -24,6 +25,7 @@ void ty_triangle_mesh_destroy(ty_context* context, ty_triangle_mesh* triangles);
 size_t ty_triangle_mesh_bytes(const ty_triangle_mesh* triangles);
 
 bool ty_triangle_mesh_emits(const ty_triangle_mesh* triangles);
+/* Without gloss, which the commit adds. */
 ty_surface ty_triangle_mesh_get_surface(const ty_triangle_mesh* triangles);
 
 /* Checks of arrays shared with closed meshes: counts, indices, finite positions. */

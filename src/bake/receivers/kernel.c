@@ -1,4 +1,6 @@
 /* The baker's kernel; built once per instruction set, with TY_ISA naming it. */
+
+#define TY_PATH_GLOSS 0 /* the baker takes glossy surfaces for diffuse ones */
 #include "bake/cache/cached.k.h"
 
 #include "base/float_mode.h"

@@ -69,8 +69,13 @@ static bool is_known(const char* name) {
                                         "EXT_texture_webp",
                                         "KHR_draco_mesh_compression",
                                         "KHR_lights_punctual",
+                                        "KHR_materials_clearcoat",
                                         "KHR_materials_emissive_strength",
+                                        "KHR_materials_ior",
                                         "KHR_materials_pbrSpecularGlossiness",
+                                        "KHR_materials_sheen",
+                                        "KHR_materials_specular",
+                                        "KHR_materials_transmission",
                                         "KHR_materials_unlit",
                                         "KHR_materials_variants",
                                         "KHR_mesh_quantization",
@@ -128,7 +133,7 @@ ty_result ty_gltf_create_tables(ty_gltf* gltf) {
     gltf->views = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "bufferViews"), sizeof *gltf->views, true);
     gltf->meshes = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "meshes"), sizeof *gltf->meshes, true);
     gltf->images = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "images"), sizeof *gltf->images, true);
-    gltf->textures = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "textures"), sizeof *gltf->textures, true);
+    gltf->textures = ty_alloc_array(gltf->context, 2 * ty_gltf_count(gltf, "textures"), sizeof *gltf->textures, true);
     gltf->visited = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "nodes"), sizeof *gltf->visited, true);
     gltf->parents = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "nodes"), sizeof *gltf->parents, true);
     const bool all = gltf->buffers != NULL && gltf->views != NULL && gltf->meshes != NULL && gltf->images != NULL &&
@@ -140,7 +145,7 @@ void ty_gltf_close(ty_gltf* gltf) {
     ty_gltf_free_buffers(gltf);
     ty_free_array(gltf->context, gltf->meshes, ty_gltf_count(gltf, "meshes"), sizeof *gltf->meshes);
     ty_free_array(gltf->context, gltf->images, ty_gltf_count(gltf, "images"), sizeof *gltf->images);
-    ty_free_array(gltf->context, gltf->textures, ty_gltf_count(gltf, "textures"), sizeof *gltf->textures);
+    ty_free_array(gltf->context, gltf->textures, 2 * ty_gltf_count(gltf, "textures"), sizeof *gltf->textures);
     ty_free_array(gltf->context, gltf->visited, ty_gltf_count(gltf, "nodes"), sizeof *gltf->visited);
     ty_free_array(gltf->context, gltf->parents, ty_gltf_count(gltf, "nodes"), sizeof *gltf->parents);
     json_decref(gltf->root);

@@ -34,7 +34,7 @@ typedef struct ty_gltf {
     ty_gltf_buffer* buffers;
     ty_gltf_buffer* views; /* unpacked content of compressed buffer views */
     ty_gltf_mesh* meshes;
-    int32_t *images, *textures; /* index in the model plus one; 0: not loaded */
+    int32_t *images, *textures; /* index in the model plus one; 0: not loaded; textures: as colours, then as numbers */
     bool* visited;              /* per node */
     int32_t* parents;           /* per node; -1: a root */
     int64_t triangles;          /* over all instances so far */
@@ -145,8 +145,8 @@ typedef struct ty_gltf_primitive {
     const json_t* json;
     ty_json_path json_path;
     int64_t mode;
-    ty_gltf_accessor positions, normals, uv[2], colors;
-    bool has_normals, has_uv[2], has_colors;
+    ty_gltf_accessor positions, normals, uv[2], colors, tangents;
+    bool has_normals, has_uv[2], has_colors, has_tangents;
     uint32_t* corners; /* vertex index per corner; NULL: all vertices in order */
     size_t corner_count;
     size_t first, last;     /* range of vertices in use */

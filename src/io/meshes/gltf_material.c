@@ -1,5 +1,4 @@
-/* glTF materials and textures. Of the metallic-roughness model only the base color is used, of the specular-glossiness
- * model only the diffuse color. */
+/* glTF materials and textures. Of the specular-glossiness model only the diffuse color is used. */
 #include "base/context.h"
 #include "io/file.h"
 #include "io/images/image_file.h"
@@ -96,12 +95,13 @@ static ty_result read_source(const ty_gltf* gltf, const json_t* json, const ty_j
     return ty_gltf_fail(gltf, json_path, "it has no source that can be read");
 }
 
-/* Index of the model's texture for a glTF texture, created on first use. */
-static ty_result use_texture(ty_gltf* gltf, size_t index, int32_t* out) {
-    if (gltf->textures[index] == 0) {
+/* Index of the model's texture for a glTF texture, created on first use; linear: for numbers, not colours. */
+static ty_result use_texture(ty_gltf* gltf, size_t index, bool linear, int32_t* out) {
+    int32_t* known = &gltf->textures[index + (linear ? ty_gltf_count(gltf, "textures") : 0)];
+    if (*known == 0) {
         const ty_json_path json_path = ty_gltf_json_path("textures", index);
         const json_t* json = ty_gltf_item(gltf, "textures", index);
-        ty_model_texture texture = {0};
+        ty_model_texture texture = {.linear = linear};
         int64_t source = -1, sampler = -1;
         ty_result result = read_source(gltf, json, &json_path, &source);
         if (result == TY_OK) result = ty_gltf_read_reference(gltf, json, &json_path, "sampler", "samplers", &sampler);
@@ -109,9 +109,9 @@ static ty_result use_texture(ty_gltf* gltf, size_t index, int32_t* out) {
         if (result == TY_OK) result = use_image(gltf, (size_t)source, &texture.image);
         if (result == TY_OK) result = ty_model_add_texture(gltf->model, &texture);
         if (result != TY_OK) return result;
-        gltf->textures[index] = (int32_t)gltf->model->texture_count;
+        *known = (int32_t)gltf->model->texture_count;
     }
-    *out = gltf->textures[index] - 1;
+    *out = *known - 1;
     return TY_OK;
 }
 
@@ -131,7 +131,7 @@ static ty_result read_map(const ty_gltf* gltf, const json_t* transform, const ty
 
 /* Texture reference: index, texture coordinate set, transform. */
 static ty_result read_texture(ty_gltf* gltf, const json_t* object, const ty_json_path* json_path, const char* key,
-                              int32_t* texture, int32_t* uv, float map[6]) {
+                              bool linear, int32_t* texture, int32_t* uv, float map[6]) {
     const json_t* info = json_object_get(object, key);
     if (info == NULL) return TY_OK;
     const ty_json_path here = ty_json_path_key(json_path, key);
@@ -143,7 +143,7 @@ static ty_result read_texture(ty_gltf* gltf, const json_t* object, const ty_json
     if (result == TY_OK && transform != NULL) result = read_map(gltf, transform, &here, map, &set);
     if (result == TY_OK && set > 1)
         return ty_gltf_fail(gltf, &here, "it uses TEXCOORD_%lld; 0 and 1 can be read", (long long)set);
-    if (result == TY_OK) result = use_texture(gltf, (size_t)index, texture);
+    if (result == TY_OK) result = use_texture(gltf, (size_t)index, linear, texture);
     *uv = (int32_t)set;
     return result;
 }
@@ -163,9 +163,114 @@ static ty_result read_surface(ty_gltf* gltf, const json_t* json, const ty_json_p
     if (result != TY_OK) return result;
     for (int c = 0; c < 3; ++c) def->albedo[c] = (float)color[c];
     def->alpha = (float)color[3];
-    return read_texture(gltf, surface, &here, diffuse != NULL ? "diffuseTexture" : "baseColorTexture",
+    return read_texture(gltf, surface, &here, diffuse != NULL ? "diffuseTexture" : "baseColorTexture", false,
                         &material->albedo_texture, &def->albedo_uv, def->albedo_map);
 }
+
+/* ---- gloss ---- */
+
+static ty_result read_gloss_texture(ty_gltf* gltf, const json_t* object, const ty_json_path* json_path, const char* key,
+                                    ty_gloss_texture number, ty_model_material* material) {
+    const bool color = number == TY_GLOSS_SPECULAR_COLOR || number == TY_GLOSS_SHEEN_COLOR;
+    ty_texture_use* use = &material->def.gloss.textures[number];
+    return read_texture(gltf, object, json_path, key, !color, &material->gloss_textures[number], &use->uv, use->map);
+}
+
+static ty_result read_factor(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path, const char* key,
+                             double low, double high, float* out) {
+    double value = (double)*out;
+    const ty_result result = ty_gltf_read_number(gltf, object, json_path, key, low, high, &value);
+    *out = (float)value;
+    return result;
+}
+
+static ty_result read_color(const ty_gltf* gltf, const json_t* object, const ty_json_path* json_path, const char* key,
+                            double high, float out[3]) {
+    double color[3] = {(double)out[0], (double)out[1], (double)out[2]};
+    const ty_result result = ty_gltf_read_numbers(gltf, object, json_path, key, 3, 0, high, color);
+    for (int c = 0; c < 3; ++c) out[c] = (float)color[c];
+    return result;
+}
+
+static ty_result read_normals(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
+                              ty_model_material* material) {
+    const json_t* texture = json_object_get(json, "normalTexture");
+    const ty_json_path here = ty_json_path_key(json_path, "normalTexture");
+    const ty_result result = read_factor(gltf, texture, &here, "scale", -1e3, 1e3, &material->def.gloss.normal_scale);
+    if (result != TY_OK) return result;
+    return read_gloss_texture(gltf, json, json_path, "normalTexture", TY_GLOSS_NORMAL, material);
+}
+
+/* An extension of a material; its JSON path is stored, too. */
+static const json_t* find_extension(const json_t* json, const ty_json_path* json_path, const char* name,
+                                    ty_json_path* here) {
+    const ty_json_path extensions = ty_json_path_key(json_path, "extensions");
+    *here = ty_json_path_key(&extensions, name);
+    return ty_gltf_extension(json, name);
+}
+
+static ty_result read_dielectric(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
+                                 ty_model_material* material) {
+    ty_gloss_def* gloss = &material->def.gloss;
+    ty_json_path here;
+    const json_t* ior = find_extension(json, json_path, "KHR_materials_ior", &here);
+    ty_result result = read_factor(gltf, ior, &here, "ior", 0, 100, &gloss->ior);
+    if (result == TY_OK && gloss->ior > 0 && gloss->ior < 1)
+        return ty_gltf_fail(gltf, &here, "ior: %g is neither 0 nor in [1, 100]", (double)gloss->ior);
+    const json_t* specular = find_extension(json, json_path, "KHR_materials_specular", &here);
+    gloss->specular = 1;
+    if (result == TY_OK) result = read_factor(gltf, specular, &here, "specularFactor", 0, 1, &gloss->specular);
+    if (result == TY_OK) result = read_color(gltf, specular, &here, "specularColorFactor", 1e3, gloss->specular_color);
+    if (result == TY_OK)
+        result = read_gloss_texture(gltf, specular, &here, "specularTexture", TY_GLOSS_SPECULAR, material);
+    if (result == TY_OK)
+        result = read_gloss_texture(gltf, specular, &here, "specularColorTexture", TY_GLOSS_SPECULAR_COLOR, material);
+    const json_t* transmission = find_extension(json, json_path, "KHR_materials_transmission", &here);
+    if (result == TY_OK)
+        result = read_factor(gltf, transmission, &here, "transmissionFactor", 0, 1, &gloss->transmission);
+    if (result != TY_OK) return result;
+    return read_gloss_texture(gltf, transmission, &here, "transmissionTexture", TY_GLOSS_TRANSMISSION, material);
+}
+
+static ty_result read_coats(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
+                            ty_model_material* material) {
+    ty_gloss_def* gloss = &material->def.gloss;
+    ty_json_path here;
+    const json_t* coat = find_extension(json, json_path, "KHR_materials_clearcoat", &here);
+    ty_result result = read_factor(gltf, coat, &here, "clearcoatFactor", 0, 1, &gloss->clearcoat);
+    if (result == TY_OK)
+        result = read_factor(gltf, coat, &here, "clearcoatRoughnessFactor", 0, 1, &gloss->clearcoat_roughness);
+    if (result == TY_OK)
+        result = read_gloss_texture(gltf, coat, &here, "clearcoatTexture", TY_GLOSS_CLEARCOAT, material);
+    if (result == TY_OK)
+        result =
+            read_gloss_texture(gltf, coat, &here, "clearcoatRoughnessTexture", TY_GLOSS_CLEARCOAT_ROUGHNESS, material);
+    const json_t* sheen = find_extension(json, json_path, "KHR_materials_sheen", &here);
+    if (result == TY_OK) result = read_color(gltf, sheen, &here, "sheenColorFactor", 1, gloss->sheen_color);
+    if (result == TY_OK)
+        result = read_factor(gltf, sheen, &here, "sheenRoughnessFactor", 0, 1, &gloss->sheen_roughness);
+    if (result == TY_OK)
+        result = read_gloss_texture(gltf, sheen, &here, "sheenColorTexture", TY_GLOSS_SHEEN_COLOR, material);
+    if (result != TY_OK) return result;
+    return read_gloss_texture(gltf, sheen, &here, "sheenRoughnessTexture", TY_GLOSS_SHEEN_ROUGHNESS, material);
+}
+
+static ty_result read_gloss(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
+                            ty_model_material* material) {
+    ty_gloss_def* gloss = &material->def.gloss;
+    const json_t* surface = json_object_get(json, "pbrMetallicRoughness");
+    const ty_json_path here = ty_json_path_key(json_path, "pbrMetallicRoughness");
+    gloss->metallic = 1;
+    ty_result result = read_factor(gltf, surface, &here, "metallicFactor", 0, 1, &gloss->metallic);
+    if (result == TY_OK) result = read_factor(gltf, surface, &here, "roughnessFactor", 0, 1, &gloss->roughness);
+    if (result == TY_OK)
+        result =
+            read_gloss_texture(gltf, surface, &here, "metallicRoughnessTexture", TY_GLOSS_METALLIC_ROUGHNESS, material);
+    if (result == TY_OK) result = read_dielectric(gltf, json, json_path, material);
+    return result == TY_OK ? read_coats(gltf, json, json_path, material) : result;
+}
+
+/* ---- emission and alpha ---- */
 
 static ty_result read_emission(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
                                ty_model_material* material) {
@@ -179,7 +284,7 @@ static ty_result read_emission(ty_gltf* gltf, const json_t* json, const ty_json_
     for (int c = 0; c < 3; ++c) def->emission[c] = (float)fmin(color[c] * strength, EMISSION_MAX);
     const bool glows = def->emission[0] > 0 || def->emission[1] > 0 || def->emission[2] > 0;
     return !glows ? TY_OK
-                  : read_texture(gltf, json, json_path, "emissiveTexture", &material->emission_texture,
+                  : read_texture(gltf, json, json_path, "emissiveTexture", false, &material->emission_texture,
                                  &def->emission_uv, def->emission_map);
 }
 
@@ -204,6 +309,10 @@ static ty_result read_material(ty_gltf* gltf, size_t index) {
     ty_model_material material = ty_model_plain_material(1);
     material.def.double_sided = json_is_true(json_object_get(json, "doubleSided"));
     ty_result result = read_surface(gltf, json, &json_path, &material);
+    if (result == TY_OK) result = read_normals(gltf, json, &json_path, &material);
+    const bool diffuse = ty_gltf_extension(json, "KHR_materials_pbrSpecularGlossiness") != NULL ||
+                         ty_gltf_extension(json, "KHR_materials_unlit") != NULL;
+    if (result == TY_OK && !diffuse) result = read_gloss(gltf, json, &json_path, &material);
     if (result == TY_OK) result = read_emission(gltf, json, &json_path, &material);
     if (result == TY_OK) result = read_alpha(gltf, json, &json_path, &material.def);
     if (result != TY_OK) return result;
@@ -216,11 +325,6 @@ ty_result ty_gltf_read_materials(ty_gltf* gltf) {
     ty_result result = TY_OK;
     for (size_t i = 0; i < count && result == TY_OK; ++i) result = read_material(gltf, i);
     if (result != TY_OK) return result;
-    if (count > 0)
-        ty_log(gltf->context, TY_LOG_INFO,
-               "%s: materials become Lambertian surfaces of their base colour; metal, roughness, normal and occlusion "
-               "maps are not used",
-               gltf->path);
     ty_model_material plain = ty_model_plain_material(1);
     plain.plain = true;
     plain.name = ty_copy_text(gltf->context, "");

@@ -34,6 +34,7 @@ static ty_result open_attributes(ty_gltf* gltf, ty_gltf_primitive* p, bool* foun
     if (result == TY_OK) result = ty_gltf_open_attribute(gltf, p, "TEXCOORD_0", 2, 2, &p->uv[0], &p->has_uv[0]);
     if (result == TY_OK) result = ty_gltf_open_attribute(gltf, p, "TEXCOORD_1", 2, 2, &p->uv[1], &p->has_uv[1]);
     if (result == TY_OK) result = ty_gltf_open_attribute(gltf, p, "COLOR_0", 3, 4, &p->colors, &p->has_colors);
+    if (result == TY_OK) result = ty_gltf_open_attribute(gltf, p, "TANGENT", 4, 4, &p->tangents, &p->has_tangents);
     return result;
 }
 
@@ -107,6 +108,7 @@ static ty_result fill_vertices(ty_gltf* gltf, ty_gltf_primitive* p, const ty_glt
         if (p->has_uv[set]) ty_gltf_read_floats(&p->uv[set], p->first, count, 2, mesh->uv[set]);
     for (size_t i = 0; p->has_colors && i < count; ++i) mesh->colors[4 * i + 3] = 1;
     if (p->has_colors) ty_gltf_read_floats(&p->colors, p->first, count, 4, mesh->colors);
+    if (mesh->tangents != NULL) ty_gltf_read_floats(&p->tangents, p->first, count, 4, mesh->tangents);
     ty_model_tidy_shading(mesh);
     return TY_OK;
 }
@@ -136,7 +138,12 @@ static ty_result build_mesh(ty_gltf* gltf, ty_gltf_primitive* p, const ty_gltf_p
     result = ty_model_alloc_mesh(gltf->context, &mesh, p->has_normals, p->has_uv[0], p->has_uv[1], p->has_colors);
     if (result != TY_OK) return result;
     fill_triangles(p, &mesh);
-    result = fill_vertices(gltf, p, pose, &mesh);
+    /* Poses move tangents no more: those of posed meshes are derived. */
+    if (p->has_tangents && pose == NULL) {
+        mesh.tangents = ty_alloc_array(gltf->context, mesh.vertex_count, 4 * sizeof(float), true);
+        if (mesh.tangents == NULL) result = TY_ERROR_MEMORY;
+    }
+    if (result == TY_OK) result = fill_vertices(gltf, p, pose, &mesh);
     if (result == TY_OK) return ty_model_add_mesh(gltf->model, &mesh);
     ty_model_free_mesh(gltf->context, &mesh);
     return result;

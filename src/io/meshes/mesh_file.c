@@ -13,8 +13,12 @@ enum { MESSAGE_SIZE = 1024 };
 #define INTENSITY_MAX 1e15
 
 void ty_init_mesh_file_def(void* def, size_t bytes) {
-    const ty_mesh_file_def own = {
-        .transform = ty_affine_identity(), .meshes = true, .lights = true, .light_scale = 1, .emission_scale = 1};
+    const ty_mesh_file_def own = {.transform = ty_affine_identity(),
+                                  .meshes = true,
+                                  .lights = true,
+                                  .gloss = true,
+                                  .light_scale = 1,
+                                  .emission_scale = 1};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -87,6 +91,7 @@ static ty_result make_textures(filler* f) {
         def.wrap[0] = texture->wrap[0];
         def.wrap[1] = texture->wrap[1];
         def.nearest = texture->nearest;
+        def.linear = texture->linear;
         const ty_result result = ty_texture_create(f->context, &def, &f->textures[i]);
         if (result != TY_OK) return file_error(f->context, image->name, f->clean, result);
     }
@@ -104,6 +109,9 @@ static ty_material_def make_material(const filler* f, int32_t index) {
     ty_material_def def = material->def;
     if (material->albedo_texture >= 0) def.albedo_texture = f->textures[material->albedo_texture];
     if (material->emission_texture >= 0) def.emission_texture = f->textures[material->emission_texture];
+    if (!f->def->gloss) def.gloss = ty_default_material_def().gloss;
+    for (int i = 0; f->def->gloss && i < TY_GLOSS_TEXTURES; ++i)
+        if (material->gloss_textures[i] >= 0) def.gloss.textures[i].texture = f->textures[material->gloss_textures[i]];
     for (int c = 0; c < 3; ++c) def.emission[c] = (float)(def.emission[c] * f->def->emission_scale);
     return def;
 }
@@ -125,6 +133,7 @@ static ty_result add_instance(const filler* f, const ty_model_instance* instance
     def.uv[0] = mesh->uv[0];
     def.uv[1] = mesh->uv[1];
     def.colors = mesh->colors;
+    def.tangents = mesh->tangents;
     def.indices = mesh->indices;
     def.origin = (ty_mesh_origin){.file = f->path,
                                   .name = instance->name,

@@ -31,6 +31,7 @@ void ty_model_free_mesh(ty_context* context, ty_model_mesh* mesh) {
     ty_free_array(context, mesh->normals, count, 3 * sizeof(float));
     for (int i = 0; i < 2; ++i) ty_free_array(context, mesh->uv[i], count, 2 * sizeof(float));
     ty_free_array(context, mesh->colors, count, 4 * sizeof(float));
+    ty_free_array(context, mesh->tangents, count, 4 * sizeof(float));
     ty_free_array(context, mesh->indices, mesh->triangle_count, 3 * sizeof(uint32_t));
     *mesh = (ty_model_mesh){0};
 }
@@ -132,6 +133,7 @@ ty_result ty_model_add_camera(ty_model* model, ty_model_camera* camera) {
 ty_model_material ty_model_plain_material(float albedo) {
     ty_model_material material = {.def = ty_default_material_def(), .albedo_texture = -1, .emission_texture = -1};
     for (int c = 0; c < 3; ++c) material.def.albedo[c] = albedo;
+    for (int i = 0; i < TY_GLOSS_TEXTURES; ++i) material.gloss_textures[i] = -1;
     return material;
 }
 
@@ -154,6 +156,8 @@ void ty_model_tidy_shading(ty_model_mesh* mesh) {
     for (int set = 0; set < 2; ++set)
         for (size_t i = 0; mesh->uv[set] != NULL && i < 2 * count; ++i)
             mesh->uv[set][i] = finite_or_zero(mesh->uv[set][i]);
+    for (size_t i = 0; mesh->tangents != NULL && i < 4 * count; ++i)
+        mesh->tangents[i] = finite_or_zero(mesh->tangents[i]);
     for (size_t i = 0; mesh->colors != NULL && i < 4 * count; ++i)
         mesh->colors[i] = mesh->colors[i] > 0 ? fminf(mesh->colors[i], 1) : 0;
 }

@@ -25,6 +25,7 @@ typedef struct ty_model_mesh {
     float* normals; /* unit, or zero where the file has no direction */
     float* uv[2];
     float* colors;
+    float* tangents;
     uint32_t* indices;
     int32_t material;  /* -1: none */
     int32_t primitive; /* this and the next fields: as in ty_mesh_origin */
@@ -52,6 +53,7 @@ typedef struct ty_model_texture {
     int32_t image;
     ty_wrap wrap[2];
     bool nearest;
+    bool linear; /* numbers, not colours */
 } ty_model_texture;
 
 /* def without textures, which are given by index; -1: none. */
@@ -60,6 +62,8 @@ typedef struct ty_model_material {
     bool plain; /* default material, not from the file */
     ty_material_def def;
     int32_t albedo_texture, emission_texture;
+    int32_t gloss_textures[TY_GLOSS_TEXTURES];
+    bool has_roughness, has_specular; /* from keys of their own */
 } ty_model_material;
 
 /* Position and directions in file space; directions are unit. */

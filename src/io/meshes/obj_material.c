@@ -1,4 +1,4 @@
-/* OBJ material files (.mtl): diffuse and emitted color, their maps, and opacity. */
+/* OBJ material files (.mtl): diffuse, specular and emitted color, opacity, roughness and metal, and maps. */
 #include "base/context.h"
 #include "io/images/image_file.h"
 #include "io/meshes/obj.h"
@@ -93,8 +93,8 @@ static ty_result use_image(library* lib, const char* name, int32_t* out) {
     return ty_model_add_image(lib->model, &image);
 }
 
-static ty_result read_map(library* lib, ty_words* line, int32_t* out) {
-    ty_model_texture texture = {0};
+static ty_result read_map(library* lib, ty_words* line, bool linear, int32_t* out) {
+    ty_model_texture texture = {.linear = linear};
     read_options(lib, line, &texture);
     const ty_word rest = ty_rest_of_line(line);
     char name[NAME_SIZE];
@@ -127,15 +127,59 @@ static void whiten(float color[3]) {
     for (int c = 0; c < 3; ++c) color[c] = 1;
 }
 
+/* A number within low..high, into which others are clamped. */
+static ty_result read_number(const library* lib, ty_words* line, double low, double high, float* out) {
+    double value = 0;
+    if (!ty_next_number(line, &value) || !isfinite(value)) return fail(lib, "a number is damaged");
+    *out = (float)fmin(fmax(value, low), high);
+    return TY_OK;
+}
+
+/* "Ns n": the exponent of Phong's lobe, which is about as wide as that of microfacets of alpha = sqrt(2 / (n + 2))
+ * (Walter et al. 2007, section 5). "Pr" takes precedence. */
+static ty_result read_shininess(const library* lib, ty_words* line, ty_model_material* material) {
+    float exponent = 0;
+    const ty_result result = read_number(lib, line, 0, 1e9, &exponent);
+    if (!material->has_roughness) material->def.gloss.roughness = sqrtf(sqrtf(2.0f / (exponent + 2.0f)));
+    return result;
+}
+
+/* "Ks r g b": 0.5 is the reflection of a dielectric of ior 1.5, as writers of such files have it. */
+static ty_result read_specular(const library* lib, ty_words* line, ty_model_material* material) {
+    ty_gloss_def* gloss = &material->def.gloss;
+    const ty_result result = read_color(lib, line, 1, gloss->specular_color);
+    const float largest = fmaxf(gloss->specular_color[0], fmaxf(gloss->specular_color[1], gloss->specular_color[2]));
+    gloss->specular = largest > 0 ? 1 : 0;
+    for (int c = 0; c < 3; ++c) gloss->specular_color[c] *= 2;
+    material->has_specular = true;
+    return result;
+}
+
+/* Keys of a material that is not diffuse. */
+static ty_result read_gloss_key(library* lib, ty_word key, ty_words* line, ty_model_material* material) {
+    ty_gloss_def* gloss = &material->def.gloss;
+    if (ty_word_is(key, "Ks")) return read_specular(lib, line, material);
+    if (ty_word_is(key, "Ns")) return read_shininess(lib, line, material);
+    if (ty_word_is(key, "Ni")) return read_number(lib, line, 1, 100, &gloss->ior);
+    if (ty_word_is(key, "Pm")) return read_number(lib, line, 0, 1, &gloss->metallic);
+    if (ty_word_is(key, "Pc")) return read_number(lib, line, 0, 1, &gloss->clearcoat);
+    if (ty_word_is(key, "Pcr")) return read_number(lib, line, 0, 1, &gloss->clearcoat_roughness);
+    if (ty_word_is(key, "norm")) return read_map(lib, line, true, &material->gloss_textures[TY_GLOSS_NORMAL]);
+    if (!ty_word_is(key, "Pr")) return TY_OK;
+    material->has_roughness = true;
+    if (!material->has_specular) gloss->specular = 1;
+    return read_number(lib, line, 0, 1, &gloss->roughness);
+}
+
 static ty_result read_key(library* lib, ty_word key, ty_words* line, ty_model_material* material) {
     ty_material_def* def = &material->def;
     if (ty_word_is(key, "Kd")) return read_color(lib, line, 1, def->albedo);
     if (ty_word_is(key, "Ke")) return read_color(lib, line, 1e15, def->emission);
     if (ty_word_is(key, "d")) return read_opacity(lib, line, def);
-    if (ty_word_is(key, "map_Kd")) return read_map(lib, line, &material->albedo_texture);
-    if (ty_word_is(key, "map_Ke")) return read_map(lib, line, &material->emission_texture);
+    if (ty_word_is(key, "map_Kd")) return read_map(lib, line, false, &material->albedo_texture);
+    if (ty_word_is(key, "map_Ke")) return read_map(lib, line, false, &material->emission_texture);
     if (ty_word_is(key, "map_d")) ++lib->ignored;
-    return TY_OK;
+    return read_gloss_key(lib, key, line, material);
 }
 
 ty_result ty_read_mtl(ty_context* context, const char* path, const char* folder, const char* text, size_t size,

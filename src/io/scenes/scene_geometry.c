@@ -1,6 +1,44 @@
 /* Surfaces of a scene file. */
 #include "io/scenes/scene_reader.h"
 
+/* Surfaces with any of these keys are glossy. */
+static const char* const gloss_keys[] = {"metallic",       "roughness",      "ior",          "specular",
+                                         "specular_color", "clearcoat",      "transmission", "clearcoat_roughness",
+                                         "sheen_color",    "sheen_roughness"};
+
+static void read_gloss(const json_t* material, ty_gloss_def* gloss) {
+    bool glossy = false;
+    for (size_t i = 0; i < sizeof gloss_keys / sizeof *gloss_keys; ++i)
+        glossy = glossy || json_object_get(material, gloss_keys[i]) != NULL;
+    if (!glossy) return;
+    gloss->specular = 1;
+    ty_read_float(material, "metallic", &gloss->metallic);
+    ty_read_float(material, "roughness", &gloss->roughness);
+    ty_read_float(material, "ior", &gloss->ior);
+    ty_read_float(material, "specular", &gloss->specular);
+    ty_read_rgb(material, "specular_color", gloss->specular_color);
+    ty_read_float(material, "transmission", &gloss->transmission);
+    ty_read_float(material, "clearcoat", &gloss->clearcoat);
+    ty_read_float(material, "clearcoat_roughness", &gloss->clearcoat_roughness);
+    ty_read_rgb(material, "sheen_color", gloss->sheen_color);
+    ty_read_float(material, "sheen_roughness", &gloss->sheen_roughness);
+}
+
+/* The object under "material", if there is one. */
+static ty_result read_material(const ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
+                               float albedo[3], float emission[3], ty_gloss_def* gloss) {
+    const json_t* material = json_object_get(item, "material");
+    const ty_json_path json_path = ty_json_path_key(path, "material");
+    const ty_json_path old_name = ty_json_path_key(&json_path, "albedo");
+    if (json_object_get(material, "albedo") != NULL && json_object_get(material, "base_color") != NULL)
+        return ty_reader_fail(reader, &old_name, TY_ERROR_INPUT, "is the old name of base_color; give one of them");
+    ty_read_rgb(material, "albedo", albedo);
+    ty_read_rgb(material, "base_color", albedo);
+    ty_read_rgb(material, "emission", emission);
+    read_gloss(material, gloss);
+    return TY_OK;
+}
+
 static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const ty_json_path* path) {
     ty_shape_def def = ty_default_shape_def();
     const json_t* quad = json_object_get(item, "quad");
@@ -20,9 +58,7 @@ static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const t
         result = ty_read_box(reader, item, path, "box", reader->unit, def.origin, def.u);
     }
     if (result == TY_OK) result = ty_read_transform(reader, item, path, 1, 1, &def.transform);
-    const json_t* material = json_object_get(item, "material");
-    ty_read_rgb(material, "albedo", def.albedo);
-    ty_read_rgb(material, "emission", def.emission);
+    if (result == TY_OK) result = read_material(reader, item, path, def.albedo, def.emission, &def.gloss);
     return result == TY_OK ? ty_reader_prefix_error(reader, path, ty_scene_add_shape(reader->scene, &def)) : result;
 }
 
@@ -42,13 +78,13 @@ static ty_result read_mesh_file(ty_scene_reader* reader, const json_t* item, con
     if (result != TY_OK) return result;
     ty_read_bool(item, "meshes", &def.meshes);
     ty_read_bool(item, "lights", &def.lights);
+    ty_read_bool(item, "gloss", &def.gloss);
     ty_read_number(item, "light_scale", &def.light_scale);
     ty_read_number(item, "emission_scale", &def.emission_scale);
-    const json_t* material = json_object_get(item, "material");
-    ty_material_def plain = ty_default_material_def();
-    ty_read_rgb(material, "albedo", plain.albedo);
-    ty_read_rgb(material, "emission", plain.emission);
-    if (material != NULL) def.material = &plain;
+    ty_material_def own = ty_default_material_def();
+    result = read_material(reader, item, path, own.albedo, own.emission, &own.gloss);
+    if (result != TY_OK) return result;
+    if (json_object_get(item, "material") != NULL) def.material = &own;
     return ty_reader_prefix_error(reader, &json_path, ty_scene_add_mesh_file(reader->scene, file->path, &def));
 }
 

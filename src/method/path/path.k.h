@@ -7,6 +7,11 @@
 #include "method/path/point_light_direction.k.h"
 #include "scene/phase.k.h"
 
+/* Defined as 0, it makes glossy surfaces diffuse ones of their directional albedo, in less code. */
+#ifndef TY_PATH_GLOSS
+#define TY_PATH_GLOSS 1
+#endif
+
 /* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
 enum { TY_PATH_ROULETTE_DEPTH = 2000 };
 
@@ -382,7 +387,7 @@ typedef struct ty_vertex_response {
     const ty_surface_point* surface;
 } ty_vertex_response;
 
-/* Phase function, or BRDF times cosine, for light from a direction; returns the density with which the vertex samples
+/* Phase function, or BSDF times cosine, for light from a direction; returns the density with which the vertex samples
  * that direction, 1/sr, or 0 if no light comes from there. */
 TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_vec direction, float factor[3]) {
     if (response->scatter != NULL) {
@@ -390,6 +395,7 @@ TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_v
         return ty_scatter_vertex_pdf(response->scatter, direction, factor);
     }
     const ty_surface_point* point = response->surface;
+    if (TY_PATH_GLOSS != 0 && point->glossy != 0) return ty_surface_evaluate_bsdf(point, direction, factor);
     const float cosine = ty_dot(point->ns, direction) * (1.0f / TY_PI);
     if (!(cosine > 0.0f) || !(ty_dot(point->ng, direction) > 0.0f)) return 0.0f;
     for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * cosine;
@@ -514,6 +520,35 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     path->rr_throughput *= ty_max3(point->albedo);
 }
 
+/* A vertex on a glossy surface, as ty_path_reflect. Directions through thin walls start on the other side; their
+ * vertices sample no lamp directions. */
+TY_FN void ty_path_reflect_gloss(ty_path* path, const ty_intersection* at) {
+    const ty_surface_point* point = &at->point;
+    const bool transmits = ty_bsdf_transmits(&point->bsdf);
+    const ty_vec origin = ty_hit_leave(&at->hit, point->ng);
+    ty_light_sample sample;
+    float factor[3], chosen;
+    path->origin = origin;
+    path->normal = transmits ? ty_vec_make(0, 0, 0) : point->bsdf.frame.n;
+    bool shines;
+    const int32_t light = ty_path_sample_light(path, origin, &chosen, &sample, &shines);
+    const float density = shines ? ty_surface_evaluate_bsdf(point, sample.wi, factor) : 0.0f;
+    if (density > 0.0f) {
+        path->origin = ty_hit_leave(&at->hit, sample.wi);
+        ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, density,
+                                 0.0f);
+        path->origin = origin;
+    }
+    const ty_vertex_response response = {NULL, point};
+    path->point_light_rate = transmits ? 0.0f : ty_path_sample_point_light_direction(path, light, chosen, &response);
+    const float pick = ty_sobol_next(&path->random);
+    const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
+    path->pdf = ty_surface_sample_bsdf(point, pick, u, v, &path->direction, factor);
+    path->origin = ty_hit_leave(&at->hit, path->direction);
+    for (int c = 0; c < 3; ++c) path->beta[c] *= path->pdf > 0.0f ? factor[c] / path->pdf : 0.0f;
+    path->rr_throughput *= ty_max3(point->albedo);
+}
+
 /* Russian roulette on rr_throughput, unbiased. beta_before: sum of beta before the last interaction. */
 TY_FN bool ty_path_survives(ty_path* path, float beta_before) {
     const float now = ty_sum3(path->beta);
@@ -544,6 +579,13 @@ TY_FN bool ty_path_pass_unscattered(ty_path* path, const ty_intersection* end, f
     return end != NULL && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, beta_before);
 }
 
+/* A glossy surface as the path needs it: the albedo is that of all directions, and without energy compensation where
+ * the request is. */
+TY_FN void ty_path_meet_gloss(const ty_path* path, ty_surface_point* point) {
+    for (int c = 0; c < 3; ++c) point->albedo[c] = point->bsdf.total[c];
+    if (path->request->single_reflection != 0) ty_surface_drop_compensation(point);
+}
+
 /* The next event of a path: true at a new vertex, which lies in *medium or, if that is NULL, on the surface *end. */
 TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_intersection* end) {
     const ty_scene_view* scene = path->request->scene;
@@ -554,6 +596,7 @@ TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_i
     const bool on_surface =
         scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
+    if (TY_PATH_GLOSS != 0 && on_surface && end->point.glossy != 0) ty_path_meet_gloss(path, &end->point);
     *medium = NULL;
     if (path->request->unscattered != 0) return ty_path_pass_unscattered(path, on_surface ? end : NULL, beta_before);
     ty_spans spans;
@@ -627,6 +670,8 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
             medium != NULL ? ty_path_class_scattered(path->path_class) : ty_path_class_reflected(path->path_class);
         if (medium != NULL)
             ty_path_scatter(path, medium);
+        else if (TY_PATH_GLOSS != 0 && end.point.glossy != 0)
+            ty_path_reflect_gloss(path, &end);
         else
             ty_path_reflect(path, &end);
     }

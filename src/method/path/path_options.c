@@ -10,6 +10,10 @@ static const ty_option options[] = {
      .doc =
          "Sample directions about point and spot lights in media, and distances along rays past them by the light that "
          "they scatter; false means equiangular sampling alone, to show what that is worth."},
+    {TY_OPTION_FIELD(ty_path_def, energy_compensation), .type = TY_OPTION_BOOL, .preset = 1,
+     .doc =
+         "Return the light that microfacets of rough surfaces scatter several times, and give the diffuse part of a "
+         "dielectric what its reflection leaves; false means the formulas of glTF 2.0, appendix B, which lose light."},
     {TY_OPTION_FIELD(ty_path_def, spp), .type = TY_OPTION_INT, .min = 1, .max = TY_PATH_SPP_MAX, .preset = 64,
      .flags = TY_OPTION_CALLS_ONLY, .doc = "Samples per pixel, ray or cell at most."},
     {TY_OPTION_FIELD(ty_path_def, seconds), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .unit = "s",

@@ -121,7 +121,8 @@ bool ty_dom_has_outer_surfaces(const ty_dom_job* job) {
 bool ty_dom_surfaces_are_gray(const ty_dom_job* job) {
     for (size_t i = 0; i < job->scene->surfaces.count; ++i) {
         const ty_surface* surface = &job->scene->surfaces.surfaces[i];
-        if (ty_texture_exists(&surface->albedo_texture) || surface->colors != NULL) return false;
+        if (ty_texture_exists(&surface->albedo_texture) || surface->colors != NULL || surface->gloss != NULL)
+            return false;
         for (int c = 0; c < 3; ++c)
             if (surface->albedo[c] != surface->albedo[0] || surface->emission[c] != surface->emission[0]) return false;
     }

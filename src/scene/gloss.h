@@ -1,0 +1,18 @@
+/* Glossy materials of shapes and meshes: defaults, checks, textures, and what kernels see of them. */
+#ifndef TY_SCENE_GLOSS_H
+#define TY_SCENE_GLOSS_H
+
+#include "scene/surface.k.h"
+
+#include <tyndall/scene.h>
+
+ty_gloss_def ty_default_gloss(void);
+/* prefix: of the fields in messages, such as "material". */
+ty_result ty_gloss_check(ty_context* context, const char* prefix, const ty_gloss_def* def);
+/* False for Lambertian surfaces. */
+bool ty_gloss_exists(const ty_gloss_def* def);
+void ty_gloss_retain(const ty_gloss_def* def);
+void ty_gloss_release(const ty_gloss_def* def);
+ty_surface_gloss ty_gloss_get_view(const ty_gloss_def* def);
+
+#endif
