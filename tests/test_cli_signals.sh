@@ -212,7 +212,7 @@ test_two_processes() {
 }
 
 # state_age SECONDS: the state on disk is of at most so many seconds before the kill. Its last whole record tells at byte
-# 128 after how many seconds of work it was written; a record's size is at byte 24.
+# 120 after how many seconds of work it was written; a record's size is at byte 24.
 state_age() {
   checks=$((checks + 1))
   python3 - out.exr.state "$2" "$1" << 'END' || fail "a kill after $2 s lost more than $1 s"
@@ -222,11 +222,11 @@ try:
 except FileNotFoundError:
     state = b""
 at, seconds = 0, 0.0
-while at + 160 <= len(state):
+while at + 152 <= len(state):
     size, = struct.unpack_from("<Q", state, at + 24)
     if at + size > len(state):
         break
-    seconds, = struct.unpack_from("<d", state, at + 128)
+    seconds, = struct.unpack_from("<d", state, at + 120)
     at += size
 lost = float(sys.argv[2]) - seconds
 print(f"killed after {sys.argv[2]} s: {lost:.2f} s lost")

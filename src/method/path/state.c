@@ -20,7 +20,7 @@ typedef struct state_header {
     char library[16];                  /* library version, since another one may trace other paths */
     uint64_t scene, seed;
     int32_t width, height, crop[4], max_depth;
-    uint32_t aovs, ignore_media, unscattered, point_light_directions, energy_compensation, unused;
+    uint32_t aovs, ignore_media, unscattered, point_light_directions, energy_compensation;
     double seconds, cpu_seconds; /* elapsed */
     uint64_t paths, vertices;
 } state_header;
