@@ -102,6 +102,7 @@ struct view_live {
     double solve_seconds[TY_SOLVE_QUALITIES];  /* the last solve took; 0: none yet */
     double coarse_seconds[TY_SOLVE_QUALITIES]; /* the last coarse view of the light took; 0: none yet */
     double view_seconds;                       /* estimate of a view at full size */
+    double surface_seconds;                    /* the same of a first pass over the surfaces */
     double view_power;                         /* of the divisor of its sides by which a view takes less */
     view_shown shown;
     bool has_surfaces;

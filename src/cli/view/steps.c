@@ -35,10 +35,16 @@ static bool fail(view_live* live, ty_result result) {
     return true;
 }
 
+/* True if the method's view shows media alone, and the surfaces' own light is added to it. */
+static bool adds_surfaces(const view_live* live) {
+    return live->method->takes_surfaces && live->has_surfaces;
+}
+
 /* The divisor of both sides of coarse images. */
 static int32_t coarse_divisor(const view_live* live) {
     if (live->view_seconds <= 0) return 4;
-    const double divisor = ceil(pow(live->view_seconds / coarse_view_seconds, 1 / live->view_power));
+    const double seconds = live->view_seconds + (adds_surfaces(live) ? live->surface_seconds : 0);
+    const double divisor = ceil(pow(seconds / coarse_view_seconds, 1 / live->view_power));
     return (int32_t)fmax(1, fmin(divisor, COARSEST));
 }
 
@@ -120,11 +126,6 @@ static ty_solve_quality coarse_quality(const view_live* live) {
     return solve > 0 && solve < quick_solve_seconds ? TY_SOLVE_FULL : coarse;
 }
 
-/* True if the method's view shows media alone, and the surfaces' own light is added to it. */
-static bool adds_surfaces(const view_live* live) {
-    return live->method->takes_surfaces && live->has_surfaces;
-}
-
 /* Adds samples to the surfaces' own light for some seconds, and at least once; from none where its size or the scene
  * changed. */
 static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew, double seconds) {
@@ -138,6 +139,7 @@ static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew, dou
         last = now;
         result = view_accumulation_add(&live->surfaces, live->scene, PATH_SPP_MAX, view_report, live);
         now = cli_wall_seconds();
+        if (last == begun && anew) live->surface_seconds = (now - begun) * divisor * divisor;
     } while (result == TY_OK && now + 2 * (now - last) < begun + seconds);
     live->times.surfaces = 1e3 * (now - begun);
     return result;
