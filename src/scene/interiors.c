@@ -127,6 +127,27 @@ static void warn_if_open(ty_context* context, const ty_interiors_input* input, s
                mesh->origin.name != NULL ? ", " : "", mesh->origin.name != NULL ? mesh->origin.name : "", open);
 }
 
+/* True if light is refracted at a surface in one direction each. */
+static bool is_smooth(const ty_dielectric* dielectric) {
+    return dielectric != NULL && !(dielectric->roughness > 0) && dielectric->ior > 1;
+}
+
+void ty_interiors_warn_of_lamps(ty_context* context, const ty_light_def* lights, size_t count,
+                                const ty_committed_surfaces* surfaces) {
+    static const char* const names[] = {
+        [TY_LIGHT_DIRECTIONAL] = "directional", [TY_LIGHT_POINT] = "point", [TY_LIGHT_SPOT] = "spot"};
+    size_t light = 0, surface = 0;
+    while (light < count && lights[light].kind != TY_LIGHT_DIRECTIONAL && lights[light].kind != TY_LIGHT_POINT &&
+           lights[light].kind != TY_LIGHT_SPOT)
+        ++light;
+    while (surface < surfaces->count && !is_smooth(dielectric_of(surfaces, surface))) ++surface;
+    if (light == count || surface == surfaces->count) return;
+    ty_log(context, TY_LOG_WARNING,
+           "light %zu (%s) shines through a smooth dielectric (surface %zu): path finds one refracted way from each "
+           "point to it, and leaves out other ways and reflections; an emitter with a size has them all",
+           light, names[lights[light].kind], surface);
+}
+
 ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* input, bool warns,
                               ty_committed_interiors* out) {
     const ty_committed_surfaces* surfaces = input->surfaces;
