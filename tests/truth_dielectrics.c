@@ -123,7 +123,7 @@ static void rough_glass_is_white(void** state) {
         const double toward[3] = {0.25, 0, -1};
         char name[64];
         snprintf(name, sizeof name, "rough ball, roughness %g", roughness[i]);
-        assert_close(name, see(scene, 0, 0, 3, toward, in_full() ? 1 << 19 : 1 << 17, 0, 0), 1, 0.005);
+        assert_close(name, see(scene, 0, 0, 3, toward, in_full() ? 1 << 20 : 1 << 18, 0, 0), 1, 0.005);
         ty_scene_destroy(scene);
     }
 }
