@@ -195,7 +195,7 @@ static bool was_met(const ty_scene_view* scene, const ty_ray* ray, const ty_hit_
     return false;
 }
 
-void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_inside* out) {
+void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_interior_list* out) {
     /* A direction along no edge that is likely in a scene. */
     const ty_ray ray = {{point.x, point.y, point.z}, {0.26726124f, 0.80178373f, -0.53452248f}, TY_FLOAT_MAX};
     ty_all_hits hits;
@@ -209,7 +209,7 @@ void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_inside* ou
         const bool leaves =
             hit.normal.x * ray.direction[0] + hit.normal.y * ray.direction[1] + hit.normal.z * ray.direction[2] > 0;
         if (leaves && !was_met(scene, &ray, hits.layer[0], i, hit.surface))
-            ty_inside_enter(scene->interiors, gloss->dielectric.interior, out);
+            ty_interior_list_enter(scene->interiors, gloss->dielectric.interior, out);
     }
 }
 

@@ -41,7 +41,7 @@ TY_FN float ty_path_radiance_ratio(const ty_path* path, int32_t there) {
     return ratio * ratio;
 }
 
-TY_FN void ty_path_set_inside(ty_path* path, const ty_inside* inside) {
+TY_FN void ty_path_set_inside(ty_path* path, const ty_interior_list* inside) {
     const ty_interior* interior = &path->request->scene->interiors[inside->top];
     path->inside = *inside;
     path->media = interior->media;
@@ -51,7 +51,7 @@ TY_FN void ty_path_set_inside(ty_path* path, const ty_inside* inside) {
 /* Starts a path in the dielectrics around its origin. */
 TY_FN void ty_path_begin_inside(ty_path* path) {
     if (!ty_path_sees_dielectrics(path)) return;
-    ty_inside inside;
+    ty_interior_list inside;
     ty_interiors_around(path->request->scene, path->origin, &inside);
     ty_path_set_inside(path, &inside);
 }
@@ -62,11 +62,11 @@ TY_FN bool ty_path_only_absorbs(const ty_path* path) {
 }
 
 /* The interface of dielectrics at a hit of a ray from `inside`. *beyond: the dielectrics behind it. */
-TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_inside* inside, const ty_hit* hit,
-                                ty_vec direction, ty_inside* beyond) {
+TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_interior_list* inside, const ty_hit* hit,
+                                ty_vec direction, ty_interior_list* beyond) {
     const ty_surface_gloss* gloss = scene->surfaces[hit->surface].gloss;
     if (gloss == NULL || gloss->dielectric.solid == 0) return TY_INTERFACE_NONE;
-    *beyond = ty_inside_beyond(scene->interiors, inside, gloss->dielectric.interior, hit, direction);
+    *beyond = ty_interior_list_beyond(scene->interiors, inside, gloss->dielectric.interior, hit, direction);
     if (beyond->top == inside->top) return TY_INTERFACE_PASSED;
     const bool clear = gloss->textured == 0 && gloss->factor.transmission >= 1.0f && gloss->factor.metallic <= 0.0f;
     const bool matched = scene->interiors[beyond->top].ior == scene->interiors[inside->top].ior;
@@ -74,7 +74,8 @@ TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_inside* ins
 }
 
 /* Colour of the light that goes straight on at an interface. */
-TY_FN void ty_interface_tint(const ty_inside* inside, const ty_inside* beyond, const float color[3], float beta[3]) {
+TY_FN void ty_interface_tint(const ty_interior_list* inside, const ty_interior_list* beyond, const float color[3],
+                             float beta[3]) {
     for (int c = 0; c < 3 && beyond->top != inside->top; ++c) beta[c] *= color[c];
 }
 
@@ -96,10 +97,11 @@ TY_FN void ty_path_pass_interface(ty_path* path, const ty_intersection* at) {
     ty_path_set_inside(path, &at->beyond);
 }
 
-/* What is left of the light of a sample at origin, through media and interfaces that do not deflect it; 0: nothing. */
+/* Part of the light of a sample that arrives at origin through media and interfaces that do not deflect it; 0: nothing.
+ */
 TY_FN_CALLED void ty_path_light_through(ty_path* path, ty_vec origin, const ty_light_sample* sample, float out[3]) {
     const ty_scene_view* scene = path->request->scene;
-    ty_inside inside = path->inside, beyond;
+    ty_interior_list inside = path->inside, beyond;
     float left = sample->distance;
     for (int c = 0; c < 3; ++c) out[c] = 1.0f;
     for (int32_t i = 0; i < TY_SHADOW_INTERFACES_MAX; ++i) {
@@ -164,7 +166,7 @@ TY_FN void ty_path_refract_rough(ty_path* path, const ty_intersection* at, float
     const bool same = shines && (ty_dot(point->ng, sample.wi) > 0.0f) == (ty_dot(d.frame.n, sample.wi) > 0.0f);
     const float density = same ? ty_rough_dielectric_evaluate(&d, sample.wi, factor) : 0.0f;
     if (density > 0.0f) {
-        const ty_inside inside = path->inside;
+        const ty_interior_list inside = path->inside;
         const ty_vec direction = path->direction;
         const float beta[3] = {path->beta[0], path->beta[1], path->beta[2]};
         ty_path_leave_interface(path, at, sample.wi);
