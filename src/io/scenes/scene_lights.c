@@ -23,6 +23,10 @@ static ty_result read_sky(ty_scene_reader* reader, const json_t* sky, const ty_j
     ty_read_number(sky, "haze", &def.haze);
     ty_read_rgb(sky, "ground", def.ground);
     ty_read_int(sky, "resolution", &def.width);
+    ty_read_number(sky, "ozone", &def.ozone);
+    const char* scattering = json_string_value(json_object_get(sky, "multiple_scattering"));
+    if (scattering != NULL && strcmp(scattering, "isotropic") == 0) def.scattering = TY_SKY_ISOTROPIC;
+    if (scattering != NULL && strcmp(scattering, "none") == 0) def.scattering = TY_SKY_SINGLE;
     ty_environment_map* map = NULL;
     float irradiance[3];
     result = ty_make_sky(reader, path, &def, &map, irradiance);
