@@ -380,6 +380,7 @@ typedef struct ty_sky_def {
     int32_t width; ///< Width of the equirectangular image, even, 16..8192; default 512; the height is half of it.
     double ozone;  ///< Amount of ozone, 0..10; default 1.
     ty_sky_scattering scattering; ///< Default TY_SKY_ORDERS.
+    double height; ///< Height of the observer above the ground, m, 2..10000; default 2. Only what is above is seen.
 } ty_sky_def;
 
 /// Sets the `bytes` bytes of a ty_camera_def to the defaults, as ty_init_context_def() does.
@@ -443,6 +444,12 @@ static inline ty_sky_def ty_default_sky_def(void) {
 /// W m^-2. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_image** out,
                                      float sun_irradiance[3]);
+
+/// Adds the air and the haze of a sky as media that fill a box, with the ground at its lower face: aerial perspective.
+/// Their densities fall off exponentially along the scene's up axis. What the box holds must not be in the sky's image,
+/// so that it is made with `height` = height of the box. Errors: as ty_scene_add_medium().
+TY_API ty_result ty_scene_add_sky_air(ty_scene* scene, const ty_sky_def* sky, const double box_min[3],
+                                      const double box_max[3]);
 
 /// Creates an empty scene. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out);

@@ -12,6 +12,9 @@
 enum { TY_ATMOSPHERE_HEIGHTS = 64, TY_ATMOSPHERE_ANGLES = 256 };
 enum { TY_ATMOSPHERE_ENTRIES = 3 * TY_ATMOSPHERE_HEIGHTS * TY_ATMOSPHERE_ANGLES };
 
+/* Largest height of an observer, m; ozone is above it. */
+enum { TY_SKY_HEIGHT_MAX = 10000 };
+
 static const double ty_ground_radius = 6360e3, ty_top_radius = 6460e3, ty_observer_height = 2;
 
 /* Properties of the constituents: coefficients at sea level per channel, and scale heights. */

@@ -43,7 +43,8 @@ void ty_init_sky_def(void* def, size_t bytes) {
                             .up_axis = TY_AXIS_Y,
                             .width = 512,
                             .ozone = 1,
-                            .scattering = TY_SKY_ORDERS};
+                            .scattering = TY_SKY_ORDERS,
+                            .height = ty_observer_height};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -67,6 +68,9 @@ static ty_result check_def(ty_context* context, const ty_sky_def** given, ty_sky
         return ty_fail(context, TY_ERROR_ARGUMENT, "sky.haze: %g is outside [0, 10]", def->haze);
     if (!(def->ozone >= 0 && def->ozone <= 10))
         return ty_fail(context, TY_ERROR_ARGUMENT, "sky.ozone: %g is outside [0, 10]", def->ozone);
+    if (!(def->height >= ty_observer_height && def->height <= TY_SKY_HEIGHT_MAX))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "sky.height: %g is outside [%g, %d]", def->height,
+                       ty_observer_height, TY_SKY_HEIGHT_MAX);
     if (def->scattering < TY_SKY_ORDERS || def->scattering > TY_SKY_SINGLE)
         return ty_fail(context, TY_ERROR_ARGUMENT, "sky.scattering: %d is not a ty_sky_scattering",
                        (int)def->scattering);
@@ -189,13 +193,13 @@ static void sky_row(void* user, int64_t index, int32_t worker) {
     const int32_t width = job->def.width;
     const double theta = TY_PI_F64 * ((double)index + 0.5) / (width / 2);
     const double up = fmax(0, cos(theta)), horizontal = sin(theta);
-    const double radius = ty_ground_radius + ty_observer_height, length = ty_distance_to_top(radius, up);
+    const double radius = ty_ground_radius + job->def.height, length = ty_distance_to_top(radius, up);
     const double sun_horizontal = hypot(job->sun[0], job->sun[2]);
     const bool by_orders = job->def.scattering == TY_SKY_ORDERS;
     sky_path path;
     ty_sky_ring ring;
     trace_path(job, radius, up, length, VIEW_STEPS, &path);
-    if (by_orders) ty_sky_orders_ring(&job->atmosphere, &job->orders, up, job->sun[1], &ring);
+    if (by_orders) ty_sky_orders_ring(&job->atmosphere, &job->orders, radius, up, job->sun[1], &ring);
     for (int32_t column = 0; column < width; ++column) {
         const double phi = 2 * TY_PI_F64 * ((column + 0.5) / width - 0.5);
         const double cos_gamma =
@@ -233,7 +237,7 @@ static void fill_image(ty_context* context, sky_job* job, float sun_irradiance[3
     }
     ty_parallel_for(context, above, sky_row, job);
     double transmitted[3];
-    ty_air_transmittance(&job->atmosphere, ty_ground_radius + ty_observer_height, job->sun[1], transmitted);
+    ty_air_transmittance(&job->atmosphere, ty_ground_radius + job->def.height, job->sun[1], transmitted);
     for (int c = 0; c < 3; ++c) {
         const double sun = job->sun[1] > 0 ? (double)job->def.solar[c] * transmitted[c] : 0;
         const double irradiance = sun * fmax(0, job->sun[1]) + sky_irradiance(job, c);

@@ -16,10 +16,10 @@ enum {
     RINGS_ABOVE = 9, /* directions above the horizon */
     RINGS_BELOW = 5,
     RINGS = RINGS_ABOVE + RINGS_BELOW,
-    AZIMUTHS = 6, /* on one side of the plane of zenith and sun */
+    AZIMUTHS = 8, /* on one side of the plane of zenith and sun */
     LEG_STEPS = 12,
     PATH_STEPS = 40, /* of the observer's paths, at least 2 LEG_STEPS */
-    ORDERS = 5
+    ORDERS = 3
 };
 
 /* Above this height, which nine tenths of a thousandth of the air are above, light is that at the height. */
@@ -309,14 +309,14 @@ ty_result ty_sky_orders_solve(ty_context* context, const ty_atmosphere* atmosphe
 
 /* ---- the observer's view ---- */
 
-void ty_sky_orders_ring(const ty_atmosphere* atmosphere, const ty_sky_orders* orders, double up, double sun_up,
-                        ty_sky_ring* out) {
+void ty_sky_orders_ring(const ty_atmosphere* atmosphere, const ty_sky_orders* orders, double radius, double up,
+                        double sun_up, ty_sky_ring* out) {
     enum { COUNT = TY_SKY_AZIMUTHS };
     const orders_job job = {.atmosphere = atmosphere, .orders = orders};
     const double sine = sqrt(fmax(0, 1 - up * up)), sun_sine = sqrt(fmax(0, 1 - sun_up * sun_up));
     path p;
     float light[COUNT][4];
-    trace(&job, ty_ground_radius + ty_observer_height, up, PATH_STEPS, &p);
+    trace(&job, radius, up, PATH_STEPS, &p);
     for (int j = 0; j < COUNT; ++j) {
         const double cos_azimuth = cos(TY_PI_F64 * (j + 0.5) / COUNT);
         const ty_air_ray from = {p.radius, up, sun_up, up * sun_up + sine * sun_sine * cos_azimuth};

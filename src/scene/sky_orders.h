@@ -9,7 +9,7 @@
 
 #include "scene/atmosphere.h"
 
-enum { TY_SKY_HEIGHTS = 18, TY_SKY_SUNS = 44, TY_SKY_HARMONICS = 15, TY_SKY_BANDS = 5 };
+enum { TY_SKY_HEIGHTS = 14, TY_SKY_SUNS = 40, TY_SKY_HARMONICS = 15, TY_SKY_BANDS = 5 };
 
 /* Harmonics of radiance at one height and sun, those that are even about the plane of zenith and sun; rgb and a 0. */
 enum { TY_SKY_ENTRY = 4 * TY_SKY_HARMONICS, TY_SKY_ENTRIES = TY_SKY_HEIGHTS * TY_SKY_SUNS * TY_SKY_ENTRY };
@@ -31,9 +31,10 @@ typedef struct ty_sky_ring {
     double cosine[TY_SKY_AZIMUTHS][3];
 } ty_sky_ring;
 
-/* Light scattered more than once that comes down to the observer from the cosine `up`, over the solar irradiance. */
-void ty_sky_orders_ring(const ty_atmosphere* atmosphere, const ty_sky_orders* orders, double up, double sun_up,
-                        ty_sky_ring* out);
+/* Light scattered more than once that comes to a distance from the center from the cosine `up` >= 0, over the solar
+ * irradiance. */
+void ty_sky_orders_ring(const ty_atmosphere* atmosphere, const ty_sky_orders* orders, double radius, double up,
+                        double sun_up, ty_sky_ring* out);
 double ty_sky_ring_value(const ty_sky_ring* ring, double cos_azimuth, int channel);
 
 #endif
