@@ -1,7 +1,7 @@
 /* The sky against path tracing of the planet: a ball in nested balls of air and haze under the sun. */
 #include "truth.h"
 
-enum { SHELLS = 60, WIDTH = 256, HEIGHT = WIDTH / 2, RAYS = 16 };
+enum { SHELLS = 60, WIDTH = 256, HEIGHT = WIDTH / 2, AZIMUTHS = 3, RAYS = 8 * AZIMUTHS };
 
 /* The atmosphere of src/scene/atmosphere.c, without ozone, whose layer no nested balls make. */
 static const double planet = 6360e3, observer = 2, thickness = 100e3;
@@ -70,11 +70,10 @@ static ty_image* sky_image(ty_context* context, const sky_case* c, ty_sky_scatte
     return image;
 }
 
-/* Views along the centres of the map's pixels: near the zenith to the horizon, from below the sun to opposite of it. */
-static void view_of(int ray, double view[6], int* pixel) {
-    static const double elevations[4] = {89.3, 45, 12, 1};
-    const int row = (int)((90 - elevations[ray / 4]) / 180 * HEIGHT),
-              column = WIDTH / 2 + ray % 4 * (WIDTH / 2 - 1) / 3;
+/* A view along the centre of the map's pixel nearest to an elevation, degrees, and to an azimuth, as a part of half a
+ * turn from the sun. */
+static void view_at(double elevation, double azimuth, double view[6], int* pixel) {
+    const int row = (int)((90 - elevation) / 180 * HEIGHT), column = WIDTH / 2 + (int)(azimuth * (WIDTH / 2 - 1));
     const double down = pi * (row + 0.5) / HEIGHT, turn = 2 * pi * ((column + 0.5) / WIDTH - 0.5);
     const double values[6] = {0, 0, 0, sin(down) * cos(turn), cos(down), sin(down) * sin(turn)};
     memcpy(view, values, sizeof values);
@@ -84,11 +83,13 @@ static void view_of(int ray, double view[6], int* pixel) {
 static void compare(ty_context* context, const sky_case* c) {
     const int32_t spp = fewer(65536, 16);
     double views[6 * RAYS], radiance[3 * RAYS], variance[3 * RAYS], worst = 0;
+    static const double elevations[RAYS / AZIMUTHS] = {89.3, 60, 45, 20, 12, 5, 2.1, 0.7};
     int pixels[RAYS];
     ty_scene* scene = planet_scene(context, c);
     ty_image* images[3];
     for (int i = 0; i < 3; ++i) images[i] = sky_image(context, c, (ty_sky_scattering)i);
-    for (int i = 0; i < RAYS; ++i) view_of(i, &views[6 * i], &pixels[i]);
+    for (int i = 0; i < RAYS; ++i)
+        view_at(elevations[i / AZIMUTHS], (double)(i % AZIMUTHS) / (AZIMUTHS - 1), &views[6 * i], &pixels[i]);
     radiance_along(scene, RAYS, views, spp, 0, radiance, variance);
     printf("sun at %g degrees, haze %g, ground %g: sky / path - 1, %%\n", c->elevation, c->haze, c->ground);
     for (int i = 0; i < 3 * RAYS; ++i) {
@@ -115,7 +116,57 @@ static void skies_are_as_bright_as_the_planets(void** state) {
         if (in_full() || cases[i].quick) compare(*state, &cases[i]);
 }
 
+/* A box with the ground under it holds the lowest air; the sky above is seen through it as it is from the ground. */
+static void air_adds_nothing_to_the_sky(void** state) {
+    enum { VIEWS = 9 };
+    static const double elevations[3] = {80, 40, 15}, low[3] = {-60e3, 0, -60e3}, high[3] = {60e3, 4000, 60e3};
+    static const double center[3] = {0, 0, 0}, x[3] = {1, 0, 0}, back[3] = {0, 0, -1};
+    static const double tolerance = 0.02;
+    ty_context* context = *state;
+    ty_scene* scene = new_scene(context);
+    ty_sky_def def = ty_default_sky_def();
+    const double sun_elevation = 30 * pi / 180;
+    set3(def.sun_direction, -cos(sun_elevation), -sin(sun_elevation), 0);
+    def.haze = 3;
+    def.width = WIDTH;
+    ty_image* whole = NULL;
+    ty_image* above = NULL;
+    float irradiance[3];
+    must(context, ty_sky_create_image(context, &def, &whole, irradiance));
+    def.height = high[1] - low[1];
+    must(context, ty_sky_create_image(context, &def, &above, irradiance));
+    must(context, ty_scene_add_sky_air(scene, &def, low, high));
+    const ty_shape_def ground = square_shape(center, x, back, 60e3, 0.2);
+    ty_light_def sky = light_of(TY_LIGHT_ENVIRONMENT, 1), sun = light_of(TY_LIGHT_DIRECTIONAL, 1);
+    sky.image = above;
+    memcpy(sun.direction, def.sun_direction, sizeof sun.direction);
+    memcpy(sun.color, irradiance, sizeof sun.color);
+    add_shape(scene, &ground);
+    add_light(scene, &sky);
+    add_light(scene, &sun);
+    commit(scene);
+    double views[6 * VIEWS], radiance[3 * VIEWS], variance[3 * VIEWS], worst = 0;
+    int pixels[VIEWS];
+    for (int i = 0; i < VIEWS; ++i) {
+        view_at(elevations[i / 3], 0.1 + 0.4 * (i % 3), &views[6 * i], &pixels[i]);
+        views[6 * i + 1] = 2;
+    }
+    radiance_along(scene, VIEWS, views, fewer(65536, 8), 0, radiance, variance);
+    for (int i = 0; i < 3 * VIEWS; ++i) {
+        const double expected = (double)ty_image_plane_const(whole, i % 3)[pixels[i / 3]];
+        const double off = radiance[i] / expected - 1, noise = sqrt(variance[i]) / expected;
+        printf("  view %d, channel %d: %9.3g, through air %+5.1f %% +- %.1f\n", i / 3, i % 3, expected, 100 * off,
+               100 * noise);
+        worst = fmax(worst, fabs(off) - 4 * noise - tolerance);
+    }
+    ty_image_destroy(whole);
+    ty_image_destroy(above);
+    ty_scene_destroy(scene);
+    if (worst > 0) fail_msg("off by %g more than its bound", worst);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(skies_are_as_bright_as_the_planets)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(skies_are_as_bright_as_the_planets),
+                                       cmocka_unit_test(air_adds_nothing_to_the_sky)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

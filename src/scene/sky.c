@@ -269,13 +269,13 @@ static ty_result make_orders(ty_context* context, sky_job* job, ty_sky_table* ta
     if (table->light == NULL) table->light = ty_alloc_array(context, TY_SKY_ENTRIES, sizeof(float), false);
     if (table->light == NULL) return TY_ERROR_MEMORY;
     job->orders.light = table->light;
-    if (kept) return TY_OK;
     double moments[3 * TY_SKY_BANDS];
     const ty_phase_lobe haze = {.kind = TY_PHASE_DRAINE, .weight = {1, 1, 1}, .g = ty_haze_g, .alpha = 1};
     ty_result result = ty_phase_moments(context, &haze, 1, TY_SKY_BANDS - 1, moments);
     if (result != TY_OK) return result;
     memcpy(job->orders.haze_moments, moments, sizeof job->orders.haze_moments);
     for (int c = 0; c < 3; ++c) job->orders.ground[c] = (double)job->def.ground[c];
+    if (kept) return TY_OK;
     table->solved = false;
     result = ty_sky_orders_solve(context, &job->atmosphere, &job->orders);
     if (result != TY_OK) return result;

@@ -19,7 +19,7 @@ enum {
     AZIMUTHS = 8, /* on one side of the plane of zenith and sun */
     LEG_STEPS = 12,
     PATH_STEPS = 40, /* of the observer's paths, at least 2 LEG_STEPS */
-    ORDERS = 3
+    ORDERS = 4
 };
 
 /* Above this height, which nine tenths of a thousandth of the air are above, light is that at the height. */
