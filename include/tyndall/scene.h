@@ -446,7 +446,7 @@ TY_API ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def,
                                      float sun_irradiance[3]);
 
 /// Adds the air and the haze of a sky as media that fill a box, with the ground at its lower face: aerial perspective.
-/// Their densities fall off exponentially along the scene's up axis. What the box holds must not be in the sky's image,
+/// Their densities fall off exponentially along the scene's up axis. The sky's image must hold no light of that air,
 /// so that it is made with `height` = height of the box. Errors: as ty_scene_add_medium().
 TY_API ty_result ty_scene_add_sky_air(ty_scene* scene, const ty_sky_def* sky, const double box_min[3],
                                       const double box_max[3]);

@@ -223,8 +223,8 @@ static void trace_height(void* user, int64_t index, int32_t worker) {
         path* p = &job->paths[index * RINGS + i];
         double up;
         if (i < RINGS_ABOVE) {
-            const double low = (double)i / RINGS_ABOVE, high = (i + 1.0) / RINGS_ABOVE, middle = (low + high) / 2;
-            up = horizon + (1 - horizon) * middle * middle;
+            const double low = (double)i / RINGS_ABOVE, high = (i + 1.0) / RINGS_ABOVE, center = (low + high) / 2;
+            up = horizon + (1 - horizon) * center * center;
             p->weight = (1 - horizon) * (high * high - low * low);
         } else {
             up = horizon - (1 + horizon) * (i - RINGS_ABOVE + 0.5) / RINGS_BELOW;
