@@ -66,10 +66,19 @@ ty_sun_height ty_sun_at_height(const ty_atmosphere* atmosphere, double radius) {
     return (ty_sun_height){rho / radius, shortest, longest - shortest, y - y0, atmosphere->table + 3 * ANGLES * y0};
 }
 
+/* fmin and fmax are calls. */
+static double clamp_01(double x) {
+    return x > 0 ? x < 1 ? x : 1 : 0;
+}
+
 void ty_sunlight(const ty_sun_height* at, double radius, double sun_up, double out[3]) {
     const double dip = sun_up + at->horizon; /* elevation above the horizon, approximately in radians */
-    const double sun_fraction = fmin(1, fmax(0, 0.5 + 0.5 * dip / sun_half_angle));
-    const double position = fmin(1, fmax(0, (ty_distance_to_top(radius, sun_up) - at->shortest) / at->range));
+    const double sun_fraction = clamp_01(0.5 + 0.5 * dip / sun_half_angle);
+    if (sun_fraction <= 0) {
+        for (int c = 0; c < 3; ++c) out[c] = 0;
+        return;
+    }
+    const double position = clamp_01((ty_distance_to_top(radius, sun_up) - at->shortest) / at->range);
     const double x = position * (ANGLES - 1);
     const int x0 = x < ANGLES - 2 ? (int)x : ANGLES - 2;
     const double fx = x - x0, fy = at->fraction;

@@ -47,7 +47,8 @@ void ty_air_transmittance(const ty_atmosphere* atmosphere, double radius, double
 void ty_atmosphere_fill(ty_context* context, ty_atmosphere* atmosphere);
 
 static inline double ty_distance_to_top(double radius, double up) {
-    return -radius * up + sqrt(fmax(0, radius * radius * (up * up - 1) + ty_top_radius * ty_top_radius));
+    const double squared = radius * radius * (up * up - 1) + ty_top_radius * ty_top_radius;
+    return -radius * up + (squared > 0 ? sqrt(squared) : 0);
 }
 
 /* Negative if the ray misses the ground. */

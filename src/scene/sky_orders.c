@@ -17,16 +17,17 @@ enum {
     RINGS_BELOW = 5,
     RINGS = RINGS_ABOVE + RINGS_BELOW,
     AZIMUTHS = 8, /* on one side of the plane of zenith and sun */
-    LEG_STEPS = 12,
+    LEG_STEPS = 10,
     PATH_STEPS = 40, /* of the observer's paths, at least 2 LEG_STEPS */
     ORDERS = 4
 };
 
-/* Above this height, which nine tenths of a thousandth of the air are above, light is that at the height. */
+/* Above this height, where .06 % of the air is, light counts as that at the height. */
 static const double highest = 60e3;
-/* Nodes of the sun are even in asinh(cosine / fineness), which are close at the horizon; below the last one is night.
- */
-static const double fineness = 0.05, last_sun = -0.31;
+/* Nodes of the sun are even in x / (|x| + fineness), x its cosine, so that they are close at the horizon; below the
+ * last one is night. */
+static const double fineness = 0.3, last_sun = -0.31;
+static const double lowest_place = -0.31 / (0.31 + 0.3), highest_place = 1 / (1 + 0.3);
 
 /* Terms of ty_sh_all that are even in y, and their bands. */
 static const int even_terms[HARMONICS] = {0, 2, 3, 6, 7, 8, 12, 13, 14, 15, 20, 21, 22, 23, 24};
@@ -69,17 +70,15 @@ static double height_of(int index) {
 }
 
 static double sun_of(int index) {
-    const double low = asinh(last_sun / fineness), high = asinh(1 / fineness);
-    return fineness * sinh(low + (high - low) * index / (SUNS - 1));
+    const double place = lowest_place + (highest_place - lowest_place) * index / (SUNS - 1);
+    return fineness * place / (1 - fabs(place));
 }
 
 /* The node below a sun, and in *fraction how far it is to the next; negative at night. */
 static int locate_sun(double sun_up, float* fraction) {
     if (sun_up <= last_sun) return -1;
-    const double low = asinh(last_sun / fineness), high = asinh(1 / fineness);
-    const float x = (float)(fabs(sun_up) / fineness), size = ty_logf(x + sqrtf(x * x + 1));
-    const float scale = (float)((SUNS - 1) / (high - low));
-    const float position = ((sun_up < 0 ? -size : size) - (float)low) * scale;
+    const double place = sun_up / (fabs(sun_up) + fineness);
+    const float position = (float)((place - lowest_place) * ((SUNS - 1) / (highest_place - lowest_place)));
     const int index = position < 0 ? 0 : position < SUNS - 2 ? (int)position : SUNS - 2;
     *fraction = ty_clampf(position - (float)index, 0, 1);
     return index;
@@ -152,15 +151,16 @@ typedef struct aspect {
 
 static aspect aspect_of(const step* s, ty_air_ray from, double cos_azimuth) {
     aspect a = {(from.radius * from.sun_up + s->t * from.cos_sun) / s->radius, cos_azimuth};
-    const double sine = s->sine * sqrt(fmax(0, 1 - a.sun_up * a.sun_up));
+    const double squared = 1 - a.sun_up * a.sun_up, sine = squared > 0 ? s->sine * sqrt(squared) : 0;
     /* Towards the zenith the azimuth no longer matters. */
-    if (sine > 1e-4) a.cos_azimuth = fmin(1, fmax(-1, (from.cos_sun - s->up * a.sun_up) / sine));
+    if (sine > 1e-4) a.cos_azimuth = (from.cos_sun - s->up * a.sun_up) / sine;
+    a.cos_azimuth = a.cos_azimuth > 1 ? 1 : a.cos_azimuth < -1 ? -1 : a.cos_azimuth;
     return a;
 }
 
 static void even_harmonics(double up, double sine, double cos_azimuth, float y[HARMONICS]) {
     float all[TY_SH_TERMS_MAX];
-    const double sin_azimuth = sqrt(fmax(0, 1 - cos_azimuth * cos_azimuth));
+    const double squared = 1 - cos_azimuth * cos_azimuth, sin_azimuth = squared > 0 ? sqrt(squared) : 0;
     ty_sh_all(ty_vec_make((float)(sine * cos_azimuth), (float)(sine * sin_azimuth), (float)up), all);
     for (int i = 0; i < HARMONICS; ++i) y[i] = all[even_terms[i]];
 }

@@ -9,7 +9,7 @@
 
 #include "scene/atmosphere.h"
 
-enum { TY_SKY_HEIGHTS = 14, TY_SKY_SUNS = 40, TY_SKY_HARMONICS = 15, TY_SKY_BANDS = 5 };
+enum { TY_SKY_HEIGHTS = 12, TY_SKY_SUNS = 40, TY_SKY_HARMONICS = 15, TY_SKY_BANDS = 5 };
 
 /* Harmonics of radiance at one height and sun, those that are even about the plane of zenith and sun; rgb and a 0. */
 enum { TY_SKY_ENTRY = 4 * TY_SKY_HARMONICS, TY_SKY_ENTRIES = TY_SKY_HEIGHTS * TY_SKY_SUNS * TY_SKY_ENTRY };
