@@ -124,7 +124,7 @@ static void air_adds_nothing_to_the_sky(void** state) {
     enum { VIEWS = 9 };
     static const double elevations[3] = {80, 40, 15}, low[3] = {-60e3, 0, -60e3}, high[3] = {60e3, 4000, 60e3};
     static const double center[3] = {0, 0, 0}, x[3] = {1, 0, 0}, back[3] = {0, 0, -1};
-    static const double tolerance = 0.02;
+    static const double tolerance = 0.01; /* measured: .5 % +- .5 %, 1.3 +- .4 at the horizon */
     ty_context* context = *state;
     ty_scene* scene = new_scene(context);
     ty_sky_def def = ty_default_sky_def();
