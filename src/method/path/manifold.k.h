@@ -167,12 +167,32 @@ TY_FN float ty_manifold_deviation(const ty_refracted_ray* ray) {
     return sqrtf(ray->deviation[0] * ray->deviation[0] + ray->deviation[1] * ray->deviation[1]);
 }
 
+/* Where the straight line is reflected totally at the first interface, the direction that Snell's law would take to it
+ * there; false: none does. */
+TY_FN bool ty_manifold_start(const ty_path* path, ty_vec* direction) {
+    const ty_scene_view* scene = path->request->scene;
+    ty_hit hit;
+    ty_interior_list beyond;
+    ty_surface_point point;
+    if (!ty_accel_intersect(scene->mesh, path->origin, *direction, TY_FLOAT_MAX, &hit) ||
+        ty_interface_find(scene, &path->inside, &hit, *direction, &beyond) != TY_INTERFACE_REFRACTS)
+        return false;
+    ty_surface_evaluate_color(&scene->surfaces[hit.surface], &hit, *direction, &point);
+    const float ratio = scene->interiors[beyond.top].ior / scene->interiors[path->inside.top].ior;
+    const float cosine = -ty_dot(point.ns, *direction), square = 1.0f - ratio * ratio * (1.0f - cosine * cosine);
+    if (!(cosine > 0.0f) || !(square > 0.0f)) return false;
+    *direction = ty_normalize(ty_mad(ty_scale(*direction, ratio), point.ns, ratio * cosine - sqrtf(square)));
+    return true;
+}
+
 /* The direction of the path's vertex in which it sees the light through interfaces; false: none is found. *direction:
  * in, the straight one. */
 TY_FN bool ty_manifold_find(ty_path* path, const ty_light_view* light, ty_vec* direction, ty_refracted_ray* ray) {
     ty_refracted_ray next;
     float part = 1.0f;
-    if (!ty_manifold_trace(path, light, *direction, false, ray)) return false;
+    if (!ty_manifold_trace(path, light, *direction, false, ray) &&
+        (!ty_manifold_start(path, direction) || !ty_manifold_trace(path, light, *direction, false, ray)))
+        return false;
     for (int32_t i = 0; i < TY_MANIFOLD_STEPS_MAX; ++i) {
         const float deviation = ty_manifold_deviation(ray);
         if (deviation < TY_MANIFOLD_TOLERANCE) return true;
