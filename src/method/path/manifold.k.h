@@ -23,7 +23,7 @@ enum { TY_MANIFOLD_INTERFACES_MAX = 16, TY_MANIFOLD_STEPS_MAX = 24 };
 typedef struct ty_refracted_ray {
     ty_vec origin, direction;
     ty_vec d_origin[2], d_direction[2];
-    ty_inside inside;
+    ty_interior_list inside;
     float throughput[3];
     int32_t refractions;
     float deviation[2], jacobian[4]; /* from the light's direction, across it; rows by derivative */
@@ -51,7 +51,7 @@ TY_FN ty_vec ty_manifold_bend(TY_GLOBAL const ty_surface* surface, const ty_hit*
 }
 
 /* Refracts a ray at a hit of a smooth interface; false: it does not pass. */
-TY_FN bool ty_manifold_refract(const ty_scene_view* scene, const ty_hit* hit, const ty_inside* beyond,
+TY_FN bool ty_manifold_refract(const ty_scene_view* scene, const ty_hit* hit, const ty_interior_list* beyond,
                                ty_refracted_ray* ray) {
     TY_GLOBAL const ty_surface* surface = &scene->surfaces[hit->surface];
     TY_GLOBAL const ty_surface_gloss* gloss = surface->gloss;
@@ -129,7 +129,7 @@ TY_FN bool ty_manifold_trace(ty_path* path, const ty_light_view* light, ty_vec d
     for (int32_t i = 0; i < TY_MANIFOLD_INTERFACES_MAX; ++i) {
         const ty_interior* interior = &scene->interiors[ray->inside.top];
         ty_hit hit;
-        ty_inside beyond;
+        ty_interior_list beyond;
         float end = TY_FLOAT_MAX;
         if (light->kind != TY_KIND_DIRECTIONAL) {
             end = ty_dot(ty_sub(light->position, ray->origin), ray->direction);
@@ -167,12 +167,32 @@ TY_FN float ty_manifold_deviation(const ty_refracted_ray* ray) {
     return sqrtf(ray->deviation[0] * ray->deviation[0] + ray->deviation[1] * ray->deviation[1]);
 }
 
+/* Where the straight line is reflected totally at the first interface, the direction that Snell's law would take to it
+ * there; false: none does. */
+TY_FN bool ty_manifold_start(const ty_path* path, ty_vec* direction) {
+    const ty_scene_view* scene = path->request->scene;
+    ty_hit hit;
+    ty_interior_list beyond;
+    ty_surface_point point;
+    if (!ty_accel_intersect(scene->mesh, path->origin, *direction, TY_FLOAT_MAX, &hit) ||
+        ty_interface_find(scene, &path->inside, &hit, *direction, &beyond) != TY_INTERFACE_REFRACTS)
+        return false;
+    ty_surface_evaluate_color(&scene->surfaces[hit.surface], &hit, *direction, &point);
+    const float ratio = scene->interiors[beyond.top].ior / scene->interiors[path->inside.top].ior;
+    const float cosine = -ty_dot(point.ns, *direction), square = 1.0f - ratio * ratio * (1.0f - cosine * cosine);
+    if (!(cosine > 0.0f) || !(square > 0.0f)) return false;
+    *direction = ty_normalize(ty_mad(ty_scale(*direction, ratio), point.ns, ratio * cosine - sqrtf(square)));
+    return true;
+}
+
 /* The direction of the path's vertex in which it sees the light through interfaces; false: none is found. *direction:
  * in, the straight one. */
 TY_FN bool ty_manifold_find(ty_path* path, const ty_light_view* light, ty_vec* direction, ty_refracted_ray* ray) {
     ty_refracted_ray next;
     float part = 1.0f;
-    if (!ty_manifold_trace(path, light, *direction, false, ray)) return false;
+    if (!ty_manifold_trace(path, light, *direction, false, ray) &&
+        (!ty_manifold_start(path, direction) || !ty_manifold_trace(path, light, *direction, false, ray)))
+        return false;
     for (int32_t i = 0; i < TY_MANIFOLD_STEPS_MAX; ++i) {
         const float deviation = ty_manifold_deviation(ray);
         if (deviation < TY_MANIFOLD_TOLERANCE) return true;
@@ -185,12 +205,12 @@ TY_FN bool ty_manifold_find(ty_path* path, const ty_light_view* light, ty_vec* d
         if (length > limit) a *= limit / length, b *= limit / length;
         ty_vec s, t;
         ty_onb(*direction, &s, &t);
-        const ty_vec turned = ty_normalize(ty_mad(ty_mad(*direction, s, a), t, b));
+        const ty_vec rotated = ty_normalize(ty_mad(ty_mad(*direction, s, a), t, b));
         const bool nearer =
-            ty_manifold_trace(path, light, turned, false, &next) && ty_manifold_deviation(&next) < deviation;
+            ty_manifold_trace(path, light, rotated, false, &next) && ty_manifold_deviation(&next) < deviation;
         part = nearer ? ty_minf(2.0f * part, 1.0f) : 0.5f * part;
         if (!nearer) continue;
-        *direction = turned;
+        *direction = rotated;
         *ray = next;
     }
     return ty_manifold_deviation(ray) < TY_MANIFOLD_TOLERANCE;
