@@ -64,7 +64,8 @@ static ty_result check(ty_context* context, const ty_ordinates_def* def, float* 
         return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: tolerance: %g is outside (0, 1)", def->tolerance);
     if (def->walls.count < 0 ||
         (def->walls.count > 0 && (def->walls.first == NULL || def->walls.x == NULL || def->walls.face == NULL ||
-                                  def->walls.albedo == NULL || def->walls.emission == NULL)))
+                                  def->walls.albedo == NULL || def->walls.emission == NULL ||
+                                  (def->walls.ior != NULL && (def->walls.normal == NULL || def->final_set != NULL)))))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: walls: %d sides are not all there",
                        (int)def->walls.count);
     if (def->sweeps < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: sweeps are at least 0");
@@ -127,6 +128,7 @@ static void free_all(ty_ordinates_job* job) {
     ty_sweep_destroy(job->sweep);
     ty_dsa_destroy(job->dsa);
     ty_ordinates_diffusive_free(job);
+    ty_fresnel_faces_destroy(job->fresnel);
 }
 
 /* ---- solve ---- */
@@ -195,6 +197,8 @@ static ty_result prepare(ty_ordinates_job* job) {
     job->stats->entering = ty_ordinates_entering(def);
     if (job->source_lm != NULL) ty_ordinates_gather(job, def->source, job->terms, job->source_lm);
     job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
+    result = ty_fresnel_faces_create(job->context, def, job->sweep, &job->diffusive, &job->fresnel);
+    if (result != TY_OK) return result;
     if (job->dsa != NULL) job->stats->bytes += (double)ty_dsa_bytes(job->dsa);
     return begin(job);
 }
