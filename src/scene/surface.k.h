@@ -17,6 +17,16 @@ typedef struct ty_hit {
     float margin;         /* self-intersection offset, m */
 } ty_hit;
 
+/* A solid dielectric that a closed surface bounds. */
+typedef struct ty_dielectric {
+    int32_t solid;    /* 0: the surface is opaque or a thin wall, and the rest has no meaning */
+    int32_t interior; /* its number among the scene view's interiors; 0: none */
+    int32_t priority;
+    float ior;        /* at least 1 */
+    float roughness;  /* of its surface, before textures */
+    float sigma_a[3]; /* absorption, 1/m */
+} ty_dielectric;
+
 /* Textures of a glossy material: ty_gloss_texture. */
 enum { TY_SURFACE_TEXTURES = 9 };
 
@@ -24,6 +34,7 @@ enum { TY_SURFACE_TEXTURES = 9 };
 typedef struct ty_surface_gloss {
     TY_GLOBAL const ty_bsdf_tables* tables;
     ty_bsdf_parameters factor;
+    ty_dielectric dielectric;
     float normal_scale;
     int32_t textured; /* nonzero if there is any texture */
     ty_texture_view textures[TY_SURFACE_TEXTURES];
