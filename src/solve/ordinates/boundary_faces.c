@@ -155,8 +155,8 @@ static float transparent_outflow(const face_cell* c, const float* change) {
 }
 
 double ty_ordinates_faces_residual(ty_ordinates_job* job, bool first) {
-    const ty_ordinates_faces* walls = &job->def->walls;
-    const float* change = job->changes[job->latest];
+    const ty_ordinates_faces* walls = &job->dsa_walls;
+    const float* change_lm = job->changes[job->latest];
     double squares = 0;
     for (int64_t row = 0, side = 0; side < walls->count; ++row)
         for (; side < walls->first[row + 1]; ++side) {
@@ -164,16 +164,20 @@ double ty_ordinates_faces_residual(ty_ordinates_job* job, bool first) {
             ty_dsa_face_offset(job->dsa)[side] = 0;
             if (is_diffusive(job, (int32_t)side, row)) continue;
             const float albedo = walls->albedo[side], slope = ty_dsa_face_slope(job->dsa)[side];
-            const float irradiance_change = job->face_irradiance[job->latest][side] - job->face_irradiance_mixed[side];
-            const float radiosity = (first ? (float)TY_PI_F64 * walls->emission[side] : albedo * irradiance_change) /
-                                    (float)TY_SQRT_4PI_F64;
+            const float irradiance = job->face_irradiance[job->latest][side];
+            const float before = job->face_irradiance_mixed[side];
+            const float change = ty_fresnel_faces_mirror(job->fresnel, (int32_t)side)
+                                     ? ty_fresnel_faces_change(job->fresnel, (int32_t)side, irradiance, before)
+                                     : albedo * (irradiance - before);
+            const float radiosity =
+                (first ? (float)TY_PI_F64 * walls->emission[side] : change) / (float)TY_SQRT_4PI_F64;
             const float kappa = 0.5f * (1 - albedo) / (1 + albedo), half = c.edge / (2 * c.d);
             float offset = -2 * radiosity / ((1 + albedo) * (1 + kappa * half));
-            if (c.flux >= 0) offset += slope * half * c.sign * change[c.flux];
+            if (c.flux >= 0) offset += slope * half * c.sign * change_lm[c.flux];
             float* f = ty_dsa_source(job->dsa) + c.box;
             const float previous = *f;
             ty_dsa_face_offset(job->dsa)[side] = offset;
-            *f += (transparent_outflow(&c, change) - offset) / c.edge;
+            *f += (transparent_outflow(&c, change_lm) - offset) / c.edge;
             squares += (double)*f * (double)*f - (double)previous * (double)previous;
         }
     return squares;

@@ -8,15 +8,19 @@
 
 #include <math.h>
 
+/* Cosine of a face to its interface above which the interface lies along the face. */
+static const float min_aligned = 0.9999f;
+
 struct ty_fresnel_faces {
     ty_context* context;
     const ty_ordinates_def* def;
-    int32_t pitch; /* directions of an octant, padded */
-    int32_t count; /* sides of the sweep */
-    int32_t* side; /* of each wall: its side of the sweep; -1: it does not mirror */
-    float *reflectance, *arriving[2];
-    float* factor;         /* per side of the sweep */
-    float *swept, *albedo; /* per wall: irradiance of the last sweep, and its reflected fraction */
+    int32_t pitch;                             /* directions of an octant, padded */
+    int32_t count;                             /* sides of the sweep */
+    int32_t* side;                             /* of each wall: its side of the sweep; -1: it does not mirror */
+    float *reflectance, *arriving, *reflected; /* angular values of the sweep's sides */
+    float* factor;                             /* per side of the sweep */
+    double ior, c1;                            /* of the last side */
+    float *swept, *albedo, *emitted_albedo;    /* per wall: irradiance of the last sweep, and its reflected fraction */
     void* memory;
     size_t bytes;
 };
@@ -28,9 +32,11 @@ static void lay_out(ty_fresnel_faces* f, ty_arena* arena) {
     f->side = ty_arena_take(arena, sizeof(int32_t) * walls);
     f->swept = ty_arena_take(arena, sizeof(float) * walls);
     f->albedo = ty_arena_take(arena, sizeof(float) * walls);
+    f->emitted_albedo = ty_arena_take(arena, sizeof(float) * walls);
     f->factor = ty_arena_take(arena, sizeof(float) * (size_t)f->count);
     f->reflectance = ty_arena_take(arena, sizeof(float) * angular);
-    for (int i = 0; i < 2; ++i) f->arriving[i] = ty_arena_take(arena, sizeof(float) * angular);
+    f->arriving = ty_arena_take(arena, sizeof(float) * angular);
+    f->reflected = ty_arena_take(arena, sizeof(float) * angular);
 }
 
 void ty_fresnel_faces_destroy(ty_fresnel_faces* f) {
@@ -74,9 +80,11 @@ static float interface_cosine(const ty_fresnel_faces* f, int32_t wall, int32_t d
 
 /* The factor of 1 - R by which even light passes the interface as it should, pi (1 - 2 C1) of its radiance: few
  * directions lie near the critical angle. */
-static float transmittance_factor(const ty_fresnel_faces* f, int32_t wall) {
+static float transmittance_factor(ty_fresnel_faces* f, int32_t wall) {
     const double n = (double)f->def->walls.ior[wall];
     double passed = 0;
+    if (n != f->ior) f->c1 = ty_fresnel_moments_of(n).c1;
+    f->ior = n;
     for (int32_t d = 0; d < f->def->set->count; ++d) {
         float outward, transmitted;
         const float cosine = interface_cosine(f, wall, d, &outward);
@@ -84,7 +92,7 @@ static float transmittance_factor(const ty_fresnel_faces* f, int32_t wall) {
             passed +=
                 (double)(f->def->set->weight[d] * cosine * (1 - ty_fresnel_dielectric(cosine, (float)n, &transmitted)));
     }
-    return passed > 0 ? (float)(TY_PI_F64 * fmax(1 - 2 * ty_fresnel_moments_of(n).c1, 0) / passed) : 1;
+    return passed > 0 ? (float)(TY_PI_F64 * fmax(1 - 2 * f->c1, 0) / passed) : 1;
 }
 
 static float reflectance_at(const ty_fresnel_faces* f, int32_t wall, int32_t direction, float factor) {
@@ -102,23 +110,37 @@ static void fill_wall(ty_fresnel_faces* f, int32_t wall) {
         for (int32_t i = 0; i < f->def->set->first[1]; ++i) {
             const arriving_direction d = find_direction(f, wall, index, i);
             f->reflectance[d.at] = reflectance_at(f, wall, d.direction, factor);
-            f->arriving[0][d.at] = 1;
+            f->arriving[d.at] = 1;
         }
 }
 
-/* Irradiance of the distribution and its reflected fraction. */
-static void measure_wall(ty_fresnel_faces* f, int32_t wall, const float* arriving) {
-    double all = 0, reflected = 0;
+/* True where the interface lies along the face. */
+static bool is_aligned(const ty_ordinates_def* def, int32_t wall) {
+    return fabsf(def->walls.normal[3 * (ptrdiff_t)wall + def->walls.face[wall] / 2]) > min_aligned;
+}
+
+/* Irradiance of the arriving radiance, its reflected fraction, and the reflected radiance. */
+static void reflect_wall(ty_fresnel_faces* f, int32_t wall) {
+    const bool aligned = is_aligned(f->def, wall);
+    double all = 0, reflected = 0, even = 0;
     for (int32_t index = 0; index < 4; ++index)
         for (int32_t i = 0; i < f->def->set->first[1]; ++i) {
             const arriving_direction d = find_direction(f, wall, index, i);
-            const double flux =
-                (double)arriving[d.at] * (double)f->def->set->weight[d.direction] * face_cosine(f, wall, d.direction);
-            all += flux;
-            reflected += flux * (double)f->reflectance[d.at];
+            const double weight = (double)f->def->set->weight[d.direction] * face_cosine(f, wall, d.direction);
+            all += weight * (double)f->arriving[d.at];
+            reflected += weight * (double)(f->arriving[d.at] * f->reflectance[d.at]);
+            even += weight * (double)f->reflectance[d.at];
         }
     f->swept[wall] = (float)all;
     f->albedo[wall] = all > 0 ? (float)(reflected / all) : 0;
+    for (int32_t index = 0; index < 4; ++index)
+        for (int32_t i = 0; i < f->pitch; ++i) {
+            const ptrdiff_t first = (ptrdiff_t)f->side[wall] * 4;
+            const ptrdiff_t at = (first + index) * f->pitch + i, opposite = (first + 3 - index) * f->pitch + i;
+            f->reflected[at] = aligned    ? f->arriving[at] * f->reflectance[at]
+                               : even > 0 ? (float)(reflected / even) * f->reflectance[opposite]
+                                          : 0;
+        }
 }
 
 /* ---- calls ---- */
@@ -156,7 +178,7 @@ ty_result ty_fresnel_faces_create(ty_context* context, const ty_ordinates_def* d
     for (int32_t i = 0; i < def->walls.count; ++i) {
         if (f->side[i] < 0) continue;
         fill_wall(f, i);
-        measure_wall(f, i, f->arriving[0]);
+        reflect_wall(f, i);
     }
     *out = f;
     return TY_OK;
@@ -172,23 +194,37 @@ double ty_fresnel_faces_albedo(const ty_fresnel_faces* f, int32_t wall) {
 
 double ty_fresnel_faces_emit(ty_fresnel_faces* f, int32_t wall, double irradiance) {
     const double lit = fmax(irradiance, 0), swept = (double)f->swept[wall];
+    f->emitted_albedo[wall] = f->albedo[wall];
     f->factor[f->side[wall]] = swept > 0 ? (float)(lit / swept) : 0;
     return swept > 0 ? lit * (double)f->albedo[wall] : 0;
 }
 
+float ty_fresnel_faces_change(const ty_fresnel_faces* f, int32_t wall, float irradiance, float before) {
+    return f->albedo[wall] * irradiance - f->emitted_albedo[wall] * ty_maxf(before, 0);
+}
+
+void ty_fresnel_faces_diffuse(const ty_ordinates_def* def, float* albedo) {
+    const ty_ordinates_faces* walls = &def->walls;
+    double ior = 0, c1 = 0;
+    for (int32_t i = 0; i < walls->count; ++i) {
+        const float* n = walls->normal + 3 * (ptrdiff_t)i;
+        albedo[i] = walls->albedo[i];
+        if (!(walls->ior[i] > 0) || is_aligned(def, i)) continue;
+        if ((double)walls->ior[i] != ior) c1 = ty_fresnel_moments_of((double)walls->ior[i]).c1;
+        ior = (double)walls->ior[i];
+        albedo[i] = (float)(1 - (1 - 2 * c1) / (double)(fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2])));
+    }
+}
+
 void ty_fresnel_faces_attach(ty_fresnel_faces* f, ty_sweep_faces* faces) {
     if (f == NULL) return;
-    faces->reflectance = f->reflectance;
+    faces->reflected = f->reflected;
     faces->factor = f->factor;
-    faces->before = f->arriving[0];
-    faces->arriving = f->arriving[1];
+    faces->arriving = f->arriving;
 }
 
 void ty_fresnel_faces_receive(ty_fresnel_faces* f) {
     if (f == NULL) return;
-    float* swept = f->arriving[1];
-    f->arriving[1] = f->arriving[0];
-    f->arriving[0] = swept;
     for (int32_t i = 0; i < f->def->walls.count; ++i)
-        if (f->side[i] >= 0) measure_wall(f, i, swept);
+        if (f->side[i] >= 0) reflect_wall(f, i);
 }

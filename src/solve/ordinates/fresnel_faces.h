@@ -1,11 +1,11 @@
-/* Smooth interfaces of dielectrics among the boundary faces of discrete ordinates. A direction that arrives is
- * reflected into the one mirrored at the face; the angular distribution is that of the sweep before, scaled to the
- * irradiance of the mixed iterate.
+/* Smooth interfaces of dielectrics among the boundary faces of discrete ordinates. A direction that arrives at an
+ * interface along the face is reflected into the mirrored one; the angular distribution is that of the sweep before,
+ * scaled to the irradiance of the mixed iterate.
  *
  * A curved or slanted interface becomes a staircase of faces, through which a direction w of cosine w.n > 0 to the
- * interface passes sum_a max(0, n_a w_a) times the interface's area: the steps would hand the excess over w.n from one
- * to the next. So 1 - R of the faces is that of the interface times w.n over this sum, and 0 where w.n <= 0; on faces
- * along the interface it is the interface's. */
+ * interface passes sum_a max(0, n_a w_a) times the interface's area: the steps hand the excess over w.n from one to the
+ * next. So 1 - R of a face is that of the interface times w.n over this sum, and 0 where w.n <= 0. What it reflects is
+ * sent into direction w in proportion to R(-w), so that light that is the same everywhere stays so. */
 #ifndef TY_SOLVE_ORDINATES_FRESNEL_FACES_H
 #define TY_SOLVE_ORDINATES_FRESNEL_FACES_H
 
@@ -25,6 +25,11 @@ bool ty_fresnel_faces_mirror(const ty_fresnel_faces* fresnel, int32_t wall);
 double ty_fresnel_faces_albedo(const ty_fresnel_faces* fresnel, int32_t wall);
 /* Scales its reflection to an irradiance; returns the reflected flux, W m^-2. */
 double ty_fresnel_faces_emit(ty_fresnel_faces* fresnel, int32_t wall, double irradiance);
+/* Change of its reflected flux by a sweep: that of an irradiance after it, less that which the sweep emitted. */
+float ty_fresnel_faces_change(const ty_fresnel_faces* fresnel, int32_t wall, float irradiance, float before);
+/* Albedos of the def's walls for the correction by diffusion: of slanted interfaces, which reflect diffusely, that of
+ * even light. */
+void ty_fresnel_faces_diffuse(const ty_ordinates_def* def, float* albedo);
 /* Adds reflection to the faces of the next sweep. */
 void ty_fresnel_faces_attach(ty_fresnel_faces* fresnel, ty_sweep_faces* faces);
 /* Takes the angular distribution of the sweep that ended. */

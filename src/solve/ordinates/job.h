@@ -49,6 +49,8 @@ typedef struct ty_ordinates_job {
     float* face_irradiance[TY_ANDERSON_DEPTH];    /* irradiance of the iterates */
     float* face_changes[TY_ANDERSON_DEPTH];       /* irradiance: iterate minus mixed iterate */
     ty_fresnel_faces* fresnel;                    /* NULL: no interfaces */
+    ty_ordinates_faces dsa_walls;                 /* the def's, with the albedos of the correction by diffusion */
+    float* dsa_albedo;                            /* NULL: the def's own */
 
     /* Diffusive cells, and the partial currents into them at their interface faces, over sqrt(4 pi). */
     ty_diffusive_cells diffusive;

@@ -129,6 +129,7 @@ static void free_all(ty_ordinates_job* job) {
     ty_dsa_destroy(job->dsa);
     ty_ordinates_diffusive_free(job);
     ty_fresnel_faces_destroy(job->fresnel);
+    ty_free_array(job->context, job->dsa_albedo, (size_t)job->def->walls.count, sizeof(float));
 }
 
 /* ---- solve ---- */
@@ -161,7 +162,14 @@ static ty_result scale(ty_ordinates_job* job) {
     diffusion.extinction = reduced;
     diffusion.absorption = absorption;
     diffusion.min_extinction = MIN_BOX_THICKNESS / longest;
-    return ty_dsa_create(job->context, &diffusion, &def->walls, &job->dsa);
+    job->dsa_walls = def->walls;
+    if (def->walls.count > 0 && def->walls.ior != NULL) {
+        job->dsa_albedo = ty_alloc_array(job->context, (size_t)def->walls.count, sizeof(float), false);
+        if (job->dsa_albedo == NULL) return TY_ERROR_MEMORY;
+        ty_fresnel_faces_diffuse(def, job->dsa_albedo);
+        job->dsa_walls.albedo = job->dsa_albedo;
+    }
+    return ty_dsa_create(job->context, &diffusion, &job->dsa_walls, &job->dsa);
 }
 
 /* Initial guess: the caller's moments, or the solution on coarser cells, or the diffusion solution. */

@@ -34,12 +34,10 @@ typedef struct ty_sweep_faces {
     const float* emitted;       /* isotropic radiance into the side's cell, W m^-2 sr^-1 */
     const float* emitted_slope; /* its slope in |mu|, times half the cell's edge along the axis; NULL: isotropic */
     float* incident_power;      /* out: incident power per side, W */
-    /* Reflection into mirrored directions; reflectance NULL (default): none. Of each side 4 * ty_sweep_pitch values, by
-     * the octant of the arriving direction without the bit of the face's axis, and by the direction in it. The side
-     * emits factor * reflectance * before towards the mirrored direction. */
-    const float *reflectance, *before;
-    const float* factor; /* per side */
-    float* arriving;     /* out: arriving radiance */
+    /* Angular reflection; reflected NULL (default): none. Of each side 4 * ty_sweep_pitch values, by the octant of the
+     * direction without the bit of the face's axis, and by the direction in it. The side emits factor * reflected. */
+    const float *reflected, *factor; /* factor: per side */
+    float* arriving;                 /* out: arriving radiance */
 } ty_sweep_faces;
 
 /* The struct and its arrays belong to the caller, who may change `emitted` between sweeps. NULL (initially): none. */

@@ -182,7 +182,7 @@ TY_INLINE ty_lanes broadcast(float value) {
     return (ty_lanes){0} + value;
 }
 
-/* Index of a side's angular values for an octant, or the one mirrored at the face. */
+/* Index of a side's angular values for an octant of arriving or of emitted directions. */
 TY_INLINE ptrdiff_t angular_index(const row_faces* row, int32_t octant, int32_t side) {
     const int32_t axis = row->box->walls->face[side] / 2;
     const int32_t index = (octant & ((1 << axis) - 1)) | (octant >> (axis + 1)) << axis;
@@ -193,11 +193,8 @@ TY_INLINE ptrdiff_t angular_index(const row_faces* row, int32_t octant, int32_t 
 static ty_lanes emitted_radiance(const row_faces* row, int32_t octant, int32_t side) {
     const ty_sweep_faces* walls = row->box->walls;
     ty_lanes even = broadcast(walls->emitted[side]);
-    if (walls->reflectance != NULL) {
-        const ptrdiff_t at = angular_index(row, octant, side);
-        even += walls->factor[side] * ty_lanes_load_aligned(walls->reflectance + at) *
-                ty_lanes_load_aligned(walls->before + at);
-    }
+    if (walls->reflected != NULL)
+        even += walls->factor[side] * ty_lanes_load_aligned(walls->reflected + angular_index(row, octant, side));
     if (walls->emitted_slope == NULL) return even;
     return even + walls->emitted_slope[side] *
                       ty_lanes_load_aligned(row->box->two_mu_over_h[walls->face[side] / 2] + row->group * TY_LANES);
@@ -210,7 +207,7 @@ static void add_incident_power(const row_faces* row, int32_t octant, int32_t sid
     float sum = 0;
     for (int i = 0; i < TY_LANES; ++i) sum += power[i];
     walls->incident_power[side] += sum;
-    if (walls->reflectance != NULL) ty_lanes_store_aligned(walls->arriving + angular_index(row, octant, side), light);
+    if (walls->reflected != NULL) ty_lanes_store_aligned(walls->arriving + angular_index(row, octant, side), light);
 }
 
 /* Faces across y and z: before the cells are swept, upwind sides set the incoming radiance; after it, downwind sides
