@@ -74,7 +74,7 @@ static void white_milk_is_invisible(void** state) {
             const double rho = sqrt(1 - z * z);
             const ty_vec n = ty_vec_make((float)(rho * cos(turn)), (float)(rho * sin(turn)), (float)z);
             ty_enclosed_radiance(field, ty_scale(n, (float)r), n, out);
-            mean += (double)out[0] / 200;
+            mean += (double)out[0] / (200 * IOR * IOR);
             if (k % 200 != 199) continue;
             print_message("radiance at %g m: %.4f\n", r, mean);
             mean = 0;

@@ -125,8 +125,9 @@ const ty_method* ty_method_find(const char* name);
 /* The def of the path tracer from the scene's options and the request. Errors: those of ty_method_options. */
 ty_result ty_request_path_def(const ty_scene* scene, const ty_render_request* request, ty_path_def* def);
 /* The image of the surfaces, attenuated by the media, for ty_fld_def.unscattered and the like; *out stays NULL without
- * surfaces, and after an interruption, because a partial result is no image. Sets run->path. */
-ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* request, ty_image** out,
+ * surfaces, and after an interruption, because a partial result is no image. Media that fill dielectrics are solved by
+ * ordinates, or by diffusion, and show in it. Sets run->path. */
+ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* request, bool diffusion, ty_image** out,
                             ty_method_run* run);
 
 #endif

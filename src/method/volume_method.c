@@ -167,7 +167,7 @@ ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)
                                   const ty_render_request* request, ty_image** out, ty_method_run* run) {
     _Alignas(16) char def[TY_VOLUME_DEF_MAX];
     ty_image* surfaces = NULL;
-    ty_result result = ty_trace_surfaces(scene, request, &surfaces, run);
+    ty_result result = ty_trace_surfaces(scene, request, method->diffuses, &surfaces, run);
     if (result == TY_OK) result = make_def(method, change, scene, request, surfaces, def);
     if (result == TY_OK) result = ty_volume_render(method, scene, def, out, ty_method_stats(run, method->stats_bytes));
     run->own_seconds = *seconds_at(run->stats, method->seconds);

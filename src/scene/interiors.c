@@ -163,6 +163,35 @@ ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* inp
     return TY_OK;
 }
 
+/* True if `surface` is among the first records. */
+static bool was_met(const ty_scene_view* scene, const ty_ray* ray, const ty_hit_record* records, int32_t count,
+                    int32_t surface) {
+    ty_hit hit;
+    for (int32_t i = 0; i < count; ++i) {
+        ty_accel_complete_hit(scene->mesh, ray, &records[i], &hit);
+        if (hit.surface == surface) return true;
+    }
+    return false;
+}
+
+void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_inside* out) {
+    /* A direction along no edge that is likely in a scene. */
+    const ty_ray ray = {{point.x, point.y, point.z}, {0.26726124f, 0.80178373f, -0.53452248f}, TY_FLOAT_MAX};
+    ty_all_hits hits;
+    out->top = out->count = 0;
+    ty_accel_all_hits_packet(scene->mesh, &ray, 1, &hits);
+    for (int32_t i = 0; i < hits.count[0]; ++i) {
+        ty_hit hit;
+        ty_accel_complete_hit(scene->mesh, &ray, &hits.layer[0][i], &hit);
+        const ty_surface_gloss* gloss = scene->surfaces[hit.surface].gloss;
+        if (gloss == NULL || gloss->dielectric.solid == 0) continue;
+        const bool leaves =
+            hit.normal.x * ray.direction[0] + hit.normal.y * ray.direction[1] + hit.normal.z * ray.direction[2] > 0;
+        if (leaves && !was_met(scene, &ray, hits.layer[0], i, hit.surface))
+            ty_inside_enter(scene->interiors, gloss->dielectric.interior, out);
+    }
+}
+
 void ty_interiors_destroy(ty_context* context, ty_committed_interiors* interiors) {
     ty_free_array(context, interiors->interiors, interiors->count, sizeof *interiors->interiors);
     ty_free_array(context, interiors->media, interiors->medium_capacity, sizeof *interiors->media);

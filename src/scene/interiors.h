@@ -2,6 +2,7 @@
 #ifndef TY_SCENE_INTERIORS_H
 #define TY_SCENE_INTERIORS_H
 
+#include "scene/inside.k.h"
 #include "scene/scene.h"
 
 /* What an interior is made of: the media of a scene and their views, and surfaces. */
@@ -15,6 +16,8 @@ typedef struct ty_interiors_input {
 /* Warns of boundaries that are not closed if `warns`. On failure the caller drops what was made. */
 ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* input, bool warns,
                               ty_committed_interiors* out);
+/* The dielectrics around a point, by the nearest surface of each in one direction. The scene has some. */
+void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_inside* out);
 void ty_interiors_destroy(ty_context* context, ty_committed_interiors* interiors);
 
 #endif

@@ -72,7 +72,10 @@ typedef struct ty_surface_point {
     ty_vec ns;         /* shading normal on the ray's side */
     int32_t light;     /* in the scene view; -1: not sampled, counted fully when hit */
     int32_t glossy;    /* 0: Lambertian, without a BSDF */
-    ty_bsdf bsdf;
+    ty_bsdf bsdf;      /* boundaries of solid dielectrics: of the part that transmits nothing */
+    float opaque;      /* boundaries: that part, 0..1 */
+    float roughness;   /* boundaries: 0: smooth */
+    float tint[3];     /* boundaries: colour of the light that crosses */
 } ty_surface_point;
 
 /* Origin of a ray that leaves a hit along direction without hitting the same surface again. */

@@ -16,8 +16,7 @@ static double at(const void* user, double x) {
     const integrand* f = user;
     const double critical = f->n > 1 ? sqrt(1 - 1 / (f->n * f->n)) : 0;
     const double mu = critical + (1 - critical) * x * x;
-    float transmitted;
-    const double reflectance = (double)ty_fresnel_dielectric((float)mu, (float)f->n, &transmitted);
+    const double reflectance = (double)ty_fresnel_dielectric((float)mu, (float)(1 / f->n));
     return reflectance * (f->power == 1 ? mu : mu * mu) * 2 * (1 - critical) * x;
 }
 

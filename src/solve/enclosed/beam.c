@@ -87,14 +87,14 @@ static bool march(beam* b, ty_hit* hit) {
 static void meet_surface(beam* b, const ty_hit* hit) {
     const ty_interior* interior = &b->body->scene->interiors[b->body->interior];
     const float cosine = ty_dot(b->direction, hit->normal);
-    float transmitted, reflectance = 0;
+    float reflectance = 0;
     if (hit->surface == interior->surface && cosine > 0)
-        reflectance = ty_fresnel_dielectric(ty_minf(cosine, 1), interior->ior, &transmitted);
+        reflectance = ty_fresnel_dielectric(ty_minf(cosine, 1), 1 / interior->ior);
     for (int c = 0; c < 3; ++c) {
         b->sums->leaving[c] += (double)(b->power[c] * (1 - reflectance));
         b->power[c] *= reflectance;
     }
-    b->direction = ty_normalize(ty_mad(b->direction, hit->normal, -2 * cosine));
+    b->direction = ty_normalize(ty_reflect(ty_scale(b->direction, -1), hit->normal));
     b->origin = ty_hit_leave(hit, b->direction);
     b->ended = !(brightest(b->power) > min_transmittance * b->start);
 }
@@ -104,18 +104,15 @@ void ty_enclosed_trace_beam(const ty_enclosed_body* body, ty_enclosed_sums* sums
     const ty_enclosed_side* s = &body->sides[side];
     const float cosine = -ty_dot(direction, s->normal), ior = body->scene->interiors[body->interior].ior;
     beam b = {.body = body, .sums = sums, .cell = (size_t)s->cell};
-    float transmitted;
     if (!(cosine > 0)) return;
-    const float entering = 1 - ty_fresnel_dielectric(ty_minf(cosine, 1), 1 / ior, &transmitted);
+    const float entering = 1 - ty_fresnel_dielectric(ty_minf(cosine, 1), ior);
     for (int c = 0; c < 3; ++c) {
         b.power[c] = irradiance[c] * cosine * s->area * entering;
         sums->entering[c] += (double)b.power[c];
     }
     b.start = brightest(b.power);
     if (!(b.start > 0)) return;
-    /* Snell's law: the tangential part divided by n. */
-    b.direction = ty_scale(ty_mad(direction, s->normal, cosine), 1 / ior);
-    b.direction = ty_normalize(ty_mad(b.direction, s->normal, -transmitted));
+    b.direction = ty_refract(ty_scale(direction, -1), s->normal, ior);
     b.origin = ty_mad(s->position, s->normal, -s->margin);
     for (int i = 0; i < MAX_REFLECTIONS && !b.ended; ++i) {
         ty_hit hit;

@@ -70,9 +70,7 @@ static float visibility(const ty_enclosed_body* body, ty_vec origin, ty_vec w, f
         const ty_surface_gloss* gloss = scene->surfaces[hit.surface].gloss;
         if (gloss == NULL || gloss->dielectric.solid == 0 || gloss->dielectric.interior == body->interior) return 0;
         const float cosine = fabsf(ty_dot(hit.normal, w));
-        float transmitted;
-        /* The smaller of both angles is outside: reflectances are the same both ways. */
-        passed *= 1 - ty_fresnel_dielectric(cosine, 1 / gloss->dielectric.ior, &transmitted);
+        passed *= 1 - ty_fresnel_dielectric(cosine, gloss->dielectric.ior);
         origin = ty_hit_leave(&hit, w);
         far -= hit.distance;
     }

@@ -42,16 +42,15 @@ static void continue_cell(ty_enclosed_body* body, const int32_t at[3], size_t ce
 
 void ty_enclosed_fill_field(ty_enclosed_body* body) {
     const size_t terms = (size_t)body->terms;
-    const float ior = body->scene->interiors[body->interior].ior, carried = 1 / (ior * ior);
     for (size_t i = 0; i < body->cells; ++i) {
         const bool inside = body->inside[i] != 0;
         body->near_cell[i] = inside;
         for (int c = 0; c < 3; ++c)
             for (size_t t = 0; t < terms; ++t) {
                 const size_t at = i * terms + t;
-                body->field[c][at] = inside ? carried * (body->of_lights[c][at] + body->of_surfaces[c][at] +
-                                                         body->solved[c][t * body->cells + i])
-                                            : 0;
+                body->field[c][at] =
+                    inside ? body->of_lights[c][at] + body->of_surfaces[c][at] + body->solved[c][t * body->cells + i]
+                           : 0;
             }
     }
     for (size_t i = 0; i < body->cells; ++i) {

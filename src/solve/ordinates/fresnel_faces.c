@@ -86,20 +86,19 @@ static float transmittance_factor(ty_fresnel_faces* f, int32_t wall) {
     if (n != f->ior) f->c1 = ty_fresnel_moments_of(n).c1;
     f->ior = n;
     for (int32_t d = 0; d < f->def->set->count; ++d) {
-        float outward, transmitted;
+        float outward;
         const float cosine = interface_cosine(f, wall, d, &outward);
         if (cosine > 0)
-            passed +=
-                (double)(f->def->set->weight[d] * cosine * (1 - ty_fresnel_dielectric(cosine, (float)n, &transmitted)));
+            passed += (double)(f->def->set->weight[d] * cosine * (1 - ty_fresnel_dielectric(cosine, (float)(1 / n))));
     }
     return passed > 0 ? (float)(TY_PI_F64 * fmax(1 - 2 * f->c1, 0) / passed) : 1;
 }
 
 static float reflectance_at(const ty_fresnel_faces* f, int32_t wall, int32_t direction, float factor) {
-    float outward, transmitted;
+    float outward;
     const float cosine = interface_cosine(f, wall, direction, &outward);
     if (!(cosine > 0)) return 1;
-    const float reflected = ty_fresnel_dielectric(cosine, f->def->walls.ior[wall], &transmitted);
+    const float reflected = ty_fresnel_dielectric(cosine, 1 / f->def->walls.ior[wall]);
     return ty_maxf(0, 1 - factor * (1 - reflected) * cosine / outward);
 }
 
