@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/isa.h"
 #include "scene/scene.h"
+#include "solve/enclosed/enclosed.h"
 
 #include <string.h>
 
@@ -168,6 +169,14 @@ ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)
     _Alignas(16) char def[TY_VOLUME_DEF_MAX];
     ty_image* surfaces = NULL;
     ty_result result = ty_trace_surfaces(scene, request, method->diffuses, &surfaces, run);
+    /* The image of the surfaces shows media inside dielectrics already. */
+    if (result == TY_OK && surfaces != NULL && (request->aovs & ~(uint32_t)TY_AOV_SAMPLES) == 0 &&
+        ty_enclosed_has_all_media(scene)) {
+        ty_method_stats(run, method->stats_bytes);
+        set_isa(method, run->stats);
+        *out = surfaces;
+        return TY_OK;
+    }
     if (result == TY_OK) result = make_def(method, change, scene, request, surfaces, def);
     if (result == TY_OK) result = ty_volume_render(method, scene, def, out, ty_method_stats(run, method->stats_bytes));
     run->own_seconds = *seconds_at(run->stats, method->seconds);

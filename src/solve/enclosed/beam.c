@@ -13,6 +13,8 @@ typedef struct beam {
     ty_enclosed_sums* sums;
     ty_vec origin, direction;
     float power[3], start; /* W; the brightest channel at the start */
+    float unscattered[3];  /* W at the last surface, and optical depth since, by the true extinction */
+    float depth[3];
     float y[TY_SH_TERMS_MAX];
     size_t cell; /* where it collides: the last cell inside */
     bool ended;
@@ -22,19 +24,23 @@ static float brightest(const float power[3]) {
     return ty_maxf(power[0], ty_maxf(power[1], power[2]));
 }
 
-/* Fluence along a segment, and the power that collides there. */
+/* (1 - exp(-x)) / x for x >= 0, of which y is the exponential. */
+static float mean_transmittance(float x, float y) {
+    return x > 0.01f ? (1 - y) / x : 1 - x * (0.5f - x * (1 / 6.0f));
+}
+
+/* Fluence along a segment, and the power that collides there; length TY_FLOAT_MAX: all of it. */
 static void collide(beam* b, float length) {
     const ty_enclosed_body* body = b->body;
     const bool last = !(length < TY_FLOAT_MAX);
     for (int c = 0; c < 3; ++c) {
-        const float sigma = ty_enclosed_scaled(body, c, b->cell), depth = sigma * length;
-        float fluence = b->power[c] * length;
-        if (last)
-            fluence = sigma > 0 ? b->power[c] / sigma : 0;
-        else if (depth > 1e-4f)
-            fluence = b->power[c] * -expm1f(-depth) / sigma;
-        b->power[c] = last ? 0 : b->power[c] * expf(-depth);
+        const float sigma = ty_enclosed_scaled(body, c, b->cell), x = sigma * length;
+        const float transmittance = last ? 0 : ty_expf(-x);
+        const float fluence =
+            last ? (sigma > 0 ? b->power[c] / sigma : 0) : b->power[c] * length * mean_transmittance(x, transmittance);
         float* moments = b->sums->moments[c] + b->cell * (size_t)body->terms;
+        b->power[c] *= transmittance;
+        b->depth[c] += body->extinction[c][b->cell] * length;
         for (int32_t t = 0; t < body->terms; ++t) moments[t] += fluence * b->y[t];
     }
     b->ended = last || brightest(b->power) == 0;
@@ -93,6 +99,10 @@ static void meet_surface(beam* b, const ty_hit* hit) {
     for (int c = 0; c < 3; ++c) {
         b->sums->leaving[c] += (double)(b->power[c] * (1 - reflectance));
         b->power[c] *= reflectance;
+        b->unscattered[c] *= ty_expf(-b->depth[c]);
+        b->depth[c] = 0;
+        b->sums->unscattered[c] += (double)(b->unscattered[c] * (1 - reflectance));
+        b->unscattered[c] *= reflectance;
     }
     b->direction = ty_normalize(ty_reflect(ty_scale(b->direction, -1), hit->normal));
     b->origin = ty_hit_leave(hit, b->direction);
@@ -107,7 +117,7 @@ void ty_enclosed_trace_beam(const ty_enclosed_body* body, ty_enclosed_sums* sums
     if (!(cosine > 0)) return;
     const float entering = 1 - ty_fresnel_dielectric(ty_minf(cosine, 1), ior);
     for (int c = 0; c < 3; ++c) {
-        b.power[c] = irradiance[c] * cosine * s->area * entering;
+        b.power[c] = b.unscattered[c] = irradiance[c] * cosine * s->area * entering;
         sums->entering[c] += (double)b.power[c];
     }
     b.start = brightest(b.power);

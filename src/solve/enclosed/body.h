@@ -39,6 +39,7 @@ typedef struct ty_enclosed_body {
     uint8_t* near_cell;
     /* Light that enters, W: of lights and of surfaces; absorbed before its first collision, and leaving again. */
     double entering[2][3], leaving[2][3];
+    double unscattered[2][3]; /* leaving without a collision of the true extinction */
 } ty_enclosed_body;
 
 static inline float ty_enclosed_scaled(const ty_enclosed_body* body, int channel, size_t cell) {
@@ -53,7 +54,7 @@ void ty_enclosed_body_destroy(ty_enclosed_body* body);
 /* Uncollided light of one thread's beams. */
 typedef struct ty_enclosed_sums {
     float* moments[3]; /* fluence times Y_lm, times the cell's volume, W m; `terms` per cell */
-    double entering[3], leaving[3];
+    double entering[3], leaving[3], unscattered[3];
 } ty_enclosed_sums;
 
 /* Carries a narrow beam in at a side: direction: of travel, outside; irradiance: across the beam, W m^-2. */
@@ -62,12 +63,15 @@ void ty_enclosed_trace_beam(const ty_enclosed_body* body, ty_enclosed_sums* sums
 /* The light of all lights; the light of other surfaces, which replaces that found before. Errors: TY_ERROR_MEMORY;
  * those of the def's `radiance`. */
 ty_result ty_enclosed_add_lights(ty_enclosed_body* body, const ty_discrete_light_set* lights);
-ty_result ty_enclosed_add_surfaces(ty_enclosed_body* body, const ty_enclosed_field* fields, int64_t* rays);
+ty_result ty_enclosed_add_surfaces(ty_enclosed_body* body, const ty_enclosed_field* fields, int32_t per_side,
+                                   int64_t* rays);
 
-/* Scattered light of the uncollided light; adds to the stats. */
-ty_result ty_enclosed_solve_ordinates(ty_enclosed_body* body, bool again, ty_enclosed_stats* stats);
+/* Scattered light of the uncollided light; adds to the stats. again: from the last solution. */
+ty_result ty_enclosed_solve_ordinates(ty_enclosed_body* body, bool again, double tolerance, ty_enclosed_stats* stats);
 ty_result ty_enclosed_solve_diffusion(ty_enclosed_body* body, ty_enclosed_stats* stats);
 /* Fills body->field with all light, continued beyond the surface. */
 void ty_enclosed_fill_field(ty_enclosed_body* body);
+/* Scales the field so that what paths find leaving is what leaves by the balance, W. */
+void ty_enclosed_balance_field(ty_enclosed_body* body, const ty_enclosed_field* field, const double leaving[3]);
 
 #endif

@@ -37,6 +37,16 @@ bool ty_enclosed_exists(const ty_scene* scene) {
     return false;
 }
 
+bool ty_enclosed_has_all_media(const ty_scene* scene) {
+    for (int32_t m = 0; m < scene->view.medium_count; ++m) {
+        bool solved = false;
+        for (int32_t i = 0; i < scene->view.interior_count && !solved; ++i)
+            solved = filling_medium(&scene->view, i) == m;
+        if (!solved) return false;
+    }
+    return scene->view.medium_count > 0;
+}
+
 static void set_field(ty_enclosed* enclosed, const ty_enclosed_body* body) {
     ty_enclosed_field* field = &enclosed->fields[body->interior];
     field->bands = body->bands;
@@ -67,23 +77,34 @@ static ty_result make_bodies(const ty_scene* scene, const ty_enclosed_def* def, 
 
 /* ---- solve ---- */
 
-static ty_result enter(ty_enclosed* enclosed, const ty_discrete_light_set* lights, bool first,
+/* A round in which surfaces receive and return light of the media. */
+typedef struct round_of_light {
+    bool first, last;
+} round_of_light;
+
+/* The tolerance of ordinates, and before the last round, where a fraction of the rays does as well. */
+static const double last_tolerance = 1e-3, first_tolerance = 0.03;
+enum { FEWER_RAYS = 4 };
+
+static ty_result enter(ty_enclosed* enclosed, const ty_discrete_light_set* lights, round_of_light round,
                        ty_enclosed_stats* stats) {
     const double begun = ty_wall_seconds();
     ty_result result = TY_OK;
     int64_t rays = 0;
     for (int32_t i = 0; i < enclosed->body_count && result == TY_OK; ++i) {
         ty_enclosed_body* body = &enclosed->bodies[i];
-        if (first) result = ty_enclosed_add_lights(body, lights);
+        const int32_t fewer = (body->def->rays + FEWER_RAYS - 1) / FEWER_RAYS;
+        if (round.first) result = ty_enclosed_add_lights(body, lights);
         if (result == TY_OK && body->def->radiance != NULL)
-            result = ty_enclosed_add_surfaces(body, enclosed->fields, &rays);
+            result = ty_enclosed_add_surfaces(body, enclosed->fields, round.last ? body->def->rays : fewer, &rays);
     }
     stats->rays = (int32_t)rays;
     stats->entering_seconds += ty_wall_seconds() - begun;
     return result;
 }
 
-static ty_result scatter(ty_enclosed* enclosed, bool first, ty_enclosed_stats* stats) {
+static ty_result scatter(ty_enclosed* enclosed, round_of_light round, ty_enclosed_stats* stats) {
+    const double tolerance = round.last ? last_tolerance : first_tolerance;
     const double begun = ty_wall_seconds();
     ty_result result = TY_OK;
     stats->sides = 0;
@@ -93,9 +114,14 @@ static ty_result scatter(ty_enclosed* enclosed, bool first, ty_enclosed_stats* s
         ty_enclosed_body* body = &enclosed->bodies[i];
         stats->sides += body->side_count;
         for (int c = 0; c < 3; ++c) stats->entering[c] += body->entering[0][c] + body->entering[1][c];
+        const double before[3] = {stats->leaving[0], stats->leaving[1], stats->leaving[2]};
         result = body->def->diffusion ? ty_enclosed_solve_diffusion(body, stats)
-                                      : ty_enclosed_solve_ordinates(body, !first, stats);
-        if (result == TY_OK) ty_enclosed_fill_field(body);
+                                      : ty_enclosed_solve_ordinates(body, !round.first, tolerance, stats);
+        if (result != TY_OK) break;
+        double leaving[3];
+        for (int c = 0; c < 3; ++c) leaving[c] = stats->leaving[c] - before[c];
+        ty_enclosed_fill_field(body);
+        ty_enclosed_balance_field(body, &enclosed->fields[body->interior], leaving);
     }
     stats->interiors = enclosed->body_count;
     stats->solve_seconds += ty_wall_seconds() - begun;
@@ -110,9 +136,10 @@ static ty_result solve(const ty_scene* scene, const ty_enclosed_def* def, ty_enc
     const int32_t rounds = def->radiance != NULL ? def->rounds : 1;
     ty_result result = make_bodies(scene, def, enclosed);
     if (result == TY_OK) result = ty_discretize_lights(scene, &samples, &lights);
-    for (int32_t round = 0; round < rounds && result == TY_OK; ++round) {
-        result = enter(enclosed, &lights, round == 0, stats);
-        if (result == TY_OK) result = scatter(enclosed, round == 0, stats);
+    for (int32_t i = 0; i < rounds && result == TY_OK; ++i) {
+        const round_of_light round = {.first = i == 0, .last = i == rounds - 1};
+        result = enter(enclosed, &lights, round, stats);
+        if (result == TY_OK) result = scatter(enclosed, round, stats);
     }
     ty_discrete_light_set_destroy(scene->context, &lights);
     return result;

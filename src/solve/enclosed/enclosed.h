@@ -41,6 +41,8 @@ typedef struct ty_enclosed_stats {
 
 /* True if a smooth dielectric of the committed scene holds a medium that scatters and whose bounds are its surface. */
 bool ty_enclosed_exists(const ty_scene* scene);
+/* True if all media of the scene are such. */
+bool ty_enclosed_has_all_media(const ty_scene* scene);
 /* Solves for all such interiors; *out is NULL without any. Independent of the number of threads. stats may be NULL.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED by `radiance`. */
 ty_result ty_enclosed_solve(const ty_scene* scene, const ty_enclosed_def* def, ty_enclosed** out,

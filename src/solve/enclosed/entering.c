@@ -16,6 +16,7 @@ enum { MAX_PASSED = 16 };
 typedef struct entering {
     ty_enclosed_body* body;
     const ty_discrete_light_set* lights;
+    int32_t per_side;  /* rays of a side, of which those that meet surfaces are traced */
     int64_t ray_count; /* of surfaces: rays, their sides and their radiance */
     const double *rays, *radiance;
     const int32_t* side;
@@ -47,11 +48,12 @@ static void add_sums(entering* e, int source, float* const moments[3]) {
     const size_t items = body->cells * (size_t)body->terms;
     const float inverse = (float)(1 / (body->cell[0] * body->cell[1] * body->cell[2]));
     for (int c = 0; c < 3; ++c) {
-        body->entering[source][c] = body->leaving[source][c] = 0;
+        body->entering[source][c] = body->leaving[source][c] = body->unscattered[source][c] = 0;
         memset(moments[c], 0, sizeof(float) * items);
         for (int task = 0; task < TASKS; ++task) {
             body->entering[source][c] += e->sums[task].entering[c];
             body->leaving[source][c] += e->sums[task].leaving[c];
+            body->unscattered[source][c] += e->sums[task].unscattered[c];
             for (size_t i = 0; i < items; ++i) moments[c][i] += inverse * e->sums[task].moments[c][i];
         }
     }
@@ -95,7 +97,7 @@ static bool light_beam(const entering* e, const ty_enclosed_side* side, const ty
         *w = ty_scale(off, -1 / far);
     }
     if (!(ty_dot(*w, side->normal) < 0) || !(factor > 0)) return false;
-    factor *= light->shadowed != 0 ? visibility(e->body, origin, ty_scale(*w, -1), far) : 1;
+    factor *= visibility(e->body, origin, ty_scale(*w, -1), far);
     for (int c = 0; c < 3; ++c) irradiance[c] = factor * light->color[c];
     return factor > 0;
 }
@@ -124,14 +126,14 @@ ty_result ty_enclosed_add_lights(ty_enclosed_body* body, const ty_discrete_light
 /* ---- other surfaces ---- */
 
 /* Rays over the hemisphere of a side, in proportion to the cosine, that meet a surface. */
-static int64_t find_rays(const ty_enclosed_body* body, const ty_sobol* sobol, int32_t side, double* rays,
-                         int32_t* sides) {
+static int64_t find_rays(const ty_enclosed_body* body, const ty_sobol* sobol, int32_t side, int32_t per_side,
+                         double* rays, int32_t* sides) {
     const ty_enclosed_side* s = &body->sides[side];
     const ty_vec origin = ty_mad(s->position, s->normal, s->margin);
     ty_vec u, v;
     int64_t count = 0;
     ty_onb(s->normal, &u, &v);
-    for (int32_t i = 0; i < body->def->rays && s->cell >= 0; ++i) {
+    for (int32_t i = 0; i < per_side && s->cell >= 0; ++i) {
         ty_sampler random = ty_sampler_begin(sobol, body->def->seed, (uint64_t)side, (uint32_t)i);
         const float square = ty_sobol_next(&random), turn = 2 * TY_PI * ty_sobol_next(&random), r = sqrtf(square);
         ty_vec w = ty_scale(s->normal, sqrtf(1 - square));
@@ -170,14 +172,15 @@ static void trace_rays(void* user, int64_t task, int32_t worker) {
         subtract_emission(body, ray, radiance);
         /* Each ray stands for the solid angle pi / (cosine rays). */
         for (int c = 0; c < 3; ++c)
-            irradiance[c] = (float)radiance[c] * TY_PI / (ty_maxf(cosine, 1e-4f) * (float)body->def->rays);
+            irradiance[c] = (float)radiance[c] * TY_PI / (ty_maxf(cosine, 1e-4f) * (float)e->per_side);
         ty_enclosed_trace_beam(e->body, &e->sums[task], e->side[i], w, irradiance);
     }
 }
 
-ty_result ty_enclosed_add_surfaces(ty_enclosed_body* body, const ty_enclosed_field* fields, int64_t* rays) {
-    const size_t most = (size_t)body->side_count * (size_t)body->def->rays;
-    entering e = {.body = body};
+ty_result ty_enclosed_add_surfaces(ty_enclosed_body* body, const ty_enclosed_field* fields, int32_t per_side,
+                                   int64_t* rays) {
+    const size_t most = (size_t)body->side_count * (size_t)per_side;
+    entering e = {.body = body, .per_side = per_side};
     double* ends = ty_alloc_array(body->context, most, 6 * sizeof(double), false);
     double* radiance = ty_alloc_array(body->context, most, 3 * sizeof(double), false);
     int32_t* sides = ty_alloc_array(body->context, most, sizeof *sides, false);
@@ -185,7 +188,7 @@ ty_result ty_enclosed_add_surfaces(ty_enclosed_body* body, const ty_enclosed_fie
     ty_sobol_matrices(&sobol);
     ty_result result = ends != NULL && radiance != NULL && sides != NULL ? allocate_sums(&e) : TY_ERROR_MEMORY;
     for (int32_t i = 0; i < body->side_count && result == TY_OK; ++i)
-        e.ray_count += find_rays(body, &sobol, i, ends + 6 * e.ray_count, sides + e.ray_count);
+        e.ray_count += find_rays(body, &sobol, i, per_side, ends + 6 * e.ray_count, sides + e.ray_count);
     if (result == TY_OK && e.ray_count > 0) {
         result = body->def->radiance(body->def->user, fields, ends, e.ray_count, radiance);
         e.rays = ends;

@@ -11,6 +11,7 @@ enum { TERMS_MAX = TY_SH_TERMS_MAX };
 typedef struct channel {
     ty_enclosed_body* body;
     int c;
+    double tolerance;
     float scattered[TY_SH_BANDS_MAX]; /* s_l / sigma_s */
     float *source, *g;                /* `terms` planes; one plane of zeros */
 } channel;
@@ -63,6 +64,7 @@ static ty_result solve_channel(channel* ch, const ty_angular_quadrature* set, bo
     def.source = sources;
     def.source_terms = body->terms;
     def.start = again ? start : NULL;
+    def.tolerance = ch->tolerance;
     def.walls = (ty_ordinates_faces){.count = body->side_count,
                                      .first = body->first,
                                      .x = body->x,
@@ -80,11 +82,11 @@ static ty_result solve_channel(channel* ch, const ty_angular_quadrature* set, bo
     return TY_OK;
 }
 
-ty_result ty_enclosed_solve_ordinates(ty_enclosed_body* body, bool again, ty_enclosed_stats* stats) {
+ty_result ty_enclosed_solve_ordinates(ty_enclosed_body* body, bool again, double tolerance, ty_enclosed_stats* stats) {
     const size_t planes = (size_t)body->terms + 1;
     ty_angular_quadrature* set = ty_alloc_array(body->context, 1, sizeof *set, true);
     float* memory = ty_alloc_array(body->context, body->cells, planes * sizeof(float), true);
-    channel ch = {.body = body, .source = memory};
+    channel ch = {.body = body, .tolerance = tolerance, .source = memory};
     ty_result result = TY_ERROR_MEMORY;
     if (set != NULL && memory != NULL) {
         ch.g = memory + body->cells * (size_t)body->terms;
