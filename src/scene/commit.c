@@ -117,8 +117,11 @@ static ty_result commit_surfaces(const ty_scene* scene, ty_committed_surfaces* o
     out->surfaces = ty_alloc_array(scene->context, out->count, sizeof(ty_surface), true);
     if (out->surfaces == NULL) return TY_ERROR_MEMORY;
     for (size_t i = 0; i < out->shape_count; ++i) {
+        double center[3];
         set_shape_colors(&out->shapes[i], &out->surfaces[i]);
         out->surfaces[i].first_light = -1;
+        if (out->shapes[i].kind == TY_SHAPE_SPHERE)
+            out->surfaces[i].curvature = (float)(1 / ty_shape_sphere(&out->shapes[i], center));
     }
     for (size_t i = 0; i < scene->mesh_count; ++i)
         out->surfaces[out->shape_count + i] = ty_triangle_mesh_get_surface(scene->meshes[i]);

@@ -62,6 +62,7 @@ typedef struct ty_surface {
     TY_GLOBAL const int32_t* lights; /* per triangle, -1: not sampled; NULL: no emission */
     TY_GLOBAL const float* tangents;
     TY_GLOBAL const ty_surface_gloss* gloss; /* NULL: Lambertian */
+    float curvature;                         /* shapes: 1 / radius of a sphere, 1/m; else 0 */
 } ty_surface;
 
 /* Surface properties at a hit. */

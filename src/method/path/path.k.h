@@ -4,7 +4,7 @@
 #define TY_PATH_PATH_K_H
 
 #include "method/path/equiangular.k.h"
-#include "method/path/interface.k.h"
+#include "method/path/manifold.k.h"
 #include "method/path/point_light_direction.k.h"
 #include "scene/phase.k.h"
 
@@ -349,6 +349,38 @@ TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_v
     return cosine;
 }
 
+/* Light of a directional, point or spot light that smooth interfaces refract to the vertex at path->origin
+ * (manifold.k.h), for the light that its next-event estimation chose with probability `chosen`. */
+TY_FN_CALLED void ty_path_add_refracted_light(ty_path* path, const ty_light_view* light, float chosen,
+                                              const ty_vertex_response* response) {
+    ty_light_sample sample;
+    ty_refracted_ray ray;
+    float factor[3], radiance[3];
+    if (!ty_light_sample_from(light, path->origin, 0.5f, 0.5f, &sample)) return;
+    ty_vec direction = sample.wi;
+    if (!ty_manifold_find(path, light, &direction, &ray)) return;
+    if (!(ty_vertex_response_evaluate(response, direction, factor) > 0.0f)) return;
+    if (!ty_manifold_trace(path, light, direction, true, &ray)) return;
+    if (!ty_light_sample_from(light, ray.origin, 0.5f, 0.5f, &sample)) return;
+    const float determinant = fabsf(ray.jacobian[0] * ray.jacobian[3] - ray.jacobian[1] * ray.jacobian[2]);
+    const ty_interior* interior = &path->request->scene->interiors[ray.inside.top];
+    /* The radiance of the light counts by 1 / n^2 of its surroundings, not of the vertex. */
+    const float square = path->inverse_square * interior->ior * interior->ior;
+    const float weight = 1.0f / (chosen * ty_maxf(determinant, 1e-12f) * square);
+    for (int c = 0; c < 3; ++c)
+        radiance[c] = path->beta[c] * factor[c] * ray.throughput[c] * sample.radiance[c] * weight;
+    ty_path_add(path, radiance);
+}
+
+/* The same where the scene has interfaces, and the light is one that sampled directions do not meet. */
+TY_FN void ty_path_sample_refracted_light(ty_path* path, int32_t light, float chosen,
+                                          const ty_vertex_response* response) {
+    if (!ty_path_sees_dielectrics(path) || light < 0) return;
+    const ty_light_view* view = &path->request->scene->lights.lights[light];
+    if (view->kind == TY_KIND_DIRECTIONAL || ty_light_is_point_or_spot(view->kind))
+        ty_path_add_refracted_light(path, view, chosen, response);
+}
+
 /* Light that a lamp sends to the vertex at path->origin by one scattering, along a direction sampled about the lamp. */
 TY_FN void ty_path_add_point_light_direction(ty_path* path, const ty_light_view* point_light, float probability,
                                              const ty_vertex_response* response) {
@@ -418,8 +450,9 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
                                  sample.pdf > 0.0f ? ty_scatter_vertex_pdf(&scatter, sample.wi, phase) : 0.0f,
                                  phase[1]);
     }
-    path->point_light_rate =
-        ty_path_sample_point_light_direction(path, light, chosen, &(ty_vertex_response){&scatter, NULL});
+    const ty_vertex_response response = {&scatter, NULL};
+    ty_path_sample_refracted_light(path, light, chosen, &response);
+    path->point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
     path->direction = ty_scatter_vertex_sample(&scatter, &path->random);
     ty_scatter_vertex_phase(&scatter, path->direction, phase);
     path->phase = phase[1];
@@ -460,6 +493,7 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     if (facing > 0.0f)
         ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, facing,
                                  0.0f);
+    ty_path_sample_refracted_light(path, light, chosen, &response);
     const float point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
     ty_path_sample_cosine_hemisphere(path);
     path->point_light_rate = point_light_rate;
@@ -489,6 +523,7 @@ TY_FN void ty_path_reflect_gloss(ty_path* path, const ty_intersection* at) {
         path->origin = origin;
     }
     const ty_vertex_response response = {NULL, point};
+    ty_path_sample_refracted_light(path, light, chosen, &response);
     path->point_light_rate = transmits ? 0.0f : ty_path_sample_point_light_direction(path, light, chosen, &response);
     const float pick = ty_sobol_next(&path->random);
     const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);

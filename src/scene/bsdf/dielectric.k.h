@@ -126,11 +126,10 @@ TY_FN float ty_rough_dielectric_evaluate(const ty_rough_dielectric* d, ty_vec di
     if (!(cosine > 0.0f) || !(d->wo.z > 0.0f)) return 0.0f;
     float pdf = through ? ty_rough_refraction(d, wi, &value) : ty_rough_reflection(d, wi, &value);
     if (d->lost > 0.0f) {
-        const float lambert = cosine * (1.0f / TY_PI);
         const float part = d->lost * (through ? d->through : 1.0f - d->through);
         const float lost = ty_dielectric_lost(d->tables, through ? 1.0f / d->eta : d->eta, cosine, d->roughness);
-        value += part * lost / (through ? d->other_mean : d->lost_mean) * lambert;
-        pdf = (1.0f - d->lost) * pdf + part * lambert;
+        value += part * lost / (through ? d->other_mean : d->lost_mean) * cosine * (1.0f / TY_PI);
+        pdf = (1.0f - d->lost) * pdf + part * ty_bsdf_power_pdf(d->roughness, cosine);
     }
     for (int c = 0; c < 3; ++c) factor[c] = value * (through ? d->tint[c] : 1.0f);
     return pdf;
@@ -142,7 +141,8 @@ TY_FN bool ty_rough_dielectric_sample(const ty_rough_dielectric* d, float pick, 
     if (!(d->wo.z > 0.0f)) return false;
     if (pick < d->lost) {
         const bool through = pick < d->lost * d->through;
-        wi = ty_direction_about(ty_vec_make(0.0f, 0.0f, 1.0f), sqrtf(ty_maxf(1.0f - u, 1e-9f)), v);
+        wi = ty_direction_about(ty_vec_make(0.0f, 0.0f, 1.0f),
+                                ty_expf(ty_logf(ty_maxf(1.0f - u, 1e-30f)) / (d->roughness + 1.0f)), v);
         if (through) wi.z = -wi.z;
     } else {
         pick = (pick - d->lost) / (1.0f - d->lost);

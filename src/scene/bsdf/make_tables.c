@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { CAP_STEPS = 192, TURN_STEPS = 64, MEAN_STEPS = 4096, SHEEN_STEPS = 128, VISIBLE_STEPS = 48 };
+enum { CAP_STEPS = 192, TURN_STEPS = 64, MEAN_STEPS = 4096, SHEEN_STEPS = 128, VISIBLE_STEPS = 1024 };
 
 static ty_bsdf_tables tables;
 
@@ -62,21 +62,21 @@ static float integrate_sheen(float cosine, float alpha) {
 static float integrate_dielectric(float cosine, float alpha, float eta) {
     const ty_vec wo = outgoing(cosine);
     double sum = 0;
-    for (int i = 0; i < VISIBLE_STEPS; ++i)
-        for (int j = 0; j < VISIBLE_STEPS / 2; ++j) {
-            const float u = ((float)i + 0.5f) / VISIBLE_STEPS, v = ((float)j + 0.5f) / VISIBLE_STEPS;
-            const ty_vec h = ty_ggx_sample_visible(wo, alpha, u, v);
-            const float fresnel = ty_fresnel_dielectric(ty_dot(wo, h), eta);
-            const ty_vec reflected = ty_reflect(wo, h), refracted = ty_refract(wo, h, eta);
-            /* G2 / G1 = 4 cos_i cos_o V (cos_o + root) / (2 cos_o) */
-            if (reflected.z > 0.0f)
-                sum += (double)(fresnel * 2.0f * reflected.z * ty_ggx_visibility(reflected.z, wo.z, alpha) *
-                                (wo.z + ty_ggx_smith_root(wo.z, alpha)));
-            if (refracted.z < 0.0f && fresnel < 1.0f)
-                sum += (double)((1.0f - fresnel) * -2.0f * refracted.z /
-                                (ty_ggx_smith_root(refracted.z, alpha) - refracted.z));
-        }
-    return fminf((float)(sum / (VISIBLE_STEPS * VISIBLE_STEPS / 2)), 1.0f);
+    for (int i = 0; i < VISIBLE_STEPS; ++i) {
+        /* A lattice by the golden ratio. */
+        const float u = ((float)i + 0.5f) / VISIBLE_STEPS, v = (float)fmod(i * 0.6180339887498949, 1);
+        const ty_vec h = ty_ggx_sample_visible(wo, alpha, u, v);
+        const float fresnel = ty_fresnel_dielectric(ty_dot(wo, h), eta);
+        const ty_vec reflected = ty_reflect(wo, h), refracted = ty_refract(wo, h, eta);
+        /* G2 / G1 = 4 cos_i cos_o V (cos_o + root) / (2 cos_o) */
+        if (reflected.z > 0.0f)
+            sum += (double)(fresnel * 2.0f * reflected.z * ty_ggx_visibility(reflected.z, wo.z, alpha) *
+                            (wo.z + ty_ggx_smith_root(wo.z, alpha)));
+        if (refracted.z < 0.0f && fresnel < 1.0f)
+            sum += (double)((1.0f - fresnel) * -2.0f * refracted.z /
+                            (ty_ggx_smith_root(refracted.z, alpha) - refracted.z));
+    }
+    return fminf((float)(sum / VISIBLE_STEPS), 1.0f);
 }
 
 /* The mean of the interpolated table, so that what is left to energy compensation adds up. */

@@ -5,7 +5,7 @@
 #include "scene/bsdf/microfacet.k.h"
 
 /* Points along the cosine, the roughness and the index of refraction. */
-enum { TY_BSDF_COSINES = 64, TY_BSDF_ROUGHNESSES = 32, TY_BSDF_IORS = 9 };
+enum { TY_BSDF_COSINES = 64, TY_BSDF_ROUGHNESSES = 32, TY_BSDF_IORS = 16 };
 
 /* Rows of equal roughness, which go from 0 to 1. */
 typedef struct ty_bsdf_tables {
@@ -20,20 +20,20 @@ typedef struct ty_bsdf_tables {
     float dielectric_mean[2 * TY_BSDF_IORS * TY_BSDF_ROUGHNESSES];
 } ty_bsdf_tables;
 
-/* Root of the reflectance at normal incidence, (n - 1) / (n + 1), of the last index of refraction of the tables, which
- * are evenly spaced in it: n = 4. */
+/* Root of the reflectance at normal incidence, (n - 1) / (n + 1), of the last index of refraction of the tables, n = 4.
+ * They are evenly spaced in the root of it, because interfaces that are nearly matched differ most. */
 #define TY_BSDF_IOR_LAST 0.6f
 
 /* The index of refraction of a table, at least 1. */
 TY_FN float ty_dielectric_table_ior(int32_t i) {
-    const float root = TY_BSDF_IOR_LAST * (float)i / (float)(TY_BSDF_IORS - 1);
+    const float at = (float)i / (float)(TY_BSDF_IORS - 1), root = TY_BSDF_IOR_LAST * at * at;
     return (1.0f + root) / (1.0f - root);
 }
 
 /* Number of the table below a relative index of refraction, and the weight of the next one. */
 TY_FN float ty_dielectric_row(float eta, int32_t* row) {
     const float root = fabsf(eta - 1.0f) / (eta + 1.0f);
-    const float at = ty_minf(root * (1.0f / TY_BSDF_IOR_LAST), 1.0f) * (float)(TY_BSDF_IORS - 1);
+    const float at = sqrtf(ty_minf(root * (1.0f / TY_BSDF_IOR_LAST), 1.0f)) * (float)(TY_BSDF_IORS - 1);
     const int32_t below = at < (float)(TY_BSDF_IORS - 2) ? (int32_t)at : TY_BSDF_IORS - 2;
     *row = below + (eta < 1.0f ? TY_BSDF_IORS : 0);
     return at - (float)below;
