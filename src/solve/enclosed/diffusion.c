@@ -33,17 +33,48 @@ static float uncollided_fluence(const channel* ch, size_t cell) {
     return (float)TY_SQRT_4PI_F64 * (ch->body->of_lights[ch->c][at] + ch->body->of_surfaces[ch->c][at]);
 }
 
+/* Number of a cell's sides. */
+static int32_t sides_of(const ty_enclosed_body* body, int32_t side) {
+    int32_t count = 0;
+    for (int32_t i = side; i >= 0 && body->sides[i].cell == body->sides[side].cell; --i) ++count;
+    for (int32_t i = side + 1; i < body->side_count && body->sides[i].cell == body->sides[side].cell; ++i) ++count;
+    return count;
+}
+
+/* Takes the part of the source that leaves before it fills its cell from the cells beside the surface: light collides
+ * within a free path behind a face, and not in the middle of a thick cell. Of a source that falls off as exp(-sigma' z)
+ * the fraction 1 - (1 - exp(-x)) / x, x = sigma' h / 2, counts as on the face, as a linear fluence between face and
+ * center divides it; from there it leaves through the interface or enters the half cell, in proportion to their
+ * conductances. */
+static void offset_faces(const channel* ch) {
+    const ty_enclosed_body* body = ch->body;
+    float *f = ty_dsa_source(ch->dsa), *offset = ty_dsa_face_offset(ch->dsa);
+    const float *slope = ty_dsa_face_slope(ch->dsa), *d = ty_dsa_diffusivity(ch->dsa);
+    for (int32_t i = 0; i < body->side_count; ++i) {
+        offset[i] = 0;
+        if (body->sides[i].cell < 0) continue;
+        const ptrdiff_t at = box_index(ch, (size_t)body->sides[i].cell);
+        const float edge = (float)body->cell[body->face[i] / 2], x = edge / (6 * d[at]);
+        const float on_face = x > 1e-3f ? 1 - (1 - expf(-x)) / x : x / 2;
+        offset[i] = f[at] * edge * on_face / (float)sides_of(body, i) * slope[i] * edge / (2 * d[at]);
+    }
+    for (int32_t i = 0; i < body->side_count; ++i)
+        if (body->sides[i].cell >= 0)
+            f[box_index(ch, (size_t)body->sides[i].cell)] -= offset[i] / (float)body->cell[body->face[i] / 2];
+}
+
 /* Writes the source (sigma_s - g sigma_s) Phi; returns its sum of squares. */
 static double set_source(const channel* ch) {
     const ty_enclosed_body* body = ch->body;
     float* f = ty_dsa_source(ch->dsa);
     double squares = 0;
+    for (size_t i = 0; i < body->cells; ++i)
+        f[box_index(ch, i)] = (1 - body->forward[ch->c]) * body->scattering[ch->c][i] * uncollided_fluence(ch, i);
+    offset_faces(ch);
     for (size_t i = 0; i < body->cells; ++i) {
-        const float q = (1 - body->forward[ch->c]) * body->scattering[ch->c][i] * uncollided_fluence(ch, i);
-        f[box_index(ch, i)] = q;
-        squares += (double)q * (double)q;
+        const double q = (double)f[box_index(ch, i)];
+        squares += q * q;
     }
-    memset(ty_dsa_face_offset(ch->dsa), 0, sizeof(float) * (size_t)body->side_count);
     return squares;
 }
 
@@ -74,6 +105,7 @@ static void add_flows_between(const channel* ch, size_t cell, const float* phi) 
 static void take_results(channel* ch, ty_enclosed_stats* stats) {
     ty_enclosed_body* body = ch->body;
     const float *phi = ty_dsa_fluence(ch->dsa), *slope = ty_dsa_face_slope(ch->dsa);
+    const float* offset = ty_dsa_face_offset(ch->dsa);
     const double volume = body->cell[0] * body->cell[1] * body->cell[2];
     double absorbed = 0, leaving = 0;
     memset(body->solved[ch->c], 0, sizeof(float) * body->cells * (size_t)body->terms);
@@ -88,7 +120,7 @@ static void take_results(channel* ch, ty_enclosed_stats* stats) {
         const int axis = body->face[i] / 2;
         if (body->sides[i].cell < 0) continue;
         const size_t cell = (size_t)body->sides[i].cell;
-        const float flow = slope[i] * phi[box_index(ch, cell)];
+        const float flow = slope[i] * phi[box_index(ch, cell)] + offset[i];
         leaving += (double)flow * volume / body->cell[axis];
         add_flow(ch, cell, axis, (body->face[i] & 1) != 0 ? flow : -flow);
     }

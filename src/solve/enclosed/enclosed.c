@@ -14,7 +14,7 @@ struct ty_enclosed {
 
 ty_enclosed_def ty_default_enclosed_def(void) {
     return (ty_enclosed_def){
-        .cells = 40, .directions = 96, .environment_beams = 64, .surface_points = 16, .rays = 16, .rounds = 2};
+        .cells = 32, .directions = 96, .environment_beams = 64, .surface_points = 16, .rays = 16, .rounds = 2};
 }
 
 /* ---- interiors ---- */

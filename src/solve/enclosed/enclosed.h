@@ -18,7 +18,7 @@ typedef ty_result (*ty_enclosed_radiance_fn)(void* user, const ty_enclosed_field
 
 typedef struct ty_enclosed_def {
     bool diffusion;                   /* default false: ordinates */
-    int32_t cells;                    /* along the longest side of an interior, 4..256; default 40 */
+    int32_t cells;                    /* along the longest side of an interior, 4..256; default 32 */
     int32_t directions;               /* ordinates, 8..1024; default 96 */
     int32_t environment_beams;        /* directions per environment light; default 64 */
     int32_t surface_points;           /* points per area light; default 16 */

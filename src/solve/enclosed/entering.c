@@ -20,6 +20,7 @@ typedef struct entering {
     int64_t ray_count; /* of surfaces: rays, their sides and their radiance */
     const double *rays, *radiance;
     const int32_t* side;
+    const float* passed;
     float shadow_offset; /* of shadow rays from points of surface lights, m */
     ty_enclosed_sums sums[TASKS];
 } entering;
@@ -61,22 +62,30 @@ static void add_sums(entering* e, int source, float* const moments[3]) {
 
 /* ---- lights ---- */
 
-/* Fraction of light that passes along a ray: 0 behind other surfaces, and through other smooth dielectrics what
- * Fresnel's reflectance leaves, without refraction. */
-static float visibility(const ty_enclosed_body* body, ty_vec origin, ty_vec w, float far) {
+/* Follows a ray through other smooth dielectrics, without refraction, to what ends it: origin, where it left the last
+ * of them; returns the fraction of light that passes. hit->surface is -1 where nothing ends it. */
+static float pass_dielectrics(const ty_enclosed_body* body, ty_vec* origin, ty_vec w, float far, ty_hit* hit) {
     const ty_scene_view* scene = body->scene;
     float passed = 1;
-    for (int i = 0; i < MAX_PASSED; ++i) {
-        ty_hit hit;
-        if (!ty_accel_intersect(scene->mesh, origin, w, far, &hit)) return passed;
-        const ty_surface_gloss* gloss = scene->surfaces[hit.surface].gloss;
-        if (gloss == NULL || gloss->dielectric.solid == 0 || gloss->dielectric.interior == body->interior) return 0;
-        const float cosine = fabsf(ty_dot(hit.normal, w));
-        passed *= 1 - ty_fresnel_dielectric(cosine, gloss->dielectric.ior);
-        origin = ty_hit_leave(&hit, w);
-        far -= hit.distance;
+    for (int i = 0; i < MAX_PASSED && ty_accel_intersect(scene->mesh, *origin, w, far, hit); ++i) {
+        const ty_surface_gloss* gloss = scene->surfaces[hit->surface].gloss;
+        const bool solid = gloss != NULL && gloss->dielectric.solid != 0;
+        if (!solid || gloss->dielectric.interior == body->interior ||
+            scene->interiors[gloss->dielectric.interior].scatters != 0)
+            return passed;
+        passed *= 1 - ty_fresnel_dielectric(fabsf(ty_dot(hit->normal, w)), gloss->dielectric.ior);
+        *origin = ty_hit_leave(hit, w);
+        far -= hit->distance;
     }
-    return 0;
+    hit->surface = -1;
+    return passed;
+}
+
+/* Fraction of light that passes along a ray, 0 behind surfaces that end it. */
+static float visibility(const ty_enclosed_body* body, ty_vec origin, ty_vec w, float far) {
+    ty_hit hit;
+    const float passed = pass_dielectrics(body, &origin, w, far, &hit);
+    return hit.surface < 0 ? passed : 0;
 }
 
 /* Direction of travel and irradiance across the beam of a light at a side, without media outside; false: none. */
@@ -125,11 +134,11 @@ ty_result ty_enclosed_add_lights(ty_enclosed_body* body, const ty_discrete_light
 
 /* ---- other surfaces ---- */
 
-/* Rays over the hemisphere of a side, in proportion to the cosine, that meet a surface. */
+/* Rays over the hemisphere of a side, in proportion to the cosine, that a surface ends; passed: the fraction of its
+ * light that dielectrics on the way let through. */
 static int64_t find_rays(const ty_enclosed_body* body, const ty_sobol* sobol, int32_t side, int32_t per_side,
-                         double* rays, int32_t* sides) {
+                         double* rays, int32_t* sides, float* passed) {
     const ty_enclosed_side* s = &body->sides[side];
-    const ty_vec origin = ty_mad(s->position, s->normal, s->margin);
     ty_vec u, v;
     int64_t count = 0;
     ty_onb(s->normal, &u, &v);
@@ -138,7 +147,10 @@ static int64_t find_rays(const ty_enclosed_body* body, const ty_sobol* sobol, in
         const float square = ty_sobol_next(&random), turn = 2 * TY_PI * ty_sobol_next(&random), r = sqrtf(square);
         ty_vec w = ty_scale(s->normal, sqrtf(1 - square));
         w = ty_normalize(ty_mad(ty_mad(w, u, r * cosf(turn)), v, r * sinf(turn)));
-        if (!ty_accel_occluded(body->scene->mesh, origin, w, TY_FLOAT_MAX)) continue;
+        ty_vec origin = ty_mad(s->position, s->normal, s->margin);
+        ty_hit hit;
+        passed[count] = pass_dielectrics(body, &origin, w, TY_FLOAT_MAX, &hit);
+        if (hit.surface < 0) continue;
         double* ray = rays + 6 * count;
         const float numbers[6] = {origin.x, origin.y, origin.z, -w.x, -w.y, -w.z};
         for (int k = 0; k < 6; ++k) ray[k] = (double)numbers[k];
@@ -172,7 +184,7 @@ static void trace_rays(void* user, int64_t task, int32_t worker) {
         subtract_emission(body, ray, radiance);
         /* Each ray stands for the solid angle pi / (cosine rays). */
         for (int c = 0; c < 3; ++c)
-            irradiance[c] = (float)radiance[c] * TY_PI / (ty_maxf(cosine, 1e-4f) * (float)e->per_side);
+            irradiance[c] = e->passed[i] * (float)radiance[c] * TY_PI / (ty_maxf(cosine, 1e-4f) * (float)e->per_side);
         ty_enclosed_trace_beam(e->body, &e->sums[task], e->side[i], w, irradiance);
     }
 }
@@ -184,16 +196,20 @@ ty_result ty_enclosed_add_surfaces(ty_enclosed_body* body, const ty_enclosed_fie
     double* ends = ty_alloc_array(body->context, most, 6 * sizeof(double), false);
     double* radiance = ty_alloc_array(body->context, most, 3 * sizeof(double), false);
     int32_t* sides = ty_alloc_array(body->context, most, sizeof *sides, false);
+    float* passed = ty_alloc_array(body->context, most, sizeof *passed, false);
     ty_sobol sobol;
     ty_sobol_matrices(&sobol);
-    ty_result result = ends != NULL && radiance != NULL && sides != NULL ? allocate_sums(&e) : TY_ERROR_MEMORY;
+    ty_result result =
+        ends != NULL && radiance != NULL && sides != NULL && passed != NULL ? allocate_sums(&e) : TY_ERROR_MEMORY;
     for (int32_t i = 0; i < body->side_count && result == TY_OK; ++i)
-        e.ray_count += find_rays(body, &sobol, i, per_side, ends + 6 * e.ray_count, sides + e.ray_count);
+        e.ray_count +=
+            find_rays(body, &sobol, i, per_side, ends + 6 * e.ray_count, sides + e.ray_count, passed + e.ray_count);
     if (result == TY_OK && e.ray_count > 0) {
         result = body->def->radiance(body->def->user, fields, ends, e.ray_count, radiance);
         e.rays = ends;
         e.radiance = radiance;
         e.side = sides;
+        e.passed = passed;
         if (result == TY_OK) ty_parallel_flushed(body->context, TASKS, trace_rays, &e);
     }
     if (result == TY_OK) add_sums(&e, 1, body->of_surfaces);
@@ -202,5 +218,6 @@ ty_result ty_enclosed_add_surfaces(ty_enclosed_body* body, const ty_enclosed_fie
     ty_free_array(body->context, ends, most, 6 * sizeof(double));
     ty_free_array(body->context, radiance, most, 3 * sizeof(double));
     ty_free_array(body->context, sides, most, sizeof *sides);
+    ty_free_array(body->context, passed, most, sizeof *passed);
     return result;
 }

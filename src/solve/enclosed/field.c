@@ -130,7 +130,7 @@ void ty_enclosed_balance_field(ty_enclosed_body* body, const ty_enclosed_field* 
         double power = 0;
         for (int task = 0; task < TASKS; ++task) power += e.power[task][c];
         const double scattered = leaving[c] - body->unscattered[0][c] - body->unscattered[1][c];
-        const float factor = power > 0 ? (float)fmin(fmax(scattered / power, 0.5), 2) : 1;
+        const float factor = power > 0 ? (float)fmin(fmax(scattered / power, 0.1), 10) : 1;
         for (size_t i = 0; i < body->cells * (size_t)body->terms; ++i) body->field[c][i] *= factor;
     }
 }
