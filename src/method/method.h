@@ -48,6 +48,7 @@ enum { TY_METHOD_STATS_MAX = 1024 };
 typedef struct ty_method_run {
     ty_path_stats path; /* stats of the path tracer; its seconds are those of the whole rendering */
     double own_seconds; /* seconds without the path-traced image of the surfaces */
+    bool enclosed;      /* all media fill dielectrics, which that image shows, and nothing else was computed */
     _Alignas(16) char stats[TY_METHOD_STATS_MAX]; /* the method's own stats struct */
 } ty_method_run;
 

@@ -2,7 +2,7 @@
 
 #include "base/context.h"
 #include "base/isa.h"
-#include "scene/scene.h"
+#include "scene/interiors.h"
 #include "solve/enclosed/enclosed.h"
 
 #include <string.h>
@@ -61,6 +61,8 @@ static ty_result begin_call(const ty_volume_method* method, const ty_scene* scen
 static ty_result solve(const ty_volume_method* method, ty_volume_call* call) {
     ty_result result = ty_scene_check_media(call->scene, method->name);
     if (result != TY_OK) return result;
+    if (!ty_enclosed_has_all_media(call->scene))
+        ty_interiors_warn(call->scene, method->name, "media in dielectrics light other media as without a surface");
     call->progress = ty_part_begin(call->options.progress, call->options.progress_user, 0, 0);
     call->light = ty_alloc_array(call->context, 1, method->light_bytes, true);
     if (call->light == NULL) return TY_ERROR_MEMORY;
@@ -174,6 +176,7 @@ ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)
         ty_enclosed_has_all_media(scene)) {
         ty_method_stats(run, method->stats_bytes);
         set_isa(method, run->stats);
+        run->enclosed = true;
         *out = surfaces;
         return TY_OK;
     }
