@@ -64,7 +64,7 @@ TY_FN const ty_enclosed_field* ty_path_enclosed_field(const ty_path* path) {
 }
 
 /* The end of a path at its first collision in a medium whose light is known. */
-TY_FN void ty_path_end_in_field(ty_path* path, const ty_enclosed_field* field) {
+TY_FN_CALLED void ty_path_end_in_field(ty_path* path, const ty_enclosed_field* field) {
     float radiance[3];
     ty_enclosed_radiance(field, path->origin, ty_scale(path->direction, -1.0f), radiance);
     for (int c = 0; c < 3; ++c) radiance[c] *= path->beta[c];

@@ -242,8 +242,8 @@ ty_result ty_enclosed_body_create(const ty_scene* scene, const ty_enclosed_def* 
     *out = (ty_enclosed_body){.context = scene->context, .scene = &scene->view, .def = def, .interior = interior};
     const ty_medium_view* view = &scene->view.media[medium];
     cut(out, &scene->media[medium]);
-    const int32_t middle[3] = {out->size[0] / 2, out->size[1] / 2, out->size[2] / 2};
-    choose_bands(out, view, center_of(out, middle));
+    const int32_t center[3] = {out->size[0] / 2, out->size[1] / 2, out->size[2] / 2};
+    choose_bands(out, view, center_of(out, center));
     if (!allocate_cells(out)) return TY_ERROR_MEMORY;
     for (int32_t z = 0; z < out->size[2]; ++z)
         for (int32_t y = 0; y < out->size[1]; ++y) find_inside(out, view, y, z);

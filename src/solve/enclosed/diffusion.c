@@ -42,7 +42,7 @@ static int32_t sides_of(const ty_enclosed_body* body, int32_t side) {
 }
 
 /* Takes the part of the source that leaves before it fills its cell from the cells beside the surface: light collides
- * within a free path behind a face, and not in the middle of a thick cell. Of a source that falls off as exp(-sigma' z)
+ * within a free path behind a face, and not at the center of a thick cell. Of a source that falls off as exp(-sigma' z)
  * the fraction 1 - (1 - exp(-x)) / x, x = sigma' h / 2, counts as on the face, as a linear fluence between face and
  * center divides it; from there it leaves through the interface or enters the half cell, in proportion to their
  * conductances. */

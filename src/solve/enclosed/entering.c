@@ -10,7 +10,7 @@
 
 /* Sums are made by as many tasks, whatever the number of threads, and added in order. */
 enum { TASKS = 4 };
-/* Surfaces of dielectrics that a shadow ray passes at most. */
+/* Maximum number of surfaces of dielectrics that a shadow ray passes. */
 enum { MAX_PASSED = 16 };
 
 typedef struct entering {
@@ -191,12 +191,12 @@ static void trace_rays(void* user, int64_t task, int32_t worker) {
 
 ty_result ty_enclosed_add_surfaces(ty_enclosed_body* body, const ty_enclosed_field* fields, int32_t per_side,
                                    int64_t* rays) {
-    const size_t most = (size_t)body->side_count * (size_t)per_side;
+    const size_t capacity = (size_t)body->side_count * (size_t)per_side;
     entering e = {.body = body, .per_side = per_side};
-    double* ends = ty_alloc_array(body->context, most, 6 * sizeof(double), false);
-    double* radiance = ty_alloc_array(body->context, most, 3 * sizeof(double), false);
-    int32_t* sides = ty_alloc_array(body->context, most, sizeof *sides, false);
-    float* passed = ty_alloc_array(body->context, most, sizeof *passed, false);
+    double* ends = ty_alloc_array(body->context, capacity, 6 * sizeof(double), false);
+    double* radiance = ty_alloc_array(body->context, capacity, 3 * sizeof(double), false);
+    int32_t* sides = ty_alloc_array(body->context, capacity, sizeof *sides, false);
+    float* passed = ty_alloc_array(body->context, capacity, sizeof *passed, false);
     ty_sobol sobol;
     ty_sobol_matrices(&sobol);
     ty_result result =
@@ -215,9 +215,9 @@ ty_result ty_enclosed_add_surfaces(ty_enclosed_body* body, const ty_enclosed_fie
     if (result == TY_OK) add_sums(&e, 1, body->of_surfaces);
     *rays += e.ray_count;
     free_sums(&e);
-    ty_free_array(body->context, ends, most, 6 * sizeof(double));
-    ty_free_array(body->context, radiance, most, 3 * sizeof(double));
-    ty_free_array(body->context, sides, most, sizeof *sides);
-    ty_free_array(body->context, passed, most, sizeof *passed);
+    ty_free_array(body->context, ends, capacity, 6 * sizeof(double));
+    ty_free_array(body->context, radiance, capacity, 3 * sizeof(double));
+    ty_free_array(body->context, sides, capacity, sizeof *sides);
+    ty_free_array(body->context, passed, capacity, sizeof *passed);
     return result;
 }
