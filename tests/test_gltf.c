@@ -364,7 +364,7 @@ static void broken_files_are_refused(void** state) {
         {"'asset'", "asset", "made.gltf:1: "},
         {"'asset'", "'Asset'", "asset.version is missing"},
         {"'2.0'", "'1.0'", "glTF version \"1.0\""},
-        {"'scene':0", "'extensionsRequired':['KHR_materials_volume'],'scene':0", "\"KHR_materials_volume\""},
+        {"'scene':0", "'extensionsRequired':['KHR_materials_dispersion'],'scene':0", "\"KHR_materials_dispersion\""},
         {"'scene':0", "'scene':7", "scene: there is no scenes[7]"},
         {"'scene':0", "'scene':'a'", "scene: expected a whole number, found \"a\""},
         {"[{'nodes':[0]}]", "[3]", "scenes[0]: expected an object"},

@@ -127,6 +127,27 @@ static void warn_if_open(ty_context* context, const ty_interiors_input* input, s
                mesh->origin.name != NULL ? ", " : "", mesh->origin.name != NULL ? mesh->origin.name : "", open);
 }
 
+/* True if light is refracted at a surface in one direction each. */
+static bool is_smooth(const ty_dielectric* dielectric) {
+    return dielectric != NULL && !(dielectric->roughness > 0) && dielectric->ior > 1;
+}
+
+void ty_interiors_warn_of_lamps(ty_context* context, const ty_light_def* lights, size_t count,
+                                const ty_committed_surfaces* surfaces) {
+    static const char* const names[] = {
+        [TY_LIGHT_DIRECTIONAL] = "directional", [TY_LIGHT_POINT] = "point", [TY_LIGHT_SPOT] = "spot"};
+    size_t light = 0, surface = 0;
+    while (light < count && lights[light].kind != TY_LIGHT_DIRECTIONAL && lights[light].kind != TY_LIGHT_POINT &&
+           lights[light].kind != TY_LIGHT_SPOT)
+        ++light;
+    while (surface < surfaces->count && !is_smooth(dielectric_of(surfaces, surface))) ++surface;
+    if (light == count || surface == surfaces->count) return;
+    ty_log(context, TY_LOG_WARNING,
+           "light %zu (%s) shines through a smooth dielectric (surface %zu): path finds one refracted way from each "
+           "point to it, and leaves out other ways and reflections; an emitter with a size has them all",
+           light, names[lights[light].kind], surface);
+}
+
 ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* input, bool warns,
                               ty_committed_interiors* out) {
     const ty_committed_surfaces* surfaces = input->surfaces;
@@ -174,7 +195,7 @@ static bool was_met(const ty_scene_view* scene, const ty_ray* ray, const ty_hit_
     return false;
 }
 
-void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_inside* out) {
+void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_interior_list* out) {
     /* A direction along no edge that is likely in a scene. */
     const ty_ray ray = {{point.x, point.y, point.z}, {0.26726124f, 0.80178373f, -0.53452248f}, TY_FLOAT_MAX};
     ty_all_hits hits;
@@ -188,7 +209,7 @@ void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_inside* ou
         const bool leaves =
             hit.normal.x * ray.direction[0] + hit.normal.y * ray.direction[1] + hit.normal.z * ray.direction[2] > 0;
         if (leaves && !was_met(scene, &ray, hits.layer[0], i, hit.surface))
-            ty_inside_enter(scene->interiors, gloss->dielectric.interior, out);
+            ty_interior_list_enter(scene->interiors, gloss->dielectric.interior, out);
     }
 }
 

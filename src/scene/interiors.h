@@ -2,10 +2,10 @@
 #ifndef TY_SCENE_INTERIORS_H
 #define TY_SCENE_INTERIORS_H
 
-#include "scene/inside.k.h"
+#include "scene/interior_list.k.h"
 #include "scene/scene.h"
 
-/* What an interior is made of: the media of a scene and their views, and surfaces. */
+/* Input of interiors: the media of a scene and their views, and surfaces. */
 typedef struct ty_interiors_input {
     const ty_medium_def* defs;
     const ty_committed_media* media;       /* their `dielectric` is set */
@@ -16,8 +16,11 @@ typedef struct ty_interiors_input {
 /* Warns of boundaries that are not closed if `warns`. On failure the caller drops what was made. */
 ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* input, bool warns,
                               ty_committed_interiors* out);
+/* Warns if lights that no sampled direction meets shine on smooth dielectrics. */
+void ty_interiors_warn_of_lamps(ty_context* context, const ty_light_def* lights, size_t count,
+                                const ty_committed_surfaces* surfaces);
 /* The dielectrics around a point, by the nearest surface of each in one direction. The scene has some. */
-void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_inside* out);
+void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_interior_list* out);
 /* Warns that a method knows no refraction, where the scene has any. does: the sentence's end, after `method: `. */
 void ty_interiors_warn(const ty_scene* scene, const char* method, const char* does);
 void ty_interiors_destroy(ty_context* context, ty_committed_interiors* interiors);

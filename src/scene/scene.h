@@ -11,7 +11,7 @@
 
 #include <tyndall/scene.h>
 
-/* What fills the space of a path between surfaces: a solid dielectric, or for number 0 the space outside of all. */
+/* A solid dielectric that a path is in between surfaces, or for number 0 the space outside of all. */
 typedef struct ty_interior {
     const ty_medium_view* media; /* the dielectric's own absorption, if `absorbs`, then the media in it */
     int32_t medium_count;

@@ -1,6 +1,6 @@
 /* Paths at interfaces of solid dielectrics: nested interiors, light through interfaces that do not deflect it,
- * reflection and refraction. Throughput carries radiance as L / n^2, which refraction does not change: so a path begins
- * with the n^2 of the medium around its origin, and light counts by 1 / n^2 where it is emitted. */
+ * reflection and refraction. Refraction keeps L / n^2: BSDFs have no factor for it, and throughput takes the ratio of
+ * n^2 where a path crosses. */
 #ifndef TY_PATH_INTERFACE_K_H
 #define TY_PATH_INTERFACE_K_H
 
@@ -34,21 +34,26 @@ TY_FN int32_t ty_path_medium_count(const ty_path* path, const ty_interior* inter
     return path->request->scene->medium_count > 0 ? interior->medium_count : interior->absorbs;
 }
 
-TY_FN void ty_path_set_inside(ty_path* path, const ty_inside* inside) {
+/* Radiance here that light of radiance 1 in another interior becomes by refraction alone: the ratio of n^2. */
+TY_FN float ty_path_radiance_ratio(const ty_path* path, int32_t there) {
+    const ty_interior* interiors = path->request->scene->interiors;
+    const float ratio = interiors[path->inside.top].ior / interiors[there].ior;
+    return ratio * ratio;
+}
+
+TY_FN void ty_path_set_inside(ty_path* path, const ty_interior_list* inside) {
     const ty_interior* interior = &path->request->scene->interiors[inside->top];
     path->inside = *inside;
     path->media = interior->media;
     path->medium_count = ty_path_medium_count(path, interior);
-    path->inverse_square = 1.0f / (interior->ior * interior->ior);
 }
 
 /* Starts a path in the dielectrics around its origin. */
 TY_FN void ty_path_begin_inside(ty_path* path) {
     if (!ty_path_sees_dielectrics(path)) return;
-    ty_inside inside;
+    ty_interior_list inside;
     ty_interiors_around(path->request->scene, path->origin, &inside);
     ty_path_set_inside(path, &inside);
-    for (int c = 0; c < 3; ++c) path->beta[c] /= path->inverse_square;
 }
 
 /* True if nothing around the path scatters or emits, so that its light needs no collisions to be sampled. */
@@ -72,11 +77,11 @@ TY_FN_CALLED void ty_path_end_in_field(ty_path* path, const ty_enclosed_field* f
 }
 
 /* The interface of dielectrics at a hit of a ray from `inside`. *beyond: the dielectrics behind it. */
-TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_inside* inside, const ty_hit* hit,
-                                ty_vec direction, ty_inside* beyond) {
+TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_interior_list* inside, const ty_hit* hit,
+                                ty_vec direction, ty_interior_list* beyond) {
     const ty_surface_gloss* gloss = scene->surfaces[hit->surface].gloss;
     if (gloss == NULL || gloss->dielectric.solid == 0) return TY_INTERFACE_NONE;
-    *beyond = ty_inside_beyond(scene->interiors, inside, gloss->dielectric.interior, hit, direction);
+    *beyond = ty_interior_list_beyond(scene->interiors, inside, gloss->dielectric.interior, hit, direction);
     if (beyond->top == inside->top) return TY_INTERFACE_PASSED;
     const bool clear = gloss->textured == 0 && gloss->factor.transmission >= 1.0f && gloss->factor.metallic <= 0.0f;
     const bool matched = scene->interiors[beyond->top].ior == scene->interiors[inside->top].ior;
@@ -84,7 +89,8 @@ TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_inside* ins
 }
 
 /* Colour of the light that goes straight on at an interface. */
-TY_FN void ty_interface_tint(const ty_inside* inside, const ty_inside* beyond, const float color[3], float beta[3]) {
+TY_FN void ty_interface_tint(const ty_interior_list* inside, const ty_interior_list* beyond, const float color[3],
+                             float beta[3]) {
     for (int c = 0; c < 3 && beyond->top != inside->top; ++c) beta[c] *= color[c];
 }
 
@@ -106,12 +112,13 @@ TY_FN void ty_path_pass_interface(ty_path* path, const ty_intersection* at) {
     ty_path_set_inside(path, &at->beyond);
 }
 
-/* Multiplies radiance by what is left of the light of a sample at origin, through interfaces that do not deflect it. */
-TY_FN_CALLED void ty_path_light_through(ty_path* path, ty_vec origin, const ty_light_sample* sample,
-                                        float radiance[3]) {
+/* Part of the light of a sample that arrives at origin through media and interfaces that do not deflect it; 0: nothing.
+ */
+TY_FN_CALLED void ty_path_light_through(ty_path* path, ty_vec origin, const ty_light_sample* sample, float out[3]) {
     const ty_scene_view* scene = path->request->scene;
-    ty_inside inside = path->inside, beyond;
+    ty_interior_list inside = path->inside, beyond;
     float left = sample->distance;
+    for (int c = 0; c < 3; ++c) out[c] = 1.0f;
     for (int32_t i = 0; i < TY_SHADOW_INTERFACES_MAX; ++i) {
         const ty_interior* interior = &scene->interiors[inside.top];
         float transmittance[3];
@@ -122,15 +129,15 @@ TY_FN_CALLED void ty_path_light_through(ty_path* path, ty_vec origin, const ty_l
         if (hits && ty_interface_find(scene, &inside, &hit, sample->wi, &beyond) != TY_INTERFACE_PASSED) break;
         ty_transmittance(interior->media, ty_path_medium_count(path, interior), origin, sample->wi,
                          hits ? hit.distance : left, &path->random, transmittance);
-        for (int c = 0; c < 3; ++c) radiance[c] *= transmittance[c];
+        for (int c = 0; c < 3; ++c) out[c] *= transmittance[c];
         if (!hits) return;
         ty_surface_evaluate_color(&scene->surfaces[hit.surface], &hit, sample->wi, &point);
-        ty_interface_tint(&inside, &beyond, point.albedo, radiance);
+        ty_interface_tint(&inside, &beyond, point.albedo, out);
         inside = beyond;
         origin = ty_hit_leave(&hit, sample->wi);
         if (left < TY_FLOAT_MAX) left -= hit.distance;
     }
-    for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
+    for (int c = 0; c < 3; ++c) out[c] = 0.0f;
 }
 
 /* ---- reflection and refraction ---- */
@@ -139,7 +146,10 @@ TY_FN_CALLED void ty_path_light_through(ty_path* path, ty_vec origin, const ty_l
 TY_FN void ty_path_leave_interface(ty_path* path, const ty_intersection* at, ty_vec direction) {
     path->direction = direction;
     path->origin = ty_hit_leave(&at->hit, direction);
-    if (ty_dot(at->point.ng, direction) < 0.0f) ty_path_set_inside(path, &at->beyond);
+    if (!(ty_dot(at->point.ng, direction) < 0.0f)) return;
+    const float ratio = ty_path_radiance_ratio(path, at->beyond.top);
+    for (int c = 0; c < 3; ++c) path->beta[c] *= ratio;
+    ty_path_set_inside(path, &at->beyond);
 }
 
 /* Smooth: one direction by Snell's law or by reflection, with the probability of Fresnel's reflectance. Light sampling
@@ -171,12 +181,14 @@ TY_FN void ty_path_refract_rough(ty_path* path, const ty_intersection* at, float
     const bool same = shines && (ty_dot(point->ng, sample.wi) > 0.0f) == (ty_dot(d.frame.n, sample.wi) > 0.0f);
     const float density = same ? ty_rough_dielectric_evaluate(&d, sample.wi, factor) : 0.0f;
     if (density > 0.0f) {
-        const ty_inside inside = path->inside;
+        const ty_interior_list inside = path->inside;
         const ty_vec direction = path->direction;
+        const float beta[3] = {path->beta[0], path->beta[1], path->beta[2]};
         ty_path_leave_interface(path, at, sample.wi);
         ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, density,
                                  0.0f);
         path->direction = direction;
+        memcpy(path->beta, beta, sizeof beta);
         ty_path_set_inside(path, &inside);
     }
     const float pick = ty_sobol_next(&path->random);

@@ -6,9 +6,7 @@
 /* The dielectrics around the camera are known. */
 static void begin_at_camera(ty_path* path) {
     path->origin = path->request->camera.origin;
-    if (!ty_path_sees_dielectrics(path)) return;
-    ty_path_set_inside(path, &path->request->camera_inside);
-    for (int c = 0; c < 3; ++c) path->beta[c] /= path->inverse_square;
+    if (ty_path_sees_dielectrics(path)) ty_path_set_inside(path, &path->request->camera_inside);
 }
 
 static void start(ty_path* path, const ty_path_request* request, int64_t item) {

@@ -6,7 +6,7 @@
 #include "base/random.k.h"
 #include "direct/single/enclosed_field.k.h"
 #include "scene/camera.h"
-#include "scene/inside.k.h"
+#include "scene/interior_list.k.h"
 #include "scene/scene.h"
 
 enum { TY_GUIDES_MAX = 4 };
@@ -24,7 +24,7 @@ typedef struct ty_path_request {
     int32_t single_reflection;         /* nonzero if surfaces are without energy compensation */
     int32_t kind;                      /* TY_PATH_PIXELS, _RAYS or _CELLS */
     ty_camera_view camera;             /* pixels */
-    ty_inside camera_inside;           /* the dielectrics around it, where the scene has any */
+    ty_interior_list camera_inside;    /* the dielectrics around it, where the scene has any */
     const ty_enclosed_field* enclosed; /* light in interiors, by number, at which paths end; NULL: none */
     int32_t width;                     /* of the whole frame */
     int32_t crop[4];                   /* x, y, width, height: item i is pixel (x + i % width, y + i / width) */

@@ -42,17 +42,16 @@ typedef struct ty_path {
     float radiance[TY_PATH_CLASS_COUNT][3]; /* estimate so far per class, W m^-2 sr^-1 */
     const ty_medium_view* media;            /* that the path may meet before the next interface of dielectrics */
     int32_t medium_count;
-    float passed;         /* distance of origin from the last vertex, m: rays go on at interfaces that change nothing */
-    float inverse_square; /* 1 / n^2 of what is around the path: throughput times it carries radiance as L / n^2 */
-    ty_inside inside;     /* the dielectrics around it, where the scene has any */
+    float passed; /* distance of origin from the last vertex, m: rays go on at interfaces that change nothing */
+    ty_interior_list inside; /* the dielectrics around it, where the scene has any */
 } ty_path;
 
 /* A ray's surface intersection and the material at that point. */
 typedef struct ty_intersection {
     ty_hit hit;
     ty_surface_point point;
-    int32_t interface; /* of dielectrics: TY_INTERFACE_... */
-    ty_inside beyond;  /* where there is one: the dielectrics behind it */
+    int32_t interface;       /* of dielectrics: TY_INTERFACE_... */
+    ty_interior_list beyond; /* where there is one: the dielectrics behind it */
 } ty_intersection;
 
 /* The path class after one more scattering, or one more reflection. */
@@ -71,7 +70,7 @@ TY_FN bool ty_path_is_last(const ty_path* path) {
 }
 
 TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
-    for (int c = 0; c < 3; ++c) path->radiance[path->path_class][c] += radiance[c] * path->inverse_square;
+    for (int c = 0; c < 3; ++c) path->radiance[path->path_class][c] += radiance[c];
 }
 
 #endif

@@ -23,7 +23,7 @@ enum { TY_MANIFOLD_INTERFACES_MAX = 16, TY_MANIFOLD_STEPS_MAX = 24 };
 typedef struct ty_refracted_ray {
     ty_vec origin, direction;
     ty_vec d_origin[2], d_direction[2];
-    ty_inside inside;
+    ty_interior_list inside;
     float throughput[3];
     int32_t refractions;
     float deviation[2], jacobian[4]; /* from the light's direction, across it; rows by derivative */
@@ -51,7 +51,7 @@ TY_FN ty_vec ty_manifold_bend(TY_GLOBAL const ty_surface* surface, const ty_hit*
 }
 
 /* Refracts a ray at a hit of a smooth interface; false: it does not pass. */
-TY_FN bool ty_manifold_refract(const ty_scene_view* scene, const ty_hit* hit, const ty_inside* beyond,
+TY_FN bool ty_manifold_refract(const ty_scene_view* scene, const ty_hit* hit, const ty_interior_list* beyond,
                                ty_refracted_ray* ray) {
     TY_GLOBAL const ty_surface* surface = &scene->surfaces[hit->surface];
     TY_GLOBAL const ty_surface_gloss* gloss = surface->gloss;
@@ -129,7 +129,7 @@ TY_FN bool ty_manifold_trace(ty_path* path, const ty_light_view* light, ty_vec d
     for (int32_t i = 0; i < TY_MANIFOLD_INTERFACES_MAX; ++i) {
         const ty_interior* interior = &scene->interiors[ray->inside.top];
         ty_hit hit;
-        ty_inside beyond;
+        ty_interior_list beyond;
         float end = TY_FLOAT_MAX;
         if (light->kind != TY_KIND_DIRECTIONAL) {
             end = ty_dot(ty_sub(light->position, ray->origin), ray->direction);
@@ -185,12 +185,12 @@ TY_FN bool ty_manifold_find(ty_path* path, const ty_light_view* light, ty_vec* d
         if (length > limit) a *= limit / length, b *= limit / length;
         ty_vec s, t;
         ty_onb(*direction, &s, &t);
-        const ty_vec turned = ty_normalize(ty_mad(ty_mad(*direction, s, a), t, b));
+        const ty_vec rotated = ty_normalize(ty_mad(ty_mad(*direction, s, a), t, b));
         const bool nearer =
-            ty_manifold_trace(path, light, turned, false, &next) && ty_manifold_deviation(&next) < deviation;
+            ty_manifold_trace(path, light, rotated, false, &next) && ty_manifold_deviation(&next) < deviation;
         part = nearer ? ty_minf(2.0f * part, 1.0f) : 0.5f * part;
         if (!nearer) continue;
-        *direction = turned;
+        *direction = rotated;
         *ray = next;
     }
     return ty_manifold_deviation(ray) < TY_MANIFOLD_TOLERANCE;

@@ -217,15 +217,15 @@ TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample
         const bool traced = ty_rng_uniform(&path->random) < chance;
         for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
     }
-    if (ty_path_sees_dielectrics(path)) {
-        if (ty_sum3(radiance) > 0.0f) ty_path_light_through(path, origin, sample, radiance);
-        return;
-    }
-    if (ty_sum3(radiance) > 0.0f && !ty_path_light_visible(path, origin, sample))
+    const bool sees_dielectrics = ty_path_sees_dielectrics(path);
+    if (!sees_dielectrics && ty_sum3(radiance) > 0.0f && !ty_path_light_visible(path, origin, sample))
         for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
     if (!(ty_sum3(radiance) > 0.0f)) return;
-    ty_transmittance(scene->media, scene->medium_count, origin, sample->wi, sample->distance, &path->random,
-                     transmittance);
+    if (sees_dielectrics)
+        ty_path_light_through(path, origin, sample, transmittance);
+    else
+        ty_transmittance(scene->media, scene->medium_count, origin, sample->wi, sample->distance, &path->random,
+                         transmittance);
     for (int c = 0; c < 3; ++c) radiance[c] *= transmittance[c];
 }
 
@@ -292,8 +292,7 @@ TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, t
     if (!(ty_sum3(radiance) > 0.0f)) return;
     ty_transmittance(path->media, path->medium_count, path->origin, path->direction, t, &path->random, transmittance);
     for (int c = 0; c < 3; ++c)
-        path->radiance[ty_path_class_scattered(path->path_class)][c] +=
-            radiance[c] * transmittance[c] * path->inverse_square;
+        path->radiance[ty_path_class_scattered(path->path_class)][c] += radiance[c] * transmittance[c];
 }
 
 /* Adds the light of a local light that is scattered into the path's current ray. */
@@ -363,10 +362,7 @@ TY_FN_CALLED void ty_path_add_refracted_light(ty_path* path, const ty_light_view
     if (!ty_manifold_trace(path, light, direction, true, &ray)) return;
     if (!ty_light_sample_from(light, ray.origin, 0.5f, 0.5f, &sample)) return;
     const float determinant = fabsf(ray.jacobian[0] * ray.jacobian[3] - ray.jacobian[1] * ray.jacobian[2]);
-    const ty_interior* interior = &path->request->scene->interiors[ray.inside.top];
-    /* The radiance of the light counts by 1 / n^2 of its surroundings, not of the vertex. */
-    const float square = path->inverse_square * interior->ior * interior->ior;
-    const float weight = 1.0f / (chosen * ty_maxf(determinant, 1e-12f) * square);
+    const float weight = ty_path_radiance_ratio(path, ray.inside.top) / (chosen * ty_maxf(determinant, 1e-12f));
     for (int c = 0; c < 3; ++c)
         radiance[c] = path->beta[c] * factor[c] * ray.throughput[c] * sample.radiance[c] * weight;
     ty_path_add(path, radiance);
@@ -618,9 +614,10 @@ TY_FN bool ty_path_next_event_before_surface(ty_path* path, const ty_medium_view
     for (int c = 0; c < 3; ++c) {
         collided[c] = ty_collision_probability(depth[c]);
         transmitted[c] = path->beta[c] * ty_expf(-depth[c]);
-        if (scatters) colliding += path->beta[c] * collided[c];
+        colliding += path->beta[c] * collided[c];
         if (on_surface) reflecting += transmitted[c] * end->point.albedo[c];
     }
+    if (!scatters) colliding = 0.0f;
     ty_path_add_emission(path, transmitted, on_surface ? end : NULL);
     const float sum = colliding + reflecting;
     if (!(sum > 0.0f)) return false;
@@ -702,7 +699,6 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->media = request->scene->media;
     path->medium_count = request->scene->medium_count;
     path->passed = 0.0f;
-    path->inverse_square = 1.0f;
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
     memset(path->radiance, 0, sizeof path->radiance);
 }
@@ -717,7 +713,7 @@ TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     const ty_light_view* light = ty_path_choose_light(path, point, &chosen, &sample);
     if (light != NULL) ty_path_add_vertex_light(path, light, chosen, &sample, factor, TY_INV_4PI, 0.0f);
     ty_path_sample_sphere(path);
-    for (int c = 0; c < 3; ++c) path->beta[c] *= 1.0f / TY_INV_4PI;
+    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / TY_INV_4PI;
 }
 
 #endif
