@@ -68,12 +68,15 @@ TY_FN const ty_enclosed_field* ty_path_enclosed_field(const ty_path* path) {
     return field->bands > 0 ? field : NULL;
 }
 
-/* The end of a path at its first collision in a medium whose light is known. */
-TY_FN_CALLED void ty_path_end_in_field(ty_path* path, const ty_enclosed_field* field) {
+/* Adds the known light that scatters towards the path at a collision at distance t. */
+TY_FN void ty_path_add_field(ty_path* path, const ty_enclosed_field* field, float t) {
+    const int32_t path_class = path->path_class;
     float radiance[3];
-    ty_enclosed_radiance(field, path->origin, ty_scale(path->direction, -1.0f), radiance);
+    ty_enclosed_radiance(field, ty_mad(path->origin, path->direction, t), ty_scale(path->direction, -1.0f), radiance);
     for (int c = 0; c < 3; ++c) radiance[c] *= path->beta[c];
+    path->path_class = ty_path_class_scattered(path_class);
     ty_path_add(path, radiance);
+    path->path_class = path_class;
 }
 
 /* The interface of dielectrics at a hit of a ray from `inside`. *beyond: the dielectrics behind it. */
