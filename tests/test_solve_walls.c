@@ -100,8 +100,13 @@ static ty_ordinates_def def_of(const walled_box* box) {
     def.scattering = box->scattering;
     def.g = box->g;
     def.source = source;
-    def.walls =
-        (ty_ordinates_faces){box->count, box->first, box->x, box->face, box->albedo, box->emission, box->arrived};
+    def.walls = (ty_ordinates_faces){.count = box->count,
+                                     .first = box->first,
+                                     .x = box->x,
+                                     .face = box->face,
+                                     .albedo = box->albedo,
+                                     .emission = box->emission,
+                                     .irradiance = box->arrived};
     return def;
 }
 

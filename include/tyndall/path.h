@@ -74,6 +74,8 @@ typedef struct ty_path_def {
     ty_path_partial_fn partial;  ///< Images: receives the image so far at most once a second, and so seldom that this
                                  ///< takes at most 2% of the threads' time; default NULL.
     void* partial_user;          ///< Passed on to `partial`; default NULL.
+    const struct ty_enclosed_field* enclosed; ///< Light in media inside dielectrics, at whose first collision paths
+                                              ///< end, as methods of the library solve it; default NULL.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.

@@ -49,7 +49,10 @@ static void print_path_line(const cli_report* report) {
 static void print_method_lines(const cli_report* report) {
     const ty_method_run* run = &report->run;
     char text[256];
-    report->ran->describe(run, text, sizeof text);
+    if (run->enclosed)
+        snprintf(text, sizeof text, "all media inside dielectrics");
+    else
+        report->ran->describe(run, text, sizeof text);
     printf("%s: %dx%d, %s\n", report->method, report->width, report->height, text);
     if (run->path.seconds > run->own_seconds)
         printf("surfaces: %.4g spp of path, %.2f s\n", run->path.spp, run->path.seconds - run->own_seconds);

@@ -48,6 +48,7 @@ enum { TY_METHOD_STATS_MAX = 1024 };
 typedef struct ty_method_run {
     ty_path_stats path; /* stats of the path tracer; its seconds are those of the whole rendering */
     double own_seconds; /* seconds without the path-traced image of the surfaces */
+    bool enclosed;      /* all media fill dielectrics, which that image shows, and nothing else was computed */
     _Alignas(16) char stats[TY_METHOD_STATS_MAX]; /* the method's own stats struct */
 } ty_method_run;
 
@@ -125,8 +126,9 @@ const ty_method* ty_method_find(const char* name);
 /* The def of the path tracer from the scene's options and the request. Errors: those of ty_method_options. */
 ty_result ty_request_path_def(const ty_scene* scene, const ty_render_request* request, ty_path_def* def);
 /* The image of the surfaces, attenuated by the media, for ty_fld_def.unscattered and the like; *out stays NULL without
- * surfaces, and after an interruption, because a partial result is no image. Sets run->path. */
-ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* request, ty_image** out,
+ * surfaces, and after an interruption, because a partial result is no image. Media that fill dielectrics are solved by
+ * ordinates, or by diffusion, and show in it. Sets run->path. */
+ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* request, bool diffusion, ty_image** out,
                             ty_method_run* run);
 
 #endif

@@ -2,7 +2,8 @@
 
 #include "base/context.h"
 #include "base/isa.h"
-#include "scene/scene.h"
+#include "scene/interiors.h"
+#include "solve/enclosed/enclosed.h"
 
 #include <string.h>
 
@@ -60,6 +61,8 @@ static ty_result begin_call(const ty_volume_method* method, const ty_scene* scen
 static ty_result solve(const ty_volume_method* method, ty_volume_call* call) {
     ty_result result = ty_scene_check_media(call->scene, method->name);
     if (result != TY_OK) return result;
+    if (!ty_enclosed_has_all_media(call->scene))
+        ty_interiors_warn(call->scene, method->name, "media in dielectrics light other media as without a surface");
     call->progress = ty_part_begin(call->options.progress, call->options.progress_user, 0, 0);
     call->light = ty_alloc_array(call->context, 1, method->light_bytes, true);
     if (call->light == NULL) return TY_ERROR_MEMORY;
@@ -167,7 +170,16 @@ ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)
                                   const ty_render_request* request, ty_image** out, ty_method_run* run) {
     _Alignas(16) char def[TY_VOLUME_DEF_MAX];
     ty_image* surfaces = NULL;
-    ty_result result = ty_trace_surfaces(scene, request, &surfaces, run);
+    ty_result result = ty_trace_surfaces(scene, request, method->diffuses, &surfaces, run);
+    /* The image of the surfaces shows media inside dielectrics already. */
+    if (result == TY_OK && surfaces != NULL && (request->aovs & ~(uint32_t)TY_AOV_SAMPLES) == 0 &&
+        ty_enclosed_has_all_media(scene)) {
+        ty_method_stats(run, method->stats_bytes);
+        set_isa(method, run->stats);
+        run->enclosed = true;
+        *out = surfaces;
+        return TY_OK;
+    }
     if (result == TY_OK) result = make_def(method, change, scene, request, surfaces, def);
     if (result == TY_OK) result = ty_volume_render(method, scene, def, out, ty_method_stats(run, method->stats_bytes));
     run->own_seconds = *seconds_at(run->stats, method->seconds);

@@ -47,6 +47,7 @@ typedef struct ty_volume_method {
     void (*coarsen)(void* def,
                     ty_solve_quality quality); /* the def of a solve coarser than TY_SOLVE_FULL; NULL: the same */
     void (*destroy)(void* light);
+    bool diffuses; /* media inside dielectrics are solved by diffusion; false: by ordinates */
 } ty_volume_method;
 
 /* The fields of a ty_volume_method that follow from the method's name. */

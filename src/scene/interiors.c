@@ -213,6 +213,10 @@ void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_interior_l
     }
 }
 
+void ty_interiors_warn(const ty_scene* scene, const char* method, const char* does) {
+    if (scene->view.interior_count > 1) ty_log(scene->context, TY_LOG_WARNING, "%s: %s", method, does);
+}
+
 void ty_interiors_destroy(ty_context* context, ty_committed_interiors* interiors) {
     ty_free_array(context, interiors->interiors, interiors->count, sizeof *interiors->interiors);
     ty_free_array(context, interiors->media, interiors->medium_capacity, sizeof *interiors->media);

@@ -21,6 +21,8 @@ void ty_interiors_warn_of_lamps(ty_context* context, const ty_light_def* lights,
                                 const ty_committed_surfaces* surfaces);
 /* The dielectrics around a point, by the nearest surface of each in one direction. The scene has some. */
 void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_interior_list* out);
+/* Warns that a method knows no refraction, where the scene has any. does: the sentence's end, after `method: `. */
+void ty_interiors_warn(const ty_scene* scene, const char* method, const char* does);
 void ty_interiors_destroy(ty_context* context, ty_committed_interiors* interiors);
 
 #endif

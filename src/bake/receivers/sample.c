@@ -5,7 +5,7 @@
 #include "base/context.h"
 #include "base/progress.h"
 #include "scene/check.h"
-#include "scene/scene.h"
+#include "scene/interiors.h"
 
 #include <math.h>
 #include <string.h>
@@ -113,6 +113,7 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
     if (result == TY_OK) result = ty_bake_impulse_take_tables(run);
     if (result == TY_OK) result = attach_cache(run, scene);
     if (result != TY_OK) return result;
+    ty_interiors_warn(scene, "bake", "solid dielectrics are opaque, and media in them are lit as without a surface");
     run->count = count;
     ty_bake_request* request = &run->request;
     request->method = (int32_t)def->method;

@@ -63,6 +63,7 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     run->request.max_depth = def->max_depth;
     run->request.unscattered = def->unscattered && run->view.medium_count > 0;
     run->request.single_reflection = !def->energy_compensation;
+    run->request.enclosed = def->enclosed;
     run->kernel = TY_BEST_KERNELS(ty_path_kernel);
     run->stats.isa = ty_isa_name(ty_best_isa());
     return TY_OK;

@@ -61,6 +61,24 @@ TY_FN bool ty_path_only_absorbs(const ty_path* path) {
     return ty_path_sees_dielectrics(path) && path->request->scene->interiors[path->inside.top].scatters == 0;
 }
 
+/* Solved light of the medium around the path; NULL: none. */
+TY_FN const ty_enclosed_field* ty_path_enclosed_field(const ty_path* path) {
+    if (!ty_path_sees_dielectrics(path) || path->request->enclosed == NULL) return NULL;
+    const ty_enclosed_field* field = &path->request->enclosed[path->inside.top];
+    return field->bands > 0 ? field : NULL;
+}
+
+/* Adds the known light that scatters towards the path at a collision at distance t. */
+TY_FN void ty_path_add_field(ty_path* path, const ty_enclosed_field* field, float t) {
+    const int32_t path_class = path->path_class;
+    float radiance[3];
+    ty_enclosed_radiance(field, ty_mad(path->origin, path->direction, t), ty_scale(path->direction, -1.0f), radiance);
+    for (int c = 0; c < 3; ++c) radiance[c] *= path->beta[c];
+    path->path_class = ty_path_class_scattered(path_class);
+    ty_path_add(path, radiance);
+    path->path_class = path_class;
+}
+
 /* The interface of dielectrics at a hit of a ray from `inside`. *beyond: the dielectrics behind it. */
 TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_interior_list* inside, const ty_hit* hit,
                                 ty_vec direction, ty_interior_list* beyond) {

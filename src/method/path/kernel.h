@@ -4,6 +4,7 @@
 
 #include "base/dispatch.h"
 #include "base/random.k.h"
+#include "direct/single/enclosed_field.k.h"
 #include "scene/camera.h"
 #include "scene/interior_list.k.h"
 #include "scene/scene.h"
@@ -17,17 +18,18 @@ typedef struct ty_path_request {
     const ty_scene_view* scene;
     const ty_sobol* sobol;
     uint64_t seed;
-    int32_t max_depth;              /* 0: unlimited */
-    int32_t max_run;                /* max scatterings between two surfaces; 0: unlimited */
-    int32_t unscattered;            /* nonzero if media only attenuate */
-    int32_t single_reflection;      /* nonzero if surfaces are without energy compensation */
-    int32_t kind;                   /* TY_PATH_PIXELS, _RAYS or _CELLS */
-    ty_camera_view camera;          /* pixels */
-    ty_interior_list camera_inside; /* the dielectrics around it, where the scene has any */
-    int32_t width;                  /* of the whole frame */
-    int32_t crop[4];                /* x, y, width, height: item i is pixel (x + i % width, y + i / width) */
-    const double* rays;             /* rays: 6 per item, as ty_path_radiance has them */
-    double lower[3], cell[3];       /* cells */
+    int32_t max_depth;                 /* 0: unlimited */
+    int32_t max_run;                   /* max scatterings between two surfaces; 0: unlimited */
+    int32_t unscattered;               /* nonzero if media only attenuate */
+    int32_t single_reflection;         /* nonzero if surfaces are without energy compensation */
+    int32_t kind;                      /* TY_PATH_PIXELS, _RAYS or _CELLS */
+    ty_camera_view camera;             /* pixels */
+    ty_interior_list camera_inside;    /* the dielectrics around it, where the scene has any */
+    const ty_enclosed_field* enclosed; /* light in interiors, by number, at which paths end; NULL: none */
+    int32_t width;                     /* of the whole frame */
+    int32_t crop[4];                   /* x, y, width, height: item i is pixel (x + i % width, y + i / width) */
+    const double* rays;                /* rays: 6 per item, as ty_path_radiance has them */
+    double lower[3], cell[3];          /* cells */
     int32_t size[3];
     int32_t guide_count; /* guiding lights of high-g media and their probabilities, which sum to 1 */
     int32_t guide_light[TY_GUIDES_MAX];

@@ -635,11 +635,52 @@ TY_FN bool ty_path_next_event_before_surface(ty_path* path, const ty_medium_view
     return ty_path_survives(path, beta_before);
 }
 
+/* The same in a medium whose light is known: it is added at a sampled collision, and the path goes on to the surface
+ * with what does not collide. */
+TY_FN_CALLED bool ty_path_next_event_in_field(ty_path* path, const ty_enclosed_field* field, ty_intersection* end) {
+    const ty_scene_view* scene = path->request->scene;
+    const float beta_before = ty_sum3(path->beta);
+    if (!(beta_before > 1e-30f)) return false;
+    const bool on_surface = ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
+    const float far = on_surface ? end->hit.distance : TY_FLOAT_MAX;
+    if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
+    if (on_surface && end->point.glossy != 0) ty_path_meet_gloss(path, &end->point);
+    if (on_surface) ty_path_meet_interface(path, end);
+    ty_spans spans;
+    ty_collision collision;
+    float emitted[3] = {0.0f, 0.0f, 0.0f}, depth[3], collided[3], transmitted[3] = {0.0f, 0.0f, 0.0f};
+    ty_spans_find(path->media, path->medium_count, path->origin, path->direction, far, &spans);
+    bool collides;
+    if (spans.heterogeneous != 0) {
+        collides = ty_delta_tracking(path->media, &spans, path->origin, path->direction, &path->random, path->beta,
+                                     emitted, &collision);
+        for (int c = 0; c < 3 && !collides; ++c) transmitted[c] = path->beta[c];
+    } else {
+        ty_spans_optical_depth(path->media, &spans, TY_FLOAT_MAX, depth);
+        for (int c = 0; c < 3; ++c) {
+            collided[c] = ty_collision_probability(depth[c]);
+            transmitted[c] = path->beta[c] * ty_expf(-depth[c]);
+        }
+        collides = ty_sample_homogeneous_collision(path->media, &spans, collided, ty_sobol_next(&path->random),
+                                                   &path->random, path->beta, &collision);
+    }
+    if (collides) ty_path_add_field(path, field, collision.t);
+    for (int c = 0; c < 3; ++c) path->beta[c] = transmitted[c];
+    ty_path_add_emission(path, transmitted, on_surface ? end : NULL);
+    path->scattered = 0;
+    return on_surface && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, beta_before);
+}
+
 /* The next event of a path: true at a new vertex, which lies in *medium or, if that is NULL, on the surface *end. */
 TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_intersection* end) {
     if (!ty_path_sees_dielectrics(path)) return ty_path_next_event_before_surface(path, medium, end);
     const int32_t scattered = path->scattered;
-    while (ty_path_next_event_before_surface(path, medium, end)) {
+    for (;;) {
+        const ty_enclosed_field* field = ty_path_enclosed_field(path);
+        *medium = NULL;
+        if (!(field != NULL ? ty_path_next_event_in_field(path, field, end)
+                            : ty_path_next_event_before_surface(path, medium, end)))
+            return false;
         if (*medium != NULL || end->interface != TY_INTERFACE_PASSED) {
             if (*medium != NULL) path->passed = 0.0f;
             return true;
@@ -647,7 +688,6 @@ TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_i
         path->scattered = scattered;
         ty_path_pass_interface(path, end);
     }
-    return false;
 }
 
 /* Traces a path to its end and returns its number of vertices. */

@@ -57,6 +57,7 @@ void ty_ordinates_set_sweep_faces(ty_ordinates_job* job, ty_sweep* sweep, int32_
                                   .emitted = job->face_radiance,
                                   .incident_power = job->face_irradiance[iterate]};
     if (job->diffusive.count > 0) job->walls = job->diffusive.sides;
+    ty_fresnel_faces_attach(job->fresnel, &job->walls);
     if (job->walls.count > 0) ty_sweep_set_faces(sweep, &job->walls);
 }
 
@@ -75,8 +76,11 @@ double ty_ordinates_faces_emit(ty_ordinates_job* job) {
         for (int32_t k = 0; k < job->count; ++k)
             if (job->anderson_weights[k] != 0)
                 irradiance += job->anderson_weights[k] * (double)job->face_irradiance[k][i];
-        const double radiance = (double)walls->emission[i] + (double)walls->albedo[i] / TY_PI_F64 * irradiance;
+        const bool mirrors = ty_fresnel_faces_mirror(job->fresnel, i);
+        const double reflected = mirrors ? 0 : (double)walls->albedo[i] / TY_PI_F64 * irradiance;
+        const double radiance = (double)walls->emission[i] + reflected;
         job->face_irradiance_mixed[i] = (float)irradiance;
+        if (mirrors) sum += ty_ordinates_face_area(job->def, i) * ty_fresnel_faces_emit(job->fresnel, i, irradiance);
         job->face_radiance[i] = radiance > 0 ? (float)radiance : 0;
         if (!is_diffusive(job, i, row))
             sum += TY_PI_F64 * (double)job->face_radiance[i] * ty_ordinates_face_area(job->def, i);
@@ -92,6 +96,7 @@ double ty_ordinates_faces_receive(ty_ordinates_job* job) {
         sum += (double)irradiance[i];
         irradiance[i] /= (float)ty_ordinates_face_area(job->def, i);
     }
+    ty_fresnel_faces_receive(job->fresnel);
     return sum;
 }
 
@@ -150,8 +155,8 @@ static float transparent_outflow(const face_cell* c, const float* change) {
 }
 
 double ty_ordinates_faces_residual(ty_ordinates_job* job, bool first) {
-    const ty_ordinates_faces* walls = &job->def->walls;
-    const float* change = job->changes[job->latest];
+    const ty_ordinates_faces* walls = &job->dsa_walls;
+    const float* change_lm = job->changes[job->latest];
     double squares = 0;
     for (int64_t row = 0, side = 0; side < walls->count; ++row)
         for (; side < walls->first[row + 1]; ++side) {
@@ -159,16 +164,20 @@ double ty_ordinates_faces_residual(ty_ordinates_job* job, bool first) {
             ty_dsa_face_offset(job->dsa)[side] = 0;
             if (is_diffusive(job, (int32_t)side, row)) continue;
             const float albedo = walls->albedo[side], slope = ty_dsa_face_slope(job->dsa)[side];
-            const float irradiance_change = job->face_irradiance[job->latest][side] - job->face_irradiance_mixed[side];
-            const float radiosity = (first ? (float)TY_PI_F64 * walls->emission[side] : albedo * irradiance_change) /
-                                    (float)TY_SQRT_4PI_F64;
+            const float irradiance = job->face_irradiance[job->latest][side];
+            const float before = job->face_irradiance_mixed[side];
+            const float change = ty_fresnel_faces_mirror(job->fresnel, (int32_t)side)
+                                     ? ty_fresnel_faces_change(job->fresnel, (int32_t)side, irradiance, before)
+                                     : albedo * (irradiance - before);
+            const float radiosity =
+                (first ? (float)TY_PI_F64 * walls->emission[side] : change) / (float)TY_SQRT_4PI_F64;
             const float kappa = 0.5f * (1 - albedo) / (1 + albedo), half = c.edge / (2 * c.d);
             float offset = -2 * radiosity / ((1 + albedo) * (1 + kappa * half));
-            if (c.flux >= 0) offset += slope * half * c.sign * change[c.flux];
+            if (c.flux >= 0) offset += slope * half * c.sign * change_lm[c.flux];
             float* f = ty_dsa_source(job->dsa) + c.box;
             const float previous = *f;
             ty_dsa_face_offset(job->dsa)[side] = offset;
-            *f += (transparent_outflow(&c, change) - offset) / c.edge;
+            *f += (transparent_outflow(&c, change_lm) - offset) / c.edge;
             squares += (double)*f * (double)*f - (double)previous * (double)previous;
         }
     return squares;
@@ -222,6 +231,8 @@ void ty_ordinates_faces_balance(ty_ordinates_job* job, const float* irradiance, 
     for (int32_t i = 0; i < walls->count; ++i) {
         const double area = ty_ordinates_face_area(job->def, i);
         *emitted += TY_PI_F64 * area * (double)walls->emission[i];
-        *absorbed += area * (1 - (double)walls->albedo[i]) * (double)irradiance[i];
+        const double albedo = ty_fresnel_faces_mirror(job->fresnel, i) ? ty_fresnel_faces_albedo(job->fresnel, i)
+                                                                       : (double)walls->albedo[i];
+        *absorbed += area * (1 - albedo) * (double)irradiance[i];
     }
 }

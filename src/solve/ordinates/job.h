@@ -5,6 +5,7 @@
 #include "base/arena.h"
 #include "solve/ordinates/dsa.h"
 #include "solve/ordinates/diffusive_cells.h"
+#include "solve/ordinates/fresnel_faces.h"
 
 /* Number of iterates in Anderson acceleration; maximum cells along an axis. */
 enum { TY_ANDERSON_DEPTH = 5, TY_ORDINATES_SIDE_MAX = 512 };
@@ -47,6 +48,9 @@ typedef struct ty_ordinates_job {
     float *face_radiance, *face_irradiance_mixed; /* emitted radiance; irradiance of the mixed iterate */
     float* face_irradiance[TY_ANDERSON_DEPTH];    /* irradiance of the iterates */
     float* face_changes[TY_ANDERSON_DEPTH];       /* irradiance: iterate minus mixed iterate */
+    ty_fresnel_faces* fresnel;                    /* NULL: no interfaces */
+    ty_ordinates_faces dsa_walls;                 /* the def's, with the albedos of the correction by diffusion */
+    float* dsa_albedo;                            /* NULL: the def's own */
 
     /* Diffusive cells, and the partial currents into them at their interface faces, over sqrt(4 pi). */
     ty_diffusive_cells diffusive;

@@ -64,7 +64,8 @@ static ty_result check(ty_context* context, const ty_ordinates_def* def, float* 
         return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: tolerance: %g is outside (0, 1)", def->tolerance);
     if (def->walls.count < 0 ||
         (def->walls.count > 0 && (def->walls.first == NULL || def->walls.x == NULL || def->walls.face == NULL ||
-                                  def->walls.albedo == NULL || def->walls.emission == NULL)))
+                                  def->walls.albedo == NULL || def->walls.emission == NULL ||
+                                  (def->walls.ior != NULL && (def->walls.normal == NULL || def->final_set != NULL)))))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: walls: %d sides are not all there",
                        (int)def->walls.count);
     if (def->sweeps < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: sweeps are at least 0");
@@ -127,6 +128,8 @@ static void free_all(ty_ordinates_job* job) {
     ty_sweep_destroy(job->sweep);
     ty_dsa_destroy(job->dsa);
     ty_ordinates_diffusive_free(job);
+    ty_fresnel_faces_destroy(job->fresnel);
+    ty_free_array(job->context, job->dsa_albedo, (size_t)job->def->walls.count, sizeof(float));
 }
 
 /* ---- solve ---- */
@@ -159,7 +162,14 @@ static ty_result scale(ty_ordinates_job* job) {
     diffusion.extinction = reduced;
     diffusion.absorption = absorption;
     diffusion.min_extinction = MIN_BOX_THICKNESS / longest;
-    return ty_dsa_create(job->context, &diffusion, &def->walls, &job->dsa);
+    job->dsa_walls = def->walls;
+    if (def->walls.count > 0 && def->walls.ior != NULL) {
+        job->dsa_albedo = ty_alloc_array(job->context, (size_t)def->walls.count, sizeof(float), false);
+        if (job->dsa_albedo == NULL) return TY_ERROR_MEMORY;
+        ty_fresnel_faces_diffuse(def, job->dsa_albedo);
+        job->dsa_walls.albedo = job->dsa_albedo;
+    }
+    return ty_dsa_create(job->context, &diffusion, &job->dsa_walls, &job->dsa);
 }
 
 /* Initial guess: the caller's moments, or the solution on coarser cells, or the diffusion solution. */
@@ -195,6 +205,8 @@ static ty_result prepare(ty_ordinates_job* job) {
     job->stats->entering = ty_ordinates_entering(def);
     if (job->source_lm != NULL) ty_ordinates_gather(job, def->source, job->terms, job->source_lm);
     job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
+    result = ty_fresnel_faces_create(job->context, def, job->sweep, &job->diffusive, &job->fresnel);
+    if (result != TY_OK) return result;
     if (job->dsa != NULL) job->stats->bytes += (double)ty_dsa_bytes(job->dsa);
     return begin(job);
 }

@@ -18,15 +18,20 @@ enum { TY_SCATTERING_ORDER_MAX = 12 };
 /* Minimum edge of a diffusive cell, mean free paths. */
 enum { TY_DIFFUSIVE_FREE_PATHS = 6 };
 
-/* Opaque boundary faces, laid out as in ty_sweep_faces. Reflection is diffuse. */
+/* Boundary faces, laid out as in ty_sweep_faces: opaque ones, whose reflection is diffuse, and smooth interfaces of
+ * dielectrics, which reflect each direction into the one mirrored at the face, with Fresnel's reflectance at the angle
+ * to the interface; what they do not reflect counts as absorbed by the faces. */
 typedef struct ty_ordinates_faces {
     int32_t count;         /* number of sides; 0 (default): no faces */
     const int32_t* first;  /* first side of each row of cells; the last entry is count */
     const int32_t* x;      /* cell of each side within its row */
     const uint8_t* face;   /* 2 * axis + (1 for the upper face) */
-    const float* albedo;   /* [0, 1] */
+    const float* albedo;   /* [0, 1]; of an interface R_eff, ty_fresnel_effective_reflectance of its index and stairs */
     const float* emission; /* emitted radiance besides reflection, W m^-2 sr^-1 */
     float* irradiance;     /* out: irradiance, W m^-2; may be NULL */
+    const float* ior;    /* index of the side's cell relative to the other side of the interface, at least 1; 0: opaque.
+                            NULL (default): all are opaque. Not together with final_set */
+    const float* normal; /* with ior: three per side, the interface's unit normal out of the side's cell */
 } ty_ordinates_faces;
 
 typedef struct ty_ordinates_def {

@@ -163,6 +163,10 @@ void ty_sweep_destroy(ty_sweep* sweep) {
     ty_free_array(sweep->context, sweep, 1, sizeof *sweep);
 }
 
+int32_t ty_sweep_pitch(const ty_sweep* sweep) {
+    return sweep->box.groups * sweep->box.lanes;
+}
+
 size_t ty_sweep_bytes(const ty_sweep* sweep) {
     return sizeof *sweep + sweep->bytes;
 }

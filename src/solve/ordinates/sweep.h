@@ -34,11 +34,17 @@ typedef struct ty_sweep_faces {
     const float* emitted;       /* isotropic radiance into the side's cell, W m^-2 sr^-1 */
     const float* emitted_slope; /* its slope in |mu|, times half the cell's edge along the axis; NULL: isotropic */
     float* incident_power;      /* out: incident power per side, W */
+    /* Angular reflection; reflected NULL (default): none. Of each side 4 * ty_sweep_pitch values, by the octant of the
+     * direction without the bit of the face's axis, and by the direction in it. The side emits factor * reflected. */
+    const float *reflected, *factor; /* factor: per side */
+    float* arriving;                 /* out: arriving radiance */
 } ty_sweep_faces;
 
 /* The struct and its arrays belong to the caller, who may change `emitted` between sweeps. NULL (initially): none. */
 void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls);
 void ty_sweep_destroy(ty_sweep* sweep);
+/* Directions of an octant, padded to whole vectors; a multiple of 16 bytes. */
+int32_t ty_sweep_pitch(const ty_sweep* sweep);
 /* Memory in bytes. */
 size_t ty_sweep_bytes(const ty_sweep* sweep);
 /* Minimum number of floating-point operations per cell and direction: evaluation of the source from its moments, the

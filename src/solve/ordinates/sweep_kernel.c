@@ -182,21 +182,32 @@ TY_INLINE ty_lanes broadcast(float value) {
     return (ty_lanes){0} + value;
 }
 
-/* Radiance that a side emits into its cell, per direction. */
-static ty_lanes emitted_radiance(const row_faces* row, int32_t side) {
+/* Index of a side's angular values for an octant of arriving or of emitted directions. */
+TY_INLINE ptrdiff_t angular_index(const row_faces* row, int32_t octant, int32_t side) {
+    const int32_t axis = row->box->walls->face[side] / 2;
+    const int32_t index = (octant & ((1 << axis) - 1)) | (octant >> (axis + 1)) << axis;
+    return (((ptrdiff_t)side * 4 + index) * row->box->groups + row->group) * TY_LANES;
+}
+
+/* Radiance that a side emits into its cell, per direction of an octant. */
+static ty_lanes emitted_radiance(const row_faces* row, int32_t octant, int32_t side) {
     const ty_sweep_faces* walls = row->box->walls;
-    const ty_lanes even = broadcast(walls->emitted[side]);
+    ty_lanes even = broadcast(walls->emitted[side]);
+    if (walls->reflected != NULL)
+        even += walls->factor[side] * ty_lanes_load_aligned(walls->reflected + angular_index(row, octant, side));
     if (walls->emitted_slope == NULL) return even;
     return even + walls->emitted_slope[side] *
                       ty_lanes_load_aligned(row->box->two_mu_over_h[walls->face[side] / 2] + row->group * TY_LANES);
 }
 
-static void add_incident_power(const row_faces* row, int32_t side, int32_t axis, ty_lanes light) {
+static void add_incident_power(const row_faces* row, int32_t octant, int32_t side, ty_lanes light) {
+    const ty_sweep_faces* walls = row->box->walls;
     const ty_lanes power =
-        ty_lanes_load_aligned(row->box->partial_current_weight[axis] + row->group * TY_LANES) * light;
+        ty_lanes_load_aligned(row->box->partial_current_weight[walls->face[side] / 2] + row->group * TY_LANES) * light;
     float sum = 0;
     for (int i = 0; i < TY_LANES; ++i) sum += power[i];
-    row->box->walls->incident_power[side] += sum;
+    walls->incident_power[side] += sum;
+    if (walls->reflected != NULL) ty_lanes_store_aligned(walls->arriving + angular_index(row, octant, side), light);
 }
 
 /* Faces across y and z: before the cells are swept, upwind sides set the incoming radiance; after it, downwind sides
@@ -209,8 +220,8 @@ static void exchange_face_radiance(const row_faces* row, const stream streams[2]
         if (axis == 0 || comes != after) continue;
         for (int o = 0; o < 2; ++o) {
             float* face = (axis == 1 ? streams[o].psi_y : streams[o].psi_z) + walls->x[side] * TY_LANES;
-            if (after) add_incident_power(row, side, axis, ty_lanes_load_aligned(face));
-            ty_lanes_store_aligned(face, after ? broadcast(0) : emitted_radiance(row, side));
+            if (after) add_incident_power(row, row->octant + o, side, ty_lanes_load_aligned(face));
+            ty_lanes_store_aligned(face, after ? broadcast(0) : emitted_radiance(row, row->octant + o, side));
         }
     }
 }
@@ -236,15 +247,15 @@ static void sweep_row_segments(const row_faces* row, const float* extinction, co
         end = has_high ? walls->x[high] + 1 : box->size[0];
         streams[0].psi_x = upwind[0];
         streams[1].psi_x = upwind[1];
-        if (has_low) streams[0].psi_x = emitted_radiance(row, low);
-        if (has_high) streams[1].psi_x = emitted_radiance(row, high);
+        if (has_low) streams[0].psi_x = emitted_radiance(row, row->octant, low);
+        if (has_high) streams[1].psi_x = emitted_radiance(row, row->octant + 1, high);
         sweep_cells(box, row->group, extinction, scratch, begin, end, streams, sums);
         if (has_high)
-            add_incident_power(row, high, 0, streams[0].psi_x);
+            add_incident_power(row, row->octant, high, streams[0].psi_x);
         else
             add_leakage(box, row->group, streams[0].psi_x, sums);
         if (has_low)
-            add_incident_power(row, low, 0, streams[1].psi_x);
+            add_incident_power(row, row->octant + 1, low, streams[1].psi_x);
         else
             add_leakage(box, row->group, streams[1].psi_x, sums);
     }
