@@ -178,7 +178,7 @@ TY_FN float ty_bsdf_multiple_lobe(const ty_bsdf* b, float cosine) {
     return lost * b->lost / (TY_PI * b->lost_mean);
 }
 
-/* What layers let down for a direction wi and wo: of wide lobes of the base, of other ones, and of the sheen. */
+/* Parts of the light from wi to wo that layers let down: of wide lobes of the base, of other ones, and of the sheen. */
 typedef struct ty_bsdf_passage {
     float wide, lesser, sheen;
 } ty_bsdf_passage;
