@@ -19,7 +19,7 @@ static noise measure_noise(const ty_light_tree* tree, int32_t count, double half
         double sum = 0, by_tree = 0, by_power = 0, found = 0;
         for (int32_t i = 0; i < count; ++i) {
             ty_light_sample sample;
-            const double p = (double)ty_light_tree_probability(tree->nodes, tree->trails, i, from, normal);
+            const double p = (double)ty_light_tree_probability(tree->nodes, tree->trails, i, from, normal, NULL);
             found += p;
             if (!light_sent(&views[i], from, 1.0f / 3, 1.0f / 3, &sample)) continue;
             double light = (double)sample.radiance[0];

@@ -224,6 +224,21 @@ static ty_result read_gloss(ty_scene_reader* reader, const json_t* material, con
     return result;
 }
 
+/* The solid that the surface bounds. */
+static ty_result read_volume(const ty_scene_reader* reader, const json_t* material, const ty_json_path* path,
+                             ty_gloss_def* gloss) {
+    const json_t* volume = json_object_get(material, "volume");
+    const ty_json_path json_path = ty_json_path_key(path, "volume");
+    if (volume == NULL) return TY_OK;
+    if (!(gloss->transmission > 0))
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "needs the key \"transmission\" above 0 beside it");
+    gloss->solid = true;
+    ty_read_int(volume, "priority", &gloss->priority);
+    ty_read_rgb(volume, "attenuation_color", gloss->attenuation_color);
+    ty_read_float(volume, "attenuation_distance", &gloss->attenuation_distance);
+    return TY_OK;
+}
+
 ty_result ty_read_material(ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
                            ty_material_def* out) {
     const json_t* material = json_object_get(item, "material");
@@ -232,6 +247,7 @@ ty_result ty_read_material(ty_scene_reader* reader, const json_t* item, const ty
     ty_read_rgb(material, "emission", out->emission);
     ty_result result = read_base_color(reader, material, &json_path, out);
     if (result == TY_OK) result = read_gloss(reader, material, &json_path, gloss);
+    if (result == TY_OK) result = read_volume(reader, material, &json_path, gloss);
     if (result == TY_OK)
         result = read_normals(reader, material, &json_path, "normal_map", &gloss->normal_scale,
                               &gloss->textures[TY_GLOSS_NORMAL]);

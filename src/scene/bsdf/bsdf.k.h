@@ -168,8 +168,8 @@ TY_FN void ty_bsdf_drop_compensation(ty_bsdf* b) {
 
 /* Density of a cosine in proportion to its power `roughness`, which is near the lobe below: smooth surfaces lose, and
  * return, light at small angles alone. */
-TY_FN float ty_bsdf_power_pdf(const ty_bsdf* b, float cosine) {
-    return (b->roughness + 1.0f) * ty_expf(b->roughness * ty_logf(ty_maxf(cosine, 1e-30f))) * (0.5f / TY_PI);
+TY_FN float ty_bsdf_power_pdf(float roughness, float cosine) {
+    return (roughness + 1.0f) * ty_expf(roughness * ty_logf(ty_maxf(cosine, 1e-30f))) * (0.5f / TY_PI);
 }
 
 /* The lobe of light that microfacets scatter several times, for reflectance 1. */
@@ -210,7 +210,7 @@ TY_FN float ty_bsdf_evaluate_base(const ty_bsdf* b, ty_vec wi, const ty_bsdf_pas
             ty_lerpf(b->f0[c], b->f90, weight) * lobe + b->multiple[c] * wide + b->diffuse[c] * passed * (1.0f / TY_PI);
     float pdf = b->probability[TY_LOBE_SPECULAR] * ty_ggx_pdf(b->wo, h, b->alpha) +
                 b->probability[TY_LOBE_DIFFUSE] * wi.z * (1.0f / TY_PI);
-    if (b->compensated != 0) pdf += b->probability[TY_LOBE_MULTIPLE] * ty_bsdf_power_pdf(b, wi.z);
+    if (b->compensated != 0) pdf += b->probability[TY_LOBE_MULTIPLE] * ty_bsdf_power_pdf(b->roughness, wi.z);
     if (b->layered != 0) ty_bsdf_add_layers(b, wi, down->sheen, brdf);
     return pdf;
 }
@@ -223,7 +223,7 @@ TY_FN float ty_bsdf_evaluate_through(const ty_bsdf* b, ty_vec wi, const ty_bsdf_
     float wide = 0.0f, pdf = b->probability[TY_LOBE_THROUGH] * ty_ggx_pdf(b->wo, h, b->alpha);
     if (b->compensated != 0) {
         wide = (1.0f - b->film_multiple) * ty_bsdf_multiple_lobe(b, wi.z) * down->wide;
-        pdf += b->probability[TY_LOBE_THROUGH_MULTIPLE] * ty_bsdf_power_pdf(b, wi.z);
+        pdf += b->probability[TY_LOBE_THROUGH_MULTIPLE] * ty_bsdf_power_pdf(b->roughness, wi.z);
         if (b->layered != 0) {
             float residual[TY_BELOW_COUNT];
             ty_bsdf_residual_lobes(b, wi.z, residual);
