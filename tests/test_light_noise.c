@@ -156,7 +156,7 @@ static void measure_gloss_noise(const ty_light_tree* tree, int32_t count, const 
         ty_bsdf_prepare(&b, material, &ty_bsdf_default_tables, normal, normal, wo);
         const ty_light_lobe lobe = {.axis = ty_mad(ty_scale(wo, -1), normal, 2 * ty_dot(wo, normal)),
                                     .alpha2 = b.alpha * b.alpha,
-                                    .share = b.probability[TY_LOBE_SPECULAR]};
+                                    .weight = b.probability[TY_LOBE_SPECULAR]};
         double sum = 0, by_lobe = 0, by_cosine = 0, found = 0;
         for (int32_t i = 0; i < count; ++i) {
             ty_light_sample sample;

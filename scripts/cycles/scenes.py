@@ -233,15 +233,15 @@ def milk_index_matched(folder, environment):
 
 
 def pool(folder, environment):
-    """Water in a basin of diffuse walls that stand in it."""
+    """Water in a basin, whose diffuse walls enclose the sides and the bottom of the water's mesh."""
     model, out = Model(), scene(([0, 3, 4.5], [0, -0.2, 0], 32), sky(environment))
     water = model.material("glass water", (1, 1, 1), 0, 0, extensions=solid(1.33))
-    model.place("water", model.mesh(block([-1.6, -0.9, -1.6], [1.6, 0, 1.6])), water)
+    model.place("water", model.mesh(block([-1.5, -0.8, -1.5], [1.5, 0, 1.5])), water)
     model.write(folder / "pool.glb")
     gray = {"base_color": [0.5, 0.55, 0.6]}
-    walls = [[[-1.5, -0.8, -1.5], [1.5, -0.7, 1.5]], [[-1.6, -0.95, -1.6], [-1.4, 0.03, 1.6]],
-             [[1.4, -0.95, -1.6], [1.6, 0.03, 1.6]], [[-1.6, -0.95, -1.6], [1.6, 0.03, -1.4]],
-             [[-1.6, -0.95, 1.4], [1.6, 0.03, 1.6]]]
+    walls = [[[-1.6, -0.9, -1.6], [1.6, -0.7, 1.6]], [[-1.6, -0.9, -1.6], [-1.4, 0.03, 1.6]],
+             [[1.4, -0.9, -1.6], [1.6, 0.03, 1.6]], [[-1.6, -0.9, -1.6], [1.6, 0.03, -1.4]],
+             [[-1.6, -0.9, 1.4], [1.6, 0.03, 1.6]]]
     out["geometry"] = [{"file": "pool.glb"}] + [{"box": box, "material": gray} for box in walls]
     out["media"] = [{"name": "water", "bounds": {"file": "pool.glb"}, "sigma_s": 0.1, "sigma_a": [0.3, 0.07, 0.03],
                      "g": 0.9}]

@@ -26,7 +26,7 @@ typedef struct ty_light_node {
 typedef struct ty_light_lobe {
     ty_vec axis;  /* unit, towards the light */
     float alpha2; /* alpha^2 of the microfacets */
-    float share;  /* part of the reflected light, 0..1, that is in the lobe; the rest is diffuse */
+    float weight; /* part of the reflected light, 0..1, that is in the lobe; the rest is diffuse */
 } ty_light_lobe;
 
 /* Cosine of max(a - b, 0); *sine is its sine. */
@@ -55,7 +55,7 @@ TY_FN float ty_light_lobe_factor(const ty_light_lobe* lobe, float cosine, ty_vec
     const float a2 = lobe->alpha2 + 0.25f * sin_u * sin_u;
     const float cos2_half = ty_clampf(0.5f + 0.5f * ty_dot(lobe->axis, direction), 0.0f, 1.0f);
     const float stretched = 1.0f - cos2_half + a2 * cos2_half;
-    return (1.0f - lobe->share) * cosine + lobe->share * 0.25f * a2 / ty_maxf(stretched * stretched, 1e-12f);
+    return (1.0f - lobe->weight) * cosine + lobe->weight * 0.25f * a2 / ty_maxf(stretched * stretched, 1e-12f);
 }
 
 /* Importance of a cluster for a point: power over squared distance, times the cosines of emission and incidence. Near

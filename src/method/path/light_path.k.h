@@ -30,7 +30,7 @@ typedef struct ty_path {
     ty_sampler random;
     ty_vec origin, direction;
     ty_vec normal;       /* unit normal of the last surface vertex, on the path's side; 0 in media and at the camera */
-    ty_light_lobe lobe;  /* of that vertex, if it is glossy; otherwise its share is 0 */
+    ty_light_lobe lobe;  /* of that vertex, if it is glossy; otherwise its weight is 0 */
     float beta[3];       /* throughput */
     float rr_throughput; /* throughput without the weights of sampled directions; Russian roulette decides by it */
     float pdf;           /* solid-angle density of direction, 1/sr; 0 at the camera, where no light was sampled */

@@ -15,7 +15,7 @@ TY_FN float ty_path_near2(const ty_path* path, const ty_light_view* light) {
 
 /* The lobe by which lights are chosen for the last vertex; NULL: it is diffuse. */
 TY_FN const ty_light_lobe* ty_path_lobe(const ty_path* path) {
-    return TY_PATH_GLOSS != 0 && path->lobe.share > 0.0f ? &path->lobe : NULL;
+    return TY_PATH_GLOSS != 0 && path->lobe.weight > 0.0f ? &path->lobe : NULL;
 }
 
 /* MIS weight (balance heuristic) of emission that a ray hits, against light sampling from the ray's origin. */
@@ -447,7 +447,7 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     ty_light_sample sample;
     float phase[3], chosen;
     path->normal = ty_vec_make(0, 0, 0);
-    path->lobe.share = 0.0f;
+    path->lobe.weight = 0.0f;
     ty_scatter_vertex_begin(&scatter, path, medium);
     bool shines;
     const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
@@ -492,7 +492,7 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     float factor[3], chosen;
     path->origin = ty_hit_leave(&at->hit, point->ng);
     path->normal = point->ns;
-    path->lobe.share = 0.0f;
+    path->lobe.weight = 0.0f;
     path->passed = 0.0f;
     bool shines;
     const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
@@ -517,7 +517,7 @@ TY_FN void ty_path_set_lobe(ty_path* path, const ty_bsdf* b) {
     const bool coated = coat > base;
     const ty_vec wo = coated ? b->coat_wo : b->wo;
     const float alpha = coated ? ty_ggx_alpha(b->coat_roughness) : b->alpha;
-    path->lobe.share = ty_bsdf_transmits(b) ? 0.0f : coat + base;
+    path->lobe.weight = ty_bsdf_transmits(b) ? 0.0f : coat + base;
     path->lobe.alpha2 = alpha * alpha;
     path->lobe.axis = ty_frame_world(coated ? &b->coat_frame : &b->frame, ty_vec_make(-wo.x, -wo.y, wo.z));
 }
@@ -712,7 +712,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->run = 0;
     path->path_class = TY_PATH_UNCOLLIDED;
     path->normal = ty_vec_make(0, 0, 0);
-    path->lobe.share = 0.0f;
+    path->lobe.weight = 0.0f;
     path->media = request->scene->media;
     path->medium_count = request->scene->medium_count;
     path->passed = 0.0f;

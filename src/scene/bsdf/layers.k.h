@@ -3,7 +3,7 @@
  *
  * Wide lobes of the base have the form u(wi) u(wo) / (pi u_mean) with u the albedo of a white one; below layers u
  * becomes T u (Kelemen and Szirmay-Kalos 2001). Other lobes f take min(T(wi), T(wo)), which is T where a smooth surface
- * mirrors. What is left, the residual albedo
+ * mirrors. The residual albedo
  *
  *     r(wo) = integral of f(wi, wo) (T(wo) - min(T(wi), T(wo))) cos dwi
  *
