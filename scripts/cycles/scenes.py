@@ -239,8 +239,9 @@ def pool(folder, environment):
     model.place("water", model.mesh(block([-1.5, -0.8, -1.5], [1.5, 0, 1.5])), water)
     model.write(folder / "pool.glb")
     gray = {"base_color": [0.5, 0.55, 0.6]}
-    walls = [[[-1.6, -0.9, -1.6], [1.6, -0.7, 1.6]], [[-1.6, -0.9, -1.6], [-1.4, 0.03, 1.6]],
-             [[1.4, -0.9, -1.6], [1.6, 0.03, 1.6]], [[-1.6, -0.9, -1.6], [1.6, 0.03, -1.4]],
+    # No two faces coincide, because Cycles shadows both then.
+    walls = [[[-1.55, -0.85, -1.55], [1.55, -0.7, 1.55]], [[-1.6, -0.9, -1.4], [-1.4, 0.03, 1.4]],
+             [[1.4, -0.9, -1.4], [1.6, 0.03, 1.4]], [[-1.6, -0.9, -1.6], [1.6, 0.03, -1.4]],
              [[-1.6, -0.9, 1.4], [1.6, 0.03, 1.6]]]
     out["geometry"] = [{"file": "pool.glb"}] + [{"box": box, "material": gray} for box in walls]
     out["media"] = [{"name": "water", "bounds": {"file": "pool.glb"}, "sigma_s": 0.1, "sigma_a": [0.3, 0.07, 0.03],
