@@ -74,17 +74,17 @@ static void no_light_and_one_light(void** state) {
     float u = 0.25f, probability = 1;
     ty_light_tree* tree = tree_of(*state, 0);
     assert_null(tree->nodes);
-    assert_int_equal(ty_light_tree_sample(tree->nodes, from, zero, &u, &probability), -1);
+    assert_int_equal(ty_light_tree_sample(tree->nodes, from, zero, NULL, &u, &probability), -1);
     assert_int_equal(ty_light_tree_sample_ray(tree->nodes, from, x, 0, 1, &u, &probability), -1);
     assert_true(probability == 0);
     ty_light_tree_destroy(*state, tree);
     views[0] = (ty_light_view){.kind = TY_KIND_DIRECTIONAL, .color = {1, 1, 1}};
     views[1] = lamp_at(ty_vec_make(0, 1, 0), 5);
     tree = tree_of(*state, 2);
-    assert_int_equal(ty_light_tree_sample(tree->nodes, from, zero, &u, &probability), 1);
+    assert_int_equal(ty_light_tree_sample(tree->nodes, from, zero, NULL, &u, &probability), 1);
     assert_true(probability == 1 && u == 0.25f);
-    assert_true(ty_light_tree_probability(tree->nodes, tree->trails, 1, from, zero) == 1);
-    assert_true(ty_light_tree_probability(tree->nodes, tree->trails, 0, from, zero) == 0);
+    assert_true(ty_light_tree_probability(tree->nodes, tree->trails, 1, from, zero, NULL) == 1);
+    assert_true(ty_light_tree_probability(tree->nodes, tree->trails, 0, from, zero, NULL) == 0);
     assert_int_equal(ty_light_tree_sample_ray(tree->nodes, from, x, 0, 1, &u, &probability), 1);
     assert_int_equal(ty_light_tree_sample_ray(tree->nodes, from, x, 1, 1, &u, &probability), -1);
     ty_light_tree_destroy(*state, tree);
@@ -99,7 +99,7 @@ static void check_draws(const ty_light_tree* tree, ty_vec from, ty_vec normal, b
     memset(hits, 0, sizeof hits);
     for (int i = 0; i < DRAWS; ++i) {
         float u = ((float)i + 0.5f) / DRAWS, probability;
-        const int32_t light = ty_light_tree_sample(tree->nodes, from, normal, &u, &probability);
+        const int32_t light = ty_light_tree_sample(tree->nodes, from, normal, NULL, &u, &probability);
         assert_true(u >= 0 && u < 1);
         if (light < 0) {
             assert_true(probability == 0);
@@ -107,11 +107,11 @@ static void check_draws(const ty_light_tree* tree, ty_vec from, ty_vec normal, b
             continue;
         }
         ++hits[light];
-        const float again = ty_light_tree_probability(tree->nodes, tree->trails, light, from, normal);
+        const float again = ty_light_tree_probability(tree->nodes, tree->trails, light, from, normal, NULL);
         assert_true(memcmp(&again, &probability, sizeof again) == 0);
     }
     for (int32_t i = 0; i < count; ++i) {
-        const double p = (double)ty_light_tree_probability(tree->nodes, tree->trails, i, from, normal);
+        const double p = (double)ty_light_tree_probability(tree->nodes, tree->trails, i, from, normal, NULL);
         const double expected = p * DRAWS, off = (double)hits[i] - expected;
         sum += p;
         if (expected < 10) continue;
@@ -149,7 +149,7 @@ static void numbers_are_stretched_back(void** state) {
     for (int i = 0; i < DRAWS; ++i) {
         float u = (float)uniform(&random), probability;
         u = ty_minf(u, 0x1.fffffep-1f);
-        ty_light_tree_sample(tree->nodes, ty_vec_make(3, 1, 2), ty_vec_make(0, 0, 0), &u, &probability);
+        ty_light_tree_sample(tree->nodes, ty_vec_make(3, 1, 2), ty_vec_make(0, 0, 0), NULL, &u, &probability);
         sum += (double)u;
         square += (double)u * (double)u;
     }
@@ -180,7 +180,8 @@ static void no_light_that_contributes_is_left_out(void** state) {
             const ty_vec from = random_point(&random, scene % 3 == 0 ? 1 : 30);
             const ty_vec normal = i % 2 == 0 ? ty_vec_make(0, 0, 0) : random_unit(&random);
             for (size_t light = 0; light < count; ++light) {
-                const float p = ty_light_tree_probability(tree->nodes, tree->trails, (int32_t)light, from, normal);
+                const float p =
+                    ty_light_tree_probability(tree->nodes, tree->trails, (int32_t)light, from, normal, NULL);
                 const bool lights = contributes(&views[light], from, normal, &random);
                 lit += lights;
                 spared += !lights && p == 0;
@@ -208,7 +209,7 @@ static void grazing_lights_are_not_left_out(void** state) {
             const ty_vec normal = ty_normalize(ty_mad(ty_direction_about(to, 0, (float)uniform(&random)), to, 1e-5f));
             for (int side = 0; side < 2; ++side) {
                 const ty_vec n = side == 0 ? ty_vec_make(0, 0, 0) : normal;
-                const float p = ty_light_tree_probability(tree->nodes, tree->trails, (int32_t)light, from, n);
+                const float p = ty_light_tree_probability(tree->nodes, tree->trails, (int32_t)light, from, n, NULL);
                 assert_true(p > 0 || !contributes(view, from, n, &random));
             }
         }
@@ -331,7 +332,7 @@ static void many_lights_build_fast(void** state) {
     const double drawing = ty_cpu_seconds();
     for (int i = 0; i < DRAWS; ++i) {
         float u = (float)i / DRAWS, probability;
-        ty_light_tree_sample(tree->nodes, views[i].v, ty_vec_make(0, 0, 0), &u, &probability);
+        ty_light_tree_sample(tree->nodes, views[i].v, ty_vec_make(0, 0, 0), NULL, &u, &probability);
         sum += (double)probability;
     }
     printf("%d lights: built in %.3f s, %d steps deep, %zu bytes, %.0f ns a draw\n", LIGHTS_MAX, seconds, depth,

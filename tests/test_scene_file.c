@@ -308,7 +308,7 @@ static void write_text(const char* path, const char* text) {
     assert_int_equal(fclose(file), 0);
 }
 
-/* density.vdb with a grid "density", sky.exr, tetra.obj and camera.gltf, in the current folder. */
+/* density.vdb with a grid "density", sky.exr, map.png, tetra.obj and camera.gltf, in the current folder. */
 static void write_files(ty_context* context) {
     write_text("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n");
     write_text("camera.gltf",
@@ -330,6 +330,7 @@ static void write_files(ty_context* context) {
     for (int32_t c = 0; c < 3; ++c)
         for (int i = 0; i < 32; ++i) ty_image_plane(image, c)[i] = 1;
     expect_ok(context, ty_image_write_exr(context, image, "sky.exr"));
+    expect_ok(context, ty_image_write_png(context, image, 0, TY_TONE_CLIP, "map.png"));
     ty_image_destroy(image);
 }
 
@@ -481,8 +482,9 @@ static const char every_key[] =
     "\"transmission\":0.5,\"clearcoat\":1,\"clearcoat_roughness\":0.1,\"sheen_color\":0.5,"
     "\"sheen_roughness\":0.5},"
     "\"transform\":{}},{\"file\":\"tetra.obj\",\"meshes\":true,\"lights\":true,\"gloss\":false,\"light_scale\":1,"
-    "\"emission_scale\":1,\"material\":{\"base_color\":0.5}},{\"box\":[[0,0,0],[1,1,1]],\"material\":{\"transmission\":"
-    "1,"
+    "\"emission_scale\":1,\"material\":{\"base_color\":{\"file\":\"map.png\",\"factor\":0.5,\"repeat\":2},"
+    "\"normal_map\":{\"file\":\"map.png\",\"scale\":2},\"clearcoat_normal_map\":{\"file\":\"map.png\"}}},"
+    "{\"box\":[[0,0,0],[1,1,1]],\"material\":{\"transmission\":1,"
     "\"volume\":{\"attenuation_color\":0.5,\"attenuation_distance\":2,\"priority\":1}}},{\"sphere\":{\"center\":[0,0,"
     "0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0,\"point_light_directions\":true,"

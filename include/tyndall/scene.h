@@ -219,7 +219,8 @@ typedef enum ty_gloss_texture {
     TY_GLOSS_CLEARCOAT_ROUGHNESS = 6, ///< In green; linear.
     TY_GLOSS_SHEEN_COLOR = 7,         ///< In red, green and blue.
     TY_GLOSS_SHEEN_ROUGHNESS = 8,     ///< In alpha.
-    TY_GLOSS_TEXTURES = 9             ///< Their number.
+    TY_GLOSS_CLEARCOAT_NORMAL = 9,    ///< As TY_GLOSS_NORMAL, of the clear coat, which bends by it alone.
+    TY_GLOSS_TEXTURES = 10            ///< Their number.
 } ty_gloss_texture;
 
 /// A texture as a material uses it.
@@ -245,7 +246,8 @@ typedef struct ty_gloss_def {
     float sheen_color[3];                       ///< Colour of the sheen of cloth, 0..1; default 0.
     float sheen_roughness;                      ///< 0..1; default 0.
     float normal_scale;                         ///< Multiplies the slopes of normals, -1e3..1e3; default 1.
-    ty_texture_use textures[TY_GLOSS_TEXTURES]; ///< By ty_gloss_texture; meshes only.
+    float clearcoat_normal_scale;               ///< The same of the clear coat's; default 1.
+    ty_texture_use textures[TY_GLOSS_TEXTURES]; ///< By ty_gloss_texture; shapes have the texture coordinates 0 alone.
     bool solid; ///< True: the surface is the closed boundary, normals outwards, of a dielectric of index ior, and what
                 ///< passes it is refracted; default false: a thin wall. Quads cannot be. Without transmission, with
                 ///< ior 0 or of metal alone it has no effect.
@@ -258,6 +260,12 @@ typedef struct ty_gloss_def {
 
 /// A surface, which reflects on both sides and emits on its front (u x v, or outwards). Create it with
 /// ty_default_shape_def().
+///
+/// Textures are seen unmirrored from the front. On a quad their lower left corner is at origin, u runs along its edge u
+/// and v, which begins at the top of a texture, against its edge v. Each face of a box has the whole texture: on its
+/// sides upright along the up axis; on top, and from below, with u along +x. On a sphere the poles are on the up axis and
+/// the centre of the texture at +x (with y up u = 0.5 - atan2(z, x) / 2pi, with z up u = 0.5 + atan2(y, x) / 2pi). Up
+/// axis and +x are those before the transform.
 typedef struct ty_shape_def {
     uint32_t cookie;     ///< Set by ty_default_shape_def() and checked.
     uint32_t bytes;      ///< Set by ty_default_shape_def() to the size of the structure, and checked.
@@ -269,7 +277,8 @@ typedef struct ty_shape_def {
     ty_affine transform; ///< Default identity; spheres take rotation, translation and uniform scale only.
     float albedo[3];     ///< Base colour, 0..1; default 0.5.
     float emission[3];   ///< Emitted radiance, W m^-2 sr^-1, >= 0; default 0.
-    ty_gloss_def gloss;  ///< Without textures; default: Lambertian.
+    ty_gloss_def gloss;  ///< Default: Lambertian.
+    ty_texture_use albedo_texture; ///< It multiplies albedo; its alpha has no effect. Default: none.
 } ty_shape_def;
 
 /// The continuation of a texture beyond 0..1.

@@ -79,4 +79,21 @@ TY_FN ty_vec ty_map_direction(TY_GLOBAL const float* m, ty_vec d) {
                        m[8] * d.x + m[9] * d.y + m[10] * d.z);
 }
 
+/* Angle of (x, y) in turns, (-0.5, 0.5], to 2e-6 (minimax polynomial on [0, 1]). */
+TY_FN float ty_atan2_over_2pi(float y, float x) {
+    const float ax = fabsf(x), ay = fabsf(y);
+    const float large = ty_maxf(ax, ay), small = ty_minf(ax, ay);
+    const float a = large > 0.0f ? small / large : 0.0f;
+    const float s = a * a;
+    float r = -0.0117212f;
+    r = r * s + 0.05265332f;
+    r = r * s - 0.11643287f;
+    r = r * s + 0.19354346f;
+    r = r * s - 0.33262347f;
+    r = (r * s + 0.99997726f) * a * 0.159154943f;
+    r = ay > ax ? 0.25f - r : r;
+    r = x < 0.0f ? 0.5f - r : r;
+    return y < 0.0f ? -r : r;
+}
+
 #endif

@@ -7,6 +7,7 @@
 #include "scene/medium.h"
 #include "scene/scene.h"
 #include "scene/shape.h"
+#include "scene/texture.h"
 
 #include <string.h>
 
@@ -38,6 +39,7 @@ static void drop_surfaces(ty_context* context, ty_committed_surfaces* surfaces) 
     ty_free_array(context, surfaces->shapes, surfaces->shape_count, sizeof(ty_shape_def));
     ty_free_array(context, surfaces->surfaces, surfaces->count, sizeof(ty_surface));
     ty_free_array(context, surfaces->gloss, surfaces->gloss_count, sizeof(ty_surface_gloss));
+    ty_free_array(context, surfaces->faces, surfaces->face_count, sizeof(ty_shape_face));
     ty_free_array(context, surfaces->mesh_lights, surfaces->mesh_light_count, sizeof(int32_t));
     *surfaces = (ty_committed_surfaces){.shapes = NULL};
 }
@@ -72,6 +74,28 @@ static ty_result list_shapes(const ty_scene* scene, const ty_scene* lit, ty_comm
 static void set_shape_colors(const ty_shape_def* shape, ty_surface* surface) {
     memcpy(surface->albedo, shape->albedo, sizeof shape->albedo);
     memcpy(surface->emission, shape->emission, sizeof shape->emission);
+}
+
+/* Textures and texture coordinates of the shapes that have any. */
+static ty_result commit_shape_textures(const ty_scene* scene, ty_committed_surfaces* out) {
+    for (size_t i = 0; i < out->shape_count; ++i)
+        if (ty_shape_is_textured(&out->shapes[i])) out->face_count += TY_SHAPE_FACES;
+    if (out->face_count == 0) return TY_OK;
+    out->faces = ty_alloc_array(scene->context, out->face_count, sizeof *out->faces, true);
+    if (out->faces == NULL) return TY_ERROR_MEMORY;
+    ty_shape_face* next = out->faces;
+    for (size_t i = 0; i < out->shape_count; ++i) {
+        const ty_shape_def* shape = &out->shapes[i];
+        ty_surface* surface = &out->surfaces[i];
+        if (!ty_shape_is_textured(shape)) continue;
+        ty_shape_get_faces(shape, scene->up, next);
+        surface->faces = next;
+        surface->round = shape->kind == TY_SHAPE_SPHERE;
+        surface->albedo_texture = ty_texture_get_view(shape->albedo_texture.texture);
+        memcpy(surface->albedo_map, shape->albedo_texture.map, sizeof surface->albedo_map);
+        next += TY_SHAPE_FACES;
+    }
+    return TY_OK;
 }
 
 static ty_result commit_mesh_lights(const ty_scene* scene, ty_committed_surfaces* out) {
@@ -126,6 +150,7 @@ static ty_result commit_surfaces(const ty_scene* scene, ty_committed_surfaces* o
     for (size_t i = 0; i < scene->mesh_count; ++i)
         out->surfaces[out->shape_count + i] = ty_triangle_mesh_get_surface(scene->meshes[i]);
     ty_result result = commit_mesh_lights(scene, out);
+    if (result == TY_OK) result = commit_shape_textures(scene, out);
     if (result == TY_OK) result = commit_gloss(scene, out);
     if (result != TY_OK) return result;
     const ty_accel_input parts = {.shapes = out->shapes,

@@ -10,19 +10,27 @@
 
 enum { FIELD_SIZE = 96 };
 
+ty_texture_use ty_default_texture_use(void) {
+    return (ty_texture_use){.map = {1, 0, 0, 0, 1, 0}};
+}
+
 ty_gloss_def ty_default_gloss(void) {
-    ty_gloss_def def = {
-        .roughness = 1, .ior = 1.5f, .specular_color = {1, 1, 1}, .normal_scale = 1, .attenuation_color = {1, 1, 1}};
-    for (int i = 0; i < TY_GLOSS_TEXTURES; ++i) def.textures[i].map[0] = def.textures[i].map[4] = 1;
+    ty_gloss_def def = {.roughness = 1,
+                        .ior = 1.5f,
+                        .specular_color = {1, 1, 1},
+                        .normal_scale = 1,
+                        .clearcoat_normal_scale = 1,
+                        .attenuation_color = {1, 1, 1}};
+    for (int i = 0; i < TY_GLOSS_TEXTURES; ++i) def.textures[i] = ty_default_texture_use();
     return def;
 }
 
-static ty_result check_texture(ty_context* context, const char* prefix, int number, const ty_texture_use* use) {
-    char field[FIELD_SIZE];
-    snprintf(field, sizeof field, "%s.textures[%d].uv", prefix, number);
+ty_result ty_texture_use_check(ty_context* context, const char* prefix, const ty_texture_use* use) {
+    char field[2 * FIELD_SIZE];
+    snprintf(field, sizeof field, "%s.uv", prefix);
     ty_result result = ty_check_number(context, field, use->uv, 0, 1);
     for (int i = 0; i < 6 && result == TY_OK; ++i) {
-        snprintf(field, sizeof field, "%s.textures[%d].map[%d]", prefix, number, i);
+        snprintf(field, sizeof field, "%s.map[%d]", prefix, i);
         result = ty_check_number(context, field, (double)use->map[i], -1e9, 1e9);
     }
     return result;
@@ -41,6 +49,7 @@ ty_result ty_gloss_check(ty_context* context, const char* prefix, const ty_gloss
                    {"clearcoat_roughness", def->clearcoat_roughness, 0, 1},
                    {"sheen_roughness", def->sheen_roughness, 0, 1},
                    {"normal_scale", def->normal_scale, -1e3, 1e3},
+                   {"clearcoat_normal_scale", def->clearcoat_normal_scale, -1e3, 1e3},
                    {"priority", (float)def->priority, -1000, 1000},
                    {"attenuation_distance", def->attenuation_distance, 0, 1e15}};
     char field[FIELD_SIZE];
@@ -57,8 +66,10 @@ ty_result ty_gloss_check(ty_context* context, const char* prefix, const ty_gloss
     if (result == TY_OK) result = ty_check_rgb(context, field, def->sheen_color, 0, 1);
     snprintf(field, sizeof field, "%s.attenuation_color", prefix);
     if (result == TY_OK) result = ty_check_rgb(context, field, def->attenuation_color, 0, 1);
-    for (int i = 0; i < TY_GLOSS_TEXTURES && result == TY_OK; ++i)
-        result = check_texture(context, prefix, i, &def->textures[i]);
+    for (int i = 0; i < TY_GLOSS_TEXTURES && result == TY_OK; ++i) {
+        snprintf(field, sizeof field, "%s.textures[%d]", prefix, i);
+        result = ty_texture_use_check(context, field, &def->textures[i]);
+    }
     return result;
 }
 
@@ -100,7 +111,7 @@ ty_surface_gloss ty_gloss_get_view(const ty_gloss_def* def) {
                                          .clearcoat_roughness = def->clearcoat_roughness,
                                          .sheen_roughness = def->sheen_roughness},
                               .dielectric = view_dielectric(def),
-                              .normal_scale = def->normal_scale};
+                              .normal_scale = {def->normal_scale, def->clearcoat_normal_scale}};
     memcpy(gloss.factor.specular_color, def->specular_color, sizeof def->specular_color);
     memcpy(gloss.factor.sheen_color, def->sheen_color, sizeof def->sheen_color);
     for (int i = 0; i < TY_GLOSS_TEXTURES; ++i) {

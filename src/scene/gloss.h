@@ -7,6 +7,8 @@
 #include <tyndall/scene.h>
 
 ty_gloss_def ty_default_gloss(void);
+ty_texture_use ty_default_texture_use(void);
+ty_result ty_texture_use_check(ty_context* context, const char* prefix, const ty_texture_use* use);
 /* prefix: of the fields in messages, such as "material". */
 ty_result ty_gloss_check(ty_context* context, const char* prefix, const ty_gloss_def* def);
 /* False for Lambertian surfaces. */

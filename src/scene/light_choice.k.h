@@ -17,13 +17,13 @@ typedef struct ty_light_set {
     int32_t local_count;                  /* number of lights for which ty_light_is_local holds */
 } ty_light_set;
 
-/* Selects a light for point `from`, on a surface with this normal (0 in a medium); *u is rescaled to [0, 1). Returns -1
- * if no light is selected. */
-TY_FN int32_t ty_lights_choose(TY_GLOBAL const ty_light_set* set, ty_vec from, ty_vec normal, float* u,
-                               float* probability) {
+/* Selects a light for point `from`, on a surface with this normal (0 in a medium) and, if it is glossy, lobe; *u is
+ * rescaled to [0, 1). Returns -1 if no light is selected. */
+TY_FN int32_t ty_lights_choose(TY_GLOBAL const ty_light_set* set, ty_vec from, ty_vec normal, const ty_light_lobe* lobe,
+                               float* u, float* probability) {
     if (*u < set->tree_probability) {
         *u = ty_minf(*u / set->tree_probability, 0x1.fffffep-1f);
-        const int32_t light = ty_light_tree_sample(set->nodes, from, normal, u, probability);
+        const int32_t light = ty_light_tree_sample(set->nodes, from, normal, lobe, u, probability);
         *probability *= set->tree_probability;
         return light;
     }
@@ -38,8 +38,9 @@ TY_FN int32_t ty_lights_choose(TY_GLOBAL const ty_light_set* set, ty_vec from, t
 }
 
 /* Probability with which ty_lights_choose selects a positioned light. */
-TY_FN float ty_lights_probability(TY_GLOBAL const ty_light_set* set, int32_t light, ty_vec from, ty_vec normal) {
-    return set->tree_probability * ty_light_tree_probability(set->nodes, set->trails, light, from, normal);
+TY_FN float ty_lights_probability(TY_GLOBAL const ty_light_set* set, int32_t light, ty_vec from, ty_vec normal,
+                                  const ty_light_lobe* lobe) {
+    return set->tree_probability * ty_light_tree_probability(set->nodes, set->trails, light, from, normal, lobe);
 }
 
 /* Selects a local light for single scattering along [enter, leave] of a ray; -1 if there is none. */

@@ -22,6 +22,13 @@ typedef struct ty_light_node {
     int32_t next;             /* second child (the first follows its parent); in a leaf: ~ index of the light */
 } ty_light_node;
 
+/* The reflection of a glossy surface, for the importance of lights: a lobe of GGX about the mirror direction. */
+typedef struct ty_light_lobe {
+    ty_vec axis;  /* unit, towards the light */
+    float alpha2; /* alpha^2 of the microfacets */
+    float weight; /* part of the reflected light, 0..1, that is in the lobe; the rest is diffuse */
+} ty_light_lobe;
+
 /* Cosine of max(a - b, 0); *sine is its sine. */
 TY_FN float ty_light_cos_less(float cos_a, float sin_a, float cos_b, float sin_b, float* sine) {
     if (cos_a >= cos_b) {
@@ -41,11 +48,23 @@ TY_FN float ty_light_extent(ty_vec half, ty_vec axis) {
     return fabsf(axis.x) * half.x + fabsf(axis.y) * half.y + fabsf(axis.z) * half.z;
 }
 
+/* The factor that takes the place of the cosine of incidence where a surface is glossy: its BSDF times cosine, times
+ * pi, with D(h) / 4 for the lobe about a unit direction. The lobe is widened by the angular radius of the cluster,
+ * given by its sine. */
+TY_FN float ty_light_lobe_factor(const ty_light_lobe* lobe, float cosine, ty_vec direction, float sin_u) {
+    const float a2 = lobe->alpha2 + 0.25f * sin_u * sin_u;
+    const float cos2_half = ty_clampf(0.5f + 0.5f * ty_dot(lobe->axis, direction), 0.0f, 1.0f);
+    const float stretched = 1.0f - cos2_half + a2 * cos2_half;
+    return (1.0f - lobe->weight) * cosine + lobe->weight * 0.25f * a2 / ty_maxf(stretched * stretched, 1e-12f);
+}
+
 /* Importance of a cluster for a point: power over squared distance, times the cosines of emission and incidence. Near
  * and inside a cluster the distance is meaningless, so it has a lower bound. The cosines are interpolated between those
  * of center and axis, which are right on average, and their maxima, which miss no light; zero maxima mean zero
- * importance. The interpolation weights were chosen by measured noise. normal is 0 for points in a medium. */
-TY_FN float ty_light_node_importance(TY_GLOBAL const ty_light_node* node, ty_vec from, ty_vec normal) {
+ * importance. The interpolation weights were chosen by measured noise. normal is 0 for points in a medium. lobe:
+ * of a glossy surface; NULL: the surface is diffuse. */
+TY_FN float ty_light_node_importance(TY_GLOBAL const ty_light_node* node, ty_vec from, ty_vec normal,
+                                     const ty_light_lobe* lobe) {
     const ty_vec to = ty_sub(node->center, from);
     const float d2 = ty_dot(to, to), d = sqrtf(d2);
     const float tolerance = TY_LIGHT_TOLERANCE * (d + sqrtf(node->radius2));
@@ -56,13 +75,15 @@ TY_FN float ty_light_node_importance(TY_GLOBAL const ty_light_node* node, ty_vec
         cos_emitted + ty_light_extent(node->half, node->axis) < -tolerance)
         return 0.0f;
     float importance = node->power / ty_maxf(ty_maxf(d2, 0.25f * node->radius2), 1e-18f);
-    if (d2 <= node->radius2) return importance;
+    if (d2 <= node->radius2)
+        return lobe == NULL ? importance : importance * ty_light_lobe_factor(lobe, 1.0f, lobe->axis, 1.0f);
     float sine;
     const float sin_u = sqrtf(node->radius2) / d, cos_u = ty_light_sin_of(sin_u);
     if (ty_dot(normal, normal) > 0.0f) {
         const float mu = ty_clampf(cos_incident / d, -1.0f, 1.0f);
         const float max_cosine = ty_light_cos_less(mu, ty_light_sin_of(mu), cos_u, sin_u, &sine);
-        importance *= ty_maxf(ty_lerpf(ty_maxf(0.0f, mu), max_cosine, 0.7f), TY_LIGHT_TOLERANCE);
+        const float cosine = ty_maxf(ty_lerpf(ty_maxf(0.0f, mu), max_cosine, 0.7f), TY_LIGHT_TOLERANCE);
+        importance *= lobe == NULL ? cosine : ty_light_lobe_factor(lobe, cosine, ty_scale(to, 1.0f / d), sin_u);
     }
     if (node->cos_o <= -1.0f) return importance;
     float mu = ty_clampf(cos_emitted / d, -1.0f, 1.0f);
@@ -81,9 +102,9 @@ TY_FN float ty_light_first_probability(float first, float second) {
 }
 
 TY_FN float ty_light_tree_first_probability(TY_GLOBAL const ty_light_node* nodes, int32_t node, ty_vec from,
-                                            ty_vec normal) {
-    return ty_light_first_probability(ty_light_node_importance(&nodes[node + 1], from, normal),
-                                      ty_light_node_importance(&nodes[nodes[node].next], from, normal));
+                                            ty_vec normal, const ty_light_lobe* lobe) {
+    return ty_light_first_probability(ty_light_node_importance(&nodes[node + 1], from, normal, lobe),
+                                      ty_light_node_importance(&nodes[nodes[node].next], from, normal, lobe));
 }
 
 /* One step down: the child selected by *u, with *u rescaled to [0, 1). */
@@ -98,15 +119,15 @@ TY_FN int32_t ty_light_tree_step(TY_GLOBAL const ty_light_node* nodes, int32_t n
 
 /* Selects a light for point `from` on a surface with unit normal on the receiving side, or normal 0 in a medium. Each
  * step consumes random bits of *u. nodes NULL: no lights. Returns -1, with probability 0, if the descent finds no
- * important child. */
-TY_FN int32_t ty_light_tree_sample(TY_GLOBAL const ty_light_node* nodes, ty_vec from, ty_vec normal, float* u,
-                                   float* probability) {
+ * important child. lobe: as in ty_light_node_importance. */
+TY_FN int32_t ty_light_tree_sample(TY_GLOBAL const ty_light_node* nodes, ty_vec from, ty_vec normal,
+                                   const ty_light_lobe* lobe, float* u, float* probability) {
     int32_t node = 0;
     *probability = 0.0f;
     if (nodes == NULL) return -1;
     float product = 1.0f;
     while (nodes[node].next >= 0) {
-        const float probability_first = ty_light_tree_first_probability(nodes, node, from, normal);
+        const float probability_first = ty_light_tree_first_probability(nodes, node, from, normal, lobe);
         if (probability_first < 0.0f) return -1;
         node = ty_light_tree_step(nodes, node, probability_first, u, &product);
     }
@@ -117,12 +138,12 @@ TY_FN int32_t ty_light_tree_sample(TY_GLOBAL const ty_light_node* nodes, ty_vec 
 /* Probability with which ty_light_tree_sample selects a light, by the same operations; 0 for lights outside the tree.
  * trails: of the ty_light_tree. */
 TY_FN float ty_light_tree_probability(TY_GLOBAL const ty_light_node* nodes, TY_GLOBAL const uint64_t* trails,
-                                      int32_t light, ty_vec from, ty_vec normal) {
+                                      int32_t light, ty_vec from, ty_vec normal, const ty_light_lobe* lobe) {
     uint64_t trail = trails[light];
     if (trail == TY_LIGHT_NO_TRAIL) return 0.0f;
     float product = 1.0f;
     for (int32_t node = 0; nodes[node].next >= 0; trail >>= 1) {
-        const float probability_first = ty_light_tree_first_probability(nodes, node, from, normal);
+        const float probability_first = ty_light_tree_first_probability(nodes, node, from, normal, lobe);
         if (probability_first < 0.0f) return 0.0f;
         product *= (trail & 1u) == 0 ? probability_first : 1.0f - probability_first;
         node = (trail & 1u) == 0 ? node + 1 : nodes[node].next;

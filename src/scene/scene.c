@@ -31,6 +31,9 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
     return TY_OK;
 }
 
+/* Textures of a material, and of a shape. */
+enum { MESH_TEXTURES = TY_GLOSS_TEXTURES + 2, SHAPE_TEXTURES = TY_GLOSS_TEXTURES + 1 };
+
 void ty_scene_destroy(ty_scene* scene) {
     if (scene == NULL) return;
     ty_context* context = scene->context;
@@ -42,6 +45,9 @@ void ty_scene_destroy(ty_scene* scene) {
     ty_free_array(context, scene->media, scene->medium_capacity, sizeof *scene->media);
     ty_free_array(context, scene->lights, scene->light_capacity, sizeof *scene->lights);
     ty_free_array(context, scene->environments, scene->environment_capacity, sizeof(ty_environment*));
+    for (size_t i = 0; i < SHAPE_TEXTURES * scene->shape_count; ++i)
+        ty_texture_release(
+            ty_shape_texture(&scene->shapes[i / SHAPE_TEXTURES], (int32_t)(i % SHAPE_TEXTURES))->texture);
     ty_free_array(context, scene->shapes, scene->shape_capacity, sizeof *scene->shapes);
     ty_free_array(context, scene->options, scene->option_capacity, sizeof *scene->options);
     ty_free_array(context, scene, 1, sizeof *scene);
@@ -101,6 +107,7 @@ ty_result ty_scene_add_shape(ty_scene* scene, const ty_shape_def* def) {
     if (!ty_grow_array(scene->context, (void**)&scene->shapes, &scene->shape_capacity, scene->shape_count,
                        sizeof *scene->shapes))
         return TY_ERROR_MEMORY;
+    for (int32_t i = 0; i < SHAPE_TEXTURES; ++i) ty_texture_retain(ty_shape_texture(def, i)->texture);
     scene->shapes[scene->shape_count++] = *def;
     scene->committed = false;
     return TY_OK;
@@ -228,9 +235,7 @@ void ty_scene_extent(const ty_scene* scene, double lower[3], double upper[3]) {
     copy_extent(&box, lower, upper);
 }
 
-enum { MESH_TEXTURES = TY_GLOSS_TEXTURES + 2 }; /* of a material */
-
-/* Grids of media, and textures of meshes, by number; NULL where there is none. */
+/* Grids of media, and textures of meshes and then of shapes, by number; NULL where there is none. */
 static const ty_grid* numbered_grid(const ty_scene* scene, size_t number) {
     ty_grid* grids[TY_MEDIUM_GRIDS];
     ty_medium_grids(&scene->media[number / TY_MEDIUM_GRIDS], grids);
@@ -238,6 +243,10 @@ static const ty_grid* numbered_grid(const ty_scene* scene, size_t number) {
 }
 
 static const ty_texture* numbered_texture(const ty_scene* scene, size_t number) {
+    if (number >= MESH_TEXTURES * scene->mesh_count) {
+        number -= MESH_TEXTURES * scene->mesh_count;
+        return ty_shape_texture(&scene->shapes[number / SHAPE_TEXTURES], (int32_t)(number % SHAPE_TEXTURES))->texture;
+    }
     const ty_material_def* material = &scene->meshes[number / MESH_TEXTURES]->material;
     const size_t texture = number % MESH_TEXTURES;
     if (texture < TY_GLOSS_TEXTURES) return material->gloss.textures[texture].texture;
@@ -265,7 +274,8 @@ static size_t count_bytes(const ty_scene* scene) {
     size_t sum = sizeof *scene + lights->capacity * sizeof(ty_light_view) +
                  scene->medium_count * sizeof(ty_medium_view) + surfaces->count * sizeof(ty_surface) +
                  surfaces->mesh_light_count * sizeof(int32_t) + surfaces->gloss_count * sizeof(ty_surface_gloss) +
-                 ty_accel_bytes(surfaces->accel) + ty_light_tree_bytes(lights->tree);
+                 surfaces->face_count * sizeof(ty_shape_face) + ty_accel_bytes(surfaces->accel) +
+                 ty_light_tree_bytes(lights->tree);
     sum += count_environment_bytes(scene);
     for (size_t i = 0; i < TY_MEDIUM_GRIDS * scene->medium_count; ++i) {
         const ty_grid* grid = numbered_grid(scene, i);
@@ -284,7 +294,7 @@ static size_t count_bytes(const ty_scene* scene) {
 }
 
 static void count_textures(const ty_scene* scene, ty_scene_info* info) {
-    for (size_t i = 0; i < MESH_TEXTURES * scene->mesh_count; ++i) {
+    for (size_t i = 0; i < MESH_TEXTURES * scene->mesh_count + SHAPE_TEXTURES * scene->shape_count; ++i) {
         const ty_texture* texture = numbered_texture(scene, i);
         bool counted = texture == NULL;
         for (size_t j = 0; j < i && !counted; ++j) counted = numbered_texture(scene, j) == texture;

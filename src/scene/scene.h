@@ -45,7 +45,9 @@ typedef struct ty_committed_surfaces {
     size_t shape_count;
     ty_surface* surfaces;
     ty_surface_gloss* gloss; /* of the glossy surfaces, in their order */
-    size_t count;            /* of shapes and meshes */
+    ty_shape_face* faces;    /* of the textured shapes, in their order */
+    size_t face_count;
+    size_t count; /* of shapes and meshes */
     size_t gloss_count;
     ty_accel* accel;
     int32_t* mesh_lights; /* light of each triangle of the emissive meshes, one mesh after another; -1: none */

@@ -11,7 +11,8 @@ void ty_init_shape_def(void* def, size_t bytes) {
     const ty_shape_def own = {.kind = TY_SHAPE_QUAD,
                               .transform = ty_affine_identity(),
                               .albedo = {0.5f, 0.5f, 0.5f},
-                              .gloss = ty_default_gloss()};
+                              .gloss = ty_default_gloss(),
+                              .albedo_texture = ty_default_texture_use()};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -71,6 +72,16 @@ bool ty_shape_emits(const ty_shape_def* shape) {
     return shape->emission[0] > 0 || shape->emission[1] > 0 || shape->emission[2] > 0;
 }
 
+const ty_texture_use* ty_shape_texture(const ty_shape_def* shape, int32_t i) {
+    return i < TY_GLOSS_TEXTURES ? &shape->gloss.textures[i] : &shape->albedo_texture;
+}
+
+bool ty_shape_is_textured(const ty_shape_def* shape) {
+    for (int32_t i = 0; i <= TY_GLOSS_TEXTURES; ++i)
+        if (ty_shape_texture(shape, i)->texture != NULL) return true;
+    return false;
+}
+
 /* True for a rotation, translation and uniform scale. */
 static bool is_similarity(const ty_affine* map) {
     double columns[3][3];
@@ -95,9 +106,10 @@ ty_result ty_shape_check(ty_context* context, const ty_shape_def** given, ty_sha
     if (result == TY_OK) result = ty_check_rgb(context, "shape.albedo", shape->albedo, 0, 1);
     if (result == TY_OK) result = ty_check_rgb(context, "shape.emission", shape->emission, 0, TY_COLOR_MAX);
     if (result == TY_OK) result = ty_gloss_check(context, "shape.gloss", &shape->gloss);
-    for (int i = 0; i < TY_GLOSS_TEXTURES && result == TY_OK; ++i)
-        if (shape->gloss.textures[i].texture != NULL)
-            result = ty_fail(context, TY_ERROR_ARGUMENT, "shape.gloss.textures[%d]: shapes take no textures", i);
+    if (result == TY_OK) result = ty_texture_use_check(context, "shape.albedo_texture", &shape->albedo_texture);
+    for (int i = 0; i <= TY_GLOSS_TEXTURES && result == TY_OK; ++i)
+        if (ty_shape_texture(shape, i)->uv != 0)
+            result = ty_fail(context, TY_ERROR_ARGUMENT, "shape: textures of shapes have the texture coordinates 0");
     if (result == TY_OK && shape->kind == TY_SHAPE_QUAD && shape->gloss.solid)
         result = ty_fail(context, TY_ERROR_ARGUMENT,
                          "shape.gloss.solid: a quad bounds no volume; take a box, a sphere or a closed mesh");

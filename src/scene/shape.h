@@ -2,7 +2,7 @@
 #ifndef TY_SCENE_SHAPE_H
 #define TY_SCENE_SHAPE_H
 
-#include "base/vector.k.h"
+#include "scene/surface.k.h"
 
 #include <tyndall/scene.h>
 
@@ -18,5 +18,12 @@ double ty_shape_sphere(const ty_shape_def* shape, double center[3]);
 /* Fails unless ty_scene_add_shape accepts the shape. */
 ty_result ty_shape_check(ty_context* context, const ty_shape_def** given, ty_shape_def* own);
 bool ty_shape_emits(const ty_shape_def* shape);
+
+/* Texture of a shape, by ty_gloss_texture; TY_GLOSS_TEXTURES: that of its albedo. */
+const ty_texture_use* ty_shape_texture(const ty_shape_def* shape, int32_t i);
+bool ty_shape_is_textured(const ty_shape_def* shape);
+/* Texture coordinates of the faces of a shape, by ty_shape_quad; spheres have one face (shape_faces.c). */
+enum { TY_SHAPE_FACES = 6 };
+void ty_shape_get_faces(const ty_shape_def* shape, ty_axis up, ty_shape_face faces[TY_SHAPE_FACES]);
 
 #endif

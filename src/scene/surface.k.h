@@ -28,19 +28,26 @@ typedef struct ty_dielectric {
 } ty_dielectric;
 
 /* Textures of a glossy material: ty_gloss_texture. */
-enum { TY_SURFACE_TEXTURES = 9 };
+enum { TY_SURFACE_TEXTURES = 10 };
 
 /* A glossy material; its base colour is the surface's albedo. */
 typedef struct ty_surface_gloss {
     TY_GLOBAL const ty_bsdf_tables* tables;
     ty_bsdf_parameters factor;
     ty_dielectric dielectric;
-    float normal_scale;
-    int32_t textured; /* nonzero if there is any texture */
+    float normal_scale[2]; /* of the base and of the clear coat */
+    int32_t textured;      /* nonzero if there is any texture */
     ty_texture_view textures[TY_SURFACE_TEXTURES];
     int32_t uv[TY_SURFACE_TEXTURES];
     float map[TY_SURFACE_TEXTURES][6];
 } ty_surface_gloss;
+
+/* Texture coordinates of a face of a shape, as functions of the position: u[0] x + u[1] y + u[2] z + u[3], and the
+ * direction of increasing u with the bitangent's sign. Spheres: axes u of azimuth 0, v upwards, tangent of a quarter
+ * turn clockwise seen from above. */
+typedef struct ty_shape_face {
+    float u[4], v[4], tangent[4];
+} ty_shape_face;
 
 /* A shape, area light or mesh. */
 typedef struct ty_surface {
@@ -61,6 +68,8 @@ typedef struct ty_surface {
     TY_GLOBAL const float* colors;
     TY_GLOBAL const int32_t* lights; /* per triangle, -1: not sampled; NULL: no emission */
     TY_GLOBAL const float* tangents;
+    TY_GLOBAL const ty_shape_face* faces;    /* textured shapes: by primitive; NULL otherwise */
+    int32_t round;                           /* nonzero: the face is that of a sphere */
     TY_GLOBAL const ty_surface_gloss* gloss; /* NULL: Lambertian */
     float curvature;                         /* shapes: 1 / radius of a sphere, 1/m; else 0 */
 } ty_surface;
@@ -116,6 +125,31 @@ TY_FN void ty_surface_texture(TY_GLOBAL const ty_surface* surface, TY_GLOBAL con
                       rgba);
 }
 
+/* Texture coordinates of a shape at a hit. */
+TY_FN void ty_shape_coordinates(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, float uv[2]) {
+    TY_GLOBAL const ty_shape_face* face = surface->faces + (surface->round != 0 ? 0 : hit->primitive_id);
+    const ty_vec p = surface->round != 0 ? hit->normal : hit->position;
+    const float u = ty_dot(ty_vec_load(face->u), p), v = ty_dot(ty_vec_load(face->v), p);
+    uv[0] = u + face->u[3];
+    uv[1] = v + face->v[3];
+    if (surface->round == 0) return;
+    uv[0] = 0.5f - ty_atan2_over_2pi(ty_dot(ty_vec_load(face->tangent), p), u);
+    uv[1] = 2.0f * ty_atan2_over_2pi(sqrtf(ty_maxf(0.0f, 1.0f - v * v)), v);
+}
+
+/* Texture of a surface at a hit. */
+TY_FN void ty_surface_hit_texture(TY_GLOBAL const ty_surface* surface, TY_GLOBAL const ty_texture_view* texture,
+                                  int32_t set, TY_GLOBAL const float* map, const ty_hit* hit, float rgba[4]) {
+    float uv[2];
+    if (surface->faces == NULL) {
+        ty_surface_texture(surface, texture, set, map, hit->primitive_id, hit->b1, hit->b2, rgba);
+        return;
+    }
+    ty_shape_coordinates(surface, hit, uv);
+    ty_texture_lookup(texture, map[0] * uv[0] + map[1] * uv[1] + map[2], map[3] * uv[0] + map[4] * uv[1] + map[5],
+                      rgba);
+}
+
 /* Emitted radiance at a point of a triangle. */
 TY_FN void ty_surface_emission(TY_GLOBAL const ty_surface* surface, int32_t triangle, float b1, float b2,
                                float emission[3]) {
@@ -163,6 +197,7 @@ TY_FN void ty_surface_mean_emission(TY_GLOBAL const ty_surface* surface, int32_t
 TY_FN void ty_surface_evaluate_color(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
                                      ty_surface_point* out) {
     const bool front = ty_dot(hit->normal, direction) < 0.0f;
+    float rgba[4], smooth[3];
     out->ng = front ? hit->normal : ty_scale(hit->normal, -1.0f);
     out->ns = out->ng;
     for (int c = 0; c < 3; ++c) {
@@ -173,9 +208,11 @@ TY_FN void ty_surface_evaluate_color(TY_GLOBAL const ty_surface* surface, const 
     if (surface->indices == NULL) {
         out->light = surface->first_light >= 0 && emits ? surface->first_light + hit->primitive_id : -1;
         for (int c = 0; c < 3 && out->light >= 0; ++c) out->emission[c] = surface->emission[c];
+        if (surface->faces == NULL || !ty_texture_exists(&surface->albedo_texture)) return;
+        ty_surface_hit_texture(surface, &surface->albedo_texture, 0, surface->albedo_map, hit, rgba);
+        for (int c = 0; c < 3; ++c) out->albedo[c] = ty_minf(out->albedo[c] * rgba[c], 1.0f);
         return;
     }
-    float rgba[4], smooth[3];
     ty_surface_color(surface, hit->primitive_id, hit->b1, hit->b2, rgba);
     for (int c = 0; c < 3; ++c) out->albedo[c] = ty_minf(rgba[c], 1.0f);
     out->light = surface->lights != NULL && emits ? surface->lights[hit->primitive_id] : -1;

@@ -10,8 +10,7 @@ TY_FN bool ty_surface_gloss_texture(TY_GLOBAL const ty_surface* surface, const t
                                     float rgba[4]) {
     TY_GLOBAL const ty_surface_gloss* gloss = surface->gloss;
     if (!ty_texture_exists(&gloss->textures[number])) return false;
-    ty_surface_texture(surface, &gloss->textures[number], gloss->uv[number], gloss->map[number], hit->primitive_id,
-                       hit->b1, hit->b2, rgba);
+    ty_surface_hit_texture(surface, &gloss->textures[number], gloss->uv[number], gloss->map[number], hit, rgba);
     return true;
 }
 
@@ -39,11 +38,11 @@ TY_FN ty_bsdf_parameters ty_surface_bsdf_parameters(TY_GLOBAL const ty_surface* 
 }
 
 /* Direction of increasing u in a triangle, and the sign of the bitangent in glTF's sense, with v downwards; 0 where
- * texture coordinates span no area. */
-TY_FN ty_vec ty_surface_derive_tangent(TY_GLOBAL const ty_surface* surface, int32_t triangle, ty_vec normal,
-                                       float* sign) {
+ * texture coordinates, of the given set, span no area. */
+TY_FN ty_vec ty_surface_derive_tangent(TY_GLOBAL const ty_surface* surface, int32_t triangle, int32_t set,
+                                       ty_vec normal, float* sign) {
     TY_GLOBAL const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
-    TY_GLOBAL const float* uv = surface->uv[surface->gloss->uv[1]];
+    TY_GLOBAL const float* uv = surface->uv[set];
     const ty_vec a = ty_vec_load(surface->positions + 3 * (size_t)corners[0]);
     const ty_vec ab = ty_sub(ty_vec_load(surface->positions + 3 * (size_t)corners[1]), a);
     const ty_vec ac = ty_sub(ty_vec_load(surface->positions + 3 * (size_t)corners[2]), a);
@@ -61,22 +60,36 @@ TY_FN ty_vec ty_surface_derive_tangent(TY_GLOBAL const ty_surface* surface, int3
     return along_u;
 }
 
-/* The normal of the texture of normals about a shading normal; front: the ray is before the triangle's front. */
-TY_FN ty_vec ty_surface_mapped_normal(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec ns, bool front) {
+/* Tangent and sign of the bitangent of a shape. */
+TY_FN ty_vec ty_shape_tangent(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, float* sign) {
+    TY_GLOBAL const ty_shape_face* face = surface->faces + (surface->round != 0 ? 0 : hit->primitive_id);
+    const ty_vec tangent = ty_vec_load(face->tangent);
+    *sign = face->tangent[3];
+    if (surface->round == 0) return tangent;
+    const ty_vec axis = ty_vec_load(face->u);
+    return ty_mad(ty_scale(axis, ty_dot(tangent, hit->normal)), tangent, -ty_dot(axis, hit->normal));
+}
+
+/* The normal of a texture of normals, 1 of the base or 9 of the clear coat, about a shading normal; front: the ray is
+ * before the triangle's front. */
+TY_FN ty_vec ty_surface_mapped_normal(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, int32_t number,
+                                      float scale, ty_vec ns, bool front) {
     float rgba[4], at[4], sign;
-    if (!ty_surface_gloss_texture(surface, hit, 1, rgba)) return ns;
+    if (!ty_surface_gloss_texture(surface, hit, number, rgba)) return ns;
     const ty_vec normal = front ? ns : ty_scale(ns, -1.0f);
     ty_vec tangent;
-    if (surface->tangents != NULL) {
+    if (surface->faces != NULL) {
+        tangent = ty_shape_tangent(surface, hit, &sign);
+    } else if (surface->tangents != NULL) {
         ty_surface_interpolate(surface->tangents, 4, surface->indices + 3 * (size_t)hit->primitive_id, hit->b1, hit->b2,
                                at);
         tangent = ty_vec_make(at[0], at[1], at[2]);
         sign = at[3] < 0.0f ? -1.0f : 1.0f;
     } else {
-        tangent = ty_surface_derive_tangent(surface, hit->primitive_id, normal, &sign);
+        tangent = ty_surface_derive_tangent(surface, hit->primitive_id, surface->gloss->uv[number], normal, &sign);
     }
     tangent = ty_mad(tangent, normal, -ty_dot(tangent, normal));
-    const float length2 = ty_dot(tangent, tangent), scale = surface->gloss->normal_scale;
+    const float length2 = ty_dot(tangent, tangent);
     if (!(length2 > 1e-30f) || sign == 0.0f) return ns;
     tangent = ty_scale(tangent, 1.0f / sqrtf(length2));
     const ty_vec bitangent = ty_scale(ty_cross(normal, tangent), sign);
@@ -109,11 +122,15 @@ TY_FN_APART void ty_surface_evaluate_gloss(TY_GLOBAL const ty_surface* surface, 
     out->roughness = p.roughness;
     for (int c = 0; c < 3; ++c) out->tint[c] = p.base_color[c];
     if (solid) p.transmission = 0.0f;
-    const ty_vec wo = ty_scale(direction, -1.0f), smooth = out->ns;
-    if (surface->gloss->textured != 0)
-        out->ns = ty_surface_mapped_normal(surface, hit, smooth, ty_dot(hit->normal, direction) < 0.0f);
+    const ty_vec wo = ty_scale(direction, -1.0f);
+    const bool front = ty_dot(hit->normal, direction) < 0.0f;
+    ty_vec coat = out->ns;
+    if (surface->gloss->textured != 0) {
+        coat = ty_surface_mapped_normal(surface, hit, 9, surface->gloss->normal_scale[1], coat, front);
+        out->ns = ty_surface_mapped_normal(surface, hit, 1, surface->gloss->normal_scale[0], out->ns, front);
+    }
     ty_bsdf_prepare(&out->bsdf, &p, surface->gloss->tables, ty_surface_reflecting_normal(out->ns, out->ng, wo),
-                    ty_surface_reflecting_normal(smooth, out->ng, wo), wo);
+                    ty_surface_reflecting_normal(coat, out->ng, wo), wo);
     for (int c = 0; c < 3; ++c)
         out->albedo[c] = solid ? ty_lerpf(out->bsdf.film, out->bsdf.albedo[c], out->opaque) : out->bsdf.albedo[c];
 }

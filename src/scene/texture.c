@@ -110,6 +110,10 @@ void ty_texture_release(ty_texture* texture) {
     ty_free_array(texture->context, texture, 1, sizeof *texture);
 }
 
+int32_t ty_texture_owners(const ty_texture* texture) {
+    return atomic_load(&texture->owners);
+}
+
 ty_texture_view ty_texture_get_view(const ty_texture* texture) {
     if (texture == NULL) return (ty_texture_view){.rgba8 = NULL};
     return (ty_texture_view){.rgba8 = texture->rgba8,

@@ -179,7 +179,8 @@ ty_result ty_triangle_mesh_create(ty_context* context, const ty_mesh_def* def, t
     for (int set = 0; set < 2; ++set)
         t->uv[set] = copy_values(context, def->uv[set], 2 * vertices, -1e9f, 1e9f, &failed);
     t->colors = copy_values(context, def->colors, 4 * vertices, 0, 1, &failed);
-    if (def->material.gloss.textures[TY_GLOSS_NORMAL].texture != NULL)
+    if (def->material.gloss.textures[TY_GLOSS_NORMAL].texture != NULL ||
+        def->material.gloss.textures[TY_GLOSS_CLEARCOAT_NORMAL].texture != NULL)
         t->tangents = copy_values(context, def->tangents, 4 * vertices, -1, 1, &failed);
     if (failed) {
         ty_triangle_mesh_destroy(context, t);

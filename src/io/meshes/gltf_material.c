@@ -192,13 +192,13 @@ static ty_result read_color(const ty_gltf* gltf, const json_t* object, const ty_
     return result;
 }
 
-static ty_result read_normals(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
-                              ty_model_material* material) {
-    const json_t* texture = json_object_get(json, "normalTexture");
-    const ty_json_path here = ty_json_path_key(json_path, "normalTexture");
-    const ty_result result = read_factor(gltf, texture, &here, "scale", -1e3, 1e3, &material->def.gloss.normal_scale);
-    if (result != TY_OK) return result;
-    return read_gloss_texture(gltf, json, json_path, "normalTexture", TY_GLOSS_NORMAL, material);
+/* A texture of normals under key, and its scale. */
+static ty_result read_normals(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path, const char* key,
+                              ty_gloss_texture number, ty_model_material* material, float* scale) {
+    const json_t* texture = json_object_get(json, key);
+    const ty_json_path here = ty_json_path_key(json_path, key);
+    const ty_result result = read_factor(gltf, texture, &here, "scale", -1e3, 1e3, scale);
+    return result == TY_OK ? read_gloss_texture(gltf, json, json_path, key, number, material) : result;
 }
 
 /* An extension of a material; its JSON path is stored, too. */
@@ -259,6 +259,9 @@ static ty_result read_coats(ty_gltf* gltf, const json_t* json, const ty_json_pat
     if (result == TY_OK)
         result =
             read_gloss_texture(gltf, coat, &here, "clearcoatRoughnessTexture", TY_GLOSS_CLEARCOAT_ROUGHNESS, material);
+    if (result == TY_OK)
+        result = read_normals(gltf, coat, &here, "clearcoatNormalTexture", TY_GLOSS_CLEARCOAT_NORMAL, material,
+                              &gloss->clearcoat_normal_scale);
     const json_t* sheen = find_extension(json, json_path, "KHR_materials_sheen", &here);
     if (result == TY_OK) result = read_color(gltf, sheen, &here, "sheenColorFactor", 1, gloss->sheen_color);
     if (result == TY_OK)
@@ -324,7 +327,9 @@ static ty_result read_material(ty_gltf* gltf, size_t index) {
     ty_model_material material = ty_model_plain_material(1);
     material.def.double_sided = json_is_true(json_object_get(json, "doubleSided"));
     ty_result result = read_surface(gltf, json, &json_path, &material);
-    if (result == TY_OK) result = read_normals(gltf, json, &json_path, &material);
+    if (result == TY_OK)
+        result = read_normals(gltf, json, &json_path, "normalTexture", TY_GLOSS_NORMAL, &material,
+                              &material.def.gloss.normal_scale);
     const bool diffuse = ty_gltf_extension(json, "KHR_materials_pbrSpecularGlossiness") != NULL ||
                          ty_gltf_extension(json, "KHR_materials_unlit") != NULL;
     if (result == TY_OK && !diffuse) result = read_gloss(gltf, json, &json_path, &material);

@@ -6,6 +6,7 @@
 #include "io/file.h"
 #include "io/scenes/scene_reader.h"
 #include "scene/closed_mesh.h"
+#include "scene/texture.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -17,6 +18,7 @@ static void release_content(ty_asset* asset) {
     ty_grid_release(asset->grid);
     ty_environment_map_release(asset->map);
     ty_closed_mesh_release(asset->shell);
+    ty_texture_release(asset->texture);
 }
 
 static void destroy_asset(ty_context* context, ty_asset* asset) {
@@ -50,6 +52,7 @@ static bool same_source(const ty_asset* a, const ty_asset* b) {
     case TY_ASSET_EXPONENTIAL: return memcmp(&a->exponential, &b->exponential, sizeof a->exponential) == 0;
     case TY_ASSET_SKY: return same_sky(&a->sky, &b->sky);
     case TY_ASSET_MAP: return true;
+    case TY_ASSET_TEXTURE: return a->content == b->content;
     case TY_ASSET_SHELL:
     case TY_ASSET_CAMERA:
         return a->to_z_up == b->to_z_up && memcmp(&a->placement, &b->placement, sizeof a->placement) == 0 &&
@@ -120,6 +123,7 @@ static void drop_file(ty_asset_cache* cache, const ty_asset_file* file) {
 static bool is_spare(const ty_asset* asset) {
     if (asset->grid != NULL) return atomic_load(&asset->grid->owners) == 1;
     if (asset->shell != NULL) return atomic_load(&asset->shell->owners) == 1;
+    if (asset->texture != NULL) return ty_texture_owners(asset->texture) == 1;
     return asset->map != NULL && atomic_load(&asset->map->owners) == 1;
 }
 
@@ -128,6 +132,7 @@ static size_t bytes_of(const ty_asset* asset) {
     if (asset->grid != NULL) bytes += ty_grid_get_info(asset->grid).bytes;
     if (asset->shell != NULL) bytes += ty_closed_mesh_bytes(asset->shell);
     if (asset->map != NULL) bytes += ty_environment_map_bytes(asset->map);
+    if (asset->texture != NULL) bytes += ty_texture_bytes(asset->texture);
     return bytes;
 }
 

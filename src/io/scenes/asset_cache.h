@@ -1,5 +1,5 @@
-/* Files, content and noise of a scene, kept from one reading of it to the next: digests, volumes, maps, closed meshes.
- */
+/* Files, content and noise of a scene, kept from one reading of it to the next: digests, volumes, maps, closed meshes,
+ * textures. */
 #ifndef TY_IO_ASSET_CACHE_H
 #define TY_IO_ASSET_CACHE_H
 
@@ -24,8 +24,17 @@ typedef enum ty_asset_kind {
     TY_ASSET_MAP,
     TY_ASSET_SKY,
     TY_ASSET_SHELL,
-    TY_ASSET_CAMERA
+    TY_ASSET_CAMERA,
+    TY_ASSET_TEXTURE
 } ty_asset_kind;
+
+/* Channels of an image that a texture has. */
+typedef enum ty_texture_content {
+    TY_TEXTURE_COLORS,    /* sRGB */
+    TY_TEXTURE_NUMBERS,   /* linear */
+    TY_TEXTURE_ROUGHNESS, /* linear green alone; the other channels are 1 */
+    TY_TEXTURE_METALLIC   /* linear blue alone */
+} ty_texture_content;
 
 /* Density that falls off exponentially along the up axis, over heights of a box, m. */
 typedef struct ty_exponential_density {
@@ -50,6 +59,8 @@ typedef struct ty_asset {
     ty_closed_mesh* shell;
     ty_camera_def camera;
     bool has_camera;
+    ty_texture_content content; /* TY_ASSET_TEXTURE */
+    ty_texture* texture;
     uint64_t used; /* number of the last reading that used it */
 } ty_asset;
 
@@ -76,7 +87,8 @@ void ty_assets_trim(ty_asset_cache* cache);
 ty_result ty_assets_file(ty_asset_cache* cache, const char* path, const ty_asset_file** out);
 /* Content made from the same as that of key; NULL if there is none. */
 const ty_asset* ty_assets_find(ty_asset_cache* cache, const ty_asset* key);
-/* Keeps content; the grid, map or closed mesh of *asset is taken over, also on failure, and strings are copied. */
+/* Keeps content; the grid, map, closed mesh or texture of *asset is taken over, also on failure, and strings are
+ * copied. */
 ty_result ty_assets_keep(ty_asset_cache* cache, const ty_asset* asset);
 
 #endif

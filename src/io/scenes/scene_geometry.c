@@ -1,58 +1,7 @@
 /* Surfaces of a scene file. */
 #include "io/scenes/scene_reader.h"
 
-/* Surfaces with any of these keys are glossy. */
-static const char* const gloss_keys[] = {"metallic",       "roughness",      "ior",          "specular",
-                                         "specular_color", "clearcoat",      "transmission", "clearcoat_roughness",
-                                         "sheen_color",    "sheen_roughness"};
-
-static void read_gloss(const json_t* material, ty_gloss_def* gloss) {
-    bool glossy = false;
-    for (size_t i = 0; i < sizeof gloss_keys / sizeof *gloss_keys; ++i)
-        glossy = glossy || json_object_get(material, gloss_keys[i]) != NULL;
-    if (!glossy) return;
-    gloss->specular = 1;
-    ty_read_float(material, "metallic", &gloss->metallic);
-    ty_read_float(material, "roughness", &gloss->roughness);
-    ty_read_float(material, "ior", &gloss->ior);
-    ty_read_float(material, "specular", &gloss->specular);
-    ty_read_rgb(material, "specular_color", gloss->specular_color);
-    ty_read_float(material, "transmission", &gloss->transmission);
-    ty_read_float(material, "clearcoat", &gloss->clearcoat);
-    ty_read_float(material, "clearcoat_roughness", &gloss->clearcoat_roughness);
-    ty_read_rgb(material, "sheen_color", gloss->sheen_color);
-    ty_read_float(material, "sheen_roughness", &gloss->sheen_roughness);
-}
-
-/* The solid that the surface bounds. */
-static ty_result read_volume(const ty_scene_reader* reader, const json_t* material, const ty_json_path* path,
-                             ty_gloss_def* gloss) {
-    const json_t* volume = json_object_get(material, "volume");
-    const ty_json_path json_path = ty_json_path_key(path, "volume");
-    if (volume == NULL) return TY_OK;
-    if (!(gloss->transmission > 0))
-        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "needs the key \"transmission\" above 0 beside it");
-    gloss->solid = true;
-    ty_read_int(volume, "priority", &gloss->priority);
-    ty_read_rgb(volume, "attenuation_color", gloss->attenuation_color);
-    ty_read_float(volume, "attenuation_distance", &gloss->attenuation_distance);
-    return TY_OK;
-}
-
-/* The object under "material", if there is one. */
-static ty_result read_material(const ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
-                               float albedo[3], float emission[3], ty_gloss_def* gloss) {
-    const json_t* material = json_object_get(item, "material");
-    const ty_json_path json_path = ty_json_path_key(path, "material");
-    const ty_json_path old_name = ty_json_path_key(&json_path, "albedo");
-    if (json_object_get(material, "albedo") != NULL && json_object_get(material, "base_color") != NULL)
-        return ty_reader_fail(reader, &old_name, TY_ERROR_INPUT, "is the old name of base_color; give one of them");
-    ty_read_rgb(material, "albedo", albedo);
-    ty_read_rgb(material, "base_color", albedo);
-    ty_read_rgb(material, "emission", emission);
-    read_gloss(material, gloss);
-    return read_volume(reader, material, &json_path, gloss);
-}
+#include <string.h>
 
 static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const ty_json_path* path) {
     ty_shape_def def = ty_default_shape_def();
@@ -73,8 +22,16 @@ static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const t
         result = ty_read_box(reader, item, path, "box", reader->unit, def.origin, def.u);
     }
     if (result == TY_OK) result = ty_read_transform(reader, item, path, 1, 1, &def.transform);
-    if (result == TY_OK) result = read_material(reader, item, path, def.albedo, def.emission, &def.gloss);
-    return result == TY_OK ? ty_reader_prefix_error(reader, path, ty_scene_add_shape(reader->scene, &def)) : result;
+    ty_material_def material = ty_default_material_def();
+    if (result == TY_OK) result = ty_read_material(reader, item, path, &material);
+    memcpy(def.albedo, material.albedo, sizeof def.albedo);
+    memcpy(def.emission, material.emission, sizeof def.emission);
+    memcpy(def.albedo_texture.map, material.albedo_map, sizeof material.albedo_map);
+    def.albedo_texture.texture = material.albedo_texture;
+    def.gloss = material.gloss;
+    if (result == TY_OK) result = ty_reader_prefix_error(reader, path, ty_scene_add_shape(reader->scene, &def));
+    ty_release_material(&material);
+    return result;
 }
 
 ty_result ty_read_mesh_placement(const ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
@@ -97,10 +54,12 @@ static ty_result read_mesh_file(ty_scene_reader* reader, const json_t* item, con
     ty_read_number(item, "light_scale", &def.light_scale);
     ty_read_number(item, "emission_scale", &def.emission_scale);
     ty_material_def own = ty_default_material_def();
-    result = read_material(reader, item, path, own.albedo, own.emission, &own.gloss);
-    if (result != TY_OK) return result;
+    result = ty_read_material(reader, item, path, &own);
     if (json_object_get(item, "material") != NULL) def.material = &own;
-    return ty_reader_prefix_error(reader, &json_path, ty_scene_add_mesh_file(reader->scene, file->path, &def));
+    if (result == TY_OK)
+        result = ty_reader_prefix_error(reader, &json_path, ty_scene_add_mesh_file(reader->scene, file->path, &def));
+    ty_release_material(&own);
+    return result;
 }
 
 ty_result ty_read_geometry(ty_scene_reader* reader) {

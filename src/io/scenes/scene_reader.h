@@ -164,6 +164,10 @@ bool ty_transfer_has_albedo(const json_t* medium);
 /* Map of a mesh file's points to units of to_unit meters: units, up axis, and item's transform. */
 ty_result ty_read_mesh_placement(const ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
                                  double to_unit, ty_mesh_file_def* def);
+/* The material under "material" of an item at path, if there is one; *out is a default one. ty_release_material must
+ * follow, whatever the result. */
+ty_result ty_read_material(ty_scene_reader* reader, const json_t* item, const ty_json_path* path, ty_material_def* out);
+void ty_release_material(const ty_material_def* material);
 ty_result ty_read_camera(ty_scene_reader* reader);
 ty_result ty_read_media(ty_scene_reader* reader);
 ty_result ty_read_lights(ty_scene_reader* reader);

@@ -216,6 +216,7 @@ TY_FN_CALLED void ty_path_refract(ty_path* path, const ty_intersection* at) {
     }
     const float eta = scene->interiors[at->beyond.top].ior / scene->interiors[path->inside.top].ior;
     path->normal = ty_vec_make(0, 0, 0);
+    path->lobe.weight = 0.0f;
     path->passed = 0.0f;
     path->point_light_rate = 0.0f;
     if (point->roughness > 0.0f && eta != 1.0f)

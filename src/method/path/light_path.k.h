@@ -3,7 +3,7 @@
 #define TY_PATH_LIGHT_PATH_K_H
 
 #include "method/path/kernel.h"
-#include "scene/surface.k.h"
+#include "scene/light_tree.k.h"
 
 /* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
 enum { TY_PATH_ROULETTE_DEPTH = 2000 };
@@ -30,6 +30,7 @@ typedef struct ty_path {
     ty_sampler random;
     ty_vec origin, direction;
     ty_vec normal;       /* unit normal of the last surface vertex, on the path's side; 0 in media and at the camera */
+    ty_light_lobe lobe;  /* of that vertex, if it is glossy; otherwise its weight is 0 */
     float beta[3];       /* throughput */
     float rr_throughput; /* throughput without the weights of sampled directions; Russian roulette decides by it */
     float pdf;           /* solid-angle density of direction, 1/sr; 0 at the camera, where no light was sampled */

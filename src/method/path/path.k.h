@@ -13,6 +13,11 @@ TY_FN float ty_path_near2(const ty_path* path, const ty_light_view* light) {
     return light->reach2 * (ty_light_is_point_or_spot(light->kind) ? path->request->point_light_near : 1.0f);
 }
 
+/* The lobe by which lights are chosen for the last vertex; NULL: it is diffuse. */
+TY_FN const ty_light_lobe* ty_path_lobe(const ty_path* path) {
+    return TY_PATH_GLOSS != 0 && path->lobe.weight > 0.0f ? &path->lobe : NULL;
+}
+
 /* MIS weight (balance heuristic) of emission that a ray hits, against light sampling from the ray's origin. */
 TY_FN float ty_path_mis_weight_emission(const ty_path* path, const ty_intersection* end) {
     const ty_light_set* lights = &path->request->scene->lights;
@@ -23,7 +28,7 @@ TY_FN float ty_path_mis_weight_emission(const ty_path* path, const ty_intersecti
     const ty_light_view* light = &lights->lights[end->point.light];
     const float density = ty_light_pdf(light, vertex, path->direction, distance);
     if (path->pdf > 0.0f) {
-        const float chosen = ty_lights_probability(lights, end->point.light, vertex, path->normal);
+        const float chosen = ty_lights_probability(lights, end->point.light, vertex, path->normal, ty_path_lobe(path));
         weight = path->pdf / (path->pdf + chosen * density);
     }
     if (path->scattered != 0 && ty_light_is_local(light->kind))
@@ -178,7 +183,7 @@ TY_FN int32_t ty_path_sample_light(ty_path* path, ty_vec from, float* chosen, ty
     *chosen = 0.0f;
     if (lights->count == 0) return -1;
     float pick = lights->count > 1 ? ty_sobol_next(&path->random) : 0.0f;
-    const int32_t i = ty_lights_choose(lights, from, path->normal, &pick, chosen);
+    const int32_t i = ty_lights_choose(lights, from, path->normal, ty_path_lobe(path), &pick, chosen);
     if (i < 0) return -1;
     const ty_light_view* light = &lights->lights[i];
     float u = 0.5f, v = 0.5f;
@@ -315,8 +320,9 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     float weight = 1.0f / (chosen * chance);
     if (path->point_light_rate > 0.0f && ty_light_is_point_or_spot(light->kind)) {
         /* The balance heuristic against lamp directions. */
-        const float probability = ty_lights_probability(lights, point_light, path->origin, path->normal) *
-                                  ty_point_light_direction_rate(path->request, path->point_light_rate, &closest);
+        const float probability =
+            ty_lights_probability(lights, point_light, path->origin, path->normal, ty_path_lobe(path)) *
+            ty_point_light_direction_rate(path->request, path->point_light_rate, &closest);
         const float both =
             path->pdf * chosen + probability * ty_point_light_direction_pdf(&closest, path->request->point_light_g);
         weight *= path->pdf * chosen / both;
@@ -437,6 +443,7 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     ty_light_sample sample;
     float phase[3], chosen;
     path->normal = ty_vec_make(0, 0, 0);
+    path->lobe.weight = 0.0f;
     ty_scatter_vertex_begin(&scatter, path, medium);
     bool shines;
     const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
@@ -481,6 +488,7 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     float factor[3], chosen;
     path->origin = ty_hit_leave(&at->hit, point->ng);
     path->normal = point->ns;
+    path->lobe.weight = 0.0f;
     path->passed = 0.0f;
     bool shines;
     const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
@@ -498,6 +506,18 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     path->rr_throughput *= ty_max3(point->albedo);
 }
 
+/* The lobe of a glossy surface for the choice of lights: of its microfacets or its coat, by what reflects more. Thin
+ * walls have none, because light passes them, too. */
+TY_FN void ty_path_set_lobe(ty_path* path, const ty_bsdf* b) {
+    const float coat = b->probability[TY_LOBE_COAT], base = b->probability[TY_LOBE_SPECULAR];
+    const bool coated = coat > base;
+    const ty_vec wo = coated ? b->coat_wo : b->wo;
+    const float alpha = coated ? ty_ggx_alpha(b->coat_roughness) : b->alpha;
+    path->lobe.weight = ty_bsdf_transmits(b) ? 0.0f : coat + base;
+    path->lobe.alpha2 = alpha * alpha;
+    path->lobe.axis = ty_frame_world(coated ? &b->coat_frame : &b->frame, ty_vec_make(-wo.x, -wo.y, wo.z));
+}
+
 /* A vertex on a glossy surface, as ty_path_reflect. Directions through thin walls start on the other side; their
  * vertices sample no lamp directions. */
 TY_FN void ty_path_reflect_gloss(ty_path* path, const ty_intersection* at) {
@@ -509,6 +529,7 @@ TY_FN void ty_path_reflect_gloss(ty_path* path, const ty_intersection* at) {
     path->origin = origin;
     path->passed = 0.0f;
     path->normal = transmits ? ty_vec_make(0, 0, 0) : point->bsdf.frame.n;
+    ty_path_set_lobe(path, &point->bsdf);
     bool shines;
     const int32_t light = ty_path_sample_light(path, origin, &chosen, &sample, &shines);
     const float density = shines ? ty_surface_evaluate_bsdf(point, sample.wi, factor) : 0.0f;
@@ -728,6 +749,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->run = 0;
     path->path_class = TY_PATH_UNCOLLIDED;
     path->normal = ty_vec_make(0, 0, 0);
+    path->lobe.weight = 0.0f;
     path->media = request->scene->media;
     path->medium_count = request->scene->medium_count;
     path->passed = 0.0f;

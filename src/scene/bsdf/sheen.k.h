@@ -5,11 +5,12 @@
 
 #include "base/vector.k.h"
 
-/* Smallest alpha of sheen. */
-#define TY_SHEEN_ALPHA_MIN 1e-2f
+/* Smallest roughness of sheen; alpha is its square. */
+#define TY_SHEEN_ROUGHNESS_MIN 0.1f
 
 TY_FN float ty_sheen_alpha(float roughness) {
-    return ty_maxf(roughness * roughness, TY_SHEEN_ALPHA_MIN);
+    const float r = ty_maxf(roughness, TY_SHEEN_ROUGHNESS_MIN);
+    return r * r;
 }
 
 /* D = (2 + 1 / alpha) sin(theta_h)^(1 / alpha) / (2 pi) (Estevez and Kulla 2017, eq. 2). */
