@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* Times within which a coarse image is aimed to be there: of the change of the document and the solve, and of the view
- * with the surfaces. What is left of 100 ms is for the encoding and the way to the client. */
+ * with the surfaces. The rest of 100 ms is for the encoding and the way to the client. */
 static const double light_seconds = 0.04;
 const double view_coarse_seconds = 0.03;
 /* Factor by which a view is slower than aimed for before a coarser light takes its place. */

@@ -313,8 +313,8 @@ ty_result ty_pop_move_eye(const ty_pop* light, const float eye[3], const ty_part
     if (result != TY_OK) return result;
     for (int c = 0; c < 3 && !split; ++c)
         memcpy(out->merged.fluence[c], light->merged.fluence[c], light->cells * sizeof(float));
-    ty_pop_job job = {.context = context, .def = &out->def, .light = out, .progress = *progress};
-    job.progress.share = 0;
+    ty_pop_job job = {.context = context, .def = &out->def, .light = out};
+    job.progress = ty_part_begin(progress->function, progress->user, progress->from, 0);
     batch b = {.job = &job, .floats = split ? TY_POP_CELL_FLOATS : TY_POP_CELL_FLOATS_PROPAGATED};
     result = begin_batch(&b);
     if (result == TY_OK) result = run_batches(&b, evaluate_one);
