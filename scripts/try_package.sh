@@ -37,7 +37,10 @@ files() { # but for apt's and dpkg's own records
 }
 
 step "a bare system by debootstrap"
-quietly debootstrap --variant=minbase bookworm "$root" "${DEBIAN_MIRROR:-http://deb.debian.org/debian}"
+# The mirror of this system's own packages.
+mirror=${DEBIAN_MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Codename: bookworm' | head -n 1)}
+[ -n "$mirror" ] || { echo "try_package: DEBIAN_MIRROR does not name a mirror of Debian" >&2; exit 2; }
+quietly debootstrap --variant=minbase bookworm "$root" "$mirror"
 mount -t proc proc "$root/proc" # by which the tool finds its programs
 mkdir "$root/trial"
 cp -r "$work/packages" "$root/packages"

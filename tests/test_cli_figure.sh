@@ -151,6 +151,9 @@ test_gate() {
   expect 1 figure fld-limiters -o gate --keep
   said err.txt '^tyndall: fld-limiters: .*: F\(0\) is 0\.34, and should be 0\.3333 within 3\.333e-06$'
   said err.txt '^tyndall: 1 number is beyond its tolerance, and no known miss$'
+  plant fld-limiters '"measured": 0\.34' '"measured": null'
+  expect 1 figure fld-limiters -o gate --keep
+  said err.txt '^tyndall: fld-limiters: .*: F\(0\) is missing, and should be 0\.3333 within 3\.333e-06$'
   # Small pictures are not judged; what they left is taken for one of the figure's own size here.
   expect 0 figure screen-leaking -o gate --quick --size 48x32
   unsaid out.txt 'known miss'

@@ -211,27 +211,35 @@ test_two_processes() {
   no_temporary_files
 }
 
-# state_age SECONDS: the state on disk is of at most so many seconds before the kill. Its last whole record tells at byte
-# 120 after how many seconds of work it was written; a record's size is at byte 24.
+# state_age LIMIT WALL WORK: of the WORK processor seconds of each thread until the kill, WALL seconds after the start, the state
+# on disk lacks at most LIMIT. Its last whole record tells at byte 128 after how many processor seconds it was written, of all
+# threads; a record's size is at byte 24.
 state_age() {
   checks=$((checks + 1))
-  python3 - out.exr.state "$2" "$1" << 'END' || fail "a kill after $2 s lost more than $1 s"
+  python3 - out.exr.state "$@" "$(nproc)" << 'END' || fail "a kill after $2 s lost more than $1 s of work"
 import struct, sys
 try:
     state = open(sys.argv[1], "rb").read()
 except FileNotFoundError:
     state = b""
-at, seconds = 0, 0.0
+limit, wall, work, threads = (float(a) for a in sys.argv[2:])
+at, elapsed, processor = 0, 0.0, 0.0
 while at + 152 <= len(state):
     size, = struct.unpack_from("<Q", state, at + 24)
     if at + size > len(state):
         break
-    seconds, = struct.unpack_from("<d", state, at + 120)
+    elapsed, processor = struct.unpack_from("<dd", state, at + 120)
     at += size
-lost = float(sys.argv[2]) - seconds
-print(f"killed after {sys.argv[2]} s: {lost:.2f} s lost")
-sys.exit(lost > float(sys.argv[3]))
+lost = work - processor / threads
+print(f"killed after {wall} s: {lost:.2f} s of work lost, {wall - elapsed:.2f} s of time")
+sys.exit(lost > limit)
 END
+}
+
+# work: processor seconds of each thread that the process has had.
+work() {
+  awk -v per_second="$(getconf CLK_TCK)" -v threads="$(nproc)" \
+    '{ sub(/.*\) /, ""); printf "%.2f", ($12 + $13) / per_second / threads }' "/proc/$process/stat"
 }
 
 # killed_after SECONDS ARGUMENT...: of rendering, not of loading.
@@ -240,11 +248,13 @@ killed_after() {
   shift
   rm -f out.exr*
   start render "$@" --spp 1000000 -o out.exr --resume
-  before=$(date +%s.%N)
+  before="$(date +%s.%N) $(work)"
   sleep "$seconds"
+  after="$(date +%s.%N) $(work)"
   kill -9 "$process"
   wait "$process" 2> /dev/null
-  state_age 5 "$(echo "$before $(date +%s.%N)" | awk '{printf "%.2f", $2 - $1}')"
+  # shellcheck disable=SC2046
+  state_age 5 $(echo "$before $after" | awk '{printf "%.2f %.2f", $3 - $1, $4 - $2}')
 }
 
 test_kills() {

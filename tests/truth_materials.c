@@ -1,4 +1,4 @@
-/* Pictures of metal, plastic and maps of normals against those that two other renderers made of them. */
+/* Pictures of metal, plastic, glass, milk, water and maps of normals against those that two other renderers made of them. */
 #include "truth_cases.h"
 
 /* True, with a line, if the references are absent. */
@@ -67,12 +67,28 @@ static void metal_in_fog_agrees(void** state) {
     check_material(*state, "metal_in_fog.cycles_ggx", false, 0.005, in_full() ? 0.03 : 0.1, samples());
 }
 
+/* Both have refraction with energy compensation; theirs is a random walk over the microfacets of the rough ball. */
+static void glass_balls_agree(void** state) {
+    check_material(*state, "glass_ball.cycles_multi_ggx", true, 0.01, in_full() ? 0.04 : 0.2, samples());
+}
+
+static void milk_in_a_ball_agrees(void** state) {
+    check_material(*state, "milk.cycles_sharp", true, 0.01, in_full() ? 0.03 : 0.2, samples() / 2);
+}
+
+static void water_in_a_pool_agrees(void** state) {
+    check_material(*state, "water.cycles_sharp", true, 0.01, in_full() ? 0.03 : 0.1, samples());
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spheres_are_those_of_appendix_b),
         cmocka_unit_test(normal_maps_are_those_of_appendix_b),
         cmocka_unit_test(compensated_spheres_are_near_a_random_walk_s),
         cmocka_unit_test(metal_in_fog_agrees),
+        cmocka_unit_test(glass_balls_agree),
+        cmocka_unit_test(milk_in_a_ball_agrees),
+        cmocka_unit_test(water_in_a_pool_agrees),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -239,13 +239,21 @@ typedef struct ty_gloss_def {
     float specular;          ///< Strength of the dielectric's reflection, 0..1; default 0: none. Dielectrics have 1.
     float specular_color[3]; ///< Colour of it at normal incidence, 0..1e3; default 1.
     float transmission;      ///< Part of the light in the dielectric that passes the surface, which counts as a thin
-                             ///< wall, in place of the diffuse reflection, 0..1; default 0.
+                             ///< wall unless `solid`, in place of the diffuse reflection, 0..1; default 0.
     float clearcoat;         ///< Strength of a clear coat of ior 1.5, 0..1; default 0.
     float clearcoat_roughness;                  ///< 0..1; default 0.
     float sheen_color[3];                       ///< Colour of the sheen of cloth, 0..1; default 0.
     float sheen_roughness;                      ///< 0..1; default 0.
     float normal_scale;                         ///< Multiplies the slopes of normals, -1e3..1e3; default 1.
     ty_texture_use textures[TY_GLOSS_TEXTURES]; ///< By ty_gloss_texture; meshes only.
+    bool solid; ///< True: the surface is the closed boundary, normals outwards, of a dielectric of index ior, and what
+                ///< passes it is refracted; default false: a thin wall. Quads cannot be. Without transmission, with
+                ///< ior 0 or of metal alone it has no effect.
+    int32_t priority; ///< Of overlapping solids the one of highest priority fills the common part, and of equal ones
+                      ///< the one that was added first, -1000..1000; default 0.
+    float attenuation_color[3]; ///< Transmittance of the solid over attenuation_distance, 0..1, where less than 1e-6
+                                ///< counts as that; default 1.
+    float attenuation_distance; ///< m, >= 0; default 0: the solid does not absorb.
 } ty_gloss_def;
 
 /// A surface, which reflects on both sides and emits on its front (u x v, or outwards). Create it with

@@ -68,9 +68,7 @@ static void insert_edge(mesh_edge* table, size_t slots, uint32_t from, uint32_t 
     table[slot].balance += from < to ? 1 : -1;
 }
 
-/* Number of edges that are not traversed once in each direction; SIZE_MAX on allocation failure. Degenerate triangles
- * do not count. */
-static size_t count_open_edges(ty_context* context, const ty_triangle_mesh* t) {
+size_t ty_count_open_edges(ty_context* context, const ty_triangle_mesh* t) {
     const size_t slots = slot_count(3 * t->triangle_count);
     uint32_t* first = ty_alloc_array(context, t->vertex_count, sizeof *first, false);
     mesh_edge* table = ty_alloc_array(context, slots, sizeof *table, true);
@@ -106,7 +104,7 @@ ty_result ty_closed_mesh_create(ty_context* context, const float* positions, int
     size_t open = 0;
     result = ty_triangle_mesh_create(context, &def, &closed->triangles);
     if (result == TY_OK) {
-        open = count_open_edges(context, closed->triangles);
+        open = ty_count_open_edges(context, closed->triangles);
         if (open == SIZE_MAX) result = TY_ERROR_MEMORY;
     }
     if (result == TY_OK) result = ty_accel_create_closed(context, closed->triangles, &closed->mesh);

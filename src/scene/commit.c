@@ -2,6 +2,7 @@
  * from the scene and exchanged when nothing can fail any more. */
 #include "base/context.h"
 #include "scene/gloss.h"
+#include "scene/interiors.h"
 #include "scene/light.h"
 #include "scene/medium.h"
 #include "scene/scene.h"
@@ -116,8 +117,11 @@ static ty_result commit_surfaces(const ty_scene* scene, ty_committed_surfaces* o
     out->surfaces = ty_alloc_array(scene->context, out->count, sizeof(ty_surface), true);
     if (out->surfaces == NULL) return TY_ERROR_MEMORY;
     for (size_t i = 0; i < out->shape_count; ++i) {
+        double center[3];
         set_shape_colors(&out->shapes[i], &out->surfaces[i]);
         out->surfaces[i].first_light = -1;
+        if (out->shapes[i].kind == TY_SHAPE_SPHERE)
+            out->surfaces[i].curvature = (float)(1 / ty_shape_sphere(&out->shapes[i], center));
     }
     for (size_t i = 0; i < scene->mesh_count; ++i)
         out->surfaces[out->shape_count + i] = ty_triangle_mesh_get_surface(scene->meshes[i]);
@@ -273,12 +277,21 @@ static void weigh_lights(const ty_scene* scene, ty_committed_lights* lights) {
 
 /* ---- scenes ---- */
 
+/* Interiors of dielectrics, from parts that may be new. defs: of the media. */
+static ty_result commit_interiors(const ty_scene* scene, const ty_medium_def* defs, const ty_committed_media* media,
+                                  const ty_committed_surfaces* surfaces, bool warns, ty_committed_interiors* out) {
+    const ty_interiors_input input = {.defs = defs, .media = media, .surfaces = surfaces, .meshes = scene->meshes};
+    return ty_interiors_create(scene->context, &input, warns, out);
+}
+
 static void set_view(ty_scene* scene) {
     scene->view = (ty_scene_view){.media = scene->committed_media.views,
                                   .medium_count = (int32_t)scene->committed_media.count,
                                   .lights = scene->committed_lights.set,
                                   .mesh = scene->surfaces.accel,
-                                  .surfaces = scene->surfaces.surfaces};
+                                  .surfaces = scene->surfaces.surfaces,
+                                  .interiors = scene->interiors.interiors,
+                                  .interior_count = (int32_t)scene->interiors.count};
     scene->committed = true;
 }
 
@@ -286,6 +299,7 @@ void ty_scene_drop_commit(ty_scene* scene) {
     drop_media(scene->context, &scene->committed_media);
     drop_surfaces(scene->context, &scene->surfaces);
     drop_lights(scene->context, &scene->committed_lights);
+    ty_interiors_destroy(scene->context, &scene->interiors);
     scene->view = (ty_scene_view){.media = NULL};
     scene->committed = false;
 }
@@ -296,6 +310,9 @@ ty_result ty_scene_commit(ty_scene* scene) {
     if (result == TY_OK) result = commit_media(scene, &scene->committed_media);
     if (result == TY_OK) result = commit_surfaces(scene, &scene->surfaces);
     if (result == TY_OK) result = commit_lights(scene, scene, &scene->surfaces, NULL, &scene->committed_lights);
+    if (result == TY_OK)
+        result =
+            commit_interiors(scene, scene->media, &scene->committed_media, &scene->surfaces, true, &scene->interiors);
     if (result != TY_OK) {
         ty_scene_drop_commit(scene);
         return result;
@@ -320,6 +337,7 @@ typedef struct replacement {
     ty_committed_media media;
     ty_committed_surfaces surfaces; /* if `kept`, only its shapes */
     ty_committed_lights lights;
+    ty_committed_interiors interiors;
     bool kept; /* surfaces stay, perhaps in other colours */
 } replacement;
 
@@ -378,18 +396,25 @@ ty_result ty_scene_replace(ty_scene* scene, ty_scene* other, unsigned parts) {
     replacement new = {.kept = true};
     ty_result result = TY_OK;
     ty_scene_drop_commit(other);
-    if ((parts & TY_SCENE_MEDIA) != 0) result = commit_media(other, &new.media);
-    if (result == TY_OK && (parts & TY_SCENE_LIGHTS) != 0) result = prepare_lights(scene, other, &new);
+    const bool media = (parts & TY_SCENE_MEDIA) != 0, lights = (parts & TY_SCENE_LIGHTS) != 0;
+    if (media) result = commit_media(other, &new.media);
+    if (result == TY_OK && lights) result = prepare_lights(scene, other, &new);
+    if (result == TY_OK && (media || lights))
+        result =
+            commit_interiors(scene, media ? other->media : scene->media, media ? &new.media : &scene->committed_media,
+                             lights && !new.kept ? &new.surfaces : &scene->surfaces, false, &new.interiors);
     if (result == TY_OK) {
-        if ((parts & TY_SCENE_MEDIA) != 0) take_media(scene, other, &new);
-        if ((parts & TY_SCENE_LIGHTS) != 0) take_lights(scene, other, &new);
+        if (media) take_media(scene, other, &new);
+        if (lights) take_lights(scene, other, &new);
+        if (media || lights) EXCHANGE(ty_committed_interiors, scene->interiors, new.interiors);
         if ((parts & TY_SCENE_SETTINGS) != 0) take_settings(scene, other);
         if ((parts & TY_SCENE_CAMERA) != 0) take_camera(scene, other);
-        if ((parts & (TY_SCENE_MEDIA | TY_SCENE_LIGHTS)) != 0) weigh_lights(scene, &scene->committed_lights);
+        if (media || lights) weigh_lights(scene, &scene->committed_lights);
         set_view(scene);
     }
     drop_media(scene->context, &new.media);
     drop_surfaces(scene->context, &new.surfaces);
     drop_lights(scene->context, &new.lights);
+    ty_interiors_destroy(scene->context, &new.interiors);
     return result;
 }

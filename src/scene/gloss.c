@@ -5,12 +5,14 @@
 #include "scene/surface_gloss.k.h"
 #include "scene/texture.h"
 
+#include <math.h>
 #include <stdio.h>
 
 enum { FIELD_SIZE = 96 };
 
 ty_gloss_def ty_default_gloss(void) {
-    ty_gloss_def def = {.roughness = 1, .ior = 1.5f, .specular_color = {1, 1, 1}, .normal_scale = 1};
+    ty_gloss_def def = {
+        .roughness = 1, .ior = 1.5f, .specular_color = {1, 1, 1}, .normal_scale = 1, .attenuation_color = {1, 1, 1}};
     for (int i = 0; i < TY_GLOSS_TEXTURES; ++i) def.textures[i].map[0] = def.textures[i].map[4] = 1;
     return def;
 }
@@ -38,7 +40,9 @@ ty_result ty_gloss_check(ty_context* context, const char* prefix, const ty_gloss
                    {"clearcoat", def->clearcoat, 0, 1},
                    {"clearcoat_roughness", def->clearcoat_roughness, 0, 1},
                    {"sheen_roughness", def->sheen_roughness, 0, 1},
-                   {"normal_scale", def->normal_scale, -1e3, 1e3}};
+                   {"normal_scale", def->normal_scale, -1e3, 1e3},
+                   {"priority", (float)def->priority, -1000, 1000},
+                   {"attenuation_distance", def->attenuation_distance, 0, 1e15}};
     char field[FIELD_SIZE];
     ty_result result = TY_OK;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && result == TY_OK; ++i) {
@@ -51,6 +55,8 @@ ty_result ty_gloss_check(ty_context* context, const char* prefix, const ty_gloss
     if (result == TY_OK) result = ty_check_rgb(context, field, def->specular_color, 0, 1e3);
     snprintf(field, sizeof field, "%s.sheen_color", prefix);
     if (result == TY_OK) result = ty_check_rgb(context, field, def->sheen_color, 0, 1);
+    snprintf(field, sizeof field, "%s.attenuation_color", prefix);
+    if (result == TY_OK) result = ty_check_rgb(context, field, def->attenuation_color, 0, 1);
     for (int i = 0; i < TY_GLOSS_TEXTURES && result == TY_OK; ++i)
         result = check_texture(context, prefix, i, &def->textures[i]);
     return result;
@@ -60,6 +66,19 @@ bool ty_gloss_exists(const ty_gloss_def* def) {
     return def->metallic > 0 || def->specular > 0 || def->transmission > 0 || def->clearcoat > 0 ||
            def->sheen_color[0] > 0 || def->sheen_color[1] > 0 || def->sheen_color[2] > 0 ||
            def->textures[TY_GLOSS_NORMAL].texture != NULL;
+}
+
+bool ty_gloss_is_solid(const ty_gloss_def* def) {
+    return def->solid && def->transmission > 0 && def->metallic < 1 && def->ior >= 1;
+}
+
+/* The absorption coefficient is -ln(color) / distance (KHR_materials_volume). */
+static ty_dielectric view_dielectric(const ty_gloss_def* def) {
+    ty_dielectric dielectric = {
+        .solid = ty_gloss_is_solid(def), .priority = def->priority, .ior = def->ior, .roughness = def->roughness};
+    for (int c = 0; c < 3 && def->attenuation_distance > 0; ++c)
+        dielectric.sigma_a[c] = -logf(fmaxf(def->attenuation_color[c], 1e-6f)) / def->attenuation_distance;
+    return dielectric;
 }
 
 void ty_gloss_retain(const ty_gloss_def* def) {
@@ -80,6 +99,7 @@ ty_surface_gloss ty_gloss_get_view(const ty_gloss_def* def) {
                                          .clearcoat = def->clearcoat,
                                          .clearcoat_roughness = def->clearcoat_roughness,
                                          .sheen_roughness = def->sheen_roughness},
+                              .dielectric = view_dielectric(def),
                               .normal_scale = def->normal_scale};
     memcpy(gloss.factor.specular_color, def->specular_color, sizeof def->specular_color);
     memcpy(gloss.factor.sheen_color, def->sheen_color, sizeof def->sheen_color);

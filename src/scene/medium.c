@@ -180,6 +180,11 @@ static ty_affine bounds_to_local(const ty_medium_def* def) {
     return ty_affine_compose(center, none, half);
 }
 
+ty_affine ty_medium_bounds_map(const ty_medium_def* def) {
+    const ty_affine local = bounds_to_local(def);
+    return ty_affine_multiply(&def->transform, &local);
+}
+
 /* Map from a grid's index space to the medium's local space. */
 static ty_affine index_to_local(const ty_medium_def* def, const ty_grid_info* grid) {
     if (grid->placed) return grid->index_to_local;
@@ -302,8 +307,7 @@ ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, t
         invert_to_floats(&def->transform, view->to_bounds);
         view->shell = def->shell->mesh;
     } else if (def->bounds != TY_BOUNDS_NONE) {
-        const ty_affine local = bounds_to_local(def);
-        const ty_affine world = ty_affine_multiply(&def->transform, &local);
+        const ty_affine world = ty_medium_bounds_map(def);
         invert_to_floats(&world, view->to_bounds);
     }
     view_coefficients(def, view);

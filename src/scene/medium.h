@@ -19,6 +19,8 @@ void ty_medium_grids(const ty_medium_def* def, ty_grid* grids[TY_MEDIUM_GRIDS]);
 /* def must outlive the view. ty_medium_view_destroy is valid even after failure. */
 ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, ty_medium_view* view);
 void ty_medium_view_destroy(ty_context* context, ty_medium_view* view);
+/* Map from the cube [-1, 1]^3, or the unit sphere, to bounds that are a box or a sphere, m. */
+ty_affine ty_medium_bounds_map(const ty_medium_def* def);
 /* Extends a box, m, to contain the medium. */
 void ty_medium_extent(const ty_medium_def* def, double lower[3], double upper[3]);
 

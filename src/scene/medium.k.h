@@ -28,6 +28,7 @@ typedef struct ty_medium_view {
     int32_t has_grid;
     int32_t heterogeneous; /* density, albedo or emission vary: no closed-form transmittance */
     int32_t bounds;
+    int32_t dielectric;    /* 1 + index of the surface, of a solid dielectric, that its bounds coincide with; 0: none */
     float to_bounds[12];   /* world to the space where the bounds are the cube [-1, 1]^3, the unit sphere or the closed
                               mesh */
     const ty_accel* shell; /* TY_BOUNDED_MESH */

@@ -11,13 +11,26 @@
 
 #include <tyndall/scene.h>
 
+/* What fills the space of a path between surfaces: a solid dielectric, or for number 0 the space outside of all. */
+typedef struct ty_interior {
+    const ty_medium_view* media; /* the dielectric's own absorption, if `absorbs`, then the media in it */
+    int32_t medium_count;
+    int32_t absorbs;
+    int32_t scatters; /* nonzero if any of its media does, or emits */
+    int32_t surface;  /* index of the boundary; -1: outside */
+    int32_t priority;
+    float ior;
+} ty_interior;
+
 /* Kernel view of a scene, as plain arrays. */
 typedef struct ty_scene_view {
     const ty_medium_view* media;
     int32_t medium_count;
     ty_light_set lights;
-    const ty_accel* mesh;       /* NULL: no surfaces */
-    const ty_surface* surfaces; /* shapes, area lights, meshes */
+    const ty_accel* mesh;         /* NULL: no surfaces */
+    const ty_surface* surfaces;   /* shapes, area lights, meshes */
+    const ty_interior* interiors; /* by ty_dielectric.interior */
+    int32_t interior_count;       /* 0: no surface bounds a dielectric */
 } ty_scene_view;
 
 /* Parts of a committed scene; commit.c makes them. */
@@ -50,6 +63,13 @@ typedef struct ty_committed_lights {
     ty_light_set set;
 } ty_committed_lights;
 
+/* Interiors of dielectrics; interiors.c makes them. */
+typedef struct ty_committed_interiors {
+    ty_interior* interiors;
+    ty_medium_view* media; /* of all interiors; what their pointers name belongs to the committed media */
+    size_t count, medium_capacity;
+} ty_committed_interiors;
+
 struct ty_scene {
     ty_context* context;
     ty_axis up;
@@ -75,6 +95,7 @@ struct ty_scene {
     ty_committed_media committed_media;
     ty_committed_surfaces surfaces;
     ty_committed_lights committed_lights;
+    ty_committed_interiors interiors;
 };
 
 /* Set the results of ty_scene_hash and ty_scene_camera_source; source is cut to 255 bytes. */

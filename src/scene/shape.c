@@ -98,6 +98,9 @@ ty_result ty_shape_check(ty_context* context, const ty_shape_def** given, ty_sha
     for (int i = 0; i < TY_GLOSS_TEXTURES && result == TY_OK; ++i)
         if (shape->gloss.textures[i].texture != NULL)
             result = ty_fail(context, TY_ERROR_ARGUMENT, "shape.gloss.textures[%d]: shapes take no textures", i);
+    if (result == TY_OK && shape->kind == TY_SHAPE_QUAD && shape->gloss.solid)
+        result = ty_fail(context, TY_ERROR_ARGUMENT,
+                         "shape.gloss.solid: a quad bounds no volume; take a box, a sphere or a closed mesh");
     if (result != TY_OK) return result;
     if (shape->kind == TY_SHAPE_SPHERE) {
         if (!(shape->radius > 0 && shape->radius <= 1e15))

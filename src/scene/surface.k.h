@@ -17,6 +17,16 @@ typedef struct ty_hit {
     float margin;         /* self-intersection offset, m */
 } ty_hit;
 
+/* A solid dielectric that a closed surface bounds. */
+typedef struct ty_dielectric {
+    int32_t solid;    /* 0: the surface is opaque or a thin wall, and the rest has no meaning */
+    int32_t interior; /* its number among the scene view's interiors; 0: none */
+    int32_t priority;
+    float ior;        /* at least 1 */
+    float roughness;  /* of its surface, before textures */
+    float sigma_a[3]; /* absorption, 1/m */
+} ty_dielectric;
+
 /* Textures of a glossy material: ty_gloss_texture. */
 enum { TY_SURFACE_TEXTURES = 9 };
 
@@ -24,6 +34,7 @@ enum { TY_SURFACE_TEXTURES = 9 };
 typedef struct ty_surface_gloss {
     TY_GLOBAL const ty_bsdf_tables* tables;
     ty_bsdf_parameters factor;
+    ty_dielectric dielectric;
     float normal_scale;
     int32_t textured; /* nonzero if there is any texture */
     ty_texture_view textures[TY_SURFACE_TEXTURES];
@@ -51,6 +62,7 @@ typedef struct ty_surface {
     TY_GLOBAL const int32_t* lights; /* per triangle, -1: not sampled; NULL: no emission */
     TY_GLOBAL const float* tangents;
     TY_GLOBAL const ty_surface_gloss* gloss; /* NULL: Lambertian */
+    float curvature;                         /* shapes: 1 / radius of a sphere, 1/m; else 0 */
 } ty_surface;
 
 /* Surface properties at a hit. */
@@ -61,7 +73,10 @@ typedef struct ty_surface_point {
     ty_vec ns;         /* shading normal on the ray's side */
     int32_t light;     /* in the scene view; -1: not sampled, counted fully when hit */
     int32_t glossy;    /* 0: Lambertian, without a BSDF */
-    ty_bsdf bsdf;
+    ty_bsdf bsdf;      /* boundaries of solid dielectrics: of the part that transmits nothing */
+    float opaque;      /* boundaries: that part, 0..1 */
+    float roughness;   /* boundaries: 0: smooth */
+    float tint[3];     /* boundaries: colour of the light that crosses */
 } ty_surface_point;
 
 /* Origin of a ray that leaves a hit along direction without hitting the same surface again. */

@@ -103,13 +103,19 @@ TY_FN ty_vec ty_surface_reflecting_normal(ty_vec normal, ty_vec ng, ty_vec wo) {
 
 TY_FN_APART void ty_surface_evaluate_gloss(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
                                            ty_surface_point* out) {
-    const ty_bsdf_parameters p = ty_surface_bsdf_parameters(surface, hit, out->albedo);
+    ty_bsdf_parameters p = ty_surface_bsdf_parameters(surface, hit, out->albedo);
+    const bool solid = surface->gloss->dielectric.solid != 0;
+    out->opaque = solid ? 1.0f - p.transmission * (1.0f - p.metallic) : 1.0f;
+    out->roughness = p.roughness;
+    for (int c = 0; c < 3; ++c) out->tint[c] = p.base_color[c];
+    if (solid) p.transmission = 0.0f;
     const ty_vec wo = ty_scale(direction, -1.0f), smooth = out->ns;
     if (surface->gloss->textured != 0)
         out->ns = ty_surface_mapped_normal(surface, hit, smooth, ty_dot(hit->normal, direction) < 0.0f);
     ty_bsdf_prepare(&out->bsdf, &p, surface->gloss->tables, ty_surface_reflecting_normal(out->ns, out->ng, wo),
                     ty_surface_reflecting_normal(smooth, out->ng, wo), wo);
-    for (int c = 0; c < 3; ++c) out->albedo[c] = out->bsdf.albedo[c];
+    for (int c = 0; c < 3; ++c)
+        out->albedo[c] = solid ? ty_lerpf(out->bsdf.film, out->bsdf.albedo[c], out->opaque) : out->bsdf.albedo[c];
 }
 
 TY_FN_APART float ty_surface_evaluate_bsdf(const ty_surface_point* point, ty_vec direction, float factor[3]) {

@@ -46,7 +46,9 @@ static const figure_known_miss* find_miss(const char* figure, const figure_quant
 
 /* "screen-leaking: naive: energy ratio is 1.017, and should be 1 within 0.01" */
 static void describe(const char* figure, const figure_quantity* q, char out[512]) {
-    snprintf(out, 512, "%s: %s: %s is %.4g, and should be %.4g within %.4g", figure, q->item, q->name, q->measured,
+    char measured[32] = "missing";
+    if (!isnan(q->measured)) snprintf(measured, sizeof measured, "%.4g", q->measured);
+    snprintf(out, 512, "%s: %s: %s is %s, and should be %.4g within %.4g", figure, q->item, q->name, measured,
              q->expected, q->tolerance);
 }
 
@@ -65,6 +67,12 @@ static void warn_of_stale(cli_session* session, const figure_outcome* outcome) {
     }
 }
 
+/* True of an error of which nothing remains without the noise (bench_without_noise). Any other number that is missing
+ * is a miss. */
+static bool is_below_noise(const figure_quantity* q) {
+    return isnan(q->measured) && q->expected == 0;
+}
+
 size_t figure_judge(cli_session* session, const figure_outcome* outcome) {
     const char* figure = outcome->entry->name;
     const bool verbose = !session->common.quiet;
@@ -74,7 +82,7 @@ size_t figure_judge(cli_session* session, const figure_outcome* outcome) {
     for (size_t i = 0; i < outcome->count; ++i) {
         const figure_quantity* q = &outcome->quantities[i];
         char text[512];
-        if (isnan(q->measured) || isnan(q->expected) || isnan(q->tolerance) || figure_is_within(q)) continue;
+        if (isnan(q->expected) || isnan(q->tolerance) || is_below_noise(q) || figure_is_within(q)) continue;
         const figure_known_miss* miss = find_miss(figure, q);
         describe(figure, q, text);
         if (miss == NULL) {

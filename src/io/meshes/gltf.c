@@ -76,6 +76,7 @@ static bool is_known(const char* name) {
                                         "KHR_materials_sheen",
                                         "KHR_materials_specular",
                                         "KHR_materials_transmission",
+                                        "KHR_materials_volume",
                                         "KHR_materials_unlit",
                                         "KHR_materials_variants",
                                         "KHR_mesh_quantization",

@@ -232,6 +232,20 @@ static ty_result read_dielectric(ty_gltf* gltf, const json_t* json, const ty_jso
     return read_gloss_texture(gltf, transmission, &here, "transmissionTexture", TY_GLOSS_TRANSMISSION, material);
 }
 
+/* The interior of a closed surface. A thickness above 0 says that there is one; light finds its own way through. */
+static ty_result read_volume(const ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
+                             ty_model_material* material) {
+    ty_gloss_def* gloss = &material->def.gloss;
+    ty_json_path here;
+    const json_t* volume = find_extension(json, json_path, "KHR_materials_volume", &here);
+    float thickness = 0;
+    ty_result result = read_factor(gltf, volume, &here, "thicknessFactor", 0, 1e15, &thickness);
+    if (result == TY_OK)
+        result = read_factor(gltf, volume, &here, "attenuationDistance", 0, 1e15, &gloss->attenuation_distance);
+    gloss->solid = thickness > 0;
+    return result == TY_OK ? read_color(gltf, volume, &here, "attenuationColor", 1, gloss->attenuation_color) : result;
+}
+
 static ty_result read_coats(ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,
                             ty_model_material* material) {
     ty_gloss_def* gloss = &material->def.gloss;
@@ -267,6 +281,7 @@ static ty_result read_gloss(ty_gltf* gltf, const json_t* json, const ty_json_pat
         result =
             read_gloss_texture(gltf, surface, &here, "metallicRoughnessTexture", TY_GLOSS_METALLIC_ROUGHNESS, material);
     if (result == TY_OK) result = read_dielectric(gltf, json, json_path, material);
+    if (result == TY_OK) result = read_volume(gltf, json, json_path, material);
     return result == TY_OK ? read_coats(gltf, json, json_path, material) : result;
 }
 

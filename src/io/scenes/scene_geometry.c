@@ -24,6 +24,21 @@ static void read_gloss(const json_t* material, ty_gloss_def* gloss) {
     ty_read_float(material, "sheen_roughness", &gloss->sheen_roughness);
 }
 
+/* The solid that the surface bounds. */
+static ty_result read_volume(const ty_scene_reader* reader, const json_t* material, const ty_json_path* path,
+                             ty_gloss_def* gloss) {
+    const json_t* volume = json_object_get(material, "volume");
+    const ty_json_path json_path = ty_json_path_key(path, "volume");
+    if (volume == NULL) return TY_OK;
+    if (!(gloss->transmission > 0))
+        return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "needs the key \"transmission\" above 0 beside it");
+    gloss->solid = true;
+    ty_read_int(volume, "priority", &gloss->priority);
+    ty_read_rgb(volume, "attenuation_color", gloss->attenuation_color);
+    ty_read_float(volume, "attenuation_distance", &gloss->attenuation_distance);
+    return TY_OK;
+}
+
 /* The object under "material", if there is one. */
 static ty_result read_material(const ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
                                float albedo[3], float emission[3], ty_gloss_def* gloss) {
@@ -36,7 +51,7 @@ static ty_result read_material(const ty_scene_reader* reader, const json_t* item
     ty_read_rgb(material, "base_color", albedo);
     ty_read_rgb(material, "emission", emission);
     read_gloss(material, gloss);
-    return TY_OK;
+    return read_volume(reader, material, &json_path, gloss);
 }
 
 static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const ty_json_path* path) {

@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "base/dispatch.h"
 #include "method/path/equiangular.k.h"
+#include "scene/interiors.h"
 #include "scene/light.h"
 
 /* Contributions are traced by chance below this fraction of the radiance that an isotropic medium scatters under the
@@ -120,6 +121,8 @@ ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_a
         ty_path_run_end(run);
         return result;
     }
+    if (run->view.interior_count > 0)
+        ty_interiors_around(&run->view, run->request.camera.origin, &run->request.camera_inside);
     choose_guides(&run->request);
     set_point_light_rate(run);
     run->request.min_contribution = contribution_threshold(&run->view.lights);

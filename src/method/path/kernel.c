@@ -3,17 +3,26 @@
 
 #include "base/float_mode.h"
 
+/* The dielectrics around the camera are known. */
+static void begin_at_camera(ty_path* path) {
+    path->origin = path->request->camera.origin;
+    if (!ty_path_sees_dielectrics(path)) return;
+    ty_path_set_inside(path, &path->request->camera_inside);
+    for (int c = 0; c < 3; ++c) path->beta[c] /= path->inverse_square;
+}
+
 static void start(ty_path* path, const ty_path_request* request, int64_t item) {
     if (request->kind == TY_PATH_PIXELS) {
         const int32_t x = request->crop[0] + (int32_t)(item % request->crop[2]);
         const int32_t y = request->crop[1] + (int32_t)(item / request->crop[2]);
         const float dx = ty_sobol_next(&path->random), dy = ty_sobol_next(&path->random);
-        path->origin = request->camera.origin;
+        begin_at_camera(path);
         path->direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
     } else if (request->kind == TY_PATH_RAYS) {
         const double* ray = request->rays + 6 * item;
         const double length = sqrt(ray[3] * ray[3] + ray[4] * ray[4] + ray[5] * ray[5]);
         path->origin = ty_vec_make((float)ray[0], (float)ray[1], (float)ray[2]);
+        ty_path_begin_inside(path);
         /* The path goes against the light; 0 - x, so that no component becomes -0. */
         path->direction =
             ty_vec_make((float)((0 - ray[3]) / length), (float)((0 - ray[4]) / length), (float)((0 - ray[5]) / length));

@@ -5,6 +5,7 @@
 #include "base/dispatch.h"
 #include "base/random.k.h"
 #include "scene/camera.h"
+#include "scene/inside.k.h"
 #include "scene/scene.h"
 
 enum { TY_GUIDES_MAX = 4 };
@@ -22,6 +23,7 @@ typedef struct ty_path_request {
     int32_t single_reflection; /* nonzero if surfaces are without energy compensation */
     int32_t kind;              /* TY_PATH_PIXELS, _RAYS or _CELLS */
     ty_camera_view camera;     /* pixels */
+    ty_inside camera_inside;   /* the dielectrics around it, where the scene has any */
     int32_t width;             /* of the whole frame */
     int32_t crop[4];           /* x, y, width, height: item i is pixel (x + i % width, y + i / width) */
     const double* rays;        /* rays: 6 per item, as ty_path_radiance has them */

@@ -4,83 +4,26 @@
 #define TY_PATH_PATH_K_H
 
 #include "method/path/equiangular.k.h"
+#include "method/path/manifold.k.h"
 #include "method/path/point_light_direction.k.h"
 #include "scene/phase.k.h"
-
-/* Defined as 0, it makes glossy surfaces diffuse ones of their directional albedo, in less code. */
-#ifndef TY_PATH_GLOSS
-#define TY_PATH_GLOSS 1
-#endif
-
-/* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
-enum { TY_PATH_ROULETTE_DEPTH = 2000 };
-
-/* Path classes: the interactions of light between its source and the camera. */
-enum {
-    TY_PATH_UNCOLLIDED = 0, /* no interaction */
-    TY_PATH_REFLECTED = 1,  /* reflections at surfaces only */
-    TY_PATH_SINGLE = 2,     /* one scattering in a medium and no other interaction */
-    TY_PATH_MULTIPLE = 3,   /* any other sequence */
-    TY_PATH_CLASS_COUNT = 4
-};
-
-typedef struct ty_path {
-    const ty_path_request* request;
-    ty_sampler random;
-    ty_vec origin, direction;
-    ty_vec normal;       /* unit normal of the last surface vertex, on the path's side; 0 in media and at the camera */
-    float beta[3];       /* throughput */
-    float rr_throughput; /* throughput without the weights of sampled directions; Russian roulette decides by it */
-    float pdf;           /* solid-angle density of direction, 1/sr; 0 at the camera, where no light was sampled */
-    int32_t scattered; /* nonzero if the last vertex is in a medium, where equiangular sampling shares the MIS weight */
-    float phase;       /* phase function (green) of that vertex in direction, 1/sr */
-    float point_light_rate; /* lamp directions per direction at that vertex, beside the lamp; 0: none were sampled */
-    int32_t depth;          /* scatterings and reflections so far */
-    int32_t run;            /* scatterings since the last reflection */
-    int32_t path_class;     /* class of the light that the path finds next */
-    float radiance[TY_PATH_CLASS_COUNT][3]; /* estimate so far per class, W m^-2 sr^-1 */
-} ty_path;
-
-/* The path class after one more scattering, or one more reflection. */
-TY_FN int32_t ty_path_class_scattered(int32_t path_class) {
-    return path_class == TY_PATH_UNCOLLIDED ? TY_PATH_SINGLE : TY_PATH_MULTIPLE;
-}
-
-TY_FN int32_t ty_path_class_reflected(int32_t path_class) {
-    return path_class <= TY_PATH_REFLECTED ? TY_PATH_REFLECTED : TY_PATH_MULTIPLE;
-}
-
-/* True if no further scattering is allowed. */
-TY_FN bool ty_path_is_last(const ty_path* path) {
-    return (path->request->max_depth > 0 && path->depth >= path->request->max_depth) ||
-           (path->request->max_run > 0 && path->run >= path->request->max_run);
-}
-
-TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
-    for (int c = 0; c < 3; ++c) path->radiance[path->path_class][c] += radiance[c];
-}
 
 /* The squared distance from a local light within which rays sample the light that it sends into them, m^2. */
 TY_FN float ty_path_near2(const ty_path* path, const ty_light_view* light) {
     return light->reach2 * (ty_light_is_point_or_spot(light->kind) ? path->request->point_light_near : 1.0f);
 }
 
-/* A ray's surface intersection and the material at that point. */
-typedef struct ty_intersection {
-    ty_hit hit;
-    ty_surface_point point;
-} ty_intersection;
-
 /* MIS weight (balance heuristic) of emission that a ray hits, against light sampling from the ray's origin. */
 TY_FN float ty_path_mis_weight_emission(const ty_path* path, const ty_intersection* end) {
     const ty_light_set* lights = &path->request->scene->lights;
-    const float distance = end->hit.distance;
+    const float distance = end->hit.distance + path->passed;
+    const ty_vec vertex = path->passed > 0.0f ? ty_mad(path->origin, path->direction, -path->passed) : path->origin;
     float weight = 1.0f;
     if (end->point.light < 0) return weight;
     const ty_light_view* light = &lights->lights[end->point.light];
-    const float density = ty_light_pdf(light, path->origin, path->direction, distance);
+    const float density = ty_light_pdf(light, vertex, path->direction, distance);
     if (path->pdf > 0.0f) {
-        const float chosen = ty_lights_probability(lights, end->point.light, path->origin, path->normal);
+        const float chosen = ty_lights_probability(lights, end->point.light, vertex, path->normal);
         weight = path->pdf / (path->pdf + chosen * density);
     }
     if (path->scattered != 0 && ty_light_is_local(light->kind))
@@ -274,6 +217,10 @@ TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample
         const bool traced = ty_rng_uniform(&path->random) < chance;
         for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
     }
+    if (ty_path_sees_dielectrics(path)) {
+        if (ty_sum3(radiance) > 0.0f) ty_path_light_through(path, origin, sample, radiance);
+        return;
+    }
     if (ty_sum3(radiance) > 0.0f && !ty_path_light_visible(path, origin, sample))
         for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
     if (!(ty_sum3(radiance) > 0.0f)) return;
@@ -309,12 +256,11 @@ TY_FN float ty_path_pass_chance(const ty_closest_approach* closest, ty_media_int
 TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, ty_media_interval interval,
                                          const ty_light_view* light, float u, float v, float along,
                                          const ty_closest_approach* closest, const float throughput[3], float weight) {
-    const ty_scene_view* scene = path->request->scene;
     const bool point_light = ty_light_is_point_or_spot(light->kind);
     const float uniform = !(path->request->point_light_rate > 0.0f) ? 1.0f : light->kind == TY_KIND_SPOT ? 0.5f : 0.0f;
     float t;
     const float density =
-        point_light ? ty_point_light_distance_sample(interval, closest, ty_spans_broadest_g(scene->media, spans),
+        point_light ? ty_point_light_distance_sample(interval, closest, ty_spans_broadest_g(path->media, spans),
                                                      uniform, along, &t)
                     : ty_equiangular_sample(interval, closest->t, sqrtf(closest->distance2), along, &t);
     const ty_vec at = ty_mad(path->origin, path->direction, t);
@@ -333,7 +279,7 @@ TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, t
     float factor[3] = {0.0f, 0.0f, 0.0f}, transmittance[3], radiance[3];
     for (int32_t i = 0; i < spans->count; ++i) {
         if (t < spans->enter[i] || t > spans->leave[i]) continue;
-        const ty_medium_view* medium = &scene->media[spans->medium[i]];
+        const ty_medium_view* medium = &path->media[spans->medium[i]];
         float sigma_s[3], phase[3];
         ty_medium_sigma_s(medium, at, sigma_s);
         ty_medium_phase(medium, at, mu, phase);
@@ -344,9 +290,10 @@ TY_FN void ty_path_add_single_scattering(ty_path* path, const ty_spans* spans, t
     if (!(ty_sum3(factor) > 0.0f)) return;
     ty_path_add_light(path, at, &sample, factor, radiance);
     if (!(ty_sum3(radiance) > 0.0f)) return;
-    ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, t, &path->random, transmittance);
+    ty_transmittance(path->media, path->medium_count, path->origin, path->direction, t, &path->random, transmittance);
     for (int c = 0; c < 3; ++c)
-        path->radiance[ty_path_class_scattered(path->path_class)][c] += radiance[c] * transmittance[c];
+        path->radiance[ty_path_class_scattered(path->path_class)][c] +=
+            radiance[c] * transmittance[c] * path->inverse_square;
 }
 
 /* Adds the light of a local light that is scattered into the path's current ray. */
@@ -402,6 +349,38 @@ TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_v
     return cosine;
 }
 
+/* Light of a directional, point or spot light that smooth interfaces refract to the vertex at path->origin
+ * (manifold.k.h), for the light that its next-event estimation chose with probability `chosen`. */
+TY_FN_CALLED void ty_path_add_refracted_light(ty_path* path, const ty_light_view* light, float chosen,
+                                              const ty_vertex_response* response) {
+    ty_light_sample sample;
+    ty_refracted_ray ray;
+    float factor[3], radiance[3];
+    if (!ty_light_sample_from(light, path->origin, 0.5f, 0.5f, &sample)) return;
+    ty_vec direction = sample.wi;
+    if (!ty_manifold_find(path, light, &direction, &ray)) return;
+    if (!(ty_vertex_response_evaluate(response, direction, factor) > 0.0f)) return;
+    if (!ty_manifold_trace(path, light, direction, true, &ray)) return;
+    if (!ty_light_sample_from(light, ray.origin, 0.5f, 0.5f, &sample)) return;
+    const float determinant = fabsf(ray.jacobian[0] * ray.jacobian[3] - ray.jacobian[1] * ray.jacobian[2]);
+    const ty_interior* interior = &path->request->scene->interiors[ray.inside.top];
+    /* The radiance of the light counts by 1 / n^2 of its surroundings, not of the vertex. */
+    const float square = path->inverse_square * interior->ior * interior->ior;
+    const float weight = 1.0f / (chosen * ty_maxf(determinant, 1e-12f) * square);
+    for (int c = 0; c < 3; ++c)
+        radiance[c] = path->beta[c] * factor[c] * ray.throughput[c] * sample.radiance[c] * weight;
+    ty_path_add(path, radiance);
+}
+
+/* The same where the scene has interfaces, and the light is one that sampled directions do not meet. */
+TY_FN void ty_path_sample_refracted_light(ty_path* path, int32_t light, float chosen,
+                                          const ty_vertex_response* response) {
+    if (!ty_path_sees_dielectrics(path) || light < 0) return;
+    const ty_light_view* view = &path->request->scene->lights.lights[light];
+    if (view->kind == TY_KIND_DIRECTIONAL || ty_light_is_point_or_spot(view->kind))
+        ty_path_add_refracted_light(path, view, chosen, response);
+}
+
 /* Light that a lamp sends to the vertex at path->origin by one scattering, along a direction sampled about the lamp. */
 TY_FN void ty_path_add_point_light_direction(ty_path* path, const ty_light_view* point_light, float probability,
                                              const ty_vertex_response* response) {
@@ -416,7 +395,7 @@ TY_FN void ty_path_add_point_light_direction(ty_path* path, const ty_light_view*
     if (!(pdf > 0.0f)) return;
     const bool on_surface =
         scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &hit);
-    ty_spans_find(scene->media, scene->medium_count, path->origin, path->direction,
+    ty_spans_find(path->media, path->medium_count, path->origin, path->direction,
                   on_surface ? hit.distance : TY_FLOAT_MAX, &spans);
     if (spans.count == 0) return;
     const ty_media_interval interval = ty_spans_interval(&spans);
@@ -471,8 +450,9 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
                                  sample.pdf > 0.0f ? ty_scatter_vertex_pdf(&scatter, sample.wi, phase) : 0.0f,
                                  phase[1]);
     }
-    path->point_light_rate =
-        ty_path_sample_point_light_direction(path, light, chosen, &(ty_vertex_response){&scatter, NULL});
+    const ty_vertex_response response = {&scatter, NULL};
+    ty_path_sample_refracted_light(path, light, chosen, &response);
+    path->point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
     path->direction = ty_scatter_vertex_sample(&scatter, &path->random);
     ty_scatter_vertex_phase(&scatter, path->direction, phase);
     path->phase = phase[1];
@@ -505,6 +485,7 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     float factor[3], chosen;
     path->origin = ty_hit_leave(&at->hit, point->ng);
     path->normal = point->ns;
+    path->passed = 0.0f;
     bool shines;
     const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
     const ty_vertex_response response = {NULL, point};
@@ -512,6 +493,7 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     if (facing > 0.0f)
         ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, facing,
                                  0.0f);
+    ty_path_sample_refracted_light(path, light, chosen, &response);
     const float point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
     ty_path_sample_cosine_hemisphere(path);
     path->point_light_rate = point_light_rate;
@@ -529,6 +511,7 @@ TY_FN void ty_path_reflect_gloss(ty_path* path, const ty_intersection* at) {
     ty_light_sample sample;
     float factor[3], chosen;
     path->origin = origin;
+    path->passed = 0.0f;
     path->normal = transmits ? ty_vec_make(0, 0, 0) : point->bsdf.frame.n;
     bool shines;
     const int32_t light = ty_path_sample_light(path, origin, &chosen, &sample, &shines);
@@ -540,6 +523,7 @@ TY_FN void ty_path_reflect_gloss(ty_path* path, const ty_intersection* at) {
         path->origin = origin;
     }
     const ty_vertex_response response = {NULL, point};
+    ty_path_sample_refracted_light(path, light, chosen, &response);
     path->point_light_rate = transmits ? 0.0f : ty_path_sample_point_light_direction(path, light, chosen, &response);
     const float pick = ty_sobol_next(&path->random);
     const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
@@ -569,11 +553,9 @@ TY_FN bool ty_path_survives(ty_path* path, float beta_before) {
 /* The next event where media only attenuate: throughput times transmittance to the ray's end (NULL: the ray leaves the
  * scene). True at a reflecting surface. Averaging several transmittance estimates costs as much time as it saves. */
 TY_FN bool ty_path_pass_unscattered(ty_path* path, const ty_intersection* end, float beta_before) {
-    const ty_scene_view* scene = path->request->scene;
     const float far = end != NULL ? end->hit.distance : TY_FLOAT_MAX;
     float transmittance[3];
-    ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, far, &path->random,
-                     transmittance);
+    ty_transmittance(path->media, path->medium_count, path->origin, path->direction, far, &path->random, transmittance);
     for (int c = 0; c < 3; ++c) path->beta[c] *= transmittance[c];
     ty_path_add_emission(path, path->beta, end);
     return end != NULL && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, beta_before);
@@ -586,10 +568,10 @@ TY_FN void ty_path_meet_gloss(const ty_path* path, ty_surface_point* point) {
     if (path->request->single_reflection != 0) ty_surface_drop_compensation(point);
 }
 
-/* The next event of a path: true at a new vertex, which lies in *medium or, if that is NULL, on the surface *end. */
-TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_intersection* end) {
+/* The next event of a path at or before the next surface, as ty_path_next_event. */
+TY_FN bool ty_path_next_event_before_surface(ty_path* path, const ty_medium_view** medium, ty_intersection* end) {
     const ty_scene_view* scene = path->request->scene;
-    const ty_medium_view* media = scene->media;
+    const ty_medium_view* media = path->media;
     const float beta_before = ty_sum3(path->beta);
     if (!(beta_before > 1e-30f)) return false;
     const bool last = ty_path_is_last(path);
@@ -597,14 +579,16 @@ TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_i
         scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
     if (TY_PATH_GLOSS != 0 && on_surface && end->point.glossy != 0) ty_path_meet_gloss(path, &end->point);
+    if (ty_path_sees_dielectrics(path) && on_surface) ty_path_meet_interface(path, end);
     *medium = NULL;
     if (path->request->unscattered != 0) return ty_path_pass_unscattered(path, on_surface ? end : NULL, beta_before);
     ty_spans spans;
     ty_collision collision;
+    const bool scatters = !ty_path_only_absorbs(path);
     float emitted[3] = {0.0f, 0.0f, 0.0f};
-    ty_spans_find(media, scene->medium_count, path->origin, path->direction,
+    ty_spans_find(media, path->medium_count, path->origin, path->direction,
                   on_surface ? end->hit.distance : TY_FLOAT_MAX, &spans);
-    if (spans.count > 0 && scene->lights.local_count > 0 && !last) ty_path_add_equiangular(path, &spans);
+    if (spans.count > 0 && scatters && scene->lights.local_count > 0 && !last) ty_path_add_equiangular(path, &spans);
     if (spans.heterogeneous != 0) {
         const bool collides = ty_delta_tracking(media, &spans, path->origin, path->direction, &path->random, path->beta,
                                                 emitted, &collision);
@@ -631,7 +615,7 @@ TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_i
     for (int c = 0; c < 3; ++c) {
         collided[c] = ty_collision_probability(depth[c]);
         transmitted[c] = path->beta[c] * ty_expf(-depth[c]);
-        colliding += path->beta[c] * collided[c];
+        if (scatters) colliding += path->beta[c] * collided[c];
         if (on_surface) reflecting += transmitted[c] * end->point.albedo[c];
     }
     ty_path_add_emission(path, transmitted, on_surface ? end : NULL);
@@ -654,6 +638,21 @@ TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_i
     return ty_path_survives(path, beta_before);
 }
 
+/* The next event of a path: true at a new vertex, which lies in *medium or, if that is NULL, on the surface *end. */
+TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_intersection* end) {
+    if (!ty_path_sees_dielectrics(path)) return ty_path_next_event_before_surface(path, medium, end);
+    const int32_t scattered = path->scattered;
+    while (ty_path_next_event_before_surface(path, medium, end)) {
+        if (*medium != NULL || end->interface != TY_INTERFACE_PASSED) {
+            if (*medium != NULL) path->passed = 0.0f;
+            return true;
+        }
+        path->scattered = scattered;
+        ty_path_pass_interface(path, end);
+    }
+    return false;
+}
+
 /* Traces a path to its end and returns its number of vertices. */
 TY_FN uint32_t ty_path_follow(ty_path* path) {
     const int32_t max_depth = path->request->max_depth;
@@ -670,6 +669,8 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
             medium != NULL ? ty_path_class_scattered(path->path_class) : ty_path_class_reflected(path->path_class);
         if (medium != NULL)
             ty_path_scatter(path, medium);
+        else if (ty_path_sees_dielectrics(path) && end.interface == TY_INTERFACE_REFRACTS)
+            ty_path_refract(path, &end);
         else if (TY_PATH_GLOSS != 0 && end.point.glossy != 0)
             ty_path_reflect_gloss(path, &end);
         else
@@ -690,6 +691,10 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->run = 0;
     path->path_class = TY_PATH_UNCOLLIDED;
     path->normal = ty_vec_make(0, 0, 0);
+    path->media = request->scene->media;
+    path->medium_count = request->scene->medium_count;
+    path->passed = 0.0f;
+    path->inverse_square = 1.0f;
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
     memset(path->radiance, 0, sizeof path->radiance);
 }
@@ -700,10 +705,11 @@ TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     ty_light_sample sample;
     float chosen;
     path->origin = point;
+    ty_path_begin_inside(path);
     const ty_light_view* light = ty_path_choose_light(path, point, &chosen, &sample);
     if (light != NULL) ty_path_add_vertex_light(path, light, chosen, &sample, factor, TY_INV_4PI, 0.0f);
     ty_path_sample_sphere(path);
-    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / TY_INV_4PI;
+    for (int c = 0; c < 3; ++c) path->beta[c] *= 1.0f / TY_INV_4PI;
 }
 
 #endif

@@ -156,8 +156,8 @@ TY_FN void ty_bsdf_drop_compensation(ty_bsdf* b) {
 
 /* Density of a cosine in proportion to its power `roughness`, which is near the lobe below: smooth surfaces lose, and
  * return, light at small angles alone. */
-TY_FN float ty_bsdf_power_pdf(const ty_bsdf* b, float cosine) {
-    return (b->roughness + 1.0f) * ty_expf(b->roughness * ty_logf(ty_maxf(cosine, 1e-30f))) * (0.5f / TY_PI);
+TY_FN float ty_bsdf_power_pdf(float roughness, float cosine) {
+    return (roughness + 1.0f) * ty_expf(roughness * ty_logf(ty_maxf(cosine, 1e-30f))) * (0.5f / TY_PI);
 }
 
 /* The lobe of light that microfacets scatter several times, for reflectance 1. */
@@ -180,7 +180,7 @@ TY_FN float ty_bsdf_evaluate_base(const ty_bsdf* b, ty_vec wi, float brdf[3]) {
             ty_lerpf(b->f0[c], b->f90, weight) * lobe + b->multiple[c] * wide + b->diffuse[c] * passed * (1.0f / TY_PI);
     float pdf = b->probability[TY_LOBE_SPECULAR] * ty_ggx_pdf(b->wo, h, b->alpha) +
                 b->probability[TY_LOBE_DIFFUSE] * wi.z * (1.0f / TY_PI);
-    if (b->compensated != 0) pdf += b->probability[TY_LOBE_MULTIPLE] * ty_bsdf_power_pdf(b, wi.z);
+    if (b->compensated != 0) pdf += b->probability[TY_LOBE_MULTIPLE] * ty_bsdf_power_pdf(b->roughness, wi.z);
     return pdf;
 }
 
@@ -204,7 +204,7 @@ TY_FN float ty_bsdf_evaluate_through(const ty_bsdf* b, ty_vec wi, float btdf[3])
         b->sheen_scale > 0.0f ? ty_minf(b->above_base, 1.0f - b->sheen_scale * ty_bsdf_sheen_albedo(b, wi.z)) : 1.0f;
     for (int c = 0; c < 3; ++c) btdf[c] = b->transmitted[c] * (passed * lobe + wide) * down;
     float pdf = b->probability[TY_LOBE_THROUGH] * ty_ggx_pdf(b->wo, h, b->alpha);
-    if (b->compensated != 0) pdf += b->probability[TY_LOBE_THROUGH_MULTIPLE] * ty_bsdf_power_pdf(b, wi.z);
+    if (b->compensated != 0) pdf += b->probability[TY_LOBE_THROUGH_MULTIPLE] * ty_bsdf_power_pdf(b->roughness, wi.z);
     return pdf;
 }
 

@@ -2,6 +2,7 @@
  *
  * Directional albedos of microfacets are means over directions of visible normals, sampled at the points of a grid
  * (Heitz 2018), whose weight is G2 / G1. */
+#include "scene/bsdf/dielectric.k.h"
 #include "scene/bsdf/microfacet.k.h"
 #include "scene/bsdf/sheen.k.h"
 #include "scene/bsdf/tables.k.h"
@@ -9,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { CAP_STEPS = 192, TURN_STEPS = 64, MEAN_STEPS = 4096, SHEEN_STEPS = 128 };
+enum { CAP_STEPS = 192, TURN_STEPS = 64, MEAN_STEPS = 4096, SHEEN_STEPS = 128, VISIBLE_STEPS = 1024 };
 
 static ty_bsdf_tables tables;
 
@@ -57,6 +58,27 @@ static float integrate_sheen(float cosine, float alpha) {
     return (float)(sum * 3.14159265358979323846 * 3.14159265358979323846 / (SHEEN_STEPS * SHEEN_STEPS));
 }
 
+/* Albedo of a rough dielectric interface for directions of single scattering. */
+static float integrate_dielectric(float cosine, float alpha, float eta) {
+    const ty_vec wo = outgoing(cosine);
+    double sum = 0;
+    for (int i = 0; i < VISIBLE_STEPS; ++i) {
+        /* A lattice by the golden ratio. */
+        const float u = ((float)i + 0.5f) / VISIBLE_STEPS, v = (float)fmod(i * 0.6180339887498949, 1);
+        const ty_vec h = ty_ggx_sample_visible(wo, alpha, u, v);
+        const float fresnel = ty_fresnel_dielectric(ty_dot(wo, h), eta);
+        const ty_vec reflected = ty_reflect(wo, h), refracted = ty_refract(wo, h, eta);
+        /* G2 / G1 = 4 cos_i cos_o V (cos_o + root) / (2 cos_o) */
+        if (reflected.z > 0.0f)
+            sum += (double)(fresnel * 2.0f * reflected.z * ty_ggx_visibility(reflected.z, wo.z, alpha) *
+                            (wo.z + ty_ggx_smith_root(wo.z, alpha)));
+        if (refracted.z < 0.0f && fresnel < 1.0f)
+            sum += (double)((1.0f - fresnel) * -2.0f * refracted.z /
+                            (ty_ggx_smith_root(refracted.z, alpha) - refracted.z));
+    }
+    return fminf((float)(sum / VISIBLE_STEPS), 1.0f);
+}
+
 /* The mean of the interpolated table, so that what is left to energy compensation adds up. */
 static float mean_of(const float* table, float roughness) {
     double sum = 0;
@@ -81,6 +103,24 @@ static void fill_tables(void) {
         const float roughness = (float)r / (TY_BSDF_ROUGHNESSES - 1);
         tables.reflected_mean[r] = mean_of(tables.reflected[0], roughness);
         tables.schlick_mean[r] = mean_of(tables.schlick[0], roughness);
+    }
+}
+
+static void fill_dielectric(void) {
+    for (int t = 0; t < 2 * TY_BSDF_IORS; ++t) {
+        const float ior = fmaxf(ty_dielectric_table_ior(t % TY_BSDF_IORS), 1 + 1e-5f);
+        float* table = tables.dielectric + t * TY_BSDF_ROUGHNESSES * TY_BSDF_COSINES;
+        for (int r = 0; r < TY_BSDF_ROUGHNESSES; ++r) {
+            const float roughness = (float)r / (TY_BSDF_ROUGHNESSES - 1);
+            for (int i = 0; i < TY_BSDF_COSINES; ++i) {
+                const float cosine =
+                    fminf(fmaxf(ty_bsdf_coordinate_cosine((float)i / (TY_BSDF_COSINES - 1), roughness), 1e-5f), 1.0f);
+                table[r * TY_BSDF_COSINES + i] =
+                    integrate_dielectric(cosine, ty_ggx_alpha(roughness), t < TY_BSDF_IORS ? ior : 1 / ior);
+            }
+        }
+        for (int r = 0; r < TY_BSDF_ROUGHNESSES; ++r)
+            tables.dielectric_mean[t * TY_BSDF_ROUGHNESSES + r] = mean_of(table, (float)r / (TY_BSDF_ROUGHNESSES - 1));
     }
 }
 
@@ -109,12 +149,15 @@ int main(int count, char** arguments) {
         return EXIT_FAILURE;
     }
     fill_tables();
+    fill_dielectric();
     fprintf(file, "#include \"scene/bsdf/tables.h\"\n\nconst ty_bsdf_tables ty_bsdf_default_tables = {\n");
     write_rows(file, "reflected", tables.reflected);
     write_rows(file, "schlick", tables.schlick);
     write_rows(file, "sheen", tables.sheen);
     write_values(file, "reflected_mean", tables.reflected_mean, TY_BSDF_ROUGHNESSES);
     write_values(file, "schlick_mean", tables.schlick_mean, TY_BSDF_ROUGHNESSES);
+    write_values(file, "dielectric", tables.dielectric, 2 * TY_BSDF_IORS * TY_BSDF_ROUGHNESSES * TY_BSDF_COSINES);
+    write_values(file, "dielectric_mean", tables.dielectric_mean, 2 * TY_BSDF_IORS * TY_BSDF_ROUGHNESSES);
     fprintf(file, "};\n");
     return fclose(file) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
