@@ -412,9 +412,10 @@ def check_sequence(pages):
     viewer.stop()
 
 
-def check_kept(viewer, pages):
+def check_kept(pages):
     """The page's probe has the values of the EXR, and what it saves is the scene with the changed value alone."""
-    client, found = viewer.connect(), {}
+    viewer, found = Viewer("scene.json", "--no-compare", "--threads", "2"), {}
+    client = viewer.connect()
     client.wait_final(client.set("media[0].g", 0.65))
     pages.kept(viewer.address, found)
     width, height = found["size"]
@@ -430,14 +431,14 @@ def check_kept(viewer, pages):
     open("again.exr", "wb").write(again.image("method")[2])
     assert difference("again.exr", "kept.exr")["differing"] == 0
     again.stop()
-    client.set("media[0].g", 0.4)
+    viewer.stop()
 
 
 def check_pages(viewer):
     import test_view_page as pages
     if pages.main(viewer.address) == 77:
         return 77
-    check_kept(viewer, pages)
+    check_kept(pages)
     check_sequence(pages)
     for arguments, row in ((("scene.json", "--no-compare"), "media[0].sigma_t"), (PHOTO, "medium.visibility")):
         other = Viewer(*arguments, "--remote")
