@@ -118,6 +118,14 @@ while read -r lines file; do
   [ "$lines" -le 800 ] || complain "$file has $lines lines; split it (800 at most)"
 done < <(wc -l $(sources src tools include tests examples) | grep -v ' total$')
 
+# What a test wrote when it was run here by hand is not committed by accident.
+for file in $(find . -maxdepth 1 -type f -printf '%f\n' | tr ' ' '_'); do
+  case $file in
+  CHANGELOG.md | CITATION.cff | CMakeLists.txt | CMakePresets.json | CONTRIBUTING.md | LICENSE | Makefile | README.md | SECURITY.md | .*) ;;
+  *) complain "$file is not a file of the project's folder" ;;
+  esac
+done
+
 # The page's table of rooms, in both directions: each folder with source files has a row, each row is such a folder.
 # Files that the page names exist. A comment in the first line of each file, or of its
 # header, tells its contents.

@@ -326,6 +326,30 @@ static void jittered_lookups_average_to_the_trilinear_value(void** state) {
     }
 }
 
+/* Along the axis within 0.13 % of the exponential, which is what its voxels are for, and the same across it. */
+static void exponentials_fall_off(void** state) {
+    ty_context* context = *state;
+    for (int32_t axis = 0; axis < 3; ++axis) {
+        ty_grid* grid = NULL;
+        assert_int_equal(ty_grid_create_exponential(context, axis, -500, 3500, 1200, &grid), TY_OK);
+        const int32_t count = ty_grid_get_info(grid).size[axis];
+        for (int i = 1; i < 100; ++i) {
+            const double share = i / 100.0, height = -500 + 4000 * share;
+            double index[3] = {0.3 * i, -0.2 * i, 0.1 * i};
+            index[axis] = share * count - 0.5;
+            if (index[axis] < 0 || index[axis] > count - 1) continue;
+            assert_true(fabs((double)ty_grid_sample(grid, index) / exp(-height / 1200) - 1) < 1.3e-3);
+        }
+        ty_grid_release(grid);
+    }
+    ty_grid* grid = NULL;
+    assert_int_equal(ty_grid_create_exponential(context, 3, 0, 1, 1, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_grid_create_exponential(context, 1, 0, 1, 0, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_grid_create_exponential(context, 1, 1, 1, 1, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_grid_create_exponential(context, 1, -21, 1, 1, &grid), TY_ERROR_ARGUMENT);
+    assert_null(grid);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_defs_are_refused),
@@ -340,6 +364,7 @@ int main(void) {
         cmocka_unit_test(memory_stays_near_the_voxels),
         cmocka_unit_test(owners_share_a_grid),
         cmocka_unit_test(jittered_lookups_average_to_the_trilinear_value),
+        cmocka_unit_test(exponentials_fall_off),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -228,9 +228,15 @@ static void a_level_is_edited(void** state) {
 static void an_environment_is_edited(void** state) {
     (void)state;
     static const edit edits[] = {
-        {"lights[0].scale", "2", TY_EDIT_LIGHT},       {"lights[0].rotation", "45", TY_EDIT_LIGHT},
-        {"lights[1].scale", "0.1", TY_EDIT_LIGHT},     {"lights[1].sky.solar", "[1, 2, 3]", TY_EDIT_LIGHT},
-        {"lights[1].sky.sun", "false", TY_EDIT_LIGHT}, {"lights[0]", NULL, TY_EDIT_LIGHT},
+        {"lights[0].scale", "2", TY_EDIT_LIGHT},
+        {"lights[0].rotation", "45", TY_EDIT_LIGHT},
+        {"lights[1].scale", "0.1", TY_EDIT_LIGHT},
+        {"lights[1].sky.solar", "[1, 2, 3]", TY_EDIT_LIGHT},
+        {"lights[1].sky.sun", "false", TY_EDIT_LIGHT},
+        {"lights[0]", NULL, TY_EDIT_LIGHT},
+        {"lights[0].sky.air", "[[-500, -1, -500], [500, 900, 500]]", TY_EDIT_LIGHT},
+        {"lights[0].sky.haze", "9", TY_EDIT_LIGHT},
+        {"lights[0].sky.air", NULL, TY_EDIT_LIGHT},
     };
     ty_image* image = NULL;
     expect_ok(ty_image_create_rgb(context, 300, 150, &image));

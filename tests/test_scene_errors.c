@@ -106,7 +106,7 @@ static const bad_case bad_cases[] = {
     {MEDIUM("\"sigma_s\": 1, " BOX ",\n\"transform\": [1,0,0]"), NULL,
      "s.json:4: media[0].transform: expected 16 items, found 3"},
     {MEDIUM("\"sigma_s\": 1,\n\"density\": {}"), NULL,
-     "s.json:4: media[0].density: one of the keys \"file\", \"noise\" is missing"},
+     "s.json:4: media[0].density: one of the keys \"file\", \"noise\", \"exponential\" is missing"},
     {MEDIUM("\"sigma_s\": 1,\n\"density\": {\"file\": \"a.vdb\", \"noise\": {}}"), NULL,
      "s.json:4: media[0].density.noise: does not go with \"file\""},
     {MEDIUM("\"sigma_s\": 1, \"density\": {\"noise\": {}}"), NULL,
@@ -114,6 +114,10 @@ static const bad_case bad_cases[] = {
     {MEDIUM("\"sigma_s\": 1, \"density\": {\"noise\": {}},\n\"bounds\": {\"sphere\": {\"center\": [0,0,0], \"radius\": "
             "1}}"),
      NULL, "s.json:4: media[0].bounds: noise needs bounds that are a box..."},
+    {MEDIUM("\"sigma_s\": 1, \"density\": {\"exponential\": {\"scale_height\": 1}}"), NULL,
+     "s.json:3: media[0]: exponential density needs bounds that are a box..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX ",\n\"density\": {\"exponential\": {\"scale_height\": 1, \"base\": 50}}"), NULL,
+     "s.json:4: media[0].density.exponential: base: it is ..."},
     {MEDIUM("\"sigma_s\": 1, " BOX ", \"density\": {\"noise\": {\"kind\": \"clod\"}}"), NULL,
      "s.json:3: media[0].density.noise.kind: \"clod\" is not one of \"cloud\", \"nebula\", \"fbm\", \"constant\"; did "
      "you mean "
@@ -217,6 +221,8 @@ static const bad_case bad_cases[] = {
      "s.json:4: media[0].bounds: noise needs bounds that are a box, [[x,y,z],[x,y,z]]"},
     /* lights */
     {LIGHT("\"direction\": [0,-1,0]"), NULL, "s.json:3: lights[0]: the key \"type\" is missing"},
+    {LIGHT("\"type\": \"environment\", \"sky\": {\n\"air\": [[0, 0, 0], [9, 1, 9]]}"), NULL,
+     "s.json:3: lights[0].sky: air: its box is 1 m high, outside [2, 10000]"},
     {LIGHT("\"type\": \"pont\""), NULL,
      "s.json:3: lights[0].type: \"pont\" is not one of \"directional\", \"point\", \"spot\", "
      "\"area\", \"environment\"; did you mean \"point\"?"},

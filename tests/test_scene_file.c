@@ -458,6 +458,7 @@ static const char every_key[] =
     "\"frequency\":2,\"octaves\":2,\"gain\":0.5,\"lacunarity\":2,\"coverage\":0.5,\"sharpness\":4}}},"
     "{\"preset\":\"apple\",\"dilution\":2," BOX "},{\"preset\":\"fog\",\"visibility\":9," BOX "},"
     "{\"sigma_s\":1," BOX ",\"density\":{\"noise\":{\"kind\":\"constant\",\"resolution\":2}}},"
+    "{\"sigma_s\":1," BOX ",\"density\":{\"exponential\":{\"scale_height\":3,\"base\":1}}},"
     "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"hg\",\"g\":0.5}},"
     "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"rayleigh\"}},"
     "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"draine\",\"g\":0.5,\"alpha\":2}},"
@@ -474,7 +475,7 @@ static const char every_key[] =
     "{\"type\":\"environment\",\"file\":\"sky.exr\",\"scale\":1,\"rotation\":0},"
     "{\"type\":\"environment\",\"radiance\":1},"
     "{\"type\":\"environment\",\"sky\":{\"sun_direction\":[0,0,-1],\"solar\":1,\"haze\":1,\"ground\":0.1,\"sun\":true,"
-    "\"resolution\":16}}],"
+    "\"resolution\":16,\"ozone\":1,\"multiple_scattering\":\"none\",\"air\":[[0,0,0],[9,9,9]]}}],"
     "\"geometry\":[{\"quad\":{\"origin\":[0,0,0],\"u\":[1,0,0],\"v\":[0,1,0]},\"material\":{\"albedo\":0.5,"
     "\"emission\":1,\"metallic\":0,\"roughness\":0.5,\"ior\":1.5,\"specular\":1,\"specular_color\":[1,1,1],"
     "\"transmission\":0.5,\"clearcoat\":1,\"clearcoat_roughness\":0.1,\"sheen_color\":0.5,"
@@ -535,7 +536,7 @@ static void every_key_is_accepted(void** state) {
     json_decref(schema);
     ty_scene* scene = parse(context, every_key);
     const ty_scene_info info = ty_scene_get_info(scene);
-    assert_int_equal(info.media, 16);
+    assert_int_equal(info.media, 19); /* two of them the air of the sky */
     assert_int_equal(info.lights, 8);
     assert_int_equal(info.meshes, 1);
     assert_int_equal(info.shapes, 3);

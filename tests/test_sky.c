@@ -1,6 +1,8 @@
 /* The sky: where things are on the map, what colours they have, and that light adds up. */
 #include "checks.h"
 
+#include "scene/sky.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -19,9 +21,12 @@ static ty_sky_def sun_at(double elevation_deg, double azimuth_deg, ty_axis up) {
     return def;
 }
 
+/* Tables of the last atmosphere, which save most of the time of skies of the same one. */
+static ty_sky_table kept_table;
+
 static ty_image* make_sky(ty_context* context, const ty_sky_def* def, float sun[3]) {
     ty_image* image = NULL;
-    assert_int_equal(ty_sky_create_image(context, def, &image, sun), TY_OK);
+    assert_int_equal(ty_sky_create_image_with(context, def, &kept_table, &image, sun), TY_OK);
     assert_int_equal(ty_image_width(image), def->width);
     assert_int_equal(ty_image_height(image), def->width / 2);
     return image;
@@ -51,7 +56,7 @@ static void threads_do_not_matter(void** state) {
     ty_context* contexts[2] = {make_context(1), make_context(3)};
     ty_image* images[2];
     const ty_sky_def def = sun_at(25, 70, TY_AXIS_Y);
-    for (int i = 0; i < 2; ++i) images[i] = make_sky(contexts[i], &def, NULL);
+    for (int i = 0; i < 2; ++i) assert_int_equal(ty_sky_create_image(contexts[i], &def, &images[i], NULL), TY_OK);
     for (int c = 0; c < 3; ++c)
         assert_memory_equal(ty_image_plane(images[0], c), ty_image_plane(images[1], c), 128 * 64 * sizeof(float));
     for (int i = 0; i < 2; ++i) {
@@ -60,11 +65,29 @@ static void threads_do_not_matter(void** state) {
     }
 }
 
+/* Tables that were kept make no difference, whatever they were made for, and the sky differs by how it scatters. */
+static void kept_tables_do_not_matter(void** state) {
+    ty_context* context = *state;
+    const ty_sky_def first = sun_at(25, 70, TY_AXIS_Y);
+    ty_sky_def defs[5] = {sun_at(60, 0, TY_AXIS_Y), first, first, first, first};
+    defs[1].ground[1] = 0.7f, defs[2].ozone = 0, defs[3].scattering = TY_SKY_ISOTROPIC, defs[4].haze = 2;
+    ty_image* expected = NULL;
+    assert_int_equal(ty_sky_create_image(context, &first, &expected, NULL), TY_OK);
+    for (int i = 0; i < 5; ++i) {
+        ty_image *other = make_sky(context, &defs[i], NULL), *again = make_sky(context, &first, NULL);
+        assert_memory_equal(ty_image_plane(again, 1), ty_image_plane(expected, 1), 128 * 64 * sizeof(float));
+        assert_memory_not_equal(ty_image_plane(other, 1), ty_image_plane(expected, 1), 128 * 64 * sizeof(float));
+        ty_image_destroy(other);
+        ty_image_destroy(again);
+    }
+    ty_image_destroy(expected);
+}
+
 static void radiance_is_finite_everywhere(void** state) {
     ty_context* context = *state;
     const double elevations[] = {-90, -30, -5, -0.3, 0, 0.3, 5, 45, 90}, hazes[] = {0, 1, 10};
-    for (size_t e = 0; e < sizeof elevations / sizeof *elevations; ++e)
-        for (size_t h = 0; h < 3; ++h) {
+    for (size_t h = 0; h < 3; ++h)
+        for (size_t e = 0; e < sizeof elevations / sizeof *elevations; ++e) {
             ty_sky_def def = sun_at(elevations[e], 200, TY_AXIS_Z);
             def.haze = hazes[h];
             def.width = 34; /* an odd height: one row lies on the horizon */
@@ -277,14 +300,24 @@ static void arguments_are_checked(void** state) {
     def = good, def.haze = 10.5, refuse(context, &def, "haze");
     def = good, def.haze = NAN, refuse(context, &def, "haze");
     def = good, def.up_axis = (ty_axis)0, refuse(context, &def, "up_axis");
+    def = good, def.ozone = -1, refuse(context, &def, "ozone");
+    def = good, def.height = 1, refuse(context, &def, "height");
+    def = good, def.height = 10001, refuse(context, &def, "height");
+    def = good, def.scattering = (ty_sky_scattering)3, refuse(context, &def, "scattering");
     def = good, def.width = 17, refuse(context, &def, "width");
     def = good, def.width = 14, refuse(context, &def, "width");
     def = good, def.width = 8194, refuse(context, &def, "width");
 }
 
+static int release_table(void** state) {
+    ty_sky_table_release(*state, &kept_table);
+    return stop_context(state);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(kept_tables_do_not_matter),
         cmocka_unit_test(radiance_is_finite_everywhere),
         cmocka_unit_test(the_sky_is_brightest_around_the_sun),
         cmocka_unit_test(up_axes_agree),
@@ -296,5 +329,5 @@ int main(void) {
         cmocka_unit_test(solar_scales_and_haze_dims),
         cmocka_unit_test(arguments_are_checked),
     };
-    return cmocka_run_group_tests(tests, start_context, stop_context);
+    return cmocka_run_group_tests(tests, start_context, release_table);
 }

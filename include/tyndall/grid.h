@@ -128,6 +128,11 @@ static inline ty_noise_def ty_default_noise_def(void) {
 /// Creates an unplaced half-float grid of procedural density, with one reference.
 /// Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_grid_create_noise(ty_context* context, const ty_noise_def* def, ty_grid** out);
+/// Creates an unplaced grid, one voxel wide, of exp(-h / scale_height) along an axis (0 x, 1 y, 2 z) of the box that it
+/// fills, with h rising from `low` to `high` between the box's faces; all in metres, or any other unit. low is at least
+/// -20 scale heights. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+TY_API ty_result ty_grid_create_exponential(ty_context* context, int32_t axis, double low, double high,
+                                            double scale_height, ty_grid** out);
 
 #ifdef __cplusplus
 }

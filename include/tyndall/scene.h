@@ -368,9 +368,15 @@ typedef struct ty_mesh_def {
                   ///< for maps of normals; or NULL (default): from positions and texture coordinates.
 } ty_mesh_def;
 
-/// The sky seen from the ground: sunlight in a spherical atmosphere with Rayleigh and Mie scattering and ozone,
-/// scattered once (Nishita et al. 1993), and further times as if isotropically (Hillaire 2020). Radiance is absolute,
-/// per channel for a given solar irradiance. Create it with ty_default_sky_def().
+/// Light of a sky that was scattered more than once.
+typedef enum ty_sky_scattering {
+    TY_SKY_ORDERS = 0,    ///< Successive orders of scattering by the phase functions of air and haze (docs/sky.md).
+    TY_SKY_ISOTROPIC = 1, ///< As if scattered isotropically, by height alone (Hillaire 2020).
+    TY_SKY_SINGLE = 2     ///< None.
+} ty_sky_scattering;
+
+/// The sky seen from the ground: sunlight in a spherical atmosphere with Rayleigh and Mie scattering and ozone.
+/// Radiance is absolute, per channel for a given solar irradiance. Create it with ty_default_sky_def().
 typedef struct ty_sky_def {
     uint32_t cookie;         ///< Set by ty_default_sky_def() and checked.
     uint32_t bytes;          ///< Set by ty_default_sky_def() to the size of the structure, and checked.
@@ -380,6 +386,9 @@ typedef struct ty_sky_def {
     float ground[3];         ///< Albedo of the ground, which is seen below the horizon, 0..1; default 0.2.
     ty_axis up_axis;         ///< Default TY_AXIS_Y.
     int32_t width; ///< Width of the equirectangular image, even, 16..8192; default 512; the height is half of it.
+    double ozone;  ///< Amount of ozone, 0..10; default 1.
+    ty_sky_scattering scattering; ///< Default TY_SKY_ORDERS.
+    double height; ///< Height of the observer above the ground, m, 2..10000; default 2. Only what is above is seen.
 } ty_sky_def;
 
 /// Sets the `bytes` bytes of a ty_camera_def to the defaults, as ty_init_context_def() does.
@@ -443,6 +452,12 @@ static inline ty_sky_def ty_default_sky_def(void) {
 /// W m^-2. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_image** out,
                                      float sun_irradiance[3]);
+
+/// Adds the air and the haze of a sky as media that fill a box, with the ground at its lower face: aerial perspective.
+/// Their densities fall off exponentially along the scene's up axis. The sky's image must hold no light of that air,
+/// so that it is made with `height` = height of the box. Errors: as ty_scene_add_medium().
+TY_API ty_result ty_scene_add_sky_air(ty_scene* scene, const ty_sky_def* sky, const double box_min[3],
+                                      const double box_max[3]);
 
 /// Creates an empty scene. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out);

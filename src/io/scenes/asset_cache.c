@@ -37,7 +37,8 @@ static bool same_volume(const ty_volume_def* a, const ty_volume_def* b) {
 static bool same_sky(const ty_sky_def* a, const ty_sky_def* b) {
     return memcmp(a->sun_direction, b->sun_direction, sizeof a->sun_direction) == 0 &&
            memcmp(a->solar, b->solar, sizeof a->solar) == 0 && memcmp(a->ground, b->ground, sizeof a->ground) == 0 &&
-           a->haze == b->haze && a->up_axis == b->up_axis && a->width == b->width;
+           a->haze == b->haze && a->up_axis == b->up_axis && a->width == b->width && a->ozone == b->ozone &&
+           a->scattering == b->scattering && a->height == b->height;
 }
 
 static bool same_source(const ty_asset* a, const ty_asset* b) {
@@ -46,6 +47,7 @@ static bool same_source(const ty_asset* a, const ty_asset* b) {
     case TY_ASSET_COMPONENTS:
     case TY_ASSET_GRID: return same_volume(&a->volume, &b->volume);
     case TY_ASSET_NOISE: return memcmp(&a->noise, &b->noise, sizeof a->noise) == 0;
+    case TY_ASSET_EXPONENTIAL: return memcmp(&a->exponential, &b->exponential, sizeof a->exponential) == 0;
     case TY_ASSET_SKY: return same_sky(&a->sky, &b->sky);
     case TY_ASSET_MAP: return true;
     case TY_ASSET_SHELL:

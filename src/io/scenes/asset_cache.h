@@ -20,11 +20,17 @@ typedef enum ty_asset_kind {
     TY_ASSET_COMPONENTS, /* values per voxel of a volume */
     TY_ASSET_GRID,
     TY_ASSET_NOISE,
+    TY_ASSET_EXPONENTIAL,
     TY_ASSET_MAP,
     TY_ASSET_SKY,
     TY_ASSET_SHELL,
     TY_ASSET_CAMERA
 } ty_asset_kind;
+
+/* Density that falls off exponentially along the up axis, over heights of a box, m. */
+typedef struct ty_exponential_density {
+    double low, high, scale_height;
+} ty_exponential_density;
 
 /* Content, and what it was made from: fields that do not matter to its kind are zero. */
 typedef struct ty_asset {
@@ -32,6 +38,7 @@ typedef struct ty_asset {
     const ty_asset_file* file; /* NULL: computed */
     ty_volume_def volume;      /* TY_ASSET_COMPONENTS, TY_ASSET_GRID; its frame does not matter */
     ty_noise_def noise;
+    ty_exponential_density exponential;
     ty_sky_def sky;
     ty_affine placement; /* TY_ASSET_SHELL, TY_ASSET_CAMERA, with to_z_up */
     bool to_z_up;

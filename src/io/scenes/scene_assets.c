@@ -132,6 +132,22 @@ ty_result ty_make_noise(ty_scene_reader* reader, const ty_json_path* json_path, 
     return result;
 }
 
+ty_result ty_make_exponential(ty_scene_reader* reader, const ty_json_path* json_path, const ty_exponential_density* def,
+                              ty_grid** out) {
+    ty_asset asset = {.kind = TY_ASSET_EXPONENTIAL, .exponential = *def};
+    const ty_asset* found = ty_assets_find(reader->assets, &asset);
+    if (found != NULL) {
+        *out = found->grid;
+        return TY_OK;
+    }
+    ty_result result = ty_reader_prefix_error(reader, json_path,
+                                              ty_grid_create_exponential(reader->context, reader->up_axis, def->low,
+                                                                         def->high, def->scale_height, &asset.grid));
+    if (result == TY_OK) result = ty_assets_keep(reader->assets, &asset);
+    if (result == TY_OK) *out = asset.grid;
+    return result;
+}
+
 /* ---- volumes ---- */
 
 /* Size of a file name with its #s replaced. */

@@ -274,6 +274,16 @@ static uint32_t compare(const json_t* before, const json_t* after) {
     return flags;
 }
 
+/* True if a sky fills a box with air, which is media. */
+static bool has_air(const json_t* root) {
+    size_t i;
+    json_t* light;
+    json_array_foreach(json_object_get(root, "lights"), i, light) {
+        if (json_object_get(json_object_get(light, "sky"), "air") != NULL) return true;
+    }
+    return false;
+}
+
 /* Bits of the sections that are read anew. Shapes and meshes are kept or made as a whole, with all that refers to
  * them. */
 static unsigned sections_of(const json_t* before, const json_t* after) {
@@ -284,7 +294,10 @@ static unsigned sections_of(const json_t* before, const json_t* after) {
     unsigned sections = 0;
     if (differ(before, after, camera)) sections |= 1u << TY_SECTION_CAMERA;
     if (differ(before, after, media)) sections |= 1u << TY_SECTION_MEDIA;
-    if (differ(before, after, lights)) sections |= 1u << TY_SECTION_LIGHTS;
+    if (differ(before, after, lights)) {
+        sections |= 1u << TY_SECTION_LIGHTS;
+        if (has_air(before) || has_air(after)) sections |= 1u << TY_SECTION_MEDIA;
+    }
     return sections;
 }
 

@@ -23,6 +23,16 @@ static ty_result read_sky(ty_scene_reader* reader, const json_t* sky, const ty_j
     ty_read_number(sky, "haze", &def.haze);
     ty_read_rgb(sky, "ground", def.ground);
     ty_read_int(sky, "resolution", &def.width);
+    ty_read_number(sky, "ozone", &def.ozone);
+    if (json_object_get(sky, "air") != NULL) {
+        double lower[3], upper[3];
+        result = ty_read_box(reader, sky, path, "air", reader->unit, lower, upper);
+        if (result != TY_OK) return result;
+        def.height = upper[reader->up_axis] - lower[reader->up_axis];
+    }
+    const char* scattering = json_string_value(json_object_get(sky, "multiple_scattering"));
+    if (scattering != NULL && strcmp(scattering, "isotropic") == 0) def.scattering = TY_SKY_ISOTROPIC;
+    if (scattering != NULL && strcmp(scattering, "none") == 0) def.scattering = TY_SKY_SINGLE;
     ty_environment_map* map = NULL;
     float irradiance[3];
     result = ty_make_sky(reader, path, &def, &map, irradiance);
@@ -94,4 +104,25 @@ ty_result ty_read_lights(ty_scene_reader* reader) {
         if (result != TY_OK) return result;
     }
     return TY_OK;
+}
+
+ty_result ty_read_sky_air(ty_scene_reader* reader) {
+    const ty_json_path root = {.depth = 0};
+    const ty_json_path lights = ty_json_path_key(&root, "lights");
+    size_t i;
+    json_t* light;
+    ty_result result = TY_OK;
+    json_array_foreach(json_object_get(reader->root, "lights"), i, light) {
+        const json_t* sky = json_object_get(light, "sky");
+        if (result != TY_OK || json_object_get(sky, "air") == NULL) continue;
+        const ty_json_path light_path = ty_json_path_index(&lights, i);
+        const ty_json_path path = ty_json_path_key(&light_path, "sky");
+        ty_sky_def def = ty_default_sky_def();
+        double lower[3], upper[3];
+        ty_read_number(sky, "haze", &def.haze);
+        result = ty_read_box(reader, sky, &path, "air", reader->unit, lower, upper);
+        if (result == TY_OK)
+            result = ty_reader_prefix_error(reader, &path, ty_scene_add_sky_air(reader->scene, &def, lower, upper));
+    }
+    return result;
 }

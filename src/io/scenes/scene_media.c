@@ -36,8 +36,21 @@ static ty_result read_noise(ty_scene_reader* reader, const json_t* noise, const 
     return ty_make_noise(reader, path, &def, out);
 }
 
-/* Sets scale or density_grid. */
-static ty_result read_density(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
+/* Density over the heights of the bounds, which are a box; lengths of the file times factor. */
+static ty_result read_exponential(ty_scene_reader* reader, const json_t* exponential, const ty_json_path* path,
+                                  double factor, ty_medium_def* def) {
+    const int up = reader->up_axis;
+    double base = def->box_min[up] / factor, scale_height = 1;
+    ty_read_number(exponential, "base", &base);
+    ty_read_number(exponential, "scale_height", &scale_height);
+    const ty_exponential_density shape = {.low = def->box_min[up] - base * factor,
+                                          .high = def->box_max[up] - base * factor,
+                                          .scale_height = scale_height * factor};
+    return ty_make_exponential(reader, path, &shape, &def->density_grid);
+}
+
+/* Sets scale or density_grid. Lengths are in `unit` meters. */
+static ty_result read_density(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, double unit,
                               ty_medium_def* def) {
     double scale = 1;
     ty_read_number(medium, "scale", &scale);
@@ -48,6 +61,11 @@ static ty_result read_density(ty_scene_reader* reader, const json_t* medium, con
     if (!json_is_object(density)) return TY_OK;
     if (json_object_get(density, "file") != NULL)
         return ty_read_volume(reader, density, &json_path, "density", def->bounds == TY_BOUNDS_BOX, &def->density_grid);
+    const json_t* exponential = json_object_get(density, "exponential");
+    if (exponential != NULL) {
+        const ty_json_path exponential_path = ty_json_path_key(&json_path, "exponential");
+        return read_exponential(reader, exponential, &exponential_path, reader->unit / unit, def);
+    }
     const ty_json_path noise_path = ty_json_path_key(&json_path, "noise");
     return read_noise(reader, json_object_get(density, "noise"), &noise_path, &def->density_grid);
 }
@@ -78,9 +96,10 @@ static ty_result read_bounds(ty_scene_reader* reader, const json_t* medium, cons
         def->bounds = TY_BOUNDS_BOX;
         return ty_read_box(reader, medium, path, "bounds", factor, def->box_min, def->box_max);
     }
-    if (json_object_get(density, "noise") != NULL)
+    if (json_object_get(density, "noise") != NULL || json_object_get(density, "exponential") != NULL)
         return ty_reader_fail(reader, bounds != NULL ? &json_path : path, TY_ERROR_INPUT,
-                              "noise needs bounds that are a box, [[x,y,z],[x,y,z]]");
+                              "%s needs bounds that are a box, [[x,y,z],[x,y,z]]",
+                              json_object_get(density, "noise") != NULL ? "noise" : "exponential density");
     if (bounds == NULL && json_object_get(density, "file") != NULL) return TY_OK;
     if (bounds == NULL)
         return ty_reader_fail(reader, path, TY_ERROR_INPUT, "a homogeneous medium needs the key \"bounds\"");
@@ -114,7 +133,7 @@ static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, cons
     if (result == TY_OK) result = read_bounds(reader, medium, path, unit, &def);
     if (result == TY_OK) result = ty_read_transform(reader, medium, path, unit, 1, &def.transform);
     if (result == TY_OK) result = ty_read_fields(reader, medium, path, &def, points);
-    if (result == TY_OK) result = read_density(reader, medium, path, &def);
+    if (result == TY_OK) result = read_density(reader, medium, path, unit, &def);
     return result == TY_OK ? ty_reader_prefix_error(reader, path, ty_scene_add_medium(reader->scene, &def)) : result;
 }
 
@@ -128,5 +147,5 @@ ty_result ty_read_media(ty_scene_reader* reader) {
         const ty_result result = read_medium(reader, medium, &path);
         if (result != TY_OK) return result;
     }
-    return TY_OK;
+    return ty_read_sky_air(reader);
 }

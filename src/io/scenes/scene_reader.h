@@ -127,6 +127,8 @@ ty_result ty_make_sky(ty_scene_reader* reader, const ty_json_path* json_path, co
 /* file: from ty_find_mesh_file. The transform of def maps the file's points to the medium's. */
 ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
                         const ty_mesh_file_def* def, ty_closed_mesh** out);
+ty_result ty_make_exponential(ty_scene_reader* reader, const ty_json_path* json_path, const ty_exponential_density* def,
+                              ty_grid** out);
 ty_result ty_make_noise(ty_scene_reader* reader, const ty_json_path* json_path, const ty_noise_def* def, ty_grid** out);
 /* Reads a grid of a volume, an object at json_path; grid_name applies unless the volume names a grid. Raw volumes
  * without spacing are refused unless `filling` is true: a box then gives their extent. */
@@ -165,6 +167,8 @@ ty_result ty_read_mesh_placement(const ty_scene_reader* reader, const json_t* it
 ty_result ty_read_camera(ty_scene_reader* reader);
 ty_result ty_read_media(ty_scene_reader* reader);
 ty_result ty_read_lights(ty_scene_reader* reader);
+/* Media of the key `air` of skies. */
+ty_result ty_read_sky_air(ty_scene_reader* reader);
 ty_result ty_read_geometry(ty_scene_reader* reader);
 
 /* Parses overrides and sets their values in reader->root. ty_free_overrides must follow, even after a failure. */

@@ -37,6 +37,7 @@ const suggested = {
   intensity: () => Number(((sceneBox().size * sceneBox().unit) ** 2).toPrecision(2)),
   irradiance: () => 1, radiance: () => 1, sky: () => ({}), temperature: () => undefined, noise: () => ({}),
   box: () => [tidyAll(sceneBox().low), tidyAll(sceneBox().high)],
+  air: () => [tidyAll(sceneBox().low), tidyAll(sceneBox().high)],
   center: () => tidyAll(sceneBox().middle), radius: () => Number((0.2 * sceneBox().size).toPrecision(2)),
   origin: () => tidyAll(sceneBox().middle), u: () => [Number((0.3 * sceneBox().size).toPrecision(2)), 0, 0],
   v: () => state.document.up_axis === "z" ? [0, Number((0.3 * sceneBox().size).toPrecision(2)), 0]
