@@ -382,7 +382,9 @@ def check_slow_photo():
         coarse = client.frames[METHOD]
         assert coarse["coarse"] and not coarse["final"], coarse["width"]
     final = client.wait_final(coarse["revision"])
-    assert final["width"] == 240 and abs(mean(coarse) / mean(final) - 1) < 0.15, (mean(coarse), mean(final))
+    # 60 x 40 pixels were 9 % brighter, the 34 x 22 of a machine that is slow by sanitizers 38 %
+    bound = 0.15 if coarse["width"] >= 60 else 0.5
+    assert final["width"] == 240 and abs(mean(coarse) / mean(final) - 1) < bound, (coarse["width"], mean(coarse), mean(final))
     viewer.stop()
 
 
@@ -410,10 +412,33 @@ def check_sequence(pages):
     viewer.stop()
 
 
+def check_kept(pages):
+    """The page's probe has the values of the EXR, and what it saves is the scene with the changed value alone."""
+    viewer, found = Viewer("scene.json", "--no-compare", "--threads", "2"), {}
+    client = viewer.connect()
+    client.wait_final(client.set("media[0].g", 0.65))
+    pages.kept(viewer.address, found)
+    width, height = found["size"]
+    write_exr("probed.exr", {"width": width, "height": height, "pixels": struct.pack(f"<{3 * width * height}e", *found["pixels"])})
+    open("kept.exr", "wb").write(viewer.image("method")[2])
+    difference_of = difference("probed.exr", "kept.exr")["all"]  # as in check_images
+    assert difference_of["relative_rmse"] < 6e-4 and abs(difference_of["mean_ratio"] - 1) < 1e-4, difference_of
+    assert found["json"] == SCENE.replace("0.4", "0.65"), found["json"]
+    open("kept.json", "w").write(found["json"])
+    again = Viewer("kept.json", "--no-compare", "--threads", "2")
+    other = again.connect()
+    other.wait_final()
+    open("again.exr", "wb").write(again.image("method")[2])
+    assert difference("again.exr", "kept.exr")["differing"] == 0
+    again.stop()
+    viewer.stop()
+
+
 def check_pages(viewer):
     import test_view_page as pages
     if pages.main(viewer.address) == 77:
         return 77
+    check_kept(pages)
     check_sequence(pages)
     for arguments, row in ((("scene.json", "--no-compare"), "media[0].sigma_t"), (PHOTO, "medium.visibility")):
         other = Viewer(*arguments, "--remote")

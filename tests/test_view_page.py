@@ -103,6 +103,15 @@ def check_edit(browser):
     wait_final(browser, revision + 2)
 
 
+def check_method(browser):
+    """A digit's key switches the method, and another one switches back."""
+    first, names = browser.run(f"{STATE}.view.chosen"), browser.run(f"{STATE}.welcome.methods.map(m => m.name)")
+    for name in ("octaves", first):
+        press(browser, str(names.index(name) + 1))
+        browser.wait_for(f"{STATE}.view.chosen === {json.dumps(name)} && {STATE}.status.method === {json.dumps(name)} && {STATE}.status.final")
+        wait_final(browser)
+
+
 def check_camera(browser):
     at, revision = browser.run(f"{STATE}.camera.position"), browser.run(f"{STATE}.frames[0].revision")
     x, y, width, height = box_of(browser, "#screen")
@@ -244,7 +253,37 @@ def check_photo(browser):
     press(browser, "Escape")
 
 
+# ---- keeping, and a lost connection ----
+
+def check_kept(browser, kept):
+    """The probe of all pixels, and the file that Save gives: to kept."""
+    check_image(browser)
+    frame = browser.run(f"{STATE}.frames[0]")
+    kept["size"] = width, height = frame["fullWidth"], frame["fullHeight"]
+    kept["pixels"] = browser.run(f"Array.from({{length: {width * height}}}, (_, i) => window.tyndall.probe(i % {width}, Math.floor(i / {width}), 0))"
+                                 ".flatMap(p => [p.r, p.g, p.b])")
+    browser.run("(make => { URL.createObjectURL = blob => { window.blob = blob; return make(blob); }; })"
+                "(URL.createObjectURL.bind(URL)); document.querySelector('#save').click(); true")
+    browser.wait_for("window.blob !== undefined")
+    kept["json"] = browser.run("window.blob.text()")
+
+
+def check_reconnection(browser):
+    """A lost connection is made anew, and shows the image again."""
+    count, revision = browser.run("window.sockets.length"), browser.run(f"{STATE}.frames[0].revision")
+    browser.run(f"window.lost = false; window.watch = setInterval(() => window.lost ||= {STATE}.connection === 'lost', 5);"
+                " window.sockets.at(-1).close(); true")
+    browser.wait_for(f"window.lost && window.sockets.length > {count} && {STATE}.connection === 'open'")
+    wait_final(browser, revision)
+    browser.run("clearInterval(window.watch); true")
+    assert not browser.run("document.querySelector('#troubles').textContent")
+
+
 # ---- runs ----
+
+# Keeps the page's connections in window.sockets.
+SOCKETS = """window.sockets = [];
+window.WebSocket = class extends WebSocket { constructor(...all) { super(...all); window.sockets.push(this); } };"""
 
 def run(address, *checks):
     """77 where there is no browser."""
@@ -255,6 +294,7 @@ def run(address, *checks):
         here = os.getcwd()
         os.chdir(folder)
         with Browser(1280, 800, dark=True, webgl=True) as browser:
+            browser.call("Page.addScriptToEvaluateOnNewDocument", source=SOCKETS)
             browser.open(address)
             for check in checks:
                 check(browser)
@@ -267,7 +307,11 @@ def run(address, *checks):
 
 
 def main(address):
-    return run(address, check_image, check_display, check_wipe, check_pin, check_edit, check_camera)
+    return run(address, check_image, check_display, check_wipe, check_pin, check_edit, check_method, check_camera, check_reconnection)
+
+
+def kept(address, found):
+    return run(address, lambda browser: check_kept(browser, found))
 
 
 def sequence(address, folder, last):

@@ -14,6 +14,7 @@ typedef struct ty_render_request {
     uint64_t seed;
     double seconds, error;   /* limits of method path; 0: none */
     int32_t width, height;   /* 0: the camera's resolution */
+    int32_t ray_spacing;     /* of `view`, pixels, where the method's own is smaller and it has one; 0: its own */
     int32_t crop[4];         /* x, y, width, height; 0: the whole frame */
     uint32_t aovs;           /* TY_AOV_... */
     ty_progress_fn progress; /* NULL: none */

@@ -161,6 +161,8 @@ ty_result ty_volume_method_view(const ty_volume_method* method, void (*change)(v
     _Alignas(16) char def[TY_VOLUME_DEF_MAX];
     *out = NULL;
     ty_result result = make_def(method, change, scene, request, unscattered, def);
+    if (spacing_of(method, def) < request->ray_spacing)
+        memcpy(def + method->spacing_at, &request->ray_spacing, sizeof request->ray_spacing);
     if (result == TY_OK)
         result = ty_volume_view(method, light, scene, def, out, ty_method_stats(run, method->stats_bytes));
     return result;

@@ -9,28 +9,35 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 enum { CHANGES = 9, CHANGES_QUICK = 3, MOTION_HERTZ = 60, ARRIVALS_MAX = 4096 };
 static const double motion_seconds = 3, timeout = 60;
 
+enum { METHODS = 4 };
+
+/* A scene, and the methods that take it. */
 typedef struct view_case {
-    const char *scene, *method;
+    const char *title, *scene; /* scene: builtin, or of scenes/tools with third-party data */
+    const char* file;          /* of that data, as density of media[0]; NULL: none */
+    const char* methods[METHODS];
 } view_case;
 
-/* The scenes without files; --scenes names others, for the methods of volumes. */
+/* --scenes names others. */
 static const view_case cases[] = {
-    {"builtin:cloud_sun", "fld"},      {"builtin:cloud_sun", "pop"},   {"builtin:cloud_sun", "dom"},
-    {"builtin:cloud_sun", "lpv"},      {"builtin:atrium", "fld"},      {"builtin:atrium", "pop"},
-    {"builtin:atrium", "dom"},         {"builtin:atrium", "lpv"},      {"builtin:fog_cornell", "fld"},
-    {"builtin:fog_cornell", "pop"},    {"builtin:fog_cornell", "dom"}, {"builtin:fog_cornell", "lpv"},
-    {"builtin:screen_room", "screen"},
+    {"cloud_sun", "builtin:cloud_sun", NULL, {"fld", "pop", "dom", "lpv"}},
+    {"disney_cloud", "dom_disney_cloud", DISNEY_CLOUD_FILE, {"fld", "pop", "dom"}}, /* lpv takes no environment */
+    {"plume", "auto_plume", PLUME_FILE, {"fld", "pop", "dom"}},
+    {"atrium", "builtin:atrium", NULL, {"fld", "pop", "dom", "lpv"}},
+    {"fog_cornell", "builtin:fog_cornell", NULL, {"fld", "pop", "dom", "lpv"}},
+    {"screen_room", "builtin:screen_room", NULL, {"screen"}},
 };
-static const char* const volume_methods[] = {"fld", "pop", "dom", "lpv"};
+static const char* const volume_methods[METHODS] = {"fld", "pop", "dom", "lpv"};
 
 typedef struct measured {
     double latency, latency_max; /* ms from a change of a medium to its first image; median and largest */
     double camera_latency;       /* ms, of the camera; median */
-    double final_seconds;        /* from a change of a medium to its final image, median */
+    double final_seconds;        /* from a change of a medium to its final image, of 16 spp of surfaces; median */
     double rate;                 /* images per second while the camera, or a photograph's medium, moves */
     double coarse;               /* width of those images over the full width, median */
     double solve, view;          /* ms of the server, at rest */
@@ -242,14 +249,26 @@ static void tell_failure(const bench_session* bench, const char* complaint) {
     json_text(bench->json, "refused", complaint[0] != '\0' ? complaint : late);
 }
 
-static int measure_case(const bench_session* bench, const char* scene, const char* method) {
+/* override: of the scene; NULL: none. */
+static int measure_case(const bench_session* bench, const char* scene, const char* method, const char* override) {
     int32_t size[2];
     char pixels[32], threads[16];
     bench_pixels(bench->options, 640, 360, size);
     snprintf(pixels, sizeof pixels, "%dx%d", (int)size[0], (int)size[1]);
     snprintf(threads, sizeof threads, "%d", (int)ty_context_threads(bench->session->context));
-    const char* const arguments[] = {scene,       "--method", method,         "--size", pixels,
-                                     "--threads", threads,    "--no-compare", NULL};
+    const char* const arguments[] = {scene,
+                                     "--method",
+                                     method,
+                                     "--size",
+                                     pixels,
+                                     "--threads",
+                                     threads,
+                                     "--no-compare",
+                                     "-D",
+                                     "render.spp=16",
+                                     override != NULL ? "-D" : NULL,
+                                     override,
+                                     NULL};
     view_client* client = view_client_open(arguments);
     if (client == NULL) return CLI_FAILED;
     measured m;
@@ -288,27 +307,50 @@ static int measure_files(const bench_session* bench) {
         }
         scene_name(scene, name, sizeof name);
         json_open_object(bench->json, name);
-        for (size_t m = 0; m < sizeof volume_methods / sizeof volume_methods[0] && status == CLI_DONE; ++m)
-            status = measure_case(bench, scene, volume_methods[m]);
+        for (int m = 0; m < METHODS && status == CLI_DONE; ++m)
+            status = measure_case(bench, scene, volume_methods[m], NULL);
         json_close_object(bench->json);
     }
     return status;
 }
 
+/* Measures a scene of scenes/tools, by way of a file. */
+static int measure_tool_scene(const bench_session* bench, const view_case* item, const char* method) {
+    char path[] = "/tmp/tyndall-bench-XXXXXX", override[BENCH_PATH_SIZE + 64];
+    char* data = realpath(bench->options->data, NULL);
+    const int file = mkstemp(path);
+    int status = CLI_DONE;
+    if (file >= 0) close(file);
+    snprintf(override, sizeof override, "media[0].density.file=%s/%s", data, item->file);
+    if (file >= 0 && data != NULL && tools_write_scene(item->scene, path))
+        status = measure_case(bench, path, method, override);
+    else
+        status = cli_fail(CLI_FAILED, "bench view: %s cannot be written", path);
+    unlink(path);
+    free(data);
+    return status;
+}
+
+static int measure_scene(const bench_session* bench, const view_case* item) {
+    int status = CLI_DONE;
+    json_open_object(bench->json, item->title);
+    if (item->file != NULL && !tools_has_data(bench->options->data, item->file)) {
+        char text[128];
+        snprintf(text, sizeof text, "%s is not in the folder of --data", item->file);
+        json_text(bench->json, "skipped", text);
+    } else {
+        for (int m = 0; m < METHODS && item->methods[m] != NULL && status == CLI_DONE && !cli_interrupted(); ++m)
+            status = item->file != NULL ? measure_tool_scene(bench, item, item->methods[m])
+                                        : measure_case(bench, item->scene, item->methods[m], NULL);
+    }
+    json_close_object(bench->json);
+    return status;
+}
+
 int bench_view(const bench_session* bench) {
     if (bench->options->scenes_given) return measure_files(bench);
-    const char* open = "";
-    char name[128];
     int status = CLI_DONE;
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0] && status == CLI_DONE && !cli_interrupted(); ++i) {
-        if (strcmp(open, cases[i].scene) != 0) {
-            if (open[0] != '\0') json_close_object(bench->json);
-            scene_name(cases[i].scene, name, sizeof name);
-            json_open_object(bench->json, name);
-            open = cases[i].scene;
-        }
-        status = measure_case(bench, cases[i].scene, cases[i].method);
-    }
-    if (open[0] != '\0') json_close_object(bench->json);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0] && status == CLI_DONE && !cli_interrupted(); ++i)
+        status = measure_scene(bench, &cases[i]);
     return status == CLI_DONE && !cli_interrupted() ? bench_photo(bench) : status;
 }

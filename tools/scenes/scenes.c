@@ -17,6 +17,15 @@ ty_result tools_load_scene(ty_context* context, const char* name, const char* da
     return ty_scene_load(context, name, overrides, override_count, out);
 }
 
+bool tools_write_scene(const char* name, const char* path) {
+    const ty_builtin_scene* scene = tools_scenes;
+    while (scene->name != NULL && strcmp(scene->name, name) != 0) ++scene;
+    FILE* file = scene->name != NULL ? fopen(path, "wb") : NULL;
+    if (file == NULL) return false;
+    const bool written = fwrite(scene->text, 1, scene->size, file) == scene->size;
+    return fclose(file) == 0 && written;
+}
+
 const char* const lpv_scene_names[3] = {"atrium", "Cornell box", "Sponza"};
 const char* const lpv_scene_files[3] = {"builtin:atrium", "builtin:fog_cornell", "lpv_sponza"};
 

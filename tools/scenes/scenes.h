@@ -17,6 +17,9 @@
 ty_result tools_load_scene(ty_context* context, const char* name, const char* data, const char* const* overrides,
                            int32_t override_count, ty_scene** out);
 
+/* Writes a file of scenes/tools to a path, for a program of its own. False if that fails. */
+bool tools_write_scene(const char* name, const char* path);
+
 /* True if the folder of third-party data has a file. */
 bool tools_has_data(const char* data_or_null, const char* name);
 

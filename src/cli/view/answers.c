@@ -19,6 +19,19 @@ static void tell(view_live* live, view_slot slot, json_t* message) {
     free(text);
 }
 
+/* The same of an object with a further member, whose value is JSON text. */
+static void tell_with(view_live* live, view_slot slot, json_t* message, const char* key, const char* value) {
+    char *text = json_dumps(message, JSON_COMPACT), *whole = NULL;
+    json_decref(message);
+    if (text != NULL) {
+        text[strlen(text) - 1] = '\0';
+        if (asprintf(&whole, "%s,\"%s\":%s}", text, key, value) < 0) whole = NULL;
+    }
+    if (whole != NULL && live->server != NULL) view_server_tell(live->server, slot, whole);
+    free(whole);
+    free(text);
+}
+
 static void send(view_server* server, int32_t client, json_t* message) {
     char* text = json_dumps(message, JSON_COMPACT);
     json_decref(message);
@@ -117,9 +130,8 @@ static json_t* view_object(const view_live* live) {
 void view_tell_scene(view_live* live, const json_t* changed) {
     const char* text = live->source->text(live);
     json_t* view = view_object(live);
-    json_t* message = json_pack("{s:s, s:i, s:o, s:O, s:o}", "type", "scene", "revision", (int)live->revision,
-                                "document", json_loads(text, 0, NULL), "view", view, "changed",
-                                changed != NULL ? json_deep_copy(changed) : json_array());
+    json_t* message = json_pack("{s:s, s:i, s:O, s:o}", "type", "scene", "revision", (int)live->revision, "view", view,
+                                "changed", changed != NULL ? json_deep_copy(changed) : json_array());
     pthread_mutex_lock(&live->mutex);
     free(live->document);
     free(live->view);
@@ -128,7 +140,7 @@ void view_tell_scene(view_live* live, const json_t* changed) {
     live->document_revision = live->revision;
     pthread_mutex_unlock(&live->mutex);
     json_decref(view);
-    if (message != NULL) tell(live, VIEW_SLOT_SCENE, message);
+    if (message != NULL) tell_with(live, VIEW_SLOT_SCENE, message, "document", text);
 }
 
 json_t* view_presets(void) {

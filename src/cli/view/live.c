@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double rest_seconds = 0.3; /* without messages after which a drag counts as ended */
+static const double rest_seconds = 0.3;      /* without messages after which a drag counts as ended */
+static const double patience_seconds = 0.02; /* of a change that waits for its image, while others arrive */
 
 /* ---- requests ---- */
 
@@ -170,11 +171,18 @@ static void greet(view_live* live) {
     view_tell_status(live, true);
 }
 
+/* True if something moves and its image is due: changes that arrive as fast as they are served would put it off for
+ * ever. */
+static bool is_due(const view_live* live) {
+    return live->moved > 0 && live->shown == VIEW_SHOWN_NOTHING && !live->failed && live->received > 0 &&
+           cli_wall_seconds() - live->received > patience_seconds;
+}
+
 static void* run(void* user) {
     view_live* live = user;
     while (!atomic_load(&live->stop)) {
         greet(live);
-        view_request* request = take_request(live);
+        view_request* request = is_due(live) ? NULL : take_request(live);
         if (request != NULL) {
             serve(live, request);
             view_request_free(request);

@@ -101,9 +101,10 @@ struct view_live {
     void* lights[TY_SOLVE_QUALITIES];          /* of light_method, by quality; NULL: none */
     double solve_seconds[TY_SOLVE_QUALITIES];  /* the last solve took; 0: none yet */
     double coarse_seconds[TY_SOLVE_QUALITIES]; /* the last coarse view of the light took; 0: none yet */
-    double view_seconds;                       /* estimate of a view at full size */
-    double surface_seconds;                    /* the same of a first pass over the surfaces */
-    double view_power;                         /* of the divisor of its sides by which a view takes less */
+    double coarse_pixels[TY_SOLVE_QUALITIES];  /* that such a view has time for; 0: unknown */
+    double view_seconds;                       /* a view at full size takes; 0: unknown */
+    double surface_seconds;                    /* a first pass over the surfaces at full size takes; 0: unknown */
+    double view_power;                         /* of the divisor of its sides by which an image takes less */
     view_shown shown;
     bool has_surfaces;
     view_photo* photo;          /* NULL: a scene */
@@ -155,8 +156,26 @@ bool view_step_render(view_live* live, view_render_fn render);
 /* A ty_progress_fn; user: the view_live. While something moves, changes do not interrupt its first image: they come
  * faster than images, and none would ever be shown. */
 bool view_report(void* user, const ty_progress* progress);
+/* True if the method's view shows media alone, and the surfaces' own light is added to it. */
+bool view_adds_surfaces(const view_live* live);
+/* True if there is light of the present method in a quality. */
+bool view_has_light(const view_live* live, ty_solve_quality quality);
 /* Frees light and sums. */
 void view_live_drop_light(view_live* live);
+
+/* ---- coarse.c ---- */
+
+enum { VIEW_COARSE_SPACING = 2 };        /* pixels between the rays of coarse images */
+extern const double view_coarse_seconds; /* a view is aimed to take while something moves */
+
+/* Forgets all times, for another method. */
+void view_coarse_forget(view_live* live);
+/* The light for a coarse image, which may have to be solved. */
+ty_solve_quality view_coarse_quality(view_live* live);
+/* The divisor of both sides of a coarse image, 1..8. */
+double view_coarse_divisor(const view_live* live, ty_solve_quality quality);
+/* Learns from a coarse view, to which a first pass over the surfaces comes. */
+void view_coarse_note(view_live* live, ty_solve_quality quality, double pixels, double seconds);
 
 /* ---- show.c ---- */
 

@@ -35,9 +35,7 @@ static bool set_method(view_live* live, const char* name) {
     live->method = method;
     live->shown = VIEW_SHOWN_NOTHING;
     live->failed = false;
-    live->view_seconds = 0;
-    memset(live->solve_seconds, 0, sizeof live->solve_seconds);
-    memset(live->coarse_seconds, 0, sizeof live->coarse_seconds);
+    view_coarse_forget(live);
     live->has_difference = false;
     live->message[0] = '\0';
     return true;

@@ -72,7 +72,9 @@ void view_show(view_live* live, view_channel channel, const float* rgb, int32_t 
                               .exposure = (float)live->exposure,
                               .final = final,
                               .moving = width < live->width || live->moved > 0};
-    if (width == live->width && height == live->height) view_keep_picture(live, channel, rgb, width, height, spp);
+    const bool whole = width == live->width && height == live->height;
+    const bool first = channel == VIEW_CHANNEL_METHOD && live->shown == VIEW_SHOWN_NOTHING && !final; /* coarse */
+    if (whole && !first) view_keep_picture(live, channel, rgb, width, height, spp);
     view_server_show(live->server, &frame);
     if (channel == VIEW_CHANNEL_METHOD) show_in_tev(live, rgb, width, height);
 }

@@ -8,10 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double coarse_view_seconds = 0.04;    /* aim for images while something moves */
-static const double coarse_surface_seconds = 0.02; /* of that, for more than a sample of surfaces in each pixel */
-static const double full_surface_seconds = 0.2;    /* between two full images of noisy surfaces */
-static const double quick_solve_seconds = 0.06;    /* a solve that takes less is done at once */
+static const double full_surface_seconds = 0.2; /* between two full images of noisy surfaces */
 enum { COARSEST = 8, PATH_SPP_MAX = 1 << 20 };
 
 /* ---- pieces ---- */
@@ -35,29 +32,15 @@ static bool fail(view_live* live, ty_result result) {
     return true;
 }
 
-/* True if the method's view shows media alone, and the surfaces' own light is added to it. */
-static bool adds_surfaces(const view_live* live) {
+bool view_adds_surfaces(const view_live* live) {
     return live->method->takes_surfaces && live->has_surfaces;
 }
 
-/* The divisor of both sides of coarse images. */
-static int32_t coarse_divisor(const view_live* live) {
-    if (live->view_seconds <= 0) return 4;
-    const double seconds = live->view_seconds + (adds_surfaces(live) ? live->surface_seconds : 0);
-    const double divisor = ceil(pow(seconds / coarse_view_seconds, 1 / live->view_power));
-    return (int32_t)fmax(1, fmin(divisor, COARSEST));
+static int32_t divided(int32_t side, double divisor) {
+    return side > divisor ? (int32_t)(side / divisor) : 1;
 }
 
-static void note_view(view_live* live, double seconds, int32_t divisor) {
-    const double full = seconds * pow(divisor, live->view_power);
-    live->view_seconds = live->view_seconds > 0 ? 0.5 * (live->view_seconds + full) : full;
-}
-
-static int32_t divided(int32_t side, int32_t divisor) {
-    return side / divisor > 1 ? side / divisor : 1;
-}
-
-static ty_render_request request_of(view_live* live, int32_t divisor) {
+static ty_render_request request_of(view_live* live, double divisor) {
     return (ty_render_request){.spp = 1,
                                .seed = ty_scene_render_settings(live->scene).seed,
                                .width = divided(live->width, divisor),
@@ -111,25 +94,14 @@ static ty_result solve(view_live* live, ty_solve_quality quality) {
     return TY_OK;
 }
 
-static bool has_light(const view_live* live, ty_solve_quality quality) {
+bool view_has_light(const view_live* live, ty_solve_quality quality) {
     return live->light_method == live->method && live->lights[quality] != NULL;
-}
-
-/* The light for a coarse image: the full one, unless it takes long to solve or to view, or else the better of the
- * coarse ones that does not. */
-static ty_solve_quality coarse_quality(const view_live* live) {
-    const double solve = live->solve_seconds[TY_SOLVE_FULL], view = live->coarse_seconds[TY_SOLVE_FULL];
-    const bool slow = live->solve_seconds[TY_SOLVE_COARSE] > quick_solve_seconds;
-    const ty_solve_quality coarse = slow ? TY_SOLVE_COARSEST : TY_SOLVE_COARSE;
-    if (view > 2 * coarse_view_seconds) return has_light(live, TY_SOLVE_COARSE) ? TY_SOLVE_COARSE : coarse;
-    if (has_light(live, TY_SOLVE_FULL)) return TY_SOLVE_FULL;
-    return solve > 0 && solve < quick_solve_seconds ? TY_SOLVE_FULL : coarse;
 }
 
 /* Adds samples to the surfaces' own light for some seconds, and at least once; from none where its size or the scene
  * changed. */
-static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew, double seconds) {
-    if (!adds_surfaces(live)) return TY_OK;
+static ty_result trace_surfaces(view_live* live, double divisor, bool anew, double seconds) {
+    if (!view_adds_surfaces(live)) return TY_OK;
     const int32_t width = divided(live->width, divisor), height = divided(live->height, divisor);
     if (anew && !view_accumulation_reset(&live->surfaces, width, height, true)) return TY_ERROR_MEMORY;
     const double begun = cli_wall_seconds();
@@ -146,19 +118,19 @@ static ty_result trace_surfaces(view_live* live, int32_t divisor, bool anew, dou
 }
 
 /* Views the light of media: all that the method shows but for the surfaces' own light. */
-static ty_result view_media(view_live* live, ty_solve_quality quality, int32_t divisor) {
-    const ty_render_request request = request_of(live, divisor);
+static ty_result view_media(view_live* live, ty_solve_quality quality, double divisor, int32_t ray_spacing) {
+    ty_render_request request = request_of(live, divisor);
     ty_image *black = NULL, *image = NULL;
     ty_method_run run = {.own_seconds = 0};
     ty_result result = TY_OK;
-    if (adds_surfaces(live)) result = ty_image_create_rgb(live->context, request.width, request.height, &black);
+    request.ray_spacing = ray_spacing;
+    if (view_adds_surfaces(live)) result = ty_image_create_rgb(live->context, request.width, request.height, &black);
     const double begun = cli_wall_seconds();
     if (result == TY_OK) result = live->method->view(live->lights[quality], live->scene, &request, black, &image, &run);
     const double seconds = cli_wall_seconds() - begun;
     if (result == TY_OK) {
         live->times.view = 1e3 * seconds;
-        note_view(live, seconds, divisor);
-        if (divisor > 1) live->coarse_seconds[quality] = seconds;
+        if (ray_spacing == 0) live->view_seconds = seconds;
         note_stages(live, &run);
         float* rgb = view_make_room(&live->media, &live->media_capacity, request.width, request.height);
         if (rgb == NULL || !view_interleave(image, rgb)) result = TY_ERROR_MEMORY;
@@ -169,12 +141,12 @@ static ty_result view_media(view_live* live, ty_solve_quality quality, int32_t d
 }
 
 /* Shows the light of media, and that of surfaces as far as it is traced in the same size. */
-static ty_result show_sum(view_live* live, int32_t divisor, bool final) {
+static ty_result show_sum(view_live* live, double divisor, bool final) {
     const int32_t width = divided(live->width, divisor), height = divided(live->height, divisor);
     const size_t values = 3 * (size_t)width * (size_t)height;
     float* rgb = view_pixels(live, width, height);
     if (rgb == NULL) return TY_ERROR_MEMORY;
-    if (adds_surfaces(live))
+    if (view_adds_surfaces(live))
         view_accumulation_mean(&live->surfaces, rgb);
     else
         memset(rgb, 0, values * sizeof *rgb);
@@ -183,20 +155,28 @@ static ty_result show_sum(view_live* live, int32_t divisor, bool final) {
     return TY_OK;
 }
 
+/* Views the light of a quality in a coarse image, and learns what that takes with the surfaces. */
+static ty_result view_coarse(view_live* live, ty_solve_quality quality, double divisor) {
+    const double pixels = (double)divided(live->width, divisor) * divided(live->height, divisor);
+    const ty_result result = view_media(live, quality, divisor, VIEW_COARSE_SPACING);
+    if (result == TY_OK) view_coarse_note(live, quality, pixels, 1e-3 * live->times.view);
+    return result;
+}
+
 /* The first image after a change: from the light that holds, or a coarse or quick solve. */
 static ty_result show_coarse(view_live* live) {
-    const ty_solve_quality quality = coarse_quality(live);
-    const int32_t divisor = coarse_divisor(live);
-    ty_result result = has_light(live, quality) ? TY_OK : solve(live, quality);
-    if (result == TY_OK) result = view_media(live, quality, divisor);
-    if (result == TY_OK) result = trace_surfaces(live, divisor, true, coarse_surface_seconds);
+    const ty_solve_quality quality = view_coarse_quality(live);
+    const double divisor = view_coarse_divisor(live, quality);
+    ty_result result = view_has_light(live, quality) ? TY_OK : solve(live, quality);
+    if (result == TY_OK) result = trace_surfaces(live, divisor, true, 0.5 * view_coarse_seconds);
+    if (result == TY_OK) result = view_coarse(live, quality, divisor);
     if (result == TY_OK) result = show_sum(live, divisor, false);
     return result;
 }
 
 /* True while more samples of the surfaces would show in the image. */
 static bool surfaces_are_noisy(const view_live* live) {
-    if (!adds_surfaces(live)) return false;
+    if (!view_adds_surfaces(live)) return false;
     return view_accumulation_spp(&live->surfaces) < fmax(ty_scene_render_settings(live->scene).spp, 16);
 }
 
@@ -204,12 +184,10 @@ static bool surfaces_are_noisy(const view_live* live) {
  * the next move of the camera need not. Returns false if there is nothing to prepare. */
 static bool prepare_coarse(view_live* live) {
     const view_times times = live->times;
-    ty_result result = TY_OK;
-    if (live->moved > 0 || live->coarse_seconds[TY_SOLVE_FULL] > 0 || coarse_divisor(live) < 2) return false;
-    if (!live->rested) return false;
-    result = view_media(live, TY_SOLVE_FULL, coarse_divisor(live));
-    const ty_solve_quality quality = coarse_quality(live);
-    if (result == TY_OK && !has_light(live, quality)) result = solve(live, quality);
+    if (live->moved > 0 || live->coarse_seconds[TY_SOLVE_FULL] > 0 || !live->rested) return false;
+    ty_result result = view_coarse(live, TY_SOLVE_FULL, view_coarse_divisor(live, TY_SOLVE_FULL));
+    const ty_solve_quality quality = view_coarse_quality(live);
+    if (result == TY_OK && !view_has_light(live, quality)) result = solve(live, quality);
     live->times = times;
     return result == TY_OK || fail(live, result);
 }
@@ -224,13 +202,13 @@ static bool step_light(view_live* live) {
     }
     if (live->moved > 0) return false;
     ty_result result = TY_OK;
-    if (!has_light(live, TY_SOLVE_FULL)) {
+    if (!view_has_light(live, TY_SOLVE_FULL)) {
         result = solve(live, TY_SOLVE_FULL);
         return result == TY_OK || fail(live, result);
     }
     const bool first = live->shown == VIEW_SHOWN_COARSE;
     if (!first && !surfaces_are_noisy(live)) return prepare_coarse(live);
-    if (first) result = view_media(live, TY_SOLVE_FULL, 1);
+    if (first) result = view_media(live, TY_SOLVE_FULL, 1, 0);
     if (result == TY_OK) result = trace_surfaces(live, 1, first, full_surface_seconds);
     if (result == TY_OK) result = show_sum(live, 1, !surfaces_are_noisy(live));
     if (result != TY_OK) return fail(live, result);
@@ -241,6 +219,18 @@ static bool step_light(view_live* live) {
 
 /* ---- methods that render at once ---- */
 
+/* The divisor of both sides of their coarse images. */
+static int32_t quick_divisor(const view_live* live) {
+    if (live->view_seconds <= 0) return 4;
+    const double divisor = ceil(pow(live->view_seconds / view_coarse_seconds, 1 / live->view_power));
+    return (int32_t)fmax(1, fmin(divisor, COARSEST));
+}
+
+static void note_view(view_live* live, double seconds, int32_t divisor) {
+    const double full = seconds * pow(divisor, live->view_power);
+    live->view_seconds = live->view_seconds > 0 ? 0.5 * (live->view_seconds + full) : full;
+}
+
 static ty_result render_scene(view_live* live, int32_t divisor, ty_image** out, ty_method_run* run) {
     const ty_render_request request = request_of(live, divisor);
     return live->method->render(live->scene, &request, out, run);
@@ -249,7 +239,7 @@ static ty_result render_scene(view_live* live, int32_t divisor, ty_image** out, 
 bool view_step_render(view_live* live, view_render_fn render) {
     if (live->shown == VIEW_SHOWN_FULL || (live->shown == VIEW_SHOWN_COARSE && live->moved > 0)) return false;
     const bool coarse = live->shown == VIEW_SHOWN_NOTHING;
-    const int32_t divisor = coarse ? coarse_divisor(live) : 1;
+    const int32_t divisor = coarse ? quick_divisor(live) : 1;
     const bool lossy = live->remote && live->moved > 0; /* the image at rest follows, though it is the same */
     const bool full = divisor == 1 && !lossy;
     const double begun = cli_wall_seconds();
@@ -312,7 +302,7 @@ static bool pass_path(view_live* live, int32_t divisor, bool as_method) {
 /* The divisor of a first image by path. */
 static int32_t path_divisor(const view_live* live) {
     if (live->path_seconds <= 0) return 4;
-    const double divisor = ceil(sqrt(live->path_seconds / coarse_view_seconds));
+    const double divisor = ceil(sqrt(live->path_seconds / view_coarse_seconds));
     return (int32_t)fmax(1, fmin(divisor, COARSEST));
 }
 

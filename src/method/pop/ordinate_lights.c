@@ -300,7 +300,7 @@ static void evaluate_one(void* user, int64_t index, int32_t worker) {
     ty_pop_evaluate_lobes(b->job->light->medium, b->job->light->eye, field);
 }
 
-ty_result ty_pop_move_eye(const ty_pop* light, const float eye[3], ty_pop* out) {
+ty_result ty_pop_move_eye(const ty_pop* light, const float eye[3], const ty_part_progress* progress, ty_pop* out) {
     ty_context* context = light->context;
     const bool split = light->def.mode == TY_POP_MODE_SPLIT;
     *out = *light;
@@ -314,6 +314,7 @@ ty_result ty_pop_move_eye(const ty_pop* light, const float eye[3], ty_pop* out) 
     for (int c = 0; c < 3 && !split; ++c)
         memcpy(out->merged.fluence[c], light->merged.fluence[c], light->cells * sizeof(float));
     ty_pop_job job = {.context = context, .def = &out->def, .light = out};
+    job.progress = ty_part_begin(progress->function, progress->user, progress->from, 0);
     batch b = {.job = &job, .floats = split ? TY_POP_CELL_FLOATS : TY_POP_CELL_FLOATS_PROPAGATED};
     result = begin_batch(&b);
     if (result == TY_OK) result = run_batches(&b, evaluate_one);

@@ -176,7 +176,7 @@ static ty_result march_from(const ty_pop* light, const float eye[3], ty_volume_c
             (double)light->eye[0], (double)light->eye[1], (double)light->eye[2], (double)eye[0], (double)eye[1],
             (double)eye[2]);
     ty_pop moved;
-    ty_result result = ty_pop_move_eye(light, eye, &moved);
+    ty_result result = ty_pop_move_eye(light, eye, &call->progress, &moved);
     if (result == TY_OK) result = march(&moved, call, out);
     ty_pop_end_view(light, &moved);
     return result;

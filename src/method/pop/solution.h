@@ -31,8 +31,8 @@ struct ty_pop {
 
 /* Makes a view of the light for another eye, with merged cells recomputed from stored lobes: it shares all memory with
  * the light but for the merged cells and the table of ordinates. It is freed by ty_pop_end_view, after errors, too.
- * Errors: TY_ERROR_MEMORY. */
-ty_result ty_pop_move_eye(const ty_pop* light, const float eye[3], ty_pop* out);
+ * Errors: TY_ERROR_MEMORY, TY_CANCELLED. */
+ty_result ty_pop_move_eye(const ty_pop* light, const float eye[3], const ty_part_progress* progress, ty_pop* out);
 void ty_pop_end_view(const ty_pop* light, ty_pop* view);
 
 #endif

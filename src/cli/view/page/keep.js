@@ -77,16 +77,31 @@ const goTo = (frame, moving) => {
   edit([{ path: "frame", value: frame }], moving);
 };
 
-/* When the image of a frame has come: any image of a newer revision, or, to record, the final one. */
+/* When a condition holds, which images and the server's scenes may change. */
 const waiting = new Set();
-const nextImage = (after, final) => new Promise(resolve => waiting.add({ after, final, resolve }));
-on("frame", frame => {
-  for (const one of waiting) {
-    if (frame.channel !== 0 || frame.revision <= one.after || one.final && !frame.final) continue;
-    waiting.delete(one);
-    one.resolve();
-  }
+let revision = 0; // of the server's last scene
+const until = holds => new Promise(resolve => {
+  const look = () => {
+    if (!holds()) return;
+    waiting.delete(look);
+    resolve();
+  };
+  waiting.add(look);
+  look();
 });
+const lookAgain = () => {
+  for (const look of [...waiting]) look();
+};
+on("frame", lookAgain);
+on("server:scene", message => {
+  revision = message.revision;
+  lookAgain();
+});
+
+const image = () => state.frames[0];
+const nextImage = after => until(() => (image()?.revision ?? 0) > after);
+/* The final image of a frame: changes before may be on their way still. */
+const finalImage = frame => until(() => (state.served?.frame ?? 0) === frame && image()?.final && image().revision >= revision);
 
 const pause = ms => new Promise(resolve => setTimeout(resolve, ms));
 
@@ -99,11 +114,10 @@ const run = async recording => {
   const ending = find("#record-name").value.endsWith(".png") ? "png" : "exr";
   try {
     for (let frame = recording ? sequence.from : frameNow(); sequence.playing;) {
-      const begun = performance.now(), revision = state.frames[0]?.revision ?? 0;
+      const begun = performance.now(), shown = image()?.revision ?? 0;
       if (frame !== frameNow() || recording) {
-        const image = nextImage(revision, recording);
         goTo(frame, !recording);
-        await Promise.race([image, pause(recording ? 600000 : 5000)]);
+        await Promise.race([recording ? finalImage(frame) : nextImage(shown), pause(recording ? 600000 : 5000)]);
       }
       if (recording) await record(`${name}_${String(frame).padStart(4, "0")}.${ending}`);
       if (recording && frame >= sequence.to) break;
@@ -171,6 +185,7 @@ export const start = () => {
 
 let begun = false;
 on("server:welcome", message => {
+  revision = message.revision;
   find("#record-row").hidden = !message.record;
   if (isPhoto()) Object.assign(find("#save"), { textContent: "Save medium", title: "The medium, as --medium and scenes take it (Ctrl+S)" });
   recordButton.hidden = !message.record;

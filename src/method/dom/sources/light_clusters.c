@@ -160,6 +160,7 @@ typedef struct evaluate_job {
     const ty_dom_environment* sky;
     const double* eye;
     int32_t channels;
+    int64_t first_row;
     float* const* radiance_sum;
     float* const* fluence_sum;
 } evaluate_job;
@@ -255,6 +256,7 @@ static void evaluate_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const evaluate_job* job = user;
     const int32_t* size = job->light->box.size;
+    row += job->first_row;
     for (int32_t i = 0; i < size[0]; ++i) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         evaluate_cell(job, cell, (size_t)row * (size_t)size[0] + (size_t)i);
@@ -262,12 +264,15 @@ static void evaluate_row(void* user, int64_t row, int32_t worker) {
 }
 
 ty_result ty_dom_evaluate_clusters(const ty_dom* light, const double eye[3], int32_t channels,
-                                   float* const radiance_sum[3], float* const fluence_sum[3]) {
+                                   ty_part_progress* progress, float* const radiance_sum[3],
+                                   float* const fluence_sum[3]) {
     ty_dom_environment sky;
-    const ty_result result = ty_dom_environment_evaluate(light, eye, &sky);
-    evaluate_job job = {light, &sky, eye, channels, radiance_sum, fluence_sum};
-    if (result == TY_OK)
-        ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], evaluate_row, &job);
+    ty_result result = ty_dom_environment_evaluate(light, eye, &sky);
+    evaluate_job job = {light, &sky, eye, channels, 0, radiance_sum, fluence_sum};
+    for (int32_t z = 0; z < light->box.size[2] && result == TY_OK; ++z, job.first_row += light->box.size[1]) {
+        ty_parallel_for(light->context, light->box.size[1], evaluate_row, &job);
+        result = ty_part_show(progress, "lights", 0);
+    }
     ty_dom_environment_free(light, &sky);
     return result;
 }

@@ -63,9 +63,11 @@ void ty_dom_clusters_add(ty_dom_job* job, const ty_discrete_light* source, int32
 void ty_dom_clusters_end(ty_dom_job* job);
 void ty_dom_clusters_destroy(ty_dom* light);
 /* Radiance that the clusters scatter towards the eye, as the fluence of an isotropic scatterer, and their fluence; both
- * times the clusters' colors. channels: 1: the sum of all, 3. Errors: TY_ERROR_MEMORY. */
+ * times the clusters' colors. channels: 1: the sum of all, 3. Errors: TY_ERROR_MEMORY,
+ * TY_CANCELLED. */
 ty_result ty_dom_evaluate_clusters(const ty_dom* light, const double eye[3], int32_t channels,
-                                   float* const radiance_sum[3], float* const fluence_sum[3]);
+                                   ty_part_progress* progress, float* const radiance_sum[3],
+                                   float* const fluence_sum[3]);
 /* Clusters of environments, after ty_dom_clusters_end. Errors: TY_ERROR_MEMORY. */
 ty_result ty_dom_environment_find(ty_dom_job* job);
 void ty_dom_environment_destroy(ty_dom* light);

@@ -162,14 +162,14 @@ static void free_planes(const ty_dom* light, size_t cells, float* const planes[3
 }
 
 /* Replaces the P1 fluence of the aggregate field by the radiance towards the eye. */
-static ty_result make_aggregate(const ty_dom* light, const double eye[3], fields* f) {
+static ty_result make_aggregate(const ty_dom* light, const double eye[3], ty_part_progress* progress, fields* f) {
     ty_light_fluence* uncollided = &f->lights[light->fluence_count - 1];
     const int32_t channels = uncollided->shared != 0 ? 1 : 3;
     float *collided_radiance[3] = {NULL}, *fluence[3] = {NULL};
     ty_result result = allocate_planes(light, channels, f->fine_cells, f->aggregate_radiance);
     if (result == TY_OK) result = allocate_planes(light, channels, light->cells, collided_radiance);
     if (result == TY_OK) result = allocate_planes(light, channels, light->cells, fluence);
-    if (result == TY_OK) result = ty_dom_evaluate_clusters(light, eye, channels, collided_radiance, fluence);
+    if (result == TY_OK) result = ty_dom_evaluate_clusters(light, eye, channels, progress, collided_radiance, fluence);
     if (result == TY_OK) {
         aggregate_job job = {light, uncollided, collided_radiance, fluence, f->aggregate_radiance};
         ty_parallel_for(light->context, (int64_t)light->fine_box.size[1] * light->fine_box.size[2], aggregate_row,
@@ -181,11 +181,11 @@ static ty_result make_aggregate(const ty_dom* light, const double eye[3], fields
     return result;
 }
 
-static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f) {
+static ty_result make_lights(const ty_dom* light, const double eye[3], ty_part_progress* progress, fields* f) {
     memcpy(f->lights, light->fluences, sizeof f->lights);
     if (light->aggregate == NULL) return TY_OK;
     f->lights[light->fluence_count - 1].kind = TY_FLUENCE_ISOTROPIC;
-    return light->isotropic ? TY_OK : make_aggregate(light, eye, f);
+    return light->isotropic ? TY_OK : make_aggregate(light, eye, progress, f);
 }
 
 /* The environments' radiance through a fit's peak. */
@@ -211,15 +211,16 @@ static void free_fields(const ty_dom* light, fields* f) {
     }
 }
 
-static ty_result make_fields(const ty_dom* light, const ty_scene* scene, const double eye[3], fields* f) {
-    const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
+static ty_result make_fields(ty_volume_call* call, const double eye[3], fields* f) {
+    const ty_dom* light = call->light;
+    const bool surfaces = ty_scene_get_view(call->scene)->mesh != NULL;
     const int32_t* fine = light->fine_box.size;
     f->fine_cells = (size_t)fine[0] * (size_t)fine[1] * (size_t)fine[2];
     ty_result result = ty_cuts_find(light->context, light->boundary, &light->box, &f->cuts);
-    if (result == TY_OK) result = ty_dom_find_hidden(light, scene, eye, &f->hidden);
+    if (result == TY_OK) result = ty_dom_find_hidden(light, call->scene, eye, &f->hidden);
     if (result == TY_OK) result = make_collided(light, eye, f);
     if (result == TY_OK && surfaces) result = make_incident(light, f);
-    if (result == TY_OK) result = make_lights(light, eye, f);
+    if (result == TY_OK) result = make_lights(light, eye, &call->progress, f);
     if (result == TY_OK) result = make_blurred(light, f);
     return result;
 }
@@ -240,7 +241,7 @@ ty_result ty_dom_march(ty_volume_call* call, ty_image** out) {
     march.surface_field = surfaces ? &f.surfaces : NULL;
     march.bilateral_sigma = 0;
     march.preserve_means = true;
-    ty_result result = make_fields(light, call->scene, camera.position, &f);
+    ty_result result = make_fields(call, camera.position, &f);
     march.cuts = f.cuts;
     march.blurred = f.blurred;
     if (result == TY_OK) result = ty_march(call->scene, &march, out, NULL);
