@@ -3,7 +3,7 @@
 #define TY_TESTS_LIGHT_MAKER_H
 
 #include "checks.h"
-#include "scene/light_tree.h"
+#include "scene/lights/light_tree.h"
 
 enum { LIGHTS_MAX = 100000 };
 

@@ -3,7 +3,7 @@
 #define TY_TESTS_LIGHT_MAP_MAKER_H
 
 #include "checks.h"
-#include "scene/light.k.h"
+#include "scene/lights/light.k.h"
 
 #include <tyndall/rsm.h>
 

@@ -107,7 +107,7 @@ only() {
     case " $2 " in *" $file "*) ;; *) complain "$file sees <$1...>, which is for $2" ;; esac
   done
 }
-only embree "src/scene/accel.c tools/bench/embree.c"
+only embree "src/scene/surfaces/accel.c tools/bench/embree.c"
 only cairo "tools/plot/canvas.c"
 only civetweb "src/cli/view/server.c tools/bench/view_client.c"
 only turbojpeg "src/cli/view/frame.c"

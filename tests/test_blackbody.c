@@ -1,6 +1,6 @@
 /* Black bodies against published colours and luminances, and the kernels' table against the exact radiance. */
 #include "checks.h"
-#include "scene/blackbody.h"
+#include "scene/media/blackbody.h"
 
 static ty_blackbody_table table;
 

@@ -1,6 +1,6 @@
 /* Phase functions fitted outside of their peaks. */
 #include "method/dom/solve/solve.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 #include "checks.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #include "checks.h"
 
 #include "base/random.k.h"
-#include "scene/environment.h"
+#include "scene/lights/environment.h"
 
 static const double pi = 3.14159265358979323846;
 

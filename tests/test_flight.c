@@ -1,7 +1,7 @@
 /* Free flights through homogeneous media: what is stopped, and where, in thin media and in thick. */
 #include "checks.h"
 
-#include "method/path/collision.k.h"
+#include "method/path/trace/collision.k.h"
 
 static void stopping_is_precise(void** state) {
     (void)state;

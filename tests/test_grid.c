@@ -1,7 +1,7 @@
 /* Grids: creation, sampling, the bounds over bricks, random lookups. */
 #include "checks.h"
 
-#include "scene/medium.k.h"
+#include "scene/media/medium.k.h"
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* What lights are to a scene before anybody looks from a point: how bright each counts, and who is chosen how often. */
 #include "checks.h"
 
-#include "scene/light.h"
+#include "scene/lights/light.h"
 
 static const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
 

@@ -3,7 +3,7 @@
 #include "direct/media/transmittance.k.h"
 #include "direct_maker.h"
 #include "rsm_maker.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 #include <stdio.h>
 

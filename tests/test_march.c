@@ -2,7 +2,7 @@
 #include "march_maker.h"
 
 #include "image/sharpen.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
 

@@ -1,8 +1,8 @@
 /* Merging renderings: weights, variances, frames, and what may not be merged. */
 #include "checks.h"
 
-#include "cli/merge_images.h"
-#include "cli/merge_seeds.h"
+#include "cli/images/merge_images.h"
+#include "cli/images/merge_seeds.h"
 
 enum { PIXELS = 6 };
 

@@ -1,8 +1,8 @@
 /* Surfaces: hits against closed forms, sides, and rays that leave a surface. */
 #include "checks.h"
 
-#include "scene/accel.h"
-#include "scene/shape.h"
+#include "scene/surfaces/accel.h"
+#include "scene/surfaces/shape.h"
 
 static ty_accel* make_mesh(ty_context* context, const ty_shape_def* shapes, size_t count) {
     ty_accel* mesh = NULL;

@@ -4,8 +4,8 @@
 
 #include "base/legendre.k.h"
 #include "base/quadrature.h"
-#include "scene/phase.h"
-#include "scene/phase_fit.h"
+#include "scene/media/phase.h"
+#include "scene/media/phase_fit.h"
 
 #include <stdio.h>
 

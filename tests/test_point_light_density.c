@@ -1,7 +1,7 @@
 /* Densities about lamps: each is that of its samples, down to the angles that matter beside a lamp. */
 #include "effort.h"
-#include "method/path/point_light_direction.k.h"
-#include "scene/phase.k.h"
+#include "method/path/trace/point_light_direction.k.h"
+#include "scene/media/phase.k.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 #include "files.h"
 #include "method/pop/ordinate/ordinate.h"
 #include "pop_maker.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 #include <tyndall/io.h>
 

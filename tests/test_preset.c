@@ -53,7 +53,7 @@ typedef struct jerlov_row {
     double absorption[4], scattering[4];
 } jerlov_row;
 
-/* Solonenko and Mobley 2015, tables 4 to 8; of 5C at 600 and 625 nm see src/scene/preset.c. */
+/* Solonenko and Mobley 2015, tables 4 to 8; of 5C at 600 and 625 nm see src/scene/media/preset.c. */
 static const jerlov_row jerlov_rows[] = {
     {"Jerlov I", {0.228, 0.295, 0.062, 0.018}, {0.00122, 0.00104, 0.0017, 0.00381}},
     {"Jerlov IA", {0.228, 0.295, 0.0622, 0.0221}, {0.00283, 0.00256, 0.00354, 0.00631}},

@@ -4,7 +4,7 @@
 #include "level_maker.h"
 
 #include "scene/scene.h"
-#include "scene/closed_mesh.h"
+#include "scene/surfaces/closed_mesh.h"
 
 #include <sys/stat.h>
 #include <tyndall/io.h>

@@ -3,8 +3,8 @@
 #include "triangle_maker.h"
 
 #include "scene/scene.h"
-#include "scene/closed_mesh.h"
-#include "scene/spans.k.h"
+#include "scene/surfaces/closed_mesh.h"
+#include "scene/media/spans.k.h"
 
 static const double zero[3] = {0, 0, 0};
 

@@ -1,7 +1,7 @@
 /* The sky: where things are on the map, what colours they have, and that light adds up. */
 #include "checks.h"
 
-#include "scene/sky.h"
+#include "scene/lights/sky.h"
 
 #include <math.h>
 #include <string.h>

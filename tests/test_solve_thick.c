@@ -104,8 +104,13 @@ static thick_box* make_column(void* context, int32_t count, int32_t bands) {
         }
         box->first[z + 1] = side;
     }
-    box->def.walls =
-        (ty_ordinates_faces){side, box->first, box->x, box->face, box->albedo, box->emission, box->arrived};
+    box->def.walls = (ty_ordinates_faces){.count = side,
+                                          .first = box->first,
+                                          .x = box->x,
+                                          .face = box->face,
+                                          .albedo = box->albedo,
+                                          .emission = box->emission,
+                                          .irradiance = box->arrived};
     return box;
 }
 

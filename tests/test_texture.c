@@ -1,7 +1,7 @@
 /* Textures: decoding, filtering, wrapping, owners, errors. */
 #include "checks.h"
 
-#include "scene/texture.h"
+#include "scene/surfaces/texture.h"
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* The Henyey-Greenstein sampler: its distribution, its mean, and that the phase function is normalised. */
 #include "truth.h"
 
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 enum { BINS = 64 };
 

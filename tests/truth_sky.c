@@ -3,7 +3,7 @@
 
 enum { SHELLS = 60, WIDTH = 256, HEIGHT = WIDTH / 2, AZIMUTHS = 3, RAYS = 8 * AZIMUTHS };
 
-/* The atmosphere of src/scene/atmosphere.c, without ozone, whose layer no nested balls make. */
+/* The atmosphere of src/scene/lights/atmosphere.c, without ozone, whose layer no nested balls make. */
 static const double planet = 6360e3, observer = 2, thickness = 100e3;
 static const double air_scattering[3] = {5.8e-6, 13.5e-6, 33.1e-6}, air_scale = 8000;
 static const double haze_scattering = 4e-6, haze_extinction = 4e-6 / 0.9, haze_scale = 1200, haze_g = 0.76;

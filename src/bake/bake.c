@@ -2,7 +2,7 @@
 #include "bake/cache/cache.h"
 
 #include "base/context.h"
-#include "scene/check.h"
+#include "base/check.h"
 
 #include <string.h>
 

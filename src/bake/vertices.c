@@ -1,8 +1,8 @@
 /* Receivers at the vertices of a mesh. */
 #include "base/context.h"
 #include "base/vector.k.h"
-#include "scene/accel.h"
-#include "scene/surface.k.h"
+#include "scene/surfaces/accel.h"
+#include "scene/surfaces/surface.k.h"
 
 #include <tyndall/bake.h>
 

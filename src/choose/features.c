@@ -7,7 +7,7 @@
 #include "direct/media/grid_medium.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
-#include "scene/spans.k.h"
+#include "scene/media/spans.k.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* The table of commands. */
 #include "cli/commands.h"
-#include "cli/options.h"
+#include "cli/options/options.h"
 
 #include <stdio.h>
 #include <string.h>

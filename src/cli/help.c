@@ -2,9 +2,9 @@
  * from the tables of options. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/commands.h"
-#include "cli/manual.h"
-#include "cli/method_help.h"
-#include "cli/session.h"
+#include "cli/options/manual.h"
+#include "cli/methods/method_help.h"
+#include "cli/session/session.h"
 
 #include <errno.h>
 #include <string.h>

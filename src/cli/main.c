@@ -1,7 +1,7 @@
 /* tyndall: the command line tool. */
 #include "cli/commands.h"
-#include "cli/options.h"
-#include "cli/session.h"
+#include "cli/options/options.h"
+#include "cli/session/session.h"
 
 #include <stdio.h>
 #include <string.h>

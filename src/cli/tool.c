@@ -1,7 +1,7 @@
 /* Commands that are separate programs, built from tools/: tyndall-bench and tyndall-figure. */
 #define _GNU_SOURCE
 #include "cli/commands.h"
-#include "cli/session.h"
+#include "cli/session/session.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -9,7 +9,7 @@
 #include "image/kernel.h"
 #include "image/sharpen.h"
 #include "image/spaced.h"
-#include "scene/check.h"
+#include "base/check.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

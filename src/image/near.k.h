@@ -5,7 +5,7 @@
 
 #include "image/kernel.h"
 #include "image/voxel.k.h"
-#include "scene/spans.k.h"
+#include "scene/media/spans.k.h"
 
 /* Optical depth of a cell above which rays are traced, and the same for media with transfer functions, which have
  * edges; length of a piece in cells; samples of the density per voxel (plus one per unit of optical depth). Below:

@@ -2,7 +2,7 @@
 #ifndef TY_IMAGE_VOXEL_K_H
 #define TY_IMAGE_VOXEL_K_H
 
-#include "scene/medium.k.h"
+#include "scene/media/medium.k.h"
 
 #if defined(__F16C__)
 #include <immintrin.h>

@@ -3,7 +3,7 @@
 
 #include "base/constants.h"
 #include "base/context.h"
-#include "scene/check.h"
+#include "base/check.h"
 
 #include <math.h>
 

@@ -1,13 +1,13 @@
 /* Commits: views of media, surfaces with their acceleration structure, and lights with their tree. Each is made apart
  * from the scene and exchanged when nothing can fail any more. */
 #include "base/context.h"
-#include "scene/gloss.h"
+#include "scene/surfaces/gloss.h"
 #include "scene/interiors.h"
-#include "scene/light.h"
-#include "scene/medium.h"
+#include "scene/lights/light.h"
+#include "scene/media/medium.h"
 #include "scene/scene.h"
-#include "scene/shape.h"
-#include "scene/texture.h"
+#include "scene/surfaces/shape.h"
+#include "scene/surfaces/texture.h"
 
 #include <string.h>
 

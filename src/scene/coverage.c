@@ -2,9 +2,9 @@
 #include "base/float_mode.h"
 #include "base/context.h"
 #include "grid/grid.h"
-#include "scene/check.h"
+#include "base/check.h"
 #include "scene/scene.h"
-#include "scene/spans.k.h"
+#include "scene/media/spans.k.h"
 
 enum { SIZE_MAX_AXIS = 16384, SAMPLES_MAX = 64 };
 

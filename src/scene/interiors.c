@@ -1,9 +1,9 @@
 #include "scene/interiors.h"
 
 #include "base/context.h"
-#include "scene/closed_mesh.h"
-#include "scene/medium.h"
-#include "scene/shape.h"
+#include "scene/surfaces/closed_mesh.h"
+#include "scene/media/medium.h"
+#include "scene/surfaces/shape.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,12 +3,12 @@
 
 #include "base/context.h"
 #include "scene/camera.h"
-#include "scene/light.h"
-#include "scene/medium.h"
+#include "scene/lights/light.h"
+#include "scene/media/medium.h"
 #include "scene/settings.h"
-#include "scene/shape.h"
-#include "scene/closed_mesh.h"
-#include "scene/texture.h"
+#include "scene/surfaces/shape.h"
+#include "scene/surfaces/closed_mesh.h"
+#include "scene/surfaces/texture.h"
 
 #include <stdio.h>
 

@@ -2,11 +2,11 @@
 #ifndef TY_SCENE_SCENE_H
 #define TY_SCENE_SCENE_H
 
-#include "scene/environment.h"
-#include "scene/light_choice.k.h"
-#include "scene/light_tree.h"
-#include "scene/medium.k.h"
-#include "scene/accel.h"
+#include "scene/lights/environment.h"
+#include "scene/lights/light_choice.k.h"
+#include "scene/lights/light_tree.h"
+#include "scene/media/medium.k.h"
+#include "scene/surfaces/accel.h"
 #include "scene/settings.h"
 
 #include <tyndall/scene.h>

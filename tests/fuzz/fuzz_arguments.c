@@ -3,8 +3,8 @@
 #define _GNU_SOURCE
 #include "fuzz_target.h"
 
-#include "cli/options.h"
-#include "cli/raw_options.h"
+#include "cli/options/options.h"
+#include "cli/options/raw_options.h"
 
 #include <math.h>
 #include <stdio.h>

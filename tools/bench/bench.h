@@ -2,7 +2,7 @@
 #ifndef TY_BENCH_H
 #define TY_BENCH_H
 
-#include "cli/session.h"
+#include "cli/session/session.h"
 
 enum { BENCH_PATH_SIZE = 1024 };
 

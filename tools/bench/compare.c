@@ -2,7 +2,7 @@
 #include "bench/compare.h"
 
 #include "bench/bench.h"
-#include "cli/text.h"
+#include "cli/text/text.h"
 
 #include <stdlib.h>
 #include <string.h>

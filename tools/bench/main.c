@@ -2,7 +2,7 @@
 #include "bench/compare.h"
 #include "bench/markdown.h"
 #include "bench/run.h"
-#include "cli/text_file.h"
+#include "cli/text/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>

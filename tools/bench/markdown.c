@@ -2,7 +2,7 @@
 #include "bench/compare.h"
 #include "bench/markdown.h"
 
-#include "cli/text.h"
+#include "cli/text/text.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Memory bandwidth. */
 #define _GNU_SOURCE
 #include "bench/memory.h"
-#include "cli/session.h"
+#include "cli/session/session.h"
 
 #include <stdlib.h>
 #include <unistd.h>

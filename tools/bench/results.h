@@ -2,7 +2,7 @@
 #ifndef TY_BENCH_RESULTS_H
 #define TY_BENCH_RESULTS_H
 
-#include "cli/session.h"
+#include "cli/session/session.h"
 
 #include <jansson.h>
 

@@ -1,7 +1,7 @@
 /* Running benches. */
 #define _GNU_SOURCE
 #include "bench/run.h"
-#include "cli/text_file.h"
+#include "cli/text/text_file.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #define TY_FIGURES_FIGURE_H
 
 #include "bench/noise.h"
-#include "cli/session.h"
+#include "cli/session/session.h"
 #include "plot/page.h"
 #include "scenes/scenes.h"
 

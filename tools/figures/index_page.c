@@ -2,7 +2,7 @@
 #include "figures/index_page.h"
 
 #include "figures/summary_words.h"
-#include "cli/text.h"
+#include "cli/text/text.h"
 
 static const char head[] =
     "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"

@@ -3,8 +3,8 @@
 #include "figures/judge.h"
 #include "figures/output.h"
 #include "figures/summary.h"
-#include "cli/text.h"
-#include "cli/text_file.h"
+#include "cli/text/text.h"
+#include "cli/text/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>

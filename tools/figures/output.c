@@ -2,7 +2,7 @@
 #define _GNU_SOURCE
 #include "figures/output.h"
 
-#include "cli/text_file.h"
+#include "cli/text/text_file.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
 #include "figures/output.h"
 #include "figures/index_page.h"
 #include "figures/summary_words.h"
-#include "cli/text.h"
-#include "cli/text_file.h"
+#include "cli/text/text.h"
+#include "cli/text/text_file.h"
 
 #include <math.h>
 #include <stdlib.h>

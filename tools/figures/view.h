@@ -3,7 +3,7 @@
 #define TY_FIGURES_VIEW_H
 
 #include "figures/figure.h"
-#include "cli/methods.h"
+#include "cli/methods/methods.h"
 
 /* Block size of averaged errors, pixels, which reduces the reference's noise. */
 enum { FIGURE_BLOCK = 4 };

@@ -3,8 +3,8 @@
 #include "bake/atlas/atlas.h"
 
 #include "base/context.h"
-#include "scene/check.h"
-#include "scene/accel.h"
+#include "base/check.h"
+#include "scene/surfaces/accel.h"
 
 #include <math.h>
 #include <stdio.h>

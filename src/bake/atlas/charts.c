@@ -2,7 +2,7 @@
 #include "base/context.h"
 #include "base/random.k.h"
 #include "bake/atlas/atlas.h"
-#include "scene/surface.k.h"
+#include "scene/surfaces/surface.k.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Rasterisation of a lightmap: the texels that triangles touch, and their covered fractions. */
 #include "base/context.h"
 #include "bake/atlas/atlas.h"
-#include "scene/surface.k.h"
+#include "scene/surfaces/surface.k.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #include "base/context.h"
 #include "base/progress.h"
 #include "bake/cache/cache.h"
-#include "scene/medium.h"
+#include "scene/media/medium.h"
 #include "scene/scene.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #define TY_BAKE_CACHE_FILL_K_H
 
 #include "bake/cache/lookup.k.h"
-#include "method/path/path.k.h"
+#include "method/path/trace/path.k.h"
 
 #include <stdatomic.h>
 

@@ -3,7 +3,7 @@
 #define TY_BAKE_CACHE_LOOKUP_K_H
 
 #include "bake/cache/cache.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 TY_FN int32_t ty_cache_cell(const ty_cache_view* view, ty_vec at) {
     const int32_t* size = view->size;

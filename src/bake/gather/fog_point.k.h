@@ -2,7 +2,7 @@
 #ifndef TY_BAKE_GATHER_FOG_POINT_K_H
 #define TY_BAKE_GATHER_FOG_POINT_K_H
 
-#include "method/path/collision.k.h"
+#include "method/path/trace/collision.k.h"
 
 /* Reservoir sampling over the pieces of a ray in order, each weighted by the probability that the ray collides in it.
  */

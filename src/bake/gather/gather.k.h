@@ -5,7 +5,7 @@
 #include "base/sh.k.h"
 #include "bake/gather/request.h"
 #include "bake/gather/segment.k.h"
-#include "method/path/path.k.h"
+#include "method/path/trace/path.k.h"
 
 /* Cosine to the normal below which light is damped in the tangential vector irradiance. */
 #define TY_GRAZING_COSINE 0.02f

@@ -6,7 +6,7 @@
 #include "bake/gather/cache_view.h"
 #include "bake/gather/virtual_emitters.h"
 #include "method/impulse/lookup.h"
-#include "method/path/kernel.h"
+#include "method/path/trace/kernel.h"
 
 #include <tyndall/bake.h>
 

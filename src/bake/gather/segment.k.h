@@ -3,7 +3,7 @@
 #define TY_BAKE_GATHER_SEGMENT_K_H
 
 #include "bake/gather/fog_point.k.h"
-#include "scene/spans.k.h"
+#include "scene/media/spans.k.h"
 
 typedef struct ty_segment {
     float depth[3];              /* integrals along the segment: of sigma_t, */

@@ -5,7 +5,7 @@
 #include "bake/gather/request.h"
 #include "bake/gather/segment.k.h"
 #include "method/impulse/lookup.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 /* An emitter relative to a receiver. */
 typedef struct ty_emitter {

@@ -4,7 +4,7 @@
 
 #include "base/context.h"
 #include "base/progress.h"
-#include "scene/check.h"
+#include "base/check.h"
 #include "scene/interiors.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #define _GNU_SOURCE
 #include "cli/bake/bake.h"
 #include "cli/commands.h"
-#include "cli/text_file.h"
+#include "cli/text/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>

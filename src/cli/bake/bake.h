@@ -2,7 +2,7 @@
 #ifndef TY_CLI_BAKE_H
 #define TY_CLI_BAKE_H
 
-#include "cli/lock.h"
+#include "cli/session/lock.h"
 
 #include <tyndall/bake.h>
 

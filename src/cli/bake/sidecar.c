@@ -1,6 +1,6 @@
 /* tyndall bake: bake.json and probes.json, which list the baked objects, their files and their units. */
 #include "cli/bake/bake.h"
-#include "cli/text_file.h"
+#include "cli/text/text_file.h"
 
 #include <inttypes.h>
 #include <string.h>

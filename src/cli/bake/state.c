@@ -1,7 +1,7 @@
 /* tyndall bake --resume: the list of finished units, in a text file beside their images. */
 #define _GNU_SOURCE
 #include "cli/bake/bake.h"
-#include "cli/text_file.h"
+#include "cli/text/text_file.h"
 
 #include <errno.h>
 #include <inttypes.h>

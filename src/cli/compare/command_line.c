@@ -1,7 +1,7 @@
 /* Command lines that reproduce the images of a comparison. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/compare/command_line.h"
-#include "cli/text_file.h"
+#include "cli/text/text_file.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -2,8 +2,8 @@
 #ifndef TY_CLI_COMPARE_COMPARISON_H
 #define TY_CLI_COMPARE_COMPARISON_H
 
-#include "cli/session.h"
-#include "cli/report.h"
+#include "cli/session/session.h"
+#include "cli/methods/report.h"
 
 enum { CLI_COMPARE_NAME = 64, CLI_COMPARE_REASON = 512, CLI_COMPARE_MAX = CLI_POSITIONAL_MAX, CLI_EARLIER_MAX = 5 };
 

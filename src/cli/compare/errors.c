@@ -1,6 +1,6 @@
 /* errors.json of `tyndall compare`. */
 #include "cli/compare/files.h"
-#include "cli/difference.h"
+#include "cli/images/difference.h"
 
 static void slots_json(json_writer* json, const char* name, const double values[4]) {
     json_open_object(json, name);

@@ -2,9 +2,9 @@
 #define _GNU_SOURCE
 #include "cli/compare/files.h"
 #include "cli/compare/page.h"
-#include "cli/difference.h"
-#include "cli/side_by_side.h"
-#include "cli/text_file.h"
+#include "cli/images/difference.h"
+#include "cli/images/side_by_side.h"
+#include "cli/text/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #define TY_CLI_COMPARE_KEEP_H
 
 #include "cli/compare/comparison.h"
-#include "cli/methods.h"
+#include "cli/methods/methods.h"
 
 /* A ty_path_state_fn that stores the last state in memory and forwards it; user is a cli_stored_state. */
 typedef struct cli_stored_state {

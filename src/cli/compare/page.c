@@ -3,7 +3,7 @@
 #include "cli/compare/page.h"
 #include "cli/compare/files.h"
 #include "cli/compare/page_pixels.h"
-#include "cli/text_file.h"
+#include "cli/text/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>

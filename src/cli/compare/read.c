@@ -1,6 +1,6 @@
 /* Reading and naming the images of a comparison. */
 #include "cli/compare/read.h"
-#include "cli/metadata.h"
+#include "cli/session/metadata.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #define TY_CLI_COMPARE_REFERENCE_H
 
 #include "cli/compare/comparison.h"
-#include "cli/methods.h"
+#include "cli/methods/methods.h"
 
 /* Renders the reference until its noise is well below the differences, and measures all entries against it. CLI_GO, or
  * an exit status after a message. */

@@ -4,7 +4,7 @@
 #include "cli/compare/measure.h"
 #include "cli/compare/read.h"
 #include "cli/compare/reference.h"
-#include "cli/text.h"
+#include "cli/text/text.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #define TY_CLI_COMPARE_SCENE_H
 
 #include "cli/compare/comparison.h"
-#include "cli/methods.h"
+#include "cli/methods/methods.h"
 
 /* Parses "path,fld" into methods; returns their number, or -1, after a message, for an unknown name. */
 int cli_name_methods(const char* words, const ty_method* out[CLI_COMPARE_MAX]);

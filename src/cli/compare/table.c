@@ -1,6 +1,6 @@
 /* table.md of `tyndall compare`. */
 #include "cli/compare/files.h"
-#include "cli/difference.h"
+#include "cli/images/difference.h"
 
 static void print_amount(FILE* file, double amount) {
     if (amount >= 0)

@@ -1,7 +1,7 @@
 #include "cli/view/accumulate.h"
 
 #include "base/luminance.k.h"
-#include "cli/session.h"
+#include "cli/session/session.h"
 #include "method/registry.h"
 
 #include <math.h>

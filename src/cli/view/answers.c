@@ -3,7 +3,7 @@
 #include "cli/view/live_state.h"
 
 #include "base/number.h"
-#include "cli/session.h"
+#include "cli/session/session.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #ifndef TY_CLI_VIEW_LIVE_H
 #define TY_CLI_VIEW_LIVE_H
 
-#include "cli/tev.h"
+#include "cli/images/tev.h"
 #include "cli/view/photo.h"
 #include "cli/view/server.h"
 

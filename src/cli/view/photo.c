@@ -2,8 +2,8 @@
 #include "cli/view/photo.h"
 
 #include "base/context.h"
-#include "cli/screen_input.h"
-#include "cli/text.h"
+#include "cli/screen/screen_input.h"
+#include "cli/text/text.h"
 #include "cli/view/photo_schema.h"
 #include "io/json_edit.h"
 #include "io/json_text.h"

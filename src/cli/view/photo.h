@@ -2,7 +2,7 @@
 #ifndef TY_CLI_VIEW_PHOTO_H
 #define TY_CLI_VIEW_PHOTO_H
 
-#include "cli/screen_options.h"
+#include "cli/screen/screen_options.h"
 #include "io/scenes/scene_editor.h"
 
 typedef struct view_photo view_photo;

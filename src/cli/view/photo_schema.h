@@ -2,7 +2,7 @@
 #ifndef TY_CLI_VIEW_PHOTO_SCHEMA_H
 #define TY_CLI_VIEW_PHOTO_SCHEMA_H
 
-#include "cli/screen_options.h"
+#include "cli/screen/screen_options.h"
 
 #include <jansson.h>
 

@@ -1,7 +1,7 @@
 /* A photograph through tyndall screen as what the viewer shows; beside it the photograph itself. */
 #include "cli/view/live_state.h"
 
-#include "cli/screen_output.h"
+#include "cli/screen/screen_output.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #define _GNU_SOURCE
 #include "cli/view/live_state.h"
 
-#include "cli/session.h"
+#include "cli/session/session.h"
 
 #include <stdio.h>
 #include <stdlib.h>

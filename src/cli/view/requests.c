@@ -1,6 +1,6 @@
 #include "cli/view/requests.h"
 
-#include "cli/session.h"
+#include "cli/session/session.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "cli/view/live_state.h"
 
 #include "base/context.h"
-#include "cli/text.h"
+#include "cli/text/text.h"
 #include "io/scenes/scene_schema.h"
 
 #include <tyndall/choose.h>

@@ -1,7 +1,7 @@
 /* Images on their way from the rendering thread: to clients, to files, to tev. */
 #include "cli/view/live_state.h"
 
-#include "cli/session.h"
+#include "cli/session/session.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
 #include "cli/view/live_state.h"
 
 #include "base/number.h"
-#include "cli/session.h"
+#include "cli/session/session.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 /* tyndall view: a scene in a window of the browser, rendered anew while it changes. */
 #define _GNU_SOURCE
 #include "cli/commands.h"
-#include "cli/methods.h"
-#include "cli/screen_options.h"
-#include "cli/session.h"
+#include "cli/methods/methods.h"
+#include "cli/screen/screen_options.h"
+#include "cli/session/session.h"
 #include "cli/view/live.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #ifndef TY_DIRECT_LIGHTS_DISCRETE_LIGHT_H
 #define TY_DIRECT_LIGHTS_DISCRETE_LIGHT_H
 
-#include "scene/light.k.h"
+#include "scene/lights/light.k.h"
 
 #include <tyndall/base.h>
 

@@ -2,7 +2,7 @@
 #include "direct/lights/discretize.h"
 
 #include "base/context.h"
-#include "scene/check.h"
+#include "base/check.h"
 #include "scene/scene.h"
 
 enum { SAMPLES_MAX = 65536, TRIANGLE_FACTOR = 4 };

@@ -6,7 +6,7 @@
 #include "base/luminance.k.h"
 #include "base/parallel.h"
 #include "base/random.k.h"
-#include "scene/environment_map.k.h"
+#include "scene/lights/environment_map.k.h"
 #include "scene/scene.h"
 
 /* Candidate split positions along each side of a region. */

@@ -6,7 +6,7 @@
 #include "direct/media/attenuation.k.h"
 #include "direct/shadow/grid_depth.h"
 #include "direct/shadow/texels.h"
-#include "scene/check.h"
+#include "base/check.h"
 #include "scene/scene.h"
 
 enum { SIDE_MAX = 4096 };

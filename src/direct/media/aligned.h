@@ -3,7 +3,7 @@
 #define TY_DIRECT_MEDIA_ALIGNED_H
 
 #include "direct/media/grid_medium.h"
-#include "scene/medium.k.h"
+#include "scene/media/medium.k.h"
 
 enum { TY_ALIGNED_VOXELS = 20 };
 

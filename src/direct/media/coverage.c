@@ -1,7 +1,7 @@
 #include "direct/media/coverage.h"
 
 #include "base/context.h"
-#include "scene/check.h"
+#include "base/check.h"
 
 #include <math.h>
 

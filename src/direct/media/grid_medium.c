@@ -5,9 +5,9 @@
 #include "base/float_mode.h"
 #include "direct/media/aligned.h"
 #include "grid/grid.h"
-#include "scene/check.h"
-#include "scene/medium.h"
-#include "scene/phase.k.h"
+#include "base/check.h"
+#include "scene/media/medium.h"
+#include "scene/media/phase.k.h"
 #include "scene/scene.h"
 
 enum { COVERAGE_SAMPLES = 4, SAMPLES_MAX = 16 };

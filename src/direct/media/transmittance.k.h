@@ -3,7 +3,7 @@
 #ifndef TY_DIRECT_MEDIA_TRANSMITTANCE_K_H
 #define TY_DIRECT_MEDIA_TRANSMITTANCE_K_H
 
-#include "scene/spans.k.h"
+#include "scene/media/spans.k.h"
 
 /* Multiplies transmittance[3] by an unbiased estimate for one medium over [enter, leave]; direction is unit. Russian
  * roulette ends estimates below 0.1. */

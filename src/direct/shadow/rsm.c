@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "direct/shadow/texels.h"
-#include "scene/check.h"
+#include "base/check.h"
 
 #include <stdio.h>
 

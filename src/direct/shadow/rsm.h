@@ -4,7 +4,7 @@
 #ifndef TY_DIRECT_SHADOW_RSM_H
 #define TY_DIRECT_SHADOW_RSM_H
 
-#include "scene/ray_counter.h"
+#include "scene/surfaces/ray_counter.h"
 #include "scene/scene.h"
 
 #include <tyndall/rsm.h>

@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "base/parallel.h"
-#include "scene/fetch.h"
+#include "scene/surfaces/fetch.h"
 
 ty_result ty_texels_check_light(const ty_scene* scene, const char* what, int32_t light) {
     const ty_light_set* lights = &scene->view.lights;

@@ -2,7 +2,7 @@
 #ifndef TY_DIRECT_SHADOW_TEXELS_H
 #define TY_DIRECT_SHADOW_TEXELS_H
 
-#include "scene/ray_counter.h"
+#include "scene/surfaces/ray_counter.h"
 #include "scene/scene.h"
 
 /* Fails, naming `what`, unless an index of a committed scene's lights is that of a directional, point or spot light. */

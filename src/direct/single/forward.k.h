@@ -11,7 +11,7 @@
 #define TY_DIRECT_SINGLE_FORWARD_K_H
 
 #include "base/legendre.k.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 /* Fluences U, R and S of a beam, in a common unit, and the mean cosine of the light before the medium. */
 typedef struct ty_forward {

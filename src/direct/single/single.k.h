@@ -5,8 +5,8 @@
 #include "direct/lights/discrete_light.h"
 #include "direct/media/attenuation.k.h"
 #include "direct/single/forward.k.h"
-#include "scene/medium.k.h"
-#include "scene/phase_lobes.k.h"
+#include "scene/media/medium.k.h"
+#include "scene/media/phase_lobes.k.h"
 
 /* Uncollided fluence of one light, or of many lights together. */
 typedef struct ty_light_fluence {

@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "base/parallel.h"
-#include "scene/fetch.h"
+#include "scene/surfaces/fetch.h"
 #include "scene/scene.h"
 
 /* Offset of rays from cell centers, in cells, so that a surface through the centers lies on one side of them. */

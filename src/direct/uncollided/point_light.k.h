@@ -3,7 +3,7 @@
 #define TY_DIRECT_UNCOLLIDED_POINT_LIGHT_K_H
 
 #include "direct/media/attenuation.k.h"
-#include "scene/light.k.h"
+#include "scene/lights/light.k.h"
 
 /* The optical depth around a cell's center along the axes u, v and w. */
 typedef struct ty_cell_depth {

@@ -5,8 +5,8 @@
 #include "grid/grid.h"
 #include "io/file.h"
 #include "io/scenes/scene_reader.h"
-#include "scene/closed_mesh.h"
-#include "scene/texture.h"
+#include "scene/surfaces/closed_mesh.h"
+#include "scene/surfaces/texture.h"
 
 #include <stdatomic.h>
 #include <string.h>

@@ -3,8 +3,8 @@
 #ifndef TY_IO_ASSET_CACHE_H
 #define TY_IO_ASSET_CACHE_H
 
-#include "scene/environment.h"
-#include "scene/sky.h"
+#include "scene/lights/environment.h"
+#include "scene/lights/sky.h"
 
 #include <tyndall/io.h>
 

@@ -4,7 +4,7 @@
 #include "io/scenes/medium_text.h"
 #include "io/scenes/scene_reader.h"
 #include "io/schema_text.h"
-#include "scene/check.h"
+#include "base/check.h"
 
 #include <math.h>
 #include <string.h>

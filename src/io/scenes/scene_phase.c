@@ -1,7 +1,7 @@
 /* Phase functions of media, in scene files and as short text. */
 #include "base/constants.h"
 #include "io/scenes/scene_reader.h"
-#include "scene/phase.h"
+#include "scene/media/phase.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Options of flux-limited diffusion. */
 #include "image/options.h"
 #include "method/fld/job.h"
-#include "scene/check.h"
+#include "base/check.h"
 
 static const char* const limiters[] = {"none", "sum", "max", "kershaw", "larsen", "levermore_pomraning", NULL};
 static const char* const boundaries[] = {"marshak", "dirichlet", NULL};

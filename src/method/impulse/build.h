@@ -5,7 +5,7 @@
 #include "method/impulse/harmonics.h"
 #include "method/impulse/nodes.h"
 #include "method/impulse/tables.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 /* Products of y_l^m at the receiver and y_k^m at the emitter, l, k >= m: sorted by m, l, k. */
 enum { TY_IMPULSE_PRODUCTS = 556 };

@@ -6,7 +6,7 @@
 #include "direct/shadow/shadow_hierarchy.h"
 #include "method/lpv/lattice/lattice.h"
 #include "option/option.h"
-#include "scene/ray_counter.h"
+#include "scene/surfaces/ray_counter.h"
 
 /* A light and its maps. */
 typedef struct ty_lpv_light {

@@ -3,9 +3,9 @@
 
 #include "base/context.h"
 #include "base/dispatch.h"
-#include "method/path/equiangular.k.h"
+#include "method/path/trace/equiangular.k.h"
 #include "scene/interiors.h"
-#include "scene/light.h"
+#include "scene/lights/light.h"
 
 /* Contributions are traced by chance below this fraction of the radiance that an isotropic medium scatters under the
  * typical light. */

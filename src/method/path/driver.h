@@ -2,7 +2,7 @@
 #ifndef TY_PATH_DRIVER_H
 #define TY_PATH_DRIVER_H
 
-#include "method/path/kernel.h"
+#include "method/path/trace/kernel.h"
 #include "option/option.h"
 
 #include <tyndall/path.h>

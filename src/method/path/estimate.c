@@ -2,7 +2,7 @@
 #include "base/context.h"
 #include "direct/media/transmittance.k.h"
 #include "method/path/driver.h"
-#include "scene/check.h"
+#include "base/check.h"
 
 /* Allocates the run's items, samples them and copies the results out. */
 static ty_result sample_items(ty_path_run* run, const ty_scene* scene, double* mean, double* uncollided,

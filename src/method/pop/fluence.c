@@ -4,7 +4,7 @@
 #include "direct/media/coverage.h"
 #include "direct/single/source_field.h"
 #include "method/pop/solution.h"
-#include "scene/check.h"
+#include "base/check.h"
 
 #include <math.h>
 

@@ -3,8 +3,8 @@
 
 #include "base/context.h"
 #include "method/screen/screen_options.h"
-#include "scene/check.h"
-#include "scene/phase.k.h"
+#include "base/check.h"
+#include "scene/media/phase.k.h"
 
 #include <math.h>
 

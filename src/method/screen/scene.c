@@ -3,7 +3,7 @@
 #include "base/context.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
-#include "scene/spans.k.h"
+#include "scene/media/spans.k.h"
 
 #include <tyndall/screen.h>
 

@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "base/kernel.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -2,8 +2,8 @@
 #include "solve/enclosed/body.h"
 
 #include "base/context.h"
-#include "scene/medium.h"
-#include "scene/spans.k.h"
+#include "scene/media/medium.h"
+#include "scene/media/spans.k.h"
 #include "solve/diffusion/fresnel_boundary.h"
 
 #include <math.h>

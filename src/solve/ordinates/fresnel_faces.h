@@ -4,7 +4,7 @@
  *
  * A curved or slanted interface becomes a staircase of faces, through which a direction w of cosine w.n > 0 to the
  * interface passes sum_a max(0, n_a w_a) times the interface's area: the steps hand the excess over w.n from one to the
- * next. So 1 - R of a face is that of the interface times w.n over this sum, and 0 where w.n <= 0. What it reflects is
+ * next. So 1 - R of a face is that of the interface times w.n over this sum, and 0 where w.n <= 0. Its reflection is
  * sent into direction w in proportion to R(-w), so that light that is the same everywhere stays so. */
 #ifndef TY_SOLVE_ORDINATES_FRESNEL_FACES_H
 #define TY_SOLVE_ORDINATES_FRESNEL_FACES_H

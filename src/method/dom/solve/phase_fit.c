@@ -4,7 +4,7 @@
  * and the rest counts as unscattered. */
 #include "base/legendre.k.h"
 #include "method/dom/solve/solve.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 
 #include "method/lpv/image/airlight.h"
 #include "direct/media/attenuation.k.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 enum { TY_AIRLIGHT_SOURCES_MAX = 64 };
 

@@ -8,7 +8,7 @@
 #include "direct/media/grid_medium.h"
 #include "method/lpv/lattice/packed_lattice.k.h"
 #include "scene/scene.h"
-#include "scene/spans.k.h"
+#include "scene/media/spans.k.h"
 
 /* Transmittance below which a ray march ends. */
 #define TY_RAY_MARCH_OPAQUE 1e-5f

@@ -2,7 +2,7 @@
 #include "base/context.h"
 #include "base/parallel.h"
 #include "method/lpv/inject/inject.h"
-#include "scene/fetch.h"
+#include "scene/surfaces/fetch.h"
 #include "scene/scene.h"
 
 #include <stdatomic.h>

@@ -1,7 +1,7 @@
 /* Placement of the lattices. */
 #include "base/context.h"
 #include "method/lpv/lattice/lattice.h"
-#include "scene/medium.h"
+#include "scene/media/medium.h"
 #include "scene/scene.h"
 
 /* Relative margin of a lattice around the scene's extent, so that surfaces on its faces are inside. */

@@ -3,7 +3,7 @@
 #define TY_METHOD_LPV_PROPAGATE_H
 
 #include "method/lpv/lattice/lattice.h"
-#include "scene/light.k.h"
+#include "scene/lights/light.k.h"
 
 /* The energy balance of a propagation, W per channel. `entered` is the injected light and the inflow from the outer
  * cascade. */

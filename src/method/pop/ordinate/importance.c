@@ -1,5 +1,5 @@
 /* Importance of each direction of incident light for the camera: Sec. 5.2 (Elek 2014). */
-#include "scene/environment_map.k.h"
+#include "scene/lights/environment_map.k.h"
 
 #include "base/constants.h"
 #include "base/context.h"

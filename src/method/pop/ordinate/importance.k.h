@@ -5,7 +5,7 @@
 
 #include "direct/media/attenuation.k.h"
 #include "direct/single/single.k.h"
-#include "scene/phase.k.h"
+#include "scene/media/phase.k.h"
 
 /* Medium coefficients at a point, averaged over channels. */
 typedef struct ty_pop_occlusion_medium {

@@ -1,0 +1,17 @@
+/* The file types of tyndall info; each function prints to stdout and returns an exit status. */
+#ifndef TY_CLI_INFO_INFO_H
+#define TY_CLI_INFO_INFO_H
+
+#include "cli/session/session.h"
+
+int cli_info_scene(cli_session* session, const char* path, const cli_list* overrides, bool json);
+int cli_info_volume(cli_session* session, const char* path, bool json);
+int cli_info_image(cli_session* session, const char* path, bool json);
+int cli_info_mesh(cli_session* session, const char* path, bool json);
+/* Prints the coefficients of a medium in words (ty_medium_parse); NULL: all named media. */
+int cli_info_media(cli_session* session, const char* medium, bool json);
+
+/* Prints "(1, 2, 3)" between label and after. */
+void cli_print_vector(const char* label, const double v[3], const char* after);
+
+#endif

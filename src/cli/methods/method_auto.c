@@ -1,0 +1,48 @@
+/* Method auto: the library's choice for a scene, with path tracing as the fallback where the chosen method refuses it.
+ */
+#include "cli/methods/methods.h"
+
+/* Prints one line on stderr. */
+static void say(cli_session* session, const cli_report* report) {
+    if (session->common.quiet) return;
+    cli_progress_clear(&session->progress);
+    fprintf(stderr, "method: %s (%s)\n", report->method, report->choice);
+}
+
+static ty_result choose(cli_session* session, const ty_scene* scene, const cli_request* request, cli_report* report) {
+    ty_choose_def def = ty_default_choose_def();
+    ty_choice choice;
+    def.aovs = request->aovs;
+    if (request->crop[2] > 0) def.asks |= TY_ASK_CROP;
+    if (request->seconds > 0) def.asks |= TY_ASK_TIME;
+    if (request->error > 0) def.asks |= TY_ASK_ERROR;
+    if (request->checkpoint != NULL) def.asks |= TY_ASK_RESUME;
+    if (request->samples) def.asks |= TY_ASK_SAMPLES;
+    const ty_result result = ty_choose_method(scene, &def, &choice);
+    if (result != TY_OK) return result;
+    report->method = choice.method;
+    snprintf(report->choice, sizeof report->choice, "%s", choice.reason);
+    say(session, report);
+    return TY_OK;
+}
+
+/* True if path tracing can be the fallback for another method's error. */
+static bool is_refusal(ty_result result) {
+    return result == TY_ERROR_ARGUMENT || result == TY_ERROR_UNSUPPORTED || result == TY_ERROR_MEMORY;
+}
+
+ty_result cli_render_auto(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
+                          cli_report* report) {
+    ty_result result = choose(session, scene, request, report);
+    if (result != TY_OK) return result;
+    const ty_method* method = cli_find_method(session->command, report->method);
+    result = cli_render_method(session, scene, method, request, out, report);
+    if (!is_refusal(result) || method == &ty_method_path) return result;
+    report->method = ty_method_path.name;
+    snprintf(report->choice, sizeof report->choice, "%s refused: %s", method->name, ty_take_error(session->context));
+    say(session, report);
+    return cli_render_method(session, scene, &ty_method_path, request, out, report);
+}
+
+const ty_method cli_method_auto = {
+    .name = "auto", .summary = "the method that suits the scene", .aovs = TY_AOV_ALL, .crops = true};

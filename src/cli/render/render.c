@@ -1,0 +1,256 @@
+/* tyndall render: renders a scene to an image. */
+#include "cli/options/aovs.h"
+#include "cli/session/checkpoint.h"
+#include "cli/commands.h"
+#include "cli/methods/method_help.h"
+#include "cli/methods/methods.h"
+#include "cli/methods/report.h"
+#include "cli/session/session.h"
+#include "cli/images/tev.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+enum { SPP_MAX = 1 << 24 };
+
+typedef struct render_options {
+    const char *output, *png, *aov, *method, *tev;
+    uint32_t aovs;
+    int32_t spp, size[2], crop[4];
+    double time, error, exposure, checkpoint;
+    bool spp_given, exposure_given, checkpoint_given, resume;
+    cli_list overrides;
+} render_options;
+
+static ty_result write_images(cli_session* session, const render_options* options, const ty_image* image,
+                              double exposure) {
+    const char* const paths[] = {options->output, options->png};
+    for (int i = 0; i < 2; ++i) {
+        if (paths[i] == NULL) continue;
+        const ty_result result = cli_has_extension(paths[i], ".png")
+                                     ? ty_image_write_png(session->context, image, exposure, TY_TONE_FILMIC, paths[i])
+                                     : ty_image_write_exr(session->context, image, paths[i]);
+        if (result != TY_OK) return result;
+    }
+    return TY_OK;
+}
+
+static void print_path_line(const cli_report* report) {
+    const ty_path_stats* path = &report->run.path;
+    char rests[96] = "";
+    if (path->error_pixels > 0 && path->error_pixels < 10)
+        snprintf(rests, sizeof rests, " (by %.0f pixels: other seeds may have far more or less)", path->error_pixels);
+    printf("%s: %dx%d, %.4g spp, relative error %.3g%%%s, %.1f s (%.3g Mpaths/s)%s%s\n", report->method, report->width,
+           report->height, path->spp, 100 * path->error, rests, path->seconds,
+           path->seconds > 0 ? 1e-6 * (double)path->paths / path->seconds : 0.0, report->resumed ? ", resumed" : "",
+           report->complete ? "" : ", interrupted");
+}
+
+static void print_method_lines(const cli_report* report) {
+    const ty_method_run* run = &report->run;
+    char text[256];
+    if (run->enclosed)
+        snprintf(text, sizeof text, "all media inside dielectrics");
+    else
+        report->ran->describe(run, text, sizeof text);
+    printf("%s: %dx%d, %s\n", report->method, report->width, report->height, text);
+    if (run->path.seconds > run->own_seconds)
+        printf("surfaces: %.4g spp of path, %.2f s\n", run->path.spp, run->path.seconds - run->own_seconds);
+}
+
+static void print_closing_lines(const render_options* options, const cli_report* report) {
+    if (report->ran->describe != NULL)
+        print_method_lines(report);
+    else
+        print_path_line(report);
+    printf("wrote %s\n", options->output);
+    if (options->png != NULL) printf("wrote %s\n", options->png);
+}
+
+static cli_request make_request(const render_options* options, const cli_session* session,
+                                const ty_render_settings* settings, cli_checkpoint* checkpoint, cli_tev* tev) {
+    const bool bounded_otherwise = options->time > 0 || options->error > 0;
+    cli_request request = {
+        .spp = options->spp_given  ? options->spp
+               : bounded_otherwise ? SPP_MAX
+                                   : settings->spp,
+        .samples = options->spp_given && options->method == NULL,
+        .seed = session->common.seed_given ? session->common.seed : settings->seed,
+        .seconds = options->time,
+        .error = options->error,
+        .width = options->size[0],
+        .height = options->size[1],
+        .aovs = options->aovs | TY_AOV_SAMPLES,
+        .checkpoint = options->resume ? checkpoint : NULL,
+        .checkpoint_seconds = options->checkpoint,
+        .partial = options->tev != NULL ? cli_tev_show : NULL,
+        .partial_user = tev,
+    };
+    memcpy(request.crop, options->crop, sizeof request.crop);
+    return request;
+}
+
+/* TY_ERROR_INPUT can only come from the resume state, whose message lacks the file name. */
+static int fail_rendering(cli_session* session, ty_result result, const cli_checkpoint* checkpoint) {
+    if (result != TY_ERROR_INPUT || checkpoint->bytes == NULL) return cli_fail_running(session, result);
+    cli_progress_clear(&session->progress);
+    return cli_fail(CLI_USAGE, "%s: %s; remove it to start again", checkpoint->path, ty_take_error(session->context));
+}
+
+/* Writes a finished or partial image; returns the exit status. */
+static int write_result(cli_session* session, const render_options* options, const cli_report* report, ty_image** image,
+                        double exposure) {
+    ty_result result = (options->aovs & TY_AOV_SAMPLES) == 0 ? cli_drop_even_samples(session->context, image) : TY_OK;
+    if (result == TY_OK) result = cli_report_metadata(*image, report);
+    if (result == TY_OK) result = write_images(session, options, *image, exposure);
+    if (result != TY_OK) return cli_fail_running(session, result);
+    if (!session->common.quiet) print_closing_lines(options, report);
+    return report->complete ? CLI_DONE : CLI_INTERRUPTED;
+}
+
+/* Renders and writes the scene; returns the exit status. */
+static int render_scene(cli_session* session, const ty_scene* scene, const render_options* options,
+                        cli_checkpoint* checkpoint, cli_tev* tev, cli_report* report) {
+    const ty_render_settings settings = ty_scene_render_settings(scene);
+    const ty_method* method = cli_find_method("render", options->method != NULL ? options->method : settings.method);
+    if (method == NULL) return CLI_USAGE;
+    const cli_request request = make_request(options, session, &settings, checkpoint, tev);
+    const int possible = cli_check_request(session, scene, method, &request);
+    if (possible != CLI_GO) return possible;
+    report->method = method->name;
+    report->seed = request.seed;
+    report->fov_y = ty_scene_camera(scene).fov_y;
+    report->scene_bytes = ty_scene_get_info(scene).bytes;
+    snprintf(report->scene, sizeof report->scene, "%016" PRIx64, ty_scene_hash(scene));
+    report->resumed = options->resume && checkpoint->bytes != NULL;
+    ty_image* image = NULL;
+    const ty_result result = cli_render_method(session, scene, method, &request, &image, report);
+    cli_progress_clear(&session->progress);
+    if (image == NULL) return fail_rendering(session, result, checkpoint);
+    cli_tev_show(tev, image);
+    report->complete = result == TY_OK;
+    report->width = ty_image_width(image);
+    report->height = ty_image_height(image);
+    const double exposure = options->exposure_given ? options->exposure : ty_scene_camera(scene).exposure;
+    const int status = write_result(session, options, report, &image, exposure);
+    ty_image_destroy(image);
+    return status;
+}
+
+static int load_and_render(cli_session* session, const char* path, const render_options* options) {
+    cli_checkpoint checkpoint = {.session = session};
+    cli_report report = {.method = "", .complete = false};
+    cli_tev tev = {.session = session};
+    ty_scene* scene = NULL;
+    int status = options->tev != NULL ? cli_tev_open(&tev, session, options->tev, options->output) : CLI_GO;
+    if (status == CLI_GO && options->resume) status = cli_checkpoint_open(&checkpoint, session, options->output);
+    if (status == CLI_GO) {
+        cli_end_on_interrupt(true);
+        const ty_result result =
+            ty_scene_load(session->context, path, options->overrides.items, options->overrides.count, &scene);
+        cli_end_on_interrupt(false);
+        if (result != TY_OK) status = cli_fail_reading(session, result);
+    }
+    if (status == CLI_GO) {
+        report.load_seconds = cli_wall_seconds() - session->started;
+        session->stats = cli_report_stats;
+        session->stats_user = &report;
+        status = render_scene(session, scene, options, &checkpoint, &tev, &report);
+    }
+    ty_scene_destroy(scene);
+    cli_tev_close(&tev);
+    cli_checkpoint_close(&checkpoint);
+    return cli_session_close(session, status);
+}
+
+/* Checks of options that need no file. */
+static int check_options(render_options* options) {
+    if (options->output == NULL) return cli_usage_error("render", "where to? Give -o OUT.exr or -o OUT.png");
+    const bool png = cli_has_extension(options->output, ".png");
+    if (!png && !cli_has_extension(options->output, ".exr"))
+        return cli_usage_error("render", "%s: the extension is not .exr or .png", options->output);
+    if (options->png != NULL && !cli_has_extension(options->png, ".png"))
+        return cli_usage_error("render", "%s: the extension is not .png", options->png);
+    if (options->aov != NULL && png)
+        return cli_usage_error("render", "--aov is for .exr images, and %s is none", options->output);
+    if (options->checkpoint_given && !options->resume)
+        return cli_usage_error("render", "--checkpoint says how often --resume saves; give both");
+    int status = options->tev != NULL ? cli_tev_check_address("render", options->tev) : CLI_GO;
+    if (status == CLI_GO && options->aov != NULL) status = cli_parse_aovs("render", options->aov, &options->aovs);
+    if (status == CLI_GO) status = cli_check_output("render", options->output);
+    return status != CLI_GO || options->png == NULL ? status : cli_check_output("render", options->png);
+}
+
+static bool print_words(FILE* file, const char* option) {
+    if (option == NULL) return false;
+    if (strcmp(option, "define") == 0) {
+        cli_print_option_keys(file);
+        return true;
+    }
+    if (strcmp(option, "method") != 0) return false;
+    fprintf(file, "%s ", cli_method_auto.name);
+    for (int i = 0; ty_methods[i] != NULL; ++i) fprintf(file, "%s ", ty_methods[i]->name);
+    return true;
+}
+
+int cli_render(int count, char** arguments) {
+    render_options options = {.checkpoint = TY_AUTO};
+    char methods[160];
+    cli_name_methods_in("(default: that of the scene, or auto)", methods, sizeof methods);
+    const cli_option table[] = {
+        {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
+         0, 0, NULL},
+        {"method", 0, CLI_TEXT, "NAME", methods, &options.method, 0, 0, NULL},
+        {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
+         &options.spp_given},
+        {"time", 0, CLI_REAL, "SECONDS", "stop after this time; without --spp nothing else does", &options.time, 1e-3,
+         1e7, NULL},
+        {"error", 0, CLI_REAL, "E", "stop at this relative error of the pixels, 0.01 for 1%", &options.error, 1e-6, 1,
+         NULL},
+        {"size", 0, CLI_SIZE, "WxH", "pixels (default: what the scene says)", options.size, 0, 0, NULL},
+        {"crop", 0, CLI_CROP, "X,Y,WxH", "only this part of the frame, from the top left", options.crop, 0, 0, NULL},
+        {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)",
+         &options.overrides, 0, 0, NULL},
+        {"png", 0, CLI_TEXT, "FILE", "also write a PNG", &options.png, 0, 0, NULL},
+        {"exposure", 0, CLI_REAL, "STOPS", "exposure of the PNG (default: the camera's)", &options.exposure, -64, 64,
+         &options.exposure_given},
+        {"aov", 0, CLI_TEXT, "NAME,...", "also write these channels to the EXR (see above)", &options.aov, 0, 0, NULL},
+        {"resume", 0, CLI_FLAG, NULL, "go on from FILE.state if it is there, and keep it up to date", &options.resume,
+         0, 0, NULL},
+        {"checkpoint", 0, CLI_REAL, "SECONDS", "time between two states of --resume (default: 2, see above)",
+         &options.checkpoint, 0.05, 1e6, &options.checkpoint_given},
+        {"tev", 0, CLI_TEXT, "HOST:PORT", "also show the image in the viewer tev; path while it converges",
+         &options.tev, 0, 0, NULL},
+    };
+    const cli_syntax syntax = {
+        "render",
+        "SCENE -o OUT.exr|OUT.png [options]",
+        "Renders a scene to an image.",
+        "SCENE is a JSON file, or builtin:NAME. Interrupting (Ctrl-C) writes what there is and exits with 130, SIGTERM "
+        "with\n143 and SIGHUP with 129.\n"
+        "-D render.METHOD.KEY=VALUE sets an option of a method; 'tyndall help --options METHOD' lists them.\n\n"
+        "Method auto, which scenes have that name none, looks at media, lights and surfaces, and says on stderr what\n"
+        "it chose and why. --time, --error, --resume and --crop ask for path, which alone can do that; so does --spp,\n"
+        "but for --method auto: other methods take it for surfaces.\n\n"
+        "With --resume the same command goes on where the last one was interrupted, also by a crash, and ends with\n"
+        "the same image; the seconds of all runs count for --time, and --spp may be larger than before. What changed "
+        "is\n"
+        "added to FILE.state every 2 seconds, so that a kill costs at most 5 seconds of work, as long as the "
+        "disk\n"
+        "takes it within one. One process at a time may use FILE.state.\n\n"
+        "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
+        "media\n"
+        "scattered once, and otherwise), albedo (fraction that media scatter), normal, variance (of the pixels),\n"
+        "samples, or all. Partial images always have samples, so that 'tyndall merge' knows what they weigh.",
+        table,
+        sizeof table / sizeof table[0],
+        1,
+        1,
+        print_words};
+    cli_arguments given;
+    int status = cli_parse(&syntax, count, arguments, &given);
+    if (status == CLI_GO) status = check_options(&options);
+    cli_session session;
+    if (status == CLI_GO) status = cli_session_open(&session, "render", &given.common);
+    return status == CLI_GO ? load_and_render(&session, given.positional[0], &options) : status;
+}
