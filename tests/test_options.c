@@ -230,7 +230,8 @@ static void scenes_carry_options(void** state) {
     }
     assert_int_equal(ty_method_options(scene, "auto", &def), TY_ERROR_ARGUMENT);
     ty_take_error(context);
-    assert_int_equal(ty_method_options(scene, "path", &fld), TY_ERROR_ARGUMENT); /* a larger def than path has */
+    ty_pop_def pop = ty_default_pop_def();
+    assert_int_equal(ty_method_options(scene, "path", &pop), TY_ERROR_ARGUMENT); /* a larger def than path has */
     assert_error(context, "render.path: the def has ");
     ty_scene_destroy(scene);
 }

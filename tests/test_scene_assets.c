@@ -381,11 +381,23 @@ static void put_vdb(const char* path, const char* grid_name) {
 }
 
 /* The files that the examples name. */
+static void put_map(const char* path) {
+    ty_image* image = NULL;
+    assert_int_equal(ty_image_create_rgb(context, 2, 2, &image), TY_OK);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 4; ++i) ty_image_plane(image, c)[i] = 0.5f;
+    assert_int_equal(ty_image_write_png(context, image, 0, TY_TONE_CLIP, path), TY_OK);
+    ty_image_destroy(image);
+}
+
 static void put_examples(void) {
     put_vdb("plume_0030.vdb", "density");
     put_vdb("smoke.vdb", "density");
     put_vdb("heat.vdb", "temperature");
     put_nrrd("head.nrrd", 1, "400 1500");
+    put_map("planks.png");
+    put_map("planks_rough.png");
+    put_map("planks_normal.png");
     put_text("level.glb", "{\"asset\":{\"version\":\"2.0\"}}");
     put_text("dragon.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
                            "property float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
