@@ -424,7 +424,7 @@ static void the_manuals_examples_load(void** state) {
         }
         at = end + 1;
     }
-    assert_int_equal(loaded, 7);
+    assert_int_equal(loaded, 8);
     free(bytes);
 }
 
