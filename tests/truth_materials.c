@@ -1,4 +1,5 @@
-/* Pictures of metal, plastic, glass, milk, water and maps of normals against those that two other renderers made of them. */
+/* Pictures of metal, plastic, glass, milk, water and maps of normals against those that two other renderers made of
+ * them. */
 #include "truth_cases.h"
 
 /* True, with a line, if the references are absent. */

@@ -263,21 +263,21 @@ typedef struct ty_gloss_def {
 ///
 /// Textures are seen unmirrored from the front. On a quad their lower left corner is at origin, u runs along its edge u
 /// and v, which begins at the top of a texture, against its edge v. Each face of a box has the whole texture: on its
-/// sides upright along the up axis; on top, and from below, with u along +x. On a sphere the poles are on the up axis and
-/// the centre of the texture at +x (with y up u = 0.5 - atan2(z, x) / 2pi, with z up u = 0.5 + atan2(y, x) / 2pi). Up
-/// axis and +x are those before the transform.
+/// sides upright along the up axis; on top, and from below, with u along +x. On a sphere the poles are on the up axis
+/// and the centre of the texture at +x (with y up u = 0.5 - atan2(z, x) / 2pi, with z up u = 0.5 + atan2(y, x) / 2pi).
+/// Up axis and +x are those before the transform.
 typedef struct ty_shape_def {
-    uint32_t cookie;     ///< Set by ty_default_shape_def() and checked.
-    uint32_t bytes;      ///< Set by ty_default_shape_def() to the size of the structure, and checked.
-    ty_shape_kind kind;  ///< Default TY_SHAPE_QUAD.
-    double origin[3];    ///< Corner of a quad, lower corner of a box, or centre of a sphere, m.
-    double u[3];         ///< First edge of a quad, or upper corner of a box, m.
-    double v[3];         ///< Second edge of a quad, m.
-    double radius;       ///< Radius of a sphere, m, > 0.
-    ty_affine transform; ///< Default identity; spheres take rotation, translation and uniform scale only.
-    float albedo[3];     ///< Base colour, 0..1; default 0.5.
-    float emission[3];   ///< Emitted radiance, W m^-2 sr^-1, >= 0; default 0.
-    ty_gloss_def gloss;  ///< Default: Lambertian.
+    uint32_t cookie;               ///< Set by ty_default_shape_def() and checked.
+    uint32_t bytes;                ///< Set by ty_default_shape_def() to the size of the structure, and checked.
+    ty_shape_kind kind;            ///< Default TY_SHAPE_QUAD.
+    double origin[3];              ///< Corner of a quad, lower corner of a box, or centre of a sphere, m.
+    double u[3];                   ///< First edge of a quad, or upper corner of a box, m.
+    double v[3];                   ///< Second edge of a quad, m.
+    double radius;                 ///< Radius of a sphere, m, > 0.
+    ty_affine transform;           ///< Default identity; spheres take rotation, translation and uniform scale only.
+    float albedo[3];               ///< Base colour, 0..1; default 0.5.
+    float emission[3];             ///< Emitted radiance, W m^-2 sr^-1, >= 0; default 0.
+    ty_gloss_def gloss;            ///< Default: Lambertian.
     ty_texture_use albedo_texture; ///< It multiplies albedo; its alpha has no effect. Default: none.
 } ty_shape_def;
 

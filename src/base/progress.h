@@ -4,7 +4,8 @@
 
 #include <tyndall/base.h>
 
-/* True once a fiftieth of a second has passed since *reported (s of ty_wall_seconds), which then becomes the present. */
+/* True once a fiftieth of a second has passed since *reported (s of ty_wall_seconds), which then becomes the present.
+ */
 bool ty_report_due(double* reported);
 /* The report of a fraction that took so many seconds, with the time that remains at the same pace. */
 ty_progress ty_progress_at(const char* stage, double fraction, double seconds);

@@ -124,8 +124,7 @@ static void scattered_in(const airlight_ray* ray, const media_interval* interval
         float phase[3];
         if (medium->phase != NULL) ty_phase_evaluate(medium->phase, ty_clampf(mu, -1, 1), phase);
         for (int c = 0; c < 3; ++c) {
-            if (medium->phase == NULL)
-                phase[c] = c > 0 && medium->gray_g != 0 ? phase[c - 1] : ty_hg(mu, medium->g[c]);
+            if (medium->phase == NULL) phase[c] = c > 0 && medium->gray_g != 0 ? phase[c - 1] : ty_hg(mu, medium->g[c]);
             out[c] += medium->sigma_s[c] * phase[c];
         }
     }
