@@ -342,7 +342,6 @@ ty_result ty_scene_commit(ty_scene* scene) {
         ty_scene_drop_commit(scene);
         return result;
     }
-    ty_interiors_warn_of_lamps(scene->context, scene->lights, scene->light_count, &scene->surfaces);
     number_lights(&scene->surfaces, count_explicit(scene));
     weigh_lights(scene, &scene->committed_lights);
     set_view(scene);

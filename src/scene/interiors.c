@@ -84,6 +84,28 @@ static ty_dielectric* dielectric_of(const ty_committed_surfaces* surfaces, size_
     return gloss != NULL && gloss->dielectric.solid != 0 ? &gloss->dielectric : NULL;
 }
 
+/* True for a smooth thin wall of one layer, which emits nothing. */
+static bool is_pane(const ty_surface* surface) {
+    const ty_surface_gloss* gloss = surface->gloss;
+    if (gloss == NULL || gloss->dielectric.solid != 0 || gloss->textured != 0) return false;
+    const ty_bsdf_parameters* p = &gloss->factor;
+    for (int c = 0; c < 3; ++c)
+        if (p->sheen_color[c] > 0 || surface->emission[c] > 0) return false;
+    return p->transmission > 0 && p->metallic < 1 && !(p->roughness > 0) && !(p->clearcoat > 0);
+}
+
+/* Marks them, and returns their number. */
+static size_t mark_panes(const ty_committed_surfaces* surfaces) {
+    size_t count = 0;
+    for (size_t i = 0; i < surfaces->count; ++i) {
+        ty_surface_gloss* gloss = (ty_surface_gloss*)surfaces->surfaces[i].gloss; /* one of surfaces->gloss */
+        if (gloss == NULL) continue;
+        gloss->pane = is_pane(&surfaces->surfaces[i]);
+        count += gloss->pane != 0;
+    }
+    return count;
+}
+
 /* Where alpha leaves holes, nothing is solid. */
 static void drop_perforated(const ty_committed_surfaces* surfaces) {
     for (size_t i = 0; i < surfaces->count; ++i) {
@@ -104,12 +126,33 @@ static bool add_absorption(const ty_dielectric* dielectric, ty_medium_view* out)
     return out->sigma_t_max > 0;
 }
 
-/* The media in an interior: those with bounds of their own, and those that fill it, which its surface bounds. */
-static void add_media(const ty_committed_media* media, ty_interior* interior, ty_medium_view* room) {
-    for (size_t m = 0; m < media->count; ++m) {
-        const ty_medium_view* view = &media->views[m];
-        const bool filling = view->dielectric != 0;
+/* True if the bounds of a medium lie within the box around a surface. */
+static bool is_within(const ty_interiors_input* input, size_t medium, size_t surface) {
+    double box[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    double own[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    ty_medium_extent(&input->defs[medium], own[0], own[1]);
+    if (surface < input->surfaces->shape_count)
+        ty_shape_extent(&input->surfaces->shapes[surface], box[0], box[1]);
+    else
+        for (int a = 0; a < 3; ++a) {
+            box[0][a] = input->meshes[surface - input->surfaces->shape_count]->lower[a];
+            box[1][a] = input->meshes[surface - input->surfaces->shape_count]->upper[a];
+        }
+    for (int a = 0; a < 3; ++a) {
+        const double near = coincidence * (box[1][a] - box[0][a]);
+        if (own[0][a] < box[0][a] - near || own[1][a] > box[1][a] + near) return false;
+    }
+    return true;
+}
+
+/* The media in an interior: those that fill it, which its surface bounds, and others that are not larger than it. All
+ * that fill no dielectric are outside. */
+static void add_media(const ty_interiors_input* input, ty_interior* interior, ty_medium_view* room) {
+    for (size_t m = 0; m < input->media->count; ++m) {
+        const ty_medium_view* view = &input->media->views[m];
+        const bool filling = view->dielectric != 0, outside = interior->surface < 0;
         if (filling && view->dielectric != interior->surface + 1) continue;
+        if (!filling && !outside && !is_within(input, m, (size_t)interior->surface)) continue;
         ty_medium_view* own = &room[interior->medium_count++];
         *own = *view;
         if (filling) own->bounds = TY_BOUNDED_NOT;
@@ -127,34 +170,14 @@ static void warn_if_open(ty_context* context, const ty_interiors_input* input, s
                mesh->origin.name != NULL ? ", " : "", mesh->origin.name != NULL ? mesh->origin.name : "", open);
 }
 
-/* True if light is refracted at a surface in one direction each. */
-static bool is_smooth(const ty_dielectric* dielectric) {
-    return dielectric != NULL && !(dielectric->roughness > 0) && dielectric->ior > 1;
-}
-
-void ty_interiors_warn_of_lamps(ty_context* context, const ty_light_def* lights, size_t count,
-                                const ty_committed_surfaces* surfaces) {
-    static const char* const names[] = {
-        [TY_LIGHT_DIRECTIONAL] = "directional", [TY_LIGHT_POINT] = "point", [TY_LIGHT_SPOT] = "spot"};
-    size_t light = 0, surface = 0;
-    while (light < count && lights[light].kind != TY_LIGHT_DIRECTIONAL && lights[light].kind != TY_LIGHT_POINT &&
-           lights[light].kind != TY_LIGHT_SPOT)
-        ++light;
-    while (surface < surfaces->count && !is_smooth(dielectric_of(surfaces, surface))) ++surface;
-    if (light == count || surface == surfaces->count) return;
-    ty_log(context, TY_LOG_WARNING,
-           "light %zu (%s) shines through a smooth dielectric (surface %zu): path finds one refracted way from each "
-           "point to it, and leaves out other ways and reflections; an emitter with a size has them all",
-           light, names[lights[light].kind], surface);
-}
-
 ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* input, bool warns,
                               ty_committed_interiors* out) {
     const ty_committed_surfaces* surfaces = input->surfaces;
     size_t count = 0;
     drop_perforated(surfaces);
     for (size_t i = 0; i < surfaces->count; ++i) count += dielectric_of(surfaces, i) != NULL;
-    if (count == 0) return TY_OK;
+    const size_t panes = mark_panes(surfaces);
+    if (count + panes == 0) return TY_OK;
     out->count = count + 1;
     out->medium_capacity = out->count * (input->media->count + 1);
     out->interiors = ty_alloc_array(context, out->count, sizeof *out->interiors, true);
@@ -167,7 +190,7 @@ ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* inp
             if (dielectric_of(surfaces, i) != NULL && fills(input, m, i)) *dielectric = (int32_t)i + 1;
     }
     out->interiors[0] = (ty_interior){.media = out->media, .surface = -1, .priority = INT32_MIN, .ior = 1};
-    add_media(input->media, &out->interiors[0], out->media);
+    add_media(input, &out->interiors[0], out->media);
     size_t number = 0;
     for (size_t i = 0; i < surfaces->count; ++i) {
         ty_dielectric* dielectric = dielectric_of(surfaces, i);
@@ -178,7 +201,7 @@ ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* inp
             .media = room, .surface = (int32_t)i, .priority = dielectric->priority, .ior = dielectric->ior};
         dielectric->interior = (int32_t)number;
         interior->absorbs = interior->medium_count = add_absorption(dielectric, room);
-        add_media(input->media, interior, room);
+        add_media(input, interior, room);
         if (warns) warn_if_open(context, input, i);
     }
     return TY_OK;

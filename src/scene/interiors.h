@@ -16,9 +16,6 @@ typedef struct ty_interiors_input {
 /* Warns of boundaries that are not closed if `warns`. On failure the caller drops what was made. */
 ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* input, bool warns,
                               ty_committed_interiors* out);
-/* Warns if lights that no sampled direction meets shine on smooth dielectrics. */
-void ty_interiors_warn_of_lamps(ty_context* context, const ty_light_def* lights, size_t count,
-                                const ty_committed_surfaces* surfaces);
 /* The dielectrics around a point, by the nearest surface of each in one direction. The scene has some. */
 void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_interior_list* out);
 /* Warns that a method knows no refraction, where the scene has any. does: the sentence's end, after `method: `. */

@@ -187,26 +187,8 @@ static void widen(extent* box, const double point[3]) {
     }
 }
 
-static void widen_by_shape(extent* box, const ty_shape_def* shape) {
-    double origin[3], u[3], v[3], point[3];
-    if (shape->kind == TY_SHAPE_SPHERE) {
-        const double radius = ty_shape_sphere(shape, origin);
-        for (int side = -1; side <= 1; side += 2) {
-            for (int a = 0; a < 3; ++a) point[a] = origin[a] + side * radius;
-            widen(box, point);
-        }
-    }
-    for (int32_t q = 0; q < ty_shape_quad_count(shape); ++q) {
-        ty_shape_quad(shape, q, origin, u, v);
-        for (int corner = 0; corner < 4; ++corner) {
-            for (int a = 0; a < 3; ++a) point[a] = origin[a] + (corner & 1 ? u[a] : 0) + (corner & 2 ? v[a] : 0);
-            widen(box, point);
-        }
-    }
-}
-
 static void widen_by_surfaces(extent* box, const ty_scene* scene) {
-    for (size_t i = 0; i < scene->shape_count; ++i) widen_by_shape(box, &scene->shapes[i]);
+    for (size_t i = 0; i < scene->shape_count; ++i) ty_shape_extent(&scene->shapes[i], box->lower, box->upper);
     for (size_t i = 0; i < scene->mesh_count; ++i) {
         widen(box, scene->meshes[i]->lower);
         widen(box, scene->meshes[i]->upper);

@@ -30,7 +30,7 @@ typedef struct ty_scene_view {
     const ty_accel* mesh;         /* NULL: no surfaces */
     const ty_surface* surfaces;   /* shapes, area lights, meshes */
     const ty_interior* interiors; /* by ty_dielectric.interior */
-    int32_t interior_count;       /* 0: no surface bounds a dielectric */
+    int32_t interior_count;       /* 0: no surface bounds a dielectric, or is a pane */
 } ty_scene_view;
 
 /* Parts of a committed scene; commit.c makes them. */

@@ -66,13 +66,18 @@ TY_FN float ty_bsdf_below_coat(const ty_bsdf* b, float cosine) {
 
 /* ---- preparation ---- */
 
+/* Reflectance of the dielectric at normal incidence, in a channel. */
+TY_FN float ty_bsdf_film_f0(const ty_bsdf_parameters* p, int c) {
+    return ty_minf(ty_dielectric_f0(p->ior) * p->specular_color[c], 1.0f) * p->specular;
+}
+
 /* The reflectances of dielectric and metal (KHR_materials_ior, KHR_materials_specular). */
 TY_FN void ty_bsdf_set_fresnel(ty_bsdf* b, const ty_bsdf_parameters* p, float kept) {
-    const float f0 = ty_dielectric_f0(p->ior), m = p->metallic;
+    const float m = p->metallic;
     b->film_f0 = 0.0f;
     b->film_f90 = p->specular;
     for (int c = 0; c < 3; ++c) {
-        const float dielectric = ty_minf(f0 * p->specular_color[c], 1.0f) * p->specular;
+        const float dielectric = ty_bsdf_film_f0(p, c);
         b->film_f0 = ty_maxf(b->film_f0, dielectric);
         b->f0[c] = ty_lerpf(dielectric, p->base_color[c], m);
         b->multiple[c] = ty_lerpf(ty_bsdf_multiple(dielectric, p->specular, kept),
@@ -162,6 +167,26 @@ TY_FN void ty_bsdf_drop_compensation(ty_bsdf* b) {
     b->probability[TY_LOBE_MULTIPLE] = b->probability[TY_LOBE_THROUGH_MULTIPLE] = 0.0f;
     for (int i = 0; i < TY_LOBE_COUNT; ++i) sum += b->probability[i];
     for (int i = 0; i < TY_LOBE_COUNT && sum > 0.0f; ++i) b->probability[i] /= sum;
+}
+
+/* Leaves the reflection of a thin wall alone. */
+TY_FN void ty_bsdf_drop_transmission(ty_bsdf* b) {
+    float sum = 0.0f;
+    b->probability[TY_LOBE_THROUGH] = b->probability[TY_LOBE_THROUGH_MULTIPLE] = 0.0f;
+    for (int i = 0; i < TY_LOBE_COUNT; ++i) sum += b->probability[i];
+    for (int i = 0; i < TY_LOBE_COUNT && sum > 0.0f; ++i) b->probability[i] /= sum;
+    for (int c = 0; c < 3; ++c) {
+        b->transmitted[c] = 0.0f;
+        b->total[c] = b->albedo[c];
+    }
+}
+
+/* Part of the light that a smooth thin wall lets straight on, by Schlick's reflectance; color: of its base. */
+TY_FN void ty_bsdf_pane_transmittance(const ty_bsdf_parameters* p, const float color[3], float cosine, float out[3]) {
+    float f0 = 0.0f;
+    for (int c = 0; c < 3; ++c) f0 = ty_maxf(f0, ty_bsdf_film_f0(p, c));
+    const float passed = 1.0f - ty_lerpf(f0, p->specular, ty_schlick_weight(cosine));
+    for (int c = 0; c < 3; ++c) out[c] = color[c] * (1.0f - p->metallic) * p->transmission * passed;
 }
 
 /* ---- evaluation ---- */

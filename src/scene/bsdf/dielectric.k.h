@@ -39,10 +39,10 @@ TY_FN float ty_dielectric_lost(TY_GLOBAL const ty_bsdf_tables* tables, float eta
 TY_FN float ty_dielectric_lost_mean(TY_GLOBAL const ty_bsdf_tables* tables, float eta, float roughness) {
     int32_t row;
     const float fraction = ty_dielectric_row(eta, &row);
-    TY_GLOBAL const float* at = tables->dielectric_mean + row * TY_BSDF_ROUGHNESSES;
-    return ty_maxf(
-        1.0f - ty_lerpf(ty_bsdf_mean(at, roughness), ty_bsdf_mean(at + TY_BSDF_ROUGHNESSES, roughness), fraction),
-        1e-6f);
+    TY_GLOBAL const float* at = tables->dielectric_mean + row * TY_BSDF_MEANS;
+    const float below = ty_bsdf_interpolate_mean(at, TY_BSDF_MEANS, roughness);
+    const float above = ty_bsdf_interpolate_mean(at + TY_BSDF_MEANS, TY_BSDF_MEANS, roughness);
+    return ty_maxf(1.0f - ty_lerpf(below, above, fraction), 1e-6f);
 }
 
 /* Mean transmittance of a smooth interface over cosine-weighted directions, by Gauss-Legendre quadrature. */

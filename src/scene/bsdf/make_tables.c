@@ -149,8 +149,8 @@ static void fill_dielectric(void) {
                     integrate_dielectric(cosine, ty_ggx_alpha(roughness), t < TY_BSDF_IORS ? ior : 1 / ior);
             }
         }
-        for (int r = 0; r < TY_BSDF_ROUGHNESSES; ++r)
-            tables.dielectric_mean[t * TY_BSDF_ROUGHNESSES + r] = mean_of(table, (float)r / (TY_BSDF_ROUGHNESSES - 1));
+        for (int r = 0; r < TY_BSDF_MEANS; ++r)
+            tables.dielectric_mean[t * TY_BSDF_MEANS + r] = mean_of(table, (float)r / (TY_BSDF_MEANS - 1));
     }
 }
 
@@ -230,7 +230,7 @@ int main(int count, char** arguments) {
     write_values(file, "reflected_mean", tables.reflected_mean, TY_BSDF_ROUGHNESSES);
     write_values(file, "schlick_mean", tables.schlick_mean, TY_BSDF_ROUGHNESSES);
     write_values(file, "dielectric", tables.dielectric, 2 * TY_BSDF_IORS * TY_BSDF_ROUGHNESSES * TY_BSDF_COSINES);
-    write_values(file, "dielectric_mean", tables.dielectric_mean, 2 * TY_BSDF_IORS * TY_BSDF_ROUGHNESSES);
+    write_values(file, "dielectric_mean", tables.dielectric_mean, 2 * TY_BSDF_IORS * TY_BSDF_MEANS);
     fprintf(file, "};\n");
     return fclose(file) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -9,6 +9,9 @@
 /* Points along the cosine, the roughness and the index of refraction. */
 enum { TY_BSDF_COSINES = 64, TY_BSDF_ROUGHNESSES = 32, TY_BSDF_IORS = 16 };
 
+/* Points along the roughness of the mean albedo of dielectrics: what smooth ones lose changes as roughness^4. */
+enum { TY_BSDF_MEANS = 4 * (TY_BSDF_ROUGHNESSES - 1) + 1 };
+
 /* Cosines between which layers (layers.k.h) interpolate, (j / (TY_BSDF_NODES - 1))^2, and the roughnesses of their
  * tables. */
 enum { TY_BSDF_NODES = 16, TY_BSDF_NODE_ROUGHNESSES = 16 };
@@ -35,7 +38,7 @@ typedef struct ty_bsdf_tables {
     /* Rough dielectric interfaces, reflection and refraction by single scattering: a table as those above for each
      * index of refraction, first seen from the rarer side, then from the denser one. */
     float dielectric[2 * TY_BSDF_IORS * TY_BSDF_ROUGHNESSES * TY_BSDF_COSINES];
-    float dielectric_mean[2 * TY_BSDF_IORS * TY_BSDF_ROUGHNESSES];
+    float dielectric_mean[2 * TY_BSDF_IORS * TY_BSDF_MEANS];
 } ty_bsdf_tables;
 
 /* Root of the reflectance at normal incidence, (n - 1) / (n + 1), of the last index of refraction of the tables, n = 4.
@@ -72,11 +75,15 @@ TY_FN float ty_bsdf_coordinate_cosine(float coordinate, float roughness) {
     return sqrtf(half * half + 2.0f * coordinate * bend) - half;
 }
 
-/* Value of a row of means. */
-TY_FN float ty_bsdf_mean(TY_GLOBAL const float* table, float roughness) {
-    const float y = ty_clampf(roughness, 0.0f, 1.0f) * (float)(TY_BSDF_ROUGHNESSES - 1);
-    const int32_t row = y < (float)(TY_BSDF_ROUGHNESSES - 2) ? (int32_t)y : TY_BSDF_ROUGHNESSES - 2;
+/* Value of `count` means over even roughnesses. */
+TY_FN float ty_bsdf_interpolate_mean(TY_GLOBAL const float* table, int32_t count, float roughness) {
+    const float y = ty_clampf(roughness, 0.0f, 1.0f) * (float)(count - 1);
+    const int32_t row = y < (float)(count - 2) ? (int32_t)y : count - 2;
     return ty_lerpf(table[row], table[row + 1], y - (float)row);
+}
+
+TY_FN float ty_bsdf_mean(TY_GLOBAL const float* table, float roughness) {
+    return ty_bsdf_interpolate_mean(table, TY_BSDF_ROUGHNESSES, roughness);
 }
 
 /* Bilinear value of a table, given as its first row, at coordinates of cosine and row in 0..1. */

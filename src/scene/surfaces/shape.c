@@ -68,6 +68,31 @@ double ty_shape_sphere(const ty_shape_def* shape, double center[3]) {
     return shape->radius * sqrt(image[0] * image[0] + image[1] * image[1] + image[2] * image[2]);
 }
 
+static void widen(const double point[3], double lower[3], double upper[3]) {
+    for (int a = 0; a < 3; ++a) {
+        lower[a] = fmin(lower[a], point[a]);
+        upper[a] = fmax(upper[a], point[a]);
+    }
+}
+
+void ty_shape_extent(const ty_shape_def* shape, double lower[3], double upper[3]) {
+    double origin[3], u[3], v[3], point[3];
+    if (shape->kind == TY_SHAPE_SPHERE) {
+        const double radius = ty_shape_sphere(shape, origin);
+        for (int side = -1; side <= 1; side += 2) {
+            for (int a = 0; a < 3; ++a) point[a] = origin[a] + side * radius;
+            widen(point, lower, upper);
+        }
+    }
+    for (int32_t q = 0; q < ty_shape_quad_count(shape); ++q) {
+        ty_shape_quad(shape, q, origin, u, v);
+        for (int corner = 0; corner < 4; ++corner) {
+            for (int a = 0; a < 3; ++a) point[a] = origin[a] + (corner & 1 ? u[a] : 0) + (corner & 2 ? v[a] : 0);
+            widen(point, lower, upper);
+        }
+    }
+}
+
 bool ty_shape_emits(const ty_shape_def* shape) {
     return shape->emission[0] > 0 || shape->emission[1] > 0 || shape->emission[2] > 0;
 }

@@ -14,6 +14,8 @@ void ty_shape_quad(const ty_shape_def* shape, int32_t i, double origin[3], doubl
 ty_vec ty_shape_normal(const double u[3], const double v[3]);
 /* Center of a sphere in world space; returns its radius. */
 double ty_shape_sphere(const ty_shape_def* shape, double center[3]);
+/* Extends a box, m, to contain a shape. */
+void ty_shape_extent(const ty_shape_def* shape, double lower[3], double upper[3]);
 
 /* Fails unless ty_scene_add_shape accepts the shape. */
 ty_result ty_shape_check(ty_context* context, const ty_shape_def** given, ty_shape_def* own);

@@ -35,6 +35,7 @@ typedef struct ty_surface_gloss {
     TY_GLOBAL const ty_bsdf_tables* tables;
     ty_bsdf_parameters factor;
     ty_dielectric dielectric;
+    int32_t pane;          /* nonzero: a smooth thin wall, whose transmitted light goes straight on */
     float normal_scale[2]; /* of the base and of the clear coat */
     int32_t textured;      /* nonzero if there is any texture */
     ty_texture_view textures[TY_SURFACE_TEXTURES];

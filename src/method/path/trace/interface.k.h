@@ -83,7 +83,12 @@ TY_FN void ty_path_add_field(ty_path* path, const ty_enclosed_field* field, floa
 TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_interior_list* inside, const ty_hit* hit,
                                 ty_vec direction, ty_interior_list* beyond) {
     const ty_surface_gloss* gloss = scene->surfaces[hit->surface].gloss;
-    if (gloss == NULL || gloss->dielectric.solid == 0) return TY_INTERFACE_NONE;
+    if (gloss == NULL) return TY_INTERFACE_NONE;
+    if (gloss->pane != 0) {
+        *beyond = *inside;
+        return TY_INTERFACE_PANE;
+    }
+    if (gloss->dielectric.solid == 0) return TY_INTERFACE_NONE;
     *beyond = ty_interior_list_beyond(scene->interiors, inside, gloss->dielectric.interior, hit, direction);
     if (beyond->top == inside->top) return TY_INTERFACE_PASSED;
     const bool clear = gloss->textured == 0 && gloss->factor.transmission >= 1.0f && gloss->factor.metallic <= 0.0f;
@@ -91,15 +96,42 @@ TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_interior_li
     return clear && matched ? TY_INTERFACE_PASSED : TY_INTERFACE_REFRACTS;
 }
 
-/* Colour of the light that goes straight on at an interface. */
-TY_FN void ty_interface_tint(const ty_interior_list* inside, const ty_interior_list* beyond, const float color[3],
-                             float beta[3]) {
-    for (int c = 0; c < 3 && beyond->top != inside->top; ++c) beta[c] *= color[c];
+/* Part of the light that goes straight on at a hit of a ray along direction. */
+TY_FN void ty_interface_tint(const ty_scene_view* scene, int32_t interface, const ty_interior_list* inside,
+                             const ty_interior_list* beyond, const ty_hit* hit, ty_vec direction, float tint[3]) {
+    TY_GLOBAL const ty_surface* surface = &scene->surfaces[hit->surface];
+    ty_surface_point point;
+    ty_surface_evaluate_color(surface, hit, direction, &point);
+    for (int c = 0; c < 3; ++c) tint[c] = beyond->top != inside->top ? point.albedo[c] : 1.0f;
+    if (interface != TY_INTERFACE_PANE) return;
+    const ty_bsdf_parameters pane = surface->gloss->factor;
+    ty_bsdf_pane_transmittance(&pane, point.albedo, fabsf(ty_dot(point.ns, direction)), tint);
 }
 
-TY_FN void ty_path_meet_interface(const ty_path* path, ty_intersection* end) {
-    end->interface = ty_interface_find(path->request->scene, &path->inside, &end->hit, path->direction, &end->beyond);
+/* A pane lets the path pass or reflects it, by chance. */
+TY_FN void ty_path_meet_pane(ty_path* path, ty_intersection* end) {
+    const float passing = ty_max3(end->tint), sum = passing + ty_max3(end->point.bsdf.albedo);
+    const float chance = sum > 0.0f ? passing / sum : 0.0f;
+    if (ty_rng_uniform(&path->random) < chance) {
+        end->interface = TY_INTERFACE_PASSED;
+        for (int c = 0; c < 3; ++c) end->tint[c] /= chance;
+        return;
+    }
+    ty_bsdf_drop_transmission(&end->point.bsdf);
+    for (int c = 0; c < 3; ++c) {
+        end->point.albedo[c] = end->point.bsdf.albedo[c];
+        end->tint[c] = 1.0f / (1.0f - chance);
+    }
+}
+
+TY_FN void ty_path_meet_interface(ty_path* path, ty_intersection* end) {
+    const ty_scene_view* scene = path->request->scene;
+    end->interface = ty_interface_find(scene, &path->inside, &end->hit, path->direction, &end->beyond);
     if (end->interface == TY_INTERFACE_NONE) return;
+    if (end->interface != TY_INTERFACE_REFRACTS)
+        ty_interface_tint(scene, end->interface, &path->inside, &end->beyond, &end->hit, path->direction, end->tint);
+    if (end->interface == TY_INTERFACE_PANE) ty_path_meet_pane(path, end);
+    if (end->interface == TY_INTERFACE_PANE) return;
     for (int c = 0; c < 3; ++c) end->point.albedo[c] = 1.0f;
     if (end->interface != TY_INTERFACE_PASSED) return;
     end->point.light = -1;
@@ -108,7 +140,7 @@ TY_FN void ty_path_meet_interface(const ty_path* path, ty_intersection* end) {
 
 /* The path goes on behind an interface that changes no direction. Lamp directions end there. */
 TY_FN void ty_path_pass_interface(ty_path* path, const ty_intersection* at) {
-    ty_interface_tint(&path->inside, &at->beyond, at->point.tint, path->beta);
+    for (int c = 0; c < 3; ++c) path->beta[c] *= at->tint[c];
     path->passed += at->hit.distance;
     path->origin = ty_hit_leave(&at->hit, path->direction);
     path->point_light_rate = 0.0f;
@@ -126,16 +158,18 @@ TY_FN_CALLED void ty_path_light_through(ty_path* path, ty_vec origin, const ty_l
         const ty_interior* interior = &scene->interiors[inside.top];
         float transmittance[3];
         ty_hit hit;
-        ty_surface_point point;
+        int32_t interface = TY_INTERFACE_NONE;
         const bool hits = ty_accel_intersect(scene->mesh, origin, sample->wi,
                                              left < TY_FLOAT_MAX ? left * 0.9999f : TY_FLOAT_MAX, &hit);
-        if (hits && ty_interface_find(scene, &inside, &hit, sample->wi, &beyond) != TY_INTERFACE_PASSED) break;
+        if (hits) interface = ty_interface_find(scene, &inside, &hit, sample->wi, &beyond);
+        if (hits && interface != TY_INTERFACE_PASSED && interface != TY_INTERFACE_PANE) break;
         ty_transmittance(interior->media, ty_path_medium_count(path, interior), origin, sample->wi,
                          hits ? hit.distance : left, &path->random, transmittance);
         for (int c = 0; c < 3; ++c) out[c] *= transmittance[c];
         if (!hits) return;
-        ty_surface_evaluate_color(&scene->surfaces[hit.surface], &hit, sample->wi, &point);
-        ty_interface_tint(&inside, &beyond, point.albedo, out);
+        float tint[3];
+        ty_interface_tint(scene, interface, &inside, &beyond, &hit, sample->wi, tint);
+        for (int c = 0; c < 3; ++c) out[c] *= tint[c];
         inside = beyond;
         origin = ty_hit_leave(&hit, sample->wi);
         if (left < TY_FLOAT_MAX) left -= hit.distance;
@@ -155,13 +189,18 @@ TY_FN void ty_path_leave_interface(ty_path* path, const ty_intersection* at, ty_
     ty_path_set_inside(path, &at->beyond);
 }
 
-/* Smooth: one direction by Snell's law or by reflection, with the probability of Fresnel's reflectance. Light sampling
- * finds no such path, so what it meets counts in full. */
+/* Smooth: one direction by Snell's law or by reflection, with the probability of Fresnel's reflectance. Emission
+ * behind it counts in full, unless light sampling finds the same chain (manifold.k.h). */
 TY_FN void ty_path_refract_smooth(ty_path* path, const ty_intersection* at, float eta) {
     const ty_surface_point* point = &at->point;
     const ty_vec wo = ty_scale(path->direction, -1.0f), normal = point->bsdf.frame.n;
     const float cosine = ty_clampf(ty_dot(wo, normal), 0.0f, 1.0f);
     const bool reflects = ty_sobol_next(&path->random) < ty_fresnel_dielectric(cosine, eta);
+    if (path->vertex.refractions == 0) {
+        path->vertex.direction = path->direction;
+        path->vertex.pdf = path->pdf;
+    }
+    path->vertex.refractions = reflects || path->vertex.refractions < 0 ? -1 : path->vertex.refractions + 1;
     ty_vec direction = reflects ? ty_reflect(wo, normal) : ty_refract(wo, normal, eta);
     /* Shading normals may send light to the wrong side of the triangle; it then leaves along the triangle. */
     const float height = ty_dot(point->ng, direction) * (reflects ? 1.0f : -1.0f);
@@ -177,6 +216,7 @@ TY_FN void ty_path_refract_rough(ty_path* path, const ty_intersection* at, float
     ty_light_sample sample;
     float factor[3], chosen;
     bool shines;
+    path->vertex.refractions = -1;
     ty_rough_dielectric_prepare(&d, point->bsdf.tables, &point->bsdf.frame, ty_scale(path->direction, -1.0f), eta,
                                 point->roughness, point->tint, path->request->single_reflection == 0);
     path->origin = at->hit.position;

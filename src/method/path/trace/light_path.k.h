@@ -8,12 +8,13 @@
 /* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
 enum { TY_PATH_ROULETTE_DEPTH = 2000 };
 
-/* The boundary of a solid dielectric as a path meets it. */
+/* The boundary of a solid dielectric, or a thin wall, as a path meets it. */
 enum {
     TY_INTERFACE_NONE = 0,   /* other surfaces */
     TY_INTERFACE_PASSED = 1, /* light goes straight on: a dielectric of higher priority fills both sides, or both have
                                 the same index of refraction */
-    TY_INTERFACE_REFRACTS = 2
+    TY_INTERFACE_REFRACTS = 2,
+    TY_INTERFACE_PANE = 3 /* a smooth thin wall: light goes straight on, or is reflected */
 };
 
 /* Path classes: the interactions of light between its source and the camera. */
@@ -24,6 +25,16 @@ enum {
     TY_PATH_MULTIPLE = 3,   /* any other sequence */
     TY_PATH_CLASS_COUNT = 4
 };
+
+/* The last vertex whose next-event estimation looked through smooth interfaces (manifold.k.h). */
+typedef struct ty_manifold_vertex {
+    int32_t refractions;      /* of the path since; -1: it did something else, or there is no such vertex */
+    ty_vec origin, direction; /* direction, and its density: after a refraction */
+    ty_vec normal;            /* normal and lobe: as in ty_path */
+    ty_light_lobe lobe;
+    float pdf;
+    ty_interior_list inside;
+} ty_manifold_vertex;
 
 typedef struct ty_path {
     const ty_path_request* request;
@@ -44,7 +55,8 @@ typedef struct ty_path {
     const ty_medium_view* media;            /* that the path may meet before the next interface of dielectrics */
     int32_t medium_count;
     float passed; /* distance of origin from the last vertex, m: rays go on at interfaces that change nothing */
-    ty_interior_list inside; /* the dielectrics around it, where the scene has any */
+    ty_interior_list inside;   /* the dielectrics around it, where the scene has any */
+    ty_manifold_vertex vertex; /* where the scene has any */
 } ty_path;
 
 /* A ray's surface intersection and the material at that point. */
@@ -53,6 +65,8 @@ typedef struct ty_intersection {
     ty_surface_point point;
     int32_t interface;       /* of dielectrics: TY_INTERFACE_... */
     ty_interior_list beyond; /* where there is one: the dielectrics behind it */
+    float tint[3];           /* what changes no direction: colour of the light that goes on; panes: the same over the
+                                probability to pass, or 1 over that not to */
 } ty_intersection;
 
 /* The path class after one more scattering, or one more reflection. */
@@ -72,6 +86,11 @@ TY_FN bool ty_path_is_last(const ty_path* path) {
 
 TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
     for (int c = 0; c < 3; ++c) path->radiance[path->path_class][c] += radiance[c];
+}
+
+/* The same for light that interfaces refracted on its way to the path. */
+TY_FN void ty_path_add_refracted(ty_path* path, const float radiance[3]) {
+    for (int c = 0; c < 3; ++c) path->radiance[ty_path_class_reflected(path->path_class)][c] += radiance[c];
 }
 
 #endif

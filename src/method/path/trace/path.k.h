@@ -4,9 +4,8 @@
 #define TY_METHOD_PATH_TRACE_PATH_K_H
 
 #include "method/path/trace/equiangular.k.h"
-#include "method/path/trace/manifold.k.h"
 #include "method/path/trace/point_light_direction.k.h"
-#include "scene/media/phase.k.h"
+#include "method/path/trace/refracted_light.k.h"
 
 /* The squared distance from a local light within which rays sample the light that it sends into them, m^2. */
 TY_FN float ty_path_near2(const ty_path* path, const ty_light_view* light) {
@@ -39,10 +38,15 @@ TY_FN float ty_path_mis_weight_emission(const ty_path* path, const ty_intersecti
 /* Adds emission at the ray's end. end: NULL if the ray leaves the scene, which adds the environments. */
 TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const ty_intersection* end) {
     const ty_light_set* lights = &path->request->scene->lights;
+    const bool refracted = ty_path_sees_dielectrics(path) && path->vertex.refractions > 0;
     float radiance[3];
     if (end != NULL) {
         if (!(ty_max3(end->point.emission) > 0.0f)) return;
-        const float weight = ty_path_mis_weight_emission(path, end);
+        float weight = ty_path_mis_weight_emission(path, end);
+        if (refracted && end->point.light >= 0) {
+            const ty_manifold_target target = {end->hit.position, false};
+            weight = ty_manifold_mis_weight_emission(path, end->point.light, &target);
+        }
         for (int c = 0; c < 3; ++c) radiance[c] = throughput[c] * end->point.emission[c] * weight;
         ty_path_add(path, radiance);
         return;
@@ -53,124 +57,14 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
         float weight = 1.0f;
         if (path->pdf > 0.0f && light->chosen > 0.0f)
             weight = path->pdf / (path->pdf + light->chosen * ty_environment_pdf(&light->environment, path->direction));
+        if (refracted && light->chosen > 0.0f) {
+            const ty_manifold_target target = {path->direction, true};
+            weight = ty_manifold_mis_weight_emission(path, lights->distant[i], &target);
+        }
         ty_environment_radiance(&light->environment, path->direction, radiance);
         for (int c = 0; c < 3; ++c) radiance[c] *= throughput[c] * weight;
         ty_path_add(path, radiance);
     }
-}
-
-/* ---- directions in media ---- */
-
-/* Direction sampling at a vertex in a medium: a mixture over channels of their phase functions, weighted by throughput,
- * and of Henyey-Greenstein lobes about the directions of lights (guiding). */
-typedef struct ty_scatter_vertex {
-    ty_vec incoming;
-    float g[3];
-    float weight[3]; /* mixture weights of the channels; their sum is 1 */
-    int32_t gray;
-    const ty_phase_view* lobes; /* NULL: Henyey-Greenstein of g */
-    float guided;               /* probability of sampling a lobe about a light */
-    float guide_g[3];           /* g, g^2, g^4: light that scatters once, twice, four times more */
-    int32_t guide_count;
-    ty_vec axis[TY_GUIDES_MAX];
-    const float* axis_share;
-    int32_t point_light[TY_GUIDES_MAX]; /* nonzero if the guiding light is a lamp */
-} ty_scatter_vertex;
-
-TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
-    if (light->kind == TY_KIND_DIRECTIONAL) return ty_scale(light->direction, -1.0f);
-    ty_vec to = ty_sub(light->position, from);
-    const float middle = light->kind == TY_KIND_TRIANGLE ? 1.0f / 3.0f : 0.5f;
-    if (light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE)
-        to = ty_mad(ty_mad(to, light->u, middle), light->v, middle);
-    const float d2 = ty_dot(to, to);
-    return d2 > 1e-30f ? ty_scale(to, 1.0f / sqrtf(d2)) : ty_vec_make(0, 0, 1);
-}
-
-/* Probability of sampling a guiding lobe at a vertex of the given depth (1: the first). It is large only for g near 1
- * and falls with depth fast enough to bound the weight of a path without guided directions (by 14). Both factors
- * minimise the measured cost of noise (variance times time) in thin and in thick media. */
-TY_FN float ty_guided_fraction(float g, int32_t depth) {
-    const float g2 = ty_maxf(g, 0.0f) * ty_maxf(g, 0.0f), g4 = g2 * g2;
-    const float fall = 1.0f / (1.0f + 0.25f * (float)(depth - 1));
-    return 0.6f * g4 * g4 * fall * fall;
-}
-
-TY_FN void ty_scatter_vertex_begin(ty_scatter_vertex* s, const ty_path* path, const ty_medium_view* medium) {
-    const ty_path_request* request = path->request;
-    const float sum = ty_sum3(path->beta);
-    float g = 0.0f;
-    s->incoming = path->direction;
-    s->gray = medium->gray_g;
-    s->lobes = medium->phase;
-    ty_medium_g(medium, path->origin, s->g);
-    for (int c = 0; c < 3; ++c) {
-        s->weight[c] = path->beta[c] / sum;
-        g += s->weight[c] * s->g[c];
-    }
-    s->guide_count = request->guide_count;
-    s->axis_share = request->guide_weight;
-    s->guided = s->guide_count > 0 ? ty_guided_fraction(g, path->depth) : 0.0f;
-    if (s->guided <= 0.0f) return;
-    s->guide_g[0] = g;
-    s->guide_g[1] = g * g;
-    s->guide_g[2] = g * g * g * g;
-    for (int32_t i = 0; i < s->guide_count; ++i) {
-        const ty_light_view* light = &request->scene->lights.lights[request->guide_light[i]];
-        s->axis[i] = ty_light_axis(light, path->origin);
-        s->point_light[i] = ty_light_is_point_or_spot(light->kind);
-    }
-}
-
-/* The phase function per channel. */
-TY_FN void ty_scatter_vertex_phase(const ty_scatter_vertex* s, ty_vec direction, float phase[3]) {
-    const float mu = ty_clampf(ty_dot(s->incoming, direction), -1.0f, 1.0f);
-    if (s->lobes != NULL) {
-        ty_phase_evaluate(s->lobes, mu, phase);
-        return;
-    }
-    phase[0] = ty_hg(mu, s->g[0]);
-    phase[1] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[1]);
-    phase[2] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[2]);
-}
-
-TY_FN float ty_scatter_vertex_pdf(const ty_scatter_vertex* s, ty_vec direction, const float phase[3]) {
-    const float plain = s->weight[0] * phase[0] + s->weight[1] * phase[1] + s->weight[2] * phase[2];
-    if (s->guided <= 0.0f) return plain;
-    float lobes = 0.0f;
-    for (int32_t i = 0; i < s->guide_count; ++i) {
-        const float mu = ty_clampf(ty_dot(s->axis[i], direction), -1.0f, 1.0f);
-        lobes += s->axis_share[i] * (ty_hg(mu, s->guide_g[0]) + ty_hg(mu, s->guide_g[1]) + ty_hg(mu, s->guide_g[2]));
-    }
-    return ty_lerpf(plain, lobes * (1.0f / 3.0f), s->guided);
-}
-
-TY_FN ty_vec ty_scatter_vertex_sample(const ty_scatter_vertex* s, ty_sampler* random) {
-    const float v = ty_sobol_next(random);
-    float u = ty_sobol_next(random);
-    ty_vec axis = s->incoming;
-    float g = s->g[0];
-    if (u < s->guided) {
-        const float lobes[3] = {1.0f, 1.0f, 1.0f};
-        u /= s->guided;
-        const int32_t guide = ty_sample_discrete(s->axis_share, s->guide_count, 1.0f, &u);
-        const int32_t lobe = ty_sample_discrete(lobes, 3, 3.0f, &u);
-        axis = s->axis[guide];
-        g = s->guide_g[lobe];
-        /* Few bits of u are left, and the first of its values is the axis itself. A ray that meets a lamp would have
-         * that probability, and not 0: the missing bits are drawn. */
-        if (s->point_light[guide] != 0) {
-            ty_sampler bits = ty_sampler_branch(random);
-            u += ty_rng_uniform(&bits) * 3.0f * 0x1p-24f / (s->guided * s->axis_share[guide]);
-            return ty_hg_sample_narrow(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
-        }
-    } else {
-        u = (u - s->guided) / (1.0f - s->guided);
-        if (s->lobes != NULL)
-            return ty_direction_about(axis, ty_phase_sample_cosine(s->lobes, s->weight, ty_minf(u, 0x1.fffffep-1f)), v);
-        if (s->gray == 0) g = s->g[ty_sample_discrete(s->weight, 3, 1.0f, &u)];
-    }
-    return ty_hg_sample(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
 }
 
 /* ---- vertices ---- */
@@ -332,57 +226,6 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
 
 /* ---- lamp directions ---- */
 
-/* Response of a vertex to a direction that it does not sample itself: of scatter, of surface, or of neither for a point
- * that receives light evenly. */
-typedef struct ty_vertex_response {
-    const ty_scatter_vertex* scatter;
-    const ty_surface_point* surface;
-} ty_vertex_response;
-
-/* Phase function, or BSDF times cosine, for light from a direction; returns the density with which the vertex samples
- * that direction, 1/sr, or 0 if no light comes from there. */
-TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_vec direction, float factor[3]) {
-    if (response->scatter != NULL) {
-        ty_scatter_vertex_phase(response->scatter, direction, factor);
-        return ty_scatter_vertex_pdf(response->scatter, direction, factor);
-    }
-    const ty_surface_point* point = response->surface;
-    if (TY_PATH_GLOSS != 0 && point->glossy != 0) return ty_surface_evaluate_bsdf(point, direction, factor);
-    const float cosine = ty_dot(point->ns, direction) * (1.0f / TY_PI);
-    if (!(cosine > 0.0f) || !(ty_dot(point->ng, direction) > 0.0f)) return 0.0f;
-    for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * cosine;
-    return cosine;
-}
-
-/* Light of a directional, point or spot light that smooth interfaces refract to the vertex at path->origin
- * (manifold.k.h), for the light that its next-event estimation chose with probability `chosen`. */
-TY_FN_CALLED void ty_path_add_refracted_light(ty_path* path, const ty_light_view* light, float chosen,
-                                              const ty_vertex_response* response) {
-    ty_light_sample sample;
-    ty_refracted_ray ray;
-    float factor[3], radiance[3];
-    if (!ty_light_sample_from(light, path->origin, 0.5f, 0.5f, &sample)) return;
-    ty_vec direction = sample.wi;
-    if (!ty_manifold_find(path, light, &direction, &ray)) return;
-    if (!(ty_vertex_response_evaluate(response, direction, factor) > 0.0f)) return;
-    if (!ty_manifold_trace(path, light, direction, true, &ray)) return;
-    if (!ty_light_sample_from(light, ray.origin, 0.5f, 0.5f, &sample)) return;
-    const float determinant = fabsf(ray.jacobian[0] * ray.jacobian[3] - ray.jacobian[1] * ray.jacobian[2]);
-    const float weight = ty_path_radiance_ratio(path, ray.inside.top) / (chosen * ty_maxf(determinant, 1e-12f));
-    for (int c = 0; c < 3; ++c)
-        radiance[c] = path->beta[c] * factor[c] * ray.throughput[c] * sample.radiance[c] * weight;
-    ty_path_add(path, radiance);
-}
-
-/* The same where the scene has interfaces, and the light is one that sampled directions do not meet. */
-TY_FN void ty_path_sample_refracted_light(ty_path* path, int32_t light, float chosen,
-                                          const ty_vertex_response* response) {
-    if (!ty_path_sees_dielectrics(path) || light < 0) return;
-    const ty_light_view* view = &path->request->scene->lights.lights[light];
-    if (view->kind == TY_KIND_DIRECTIONAL || ty_light_is_point_or_spot(view->kind))
-        ty_path_add_refracted_light(path, view, chosen, response);
-}
-
 /* Light that a lamp sends to the vertex at path->origin by one scattering, along a direction sampled about the lamp. */
 TY_FN void ty_path_add_point_light_direction(ty_path* path, const ty_light_view* point_light, float probability,
                                              const ty_vertex_response* response) {
@@ -454,7 +297,7 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
                                  phase[1]);
     }
     const ty_vertex_response response = {&scatter, NULL};
-    ty_path_sample_refracted_light(path, light, chosen, &response);
+    ty_path_sample_refracted_light(path, light, chosen, shines ? &sample : NULL, &response);
     path->point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
     path->direction = ty_scatter_vertex_sample(&scatter, &path->random);
     ty_scatter_vertex_phase(&scatter, path->direction, phase);
@@ -497,7 +340,7 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     if (facing > 0.0f)
         ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, facing,
                                  0.0f);
-    ty_path_sample_refracted_light(path, light, chosen, &response);
+    ty_path_sample_refracted_light(path, light, chosen, shines ? &sample : NULL, &response);
     const float point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
     ty_path_sample_cosine_hemisphere(path);
     path->point_light_rate = point_light_rate;
@@ -540,7 +383,7 @@ TY_FN void ty_path_reflect_gloss(ty_path* path, const ty_intersection* at) {
         path->origin = origin;
     }
     const ty_vertex_response response = {NULL, point};
-    ty_path_sample_refracted_light(path, light, chosen, &response);
+    ty_path_sample_refracted_light(path, light, chosen, shines ? &sample : NULL, &response);
     path->point_light_rate = transmits ? 0.0f : ty_path_sample_point_light_direction(path, light, chosen, &response);
     const float pick = ty_sobol_next(&path->random);
     const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
@@ -729,9 +572,11 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
             ty_path_scatter(path, medium);
         else if (ty_path_sees_dielectrics(path) && end.interface == TY_INTERFACE_REFRACTS)
             ty_path_refract(path, &end);
-        else if (TY_PATH_GLOSS != 0 && end.point.glossy != 0)
+        else if (TY_PATH_GLOSS != 0 && end.point.glossy != 0) {
+            for (int c = 0; c < 3 && ty_path_sees_dielectrics(path) && end.interface == TY_INTERFACE_PANE; ++c)
+                path->beta[c] *= end.tint[c];
             ty_path_reflect_gloss(path, &end);
-        else
+        } else
             ty_path_reflect(path, &end);
     }
     return vertices;
@@ -753,6 +598,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->media = request->scene->media;
     path->medium_count = request->scene->medium_count;
     path->passed = 0.0f;
+    path->vertex.refractions = -1;
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
     memset(path->radiance, 0, sizeof path->radiance);
 }
@@ -764,8 +610,13 @@ TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     float chosen;
     path->origin = point;
     ty_path_begin_inside(path);
-    const ty_light_view* light = ty_path_choose_light(path, point, &chosen, &sample);
-    if (light != NULL) ty_path_add_vertex_light(path, light, chosen, &sample, factor, TY_INV_4PI, 0.0f);
+    bool shines;
+    const int32_t light = ty_path_sample_light(path, point, &chosen, &sample, &shines);
+    if (shines)
+        ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, TY_INV_4PI,
+                                 0.0f);
+    const ty_vertex_response response = {NULL, NULL};
+    ty_path_sample_refracted_light(path, light, chosen, shines ? &sample : NULL, &response);
     ty_path_sample_sphere(path);
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / TY_INV_4PI;
 }
