@@ -108,7 +108,7 @@ static void check_block(ty_context* context, const ty_scene* scene, const ty_oct
 }
 
 static void octaves_are_single_scattering_in_scaled_media(void** state) {
-    skip_under_thread_sanitizer();
+    skip_under_sanitizers();
     static const double scales[][3] = {{0.5, 0.5, 0.5}, {0.3, 0.7, 0.9}, {0.5, 0.5, 0}, {0, 0.5, 0.5}, {1, 1, 1}};
     ty_scene* scene = block_scene(*state);
     ty_octaves_def def = ty_default_octaves_def();
