@@ -250,7 +250,7 @@ typedef struct ty_gloss_def {
     ty_texture_use textures[TY_GLOSS_TEXTURES]; ///< By ty_gloss_texture; shapes have the texture coordinates 0 alone.
     bool solid; ///< True: the surface is the closed boundary, normals outwards, of a dielectric of index ior, and what
                 ///< passes it is refracted; default false: a thin wall. Quads cannot be. Without transmission, with
-                ///< ior 0 or of metal alone it has no effect.
+                ///< ior 0 or of metal alone it has no effect. Media whose bounds reach beyond it stay out.
     int32_t priority; ///< Of overlapping solids the one of highest priority fills the common part, and of equal ones
                       ///< the one that was added first, -1000..1000; default 0.
     float attenuation_color[3]; ///< Transmittance of the solid over attenuation_distance, 0..1, where less than 1e-6

@@ -22,7 +22,7 @@ enum { TY_MANIFOLD_INTERFACES_MAX = 16, TY_MANIFOLD_STEPS_MAX = 24, TY_MANIFOLD_
 /* Largest deviation of a ray from its light, rad. */
 #define TY_MANIFOLD_TOLERANCE 1e-5f
 
-/* What a ray through interfaces is for. */
+/* Purposes of a ray through interfaces. */
 enum {
     TY_MANIFOLD_SEED = 0,   /* reflected by chance, with the probability of Fresnel's reflectance */
     TY_MANIFOLD_SEARCH = 1, /* as ray->reflections says, and so below; opaque surfaces do not hide the light */

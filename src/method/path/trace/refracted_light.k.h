@@ -142,10 +142,11 @@ TY_FN_CALLED void ty_path_add_refracted_light(ty_path* path, int32_t light, floa
         ty_path_add_refracted_emitter(path, view, chosen, sample, response);
 }
 
-/* The same where the scene has interfaces. light: -1 for none. sample: of the light; NULL: it carries no radiance. */
+/* The same where the scene has solid dielectrics. light: -1 for none. sample: of the light; NULL: it carries no
+ * radiance. */
 TY_FN void ty_path_sample_refracted_light(ty_path* path, int32_t light, float chosen, const ty_light_sample* sample,
                                           const ty_vertex_response* response) {
-    if (!ty_path_sees_dielectrics(path)) return;
+    if (!ty_path_sees_dielectrics(path) || path->request->scene->interior_count < 2) return;
     path->vertex.refractions = 0;
     path->vertex.origin = path->origin;
     path->vertex.normal = path->normal;
