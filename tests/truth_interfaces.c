@@ -73,12 +73,12 @@ static void compare(ty_context* context, const char* name, ty_scene* (*make)(ty_
 }
 
 static void lamps_light_a_floor_through_glass(void** state) {
-    compare(*state, "glass ball on a floor, lamp", glass_on_a_floor, 0.55, in_full() ? 8192 : 256,
+    compare(*state, "glass ball on a floor, lamp", glass_on_a_floor, 0.55, in_full() ? 4096 : 128,
             in_full() ? 0.01 : 0.05);
 }
 
 static void lamps_light_milk_in_a_ball(void** state) {
-    compare(*state, "milk in a ball, lamp", milk_in_a_ball, 0.6, in_full() ? 2048 : 96, in_full() ? 0.01 : 0.06);
+    compare(*state, "milk in a ball, lamp", milk_in_a_ball, 0.6, in_full() ? 1024 : 96, in_full() ? 0.02 : 0.06);
 }
 
 /* ---- the sun ---- */
@@ -126,9 +126,9 @@ static estimate milk_in_the_sun(ty_context* context, double degrees, int32_t spp
 }
 
 static void milk_is_as_bright_in_the_sun(void** state) {
-    const estimate wide = milk_in_the_sun(*state, 11, in_full() ? 1024 : 32);
-    assert_close("milk in the sun and under an emitter", milk_in_the_sun(*state, 0, in_full() ? 512 : 16), wide.mean,
-                 in_full() ? 0.01 : 0.03);
+    const estimate wide = milk_in_the_sun(*state, 11, in_full() ? 256 : 16);
+    assert_close("milk in the sun and under an emitter", milk_in_the_sun(*state, 0, in_full() ? 128 : 8), wide.mean,
+                 in_full() ? 0.015 : 0.04);
 }
 
 /* Radiance of a floor around a ball of glass that lies on it. */
@@ -154,10 +154,11 @@ static estimate floor_in_the_sun(ty_context* context, double degrees, int32_t sp
     return mean;
 }
 
+/* Chains that sampled directions find less often than once in 32 trials lose light. */
 static void a_floor_around_glass_is_as_bright_in_the_sun(void** state) {
-    const estimate wide = floor_in_the_sun(*state, 3, in_full() ? 4096 : 64);
-    assert_close("floor around glass, sun and emitter", floor_in_the_sun(*state, 0, in_full() ? 1024 : 8), wide.mean,
-                 in_full() ? 0.015 : 0.15);
+    const estimate wide = floor_in_the_sun(*state, 3, in_full() ? 1024 : 32);
+    assert_close("floor around glass, sun and emitter", floor_in_the_sun(*state, 0, in_full() ? 256 : 8), wide.mean,
+                 in_full() ? 0.05 : 0.15);
 }
 
 /* The fluence of a refracted beam that its medium absorbs. */
@@ -256,7 +257,7 @@ static ty_scene* pane_in_fog(ty_context* context, double radius, bool sampled) {
 }
 
 static void lamps_shine_through_a_pane_in_fog(void** state) {
-    compare(*state, "pane in fog, lamp", pane_in_fog, 0.4, in_full() ? 8192 : 256, in_full() ? 0.01 : 0.04);
+    compare(*state, "pane in fog, lamp", pane_in_fog, 0.4, in_full() ? 4096 : 192, in_full() ? 0.01 : 0.04);
 }
 
 /* ---- fog around solids ---- */

@@ -203,13 +203,13 @@ TY_FN float ty_manifold_deviation(const ty_refracted_ray* ray) {
     return sqrtf(ray->deviation[0] * ray->deviation[0] + ray->deviation[1] * ray->deviation[1]);
 }
 
-/* Newton's method from a direction and its ray on; false: it finds no chain. */
+/* Newton's method from a direction and its ray on; false: it finds no chain in these steps. */
 TY_FN bool ty_manifold_solve(ty_path* path, const ty_manifold_vertex* vertex, const ty_manifold_target* target,
-                             ty_vec* direction, ty_refracted_ray* ray) {
+                             int32_t steps, ty_vec* direction, ty_refracted_ray* ray) {
     ty_refracted_ray next;
     float part = 1.0f;
     next.reflections = ray->reflections;
-    for (int32_t i = 0; i < TY_MANIFOLD_STEPS_MAX; ++i) {
+    for (int32_t i = 0; i < steps; ++i) {
         const float deviation = ty_manifold_deviation(ray);
         if (deviation < TY_MANIFOLD_TOLERANCE) return true;
         const float* j = ray->jacobian;
@@ -261,7 +261,7 @@ TY_FN bool ty_manifold_find(ty_path* path, const ty_manifold_vertex* vertex, con
          !ty_manifold_trace(path, vertex, target, straight, TY_MANIFOLD_SEARCH, ray)))
         return false;
     *direction = straight;
-    return ty_manifold_solve(path, vertex, target, direction, ray);
+    return ty_manifold_solve(path, vertex, target, TY_MANIFOLD_STEPS_MAX, direction, ray);
 }
 
 /* True if the chain that was found in a direction is that of another direction. Near a fold, where two chains meet, it

@@ -11,8 +11,8 @@
 #include "method/path/trace/manifold.k.h"
 #include "method/path/trace/vertex_response.k.h"
 
-/* Largest number of trials until a chain is found again. */
-enum { TY_MANIFOLD_TRIALS_MAX = 1 << 14 };
+/* Largest numbers of trials until a chain is found again, and of Newton's steps in each. */
+enum { TY_MANIFOLD_TRIALS_MAX = 32, TY_MANIFOLD_SAMPLED_STEPS_MAX = 10 };
 
 /* Chains of a smaller determinant, at caustics, are left out: Newton's method does not tell them apart. */
 #define TY_MANIFOLD_DETERMINANT_MIN 1e-3f
@@ -83,29 +83,31 @@ TY_FN bool ty_path_sample_chain(ty_path* path, const ty_manifold_target* target,
     if (!ty_vertex_response_sample(response, &path->random, direction) ||
         !ty_manifold_trace(path, &path->vertex, target, *direction, TY_MANIFOLD_SEED, ray))
         return false;
-    return ty_manifold_solve(path, &path->vertex, target, direction, ray) &&
+    return ty_manifold_solve(path, &path->vertex, target, TY_MANIFOLD_SAMPLED_STEPS_MAX, direction, ray) &&
            ty_manifold_determinant(ray) > TY_MANIFOLD_DETERMINANT_MIN;
 }
 
 /* Light of a delta light by all chains but that of the straight line. found: that one's ray, in `direction`; NULL:
- * there is none. The path's own random numbers stay as they are. */
+ * there is none. Of a path's vertices the later ones look for them less often. */
 TY_FN void ty_path_add_sampled_chains(ty_path* path, const ty_light_view* light, float chosen,
                                       const ty_manifold_target* target, const ty_vertex_response* response,
                                       ty_vec direction, const ty_refracted_ray* found) {
     ty_vec other, again;
     ty_refracted_ray chain, trial;
     float radiance[3];
+    const float rate = 1.0f / (float)(path->depth > 1 ? path->depth : 1);
+    if (ty_rng_uniform(&path->random) >= rate) return;
     if (!ty_path_sample_chain(path, target, response, &other, &chain)) return;
     if (found != NULL && chain.reflections == 0 && ty_manifold_is_same(found, direction, other)) return;
     if (!ty_path_refracted_radiance(path, light, chosen, target, other, response, &chain, radiance)) return;
-    const float chance = ty_minf(ty_max3(radiance) / path->request->min_contribution, 1.0f);
+    const float chance = ty_minf(ty_max3(radiance) / (rate * path->request->min_contribution), 1.0f);
     if (ty_rng_uniform(&path->random) >= chance) return;
     int32_t trials = 1;
     while (trials < TY_MANIFOLD_TRIALS_MAX &&
            !(ty_path_sample_chain(path, target, response, &again, &trial) && trial.reflections == chain.reflections &&
              ty_manifold_is_same(&chain, other, again)))
         ++trials;
-    for (int c = 0; c < 3; ++c) radiance[c] *= (float)trials / chance;
+    for (int c = 0; c < 3; ++c) radiance[c] *= (float)trials / (chance * rate);
     ty_path_add_refracted(path, radiance);
 }
 
