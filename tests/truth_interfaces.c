@@ -131,36 +131,6 @@ static void milk_is_as_bright_in_the_sun(void** state) {
                  in_full() ? 0.015 : 0.04);
 }
 
-/* Radiance of a floor around a ball of glass that lies on it. */
-static estimate floor_in_the_sun(ty_context* context, double degrees, int32_t spp) {
-    enum { COUNT = 4096 };
-    ty_scene* scene = new_scene(context);
-    add_glass_ball(scene, 0.5, 0.5, 1.5);
-    add_floor(scene, 0, 50, 0.1);
-    add_sun(scene, degrees);
-    commit(scene);
-    double *views = new_numbers(6 * COUNT), *radiance = new_numbers(3 * COUNT);
-    for (int i = 0; i < COUNT; ++i) {
-        double x[4];
-        even_point(i, x);
-        const double view[6] = {2 * x[0] - 1, 1e-3, 2 * x[1] - 1, 0, -1, 0};
-        memcpy(views + 6 * i, view, sizeof view);
-    }
-    radiance_along(scene, COUNT, views, spp, 0, radiance, NULL);
-    const estimate mean = estimate_of(radiance, COUNT, 3);
-    free(views);
-    free(radiance);
-    ty_scene_destroy(scene);
-    return mean;
-}
-
-/* Chains that sampled directions find less often than once in 32 trials lose light. */
-static void a_floor_around_glass_is_as_bright_in_the_sun(void** state) {
-    const estimate wide = floor_in_the_sun(*state, 3, in_full() ? 1024 : 32);
-    assert_close("floor around glass, sun and emitter", floor_in_the_sun(*state, 0, in_full() ? 256 : 8), wide.mean,
-                 in_full() ? 0.05 : 0.15);
-}
-
 /* The fluence of a refracted beam that its medium absorbs. */
 static void fluence_under_water_has_the_sun(void** state) {
     ty_scene* scene = new_scene(*state);
@@ -285,15 +255,10 @@ static void fog_stays_out_of_glass(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lamps_light_a_floor_through_glass),
-        cmocka_unit_test(lamps_light_milk_in_a_ball),
-        cmocka_unit_test(milk_is_as_bright_in_the_sun),
-        cmocka_unit_test(a_floor_around_glass_is_as_bright_in_the_sun),
-        cmocka_unit_test(fluence_under_water_has_the_sun),
-        cmocka_unit_test(lamps_and_the_sun_shine_through_a_pane),
-        cmocka_unit_test(panes_before_a_white_sky),
-        cmocka_unit_test(lamps_shine_through_a_pane_in_fog),
-        cmocka_unit_test(fog_stays_out_of_glass),
+        cmocka_unit_test(lamps_light_a_floor_through_glass),      cmocka_unit_test(lamps_light_milk_in_a_ball),
+        cmocka_unit_test(milk_is_as_bright_in_the_sun),           cmocka_unit_test(fluence_under_water_has_the_sun),
+        cmocka_unit_test(lamps_and_the_sun_shine_through_a_pane), cmocka_unit_test(panes_before_a_white_sky),
+        cmocka_unit_test(lamps_shine_through_a_pane_in_fog),      cmocka_unit_test(fog_stays_out_of_glass),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }
