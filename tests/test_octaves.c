@@ -117,7 +117,7 @@ static void check_block(ty_context* context, const ty_octaves* light, const ty_s
 /* Froxels have one slice here: light is uniform along the view, and the analytic step is then exact in any thickness.
  */
 static void octaves_are_single_scattering_in_scaled_media(void** state) {
-    skip_under_thread_sanitizer();
+    skip_under_sanitizers();
     static const double scales[][3] = {{0.5, 0.5, 0.5}, {0.3, 0.7, 0.9}, {0.5, 0.5, 0}, {0, 0.5, 0.5}, {1, 1, 1}};
     ty_scene* scene = block_scene(*state);
     ty_octaves_def def = ty_default_octaves_def();
