@@ -179,7 +179,7 @@ TY_FN_CALLED void ty_path_light_through(ty_path* path, ty_vec origin, const ty_l
 
 /* ---- reflection and refraction ---- */
 
-/* The path leaves an interface along direction, in what is there. */
+/* The path leaves an interface along direction, in the dielectric or medium there. */
 TY_FN void ty_path_leave_interface(ty_path* path, const ty_intersection* at, ty_vec direction) {
     path->direction = direction;
     path->origin = ty_hit_leave(&at->hit, direction);

@@ -137,7 +137,7 @@ TY_FN void ty_manifold_compare(const ty_manifold_target* target, ty_refracted_ra
     ray->deviation[0] = ty_dot(s, ray->direction);
     ray->deviation[1] = ty_dot(t, ray->direction);
     for (int k = 0; k < 2; ++k) {
-        /* Shifts of the origin turn the direction of a near light the other way. */
+        /* Shifts of the origin rotate the direction of a near light in the opposite sense. */
         const ty_vec change = ty_mad(ray->d_direction[k], ray->d_origin[k], 1.0f / distance);
         ray->jacobian[k] = ty_dot(s, change);
         ray->jacobian[2 + k] = ty_dot(t, change);

@@ -3,15 +3,16 @@
  * Delta lights (directional, point and spot lights) are met by no sampled direction. From the straight line on Newton's
  * method finds one specular chain to them; all chains have a chance to be found from a sampled direction, with
  * refraction and reflection by chance. A chain that is found with probability p has the weight 1 / p, estimated without
- * bias by the number of trials until it is found again (Zeltner et al. 2020). The chain of the straight line is left
- * out of these. */
+ * bias by the number of trials until it is found again (Zeltner et al. 2020), up to a bound. That of the straight line
+ * is left out of these. */
 #ifndef TY_METHOD_PATH_TRACE_REFRACTED_LIGHT_K_H
 #define TY_METHOD_PATH_TRACE_REFRACTED_LIGHT_K_H
 
 #include "method/path/trace/manifold.k.h"
 #include "method/path/trace/vertex_response.k.h"
 
-/* Largest numbers of trials until a chain is found again, and of Newton's steps in each. */
+/* Largest numbers, against single bright samples and long searches, of trials until a chain is found again, and of
+ * Newton's steps in each. */
 enum { TY_MANIFOLD_TRIALS_MAX = 32, TY_MANIFOLD_SAMPLED_STEPS_MAX = 10 };
 
 /* Chains of a smaller determinant, at caustics, are left out: Newton's method does not tell them apart. */
