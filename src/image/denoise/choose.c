@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-enum { VARIANCE_RADIUS = 1, CHOICE_RADIUS = 4, BLEND_RADIUS = 2, ERROR_RADIUS = 5 };
+enum { VARIANCE_RADIUS = 1, CHOICE_RADIUS = 2, BLEND_RADIUS = 2, ERROR_RADIUS = 5 };
 
 /* Softening over the square of the mean. */
 static const double soft = 1e-6;
@@ -122,8 +122,8 @@ void ty_denoise_choose(ty_denoise_job* job) {
 
 /* ---- error ---- */
 
-/* Filters that the error is estimated behind: boxes of these radii. */
-enum { SCALES = 5 };
+/* Radii of the box filters behind which the error is estimated. */
+static const int32_t scales[] = {0, 1, 3};
 
 /* Sums over the image and its channels. */
 typedef struct error_sums {
@@ -157,9 +157,9 @@ static error_sums sum_errors(ty_denoise_job* job, int32_t radius) {
 static double total_error(ty_denoise_job* job) {
     const double n = 3 * (double)job->pixels;
     double largest = 0, variance = 0;
-    for (int32_t radius = 0; radius < SCALES; ++radius) {
-        const error_sums sums = sum_errors(job, radius);
-        if (radius == 0) largest = variance = sums.variance;
+    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; ++i) {
+        const error_sums sums = sum_errors(job, scales[i]);
+        if (i == 0) largest = variance = sums.variance;
         largest = fmax(largest, sums.error + sqrt(sums.square) + variance - sums.variance);
     }
     return largest / n;

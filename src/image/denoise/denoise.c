@@ -131,7 +131,8 @@ static ty_result run(ty_denoise_job* job, ty_image** out) {
     if (result == TY_OK) result = denoise_parts(job);
     if (result != TY_OK) return result;
     ty_denoise_estimate_error(job);
-    return create_result(job, out);
+    if (job->def.previous != NULL) result = ty_denoise_blend_previous(job);
+    return result != TY_OK ? result : create_result(job, out);
 }
 
 static ty_result check_sizes(const ty_denoise_job* job) {

@@ -10,29 +10,40 @@ static const float wide2 = 1.0f;
 static const float farthest = 80.0f;
 
 /* Radii of the window and of the patches of features' NL-means. */
-enum { SMOOTH_REACH = 5, SMOOTH_PATCH = 1 };
+enum { SMOOTH_REACH = 3, SMOOTH_PATCH = 1 };
 
+/* The first center of a row: every second row is shifted by half of the distance between centers. */
+static int32_t first_center(int32_t y) {
+    return y / TY_DENOISE_STEP % 2 * TY_DENOISE_STEP;
+}
+
+/* Offset in tile->distance of a center. */
+static int32_t center_distances(int32_t x, int32_t y) {
+    return (y / TY_DENOISE_STEP * TY_DENOISE_CENTERS + x / (2 * TY_DENOISE_STEP)) * TY_DENOISE_DISTANCES;
+}
+
+/* Rows of patches are as far apart as rows of centers, so that only every second row of differences is needed. */
 static void find_distances(ty_denoise_tile* tile, int32_t half) {
-    enum { ROWS = TY_DENOISE_TILE + 2 * TY_DENOISE_PATCH };
+    enum { ABOVE = TY_DENOISE_PATCH_ROWS / 2, ROWS = TY_DENOISE_TILE / TY_DENOISE_STEP + 2 * ABOVE };
     float rows[ROWS][TY_PATCH_ROW], mean[TY_DENOISE_TILE];
+    const int32_t count = (tile->height + TY_DENOISE_STEP - 1) / TY_DENOISE_STEP;
     for (int32_t o = 0; o < TY_DENOISE_WEIGHTS; ++o) {
         const int32_t dx = o % TY_DENOISE_WINDOW - TY_DENOISE_BEFORE, dy = o / TY_DENOISE_WINDOW - TY_DENOISE_BEFORE;
-        const int32_t last = tile->height + 2 * TY_DENOISE_PATCH;
-        for (int32_t y = 0; y < last; ++y)
-            ty_patch_row(tile, half, 3, ty_tile_index(-TY_DENOISE_PATCH, y - TY_DENOISE_PATCH),
-                         dy * TY_DENOISE_PITCH + dx, rows[y]);
-        for (int32_t y = 0; y < tile->height; y += TY_DENOISE_STEP) {
-            float* out = tile->distance + y / TY_DENOISE_STEP * TY_DENOISE_CENTERS * TY_DENOISE_DISTANCES + o;
-            ty_patch_mean((const float(*)[TY_PATCH_ROW])rows + y, TY_DENOISE_PATCH, mean);
-            for (int32_t x = 0; x < TY_DENOISE_CENTERS; ++x) out[x * TY_DENOISE_DISTANCES] = mean[x * TY_DENOISE_STEP];
+        for (int32_t row = 0; row < count + 2 * ABOVE; ++row)
+            ty_patch_row(tile, half, 3, ty_tile_index(-TY_DENOISE_PATCH, (row - ABOVE) * TY_DENOISE_STEP),
+                         dy * TY_DENOISE_PITCH + dx, rows[row]);
+        for (int32_t row = 0; row < count; ++row) {
+            const int32_t y = row * TY_DENOISE_STEP;
+            ty_patch_mean((const float(*)[TY_PATCH_ROW])rows + row, TY_DENOISE_PATCH_ROWS, TY_DENOISE_PATCH, mean);
+            for (int32_t x = first_center(y); x < TY_DENOISE_TILE; x += 2 * TY_DENOISE_STEP)
+                tile->distance[center_distances(x, y) + o] = mean[x];
         }
     }
 }
 
 /* Weights of a center's window, by distance and chart. */
 static void set_weights(const ty_denoise_tile* tile, int32_t x, int32_t y, ty_regression* out) {
-    const float* distance =
-        tile->distance + (y / TY_DENOISE_STEP * TY_DENOISE_CENTERS + x / TY_DENOISE_STEP) * TY_DENOISE_DISTANCES;
+    const float* distance = tile->distance + center_distances(x, y);
     const float chart = tile->chart[ty_tile_index(x, y)];
     for (int32_t row = 0; row < TY_DENOISE_WINDOW; ++row) {
         const float* charts = tile->chart + ty_tile_index(x - TY_DENOISE_BEFORE, y - TY_DENOISE_BEFORE + row);
@@ -66,7 +77,7 @@ static void regress_half(ty_denoise_tile* tile, int32_t half, int32_t features, 
     regression.basis = features + 1;
     for (int32_t i = 0; i < TY_DENOISE_WEIGHTS; ++i) regression.column[0][i] = 1.0f;
     for (int32_t y = 0; y < tile->height; y += TY_DENOISE_STEP)
-        for (int32_t x = 0; x < tile->width; x += TY_DENOISE_STEP) {
+        for (int32_t x = first_center(y); x < tile->width; x += 2 * TY_DENOISE_STEP) {
             if (tile->chart[ty_tile_index(x, y)] < 0.0f) continue;
             const int32_t at = y * TY_DENOISE_REACH + x;
             ty_linear_model model;
@@ -91,7 +102,7 @@ static void smooth_rows(ty_denoise_tile* tile, int32_t half, int32_t channels, i
     for (int32_t y = 0; y < tile->height; ++y) {
         const int32_t from = ty_tile_index(0, y), to = y * TY_DENOISE_REACH;
         const float *here = tile->chart + from, *there = here + shift;
-        ty_patch_mean((const float(*)[TY_PATCH_ROW])rows + y, SMOOTH_PATCH, mean);
+        ty_patch_mean((const float(*)[TY_PATCH_ROW])rows + y, 2 * SMOOTH_PATCH + 1, SMOOTH_PATCH, mean);
         for (int32_t x = 0; x < TY_DENOISE_TILE; ++x)
             mean[x] = here[x] == there[x] ? ty_exp_neg(ty_minf(mean[x], farthest)) : 0.0f;
         for (int32_t c = 0; c < channels; ++c) {

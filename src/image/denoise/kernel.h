@@ -11,13 +11,14 @@ enum {
     TY_DENOISE_WINDOW =
         16, /* pixels along a side of the window of a regression: from 8 before its center to 7 behind */
     TY_DENOISE_BEFORE = 8,
-    TY_DENOISE_PATCH = 3, /* radius of the patches by which pixels are compared */
-    TY_DENOISE_MARGIN = TY_DENOISE_BEFORE + TY_DENOISE_PATCH,
+    TY_DENOISE_PATCH = 3,      /* radius along x of the patches by which pixels are compared */
+    TY_DENOISE_PATCH_ROWS = 5, /* their rows, two pixels apart */
+    TY_DENOISE_MARGIN = TY_DENOISE_BEFORE + 4,
     TY_DENOISE_ROWS = TY_DENOISE_TILE + 2 * TY_DENOISE_MARGIN,
     TY_DENOISE_PITCH = 64, /* floats from row to row of a tile's planes */
     TY_DENOISE_PLANE = TY_DENOISE_ROWS * TY_DENOISE_PITCH,
-    TY_DENOISE_STEP = 2, /* pixels between centers */
-    TY_DENOISE_CENTERS = TY_DENOISE_TILE / TY_DENOISE_STEP,
+    TY_DENOISE_STEP = 2, /* pixels between rows of centers, and half of those between centers in a row */
+    TY_DENOISE_CENTERS = TY_DENOISE_TILE / (2 * TY_DENOISE_STEP), /* in a row */
     TY_DENOISE_WEIGHTS = TY_DENOISE_WINDOW * TY_DENOISE_WINDOW,
     TY_DENOISE_DISTANCES = TY_DENOISE_WEIGHTS + 16,             /* floats from center to center */
     TY_DENOISE_REACH = TY_DENOISE_TILE + 2 * TY_DENOISE_BEFORE, /* side of the pixels that a tile predicts */
@@ -35,7 +36,7 @@ typedef struct ty_denoise_tile {
     float variance[3][TY_DENOISE_PLANE]; /* of either half */
     float chart[TY_DENOISE_PLANE];       /* negative: the pixel is not used */
     float feature[TY_DENOISE_PLANES_MAX][TY_DENOISE_PLANE];
-    float distance[TY_DENOISE_CENTERS * TY_DENOISE_CENTERS * TY_DENOISE_DISTANCES];
+    float distance[TY_DENOISE_TILE / TY_DENOISE_STEP * TY_DENOISE_CENTERS * TY_DENOISE_DISTANCES];
     /* Sums of weighted predictions of each half, R, G, B, and of their weights. */
     float sums[2][TY_DENOISE_CANDIDATES][4][TY_DENOISE_REACH * TY_DENOISE_REACH];
 } ty_denoise_tile;

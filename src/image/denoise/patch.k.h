@@ -33,14 +33,14 @@ TY_INLINE void ty_patch_row(const ty_denoise_tile* tile, int32_t half, int32_t c
     }
 }
 
-/* The mean over patches, at least 0, of the differences in the rows from rows[0] on, of pixels radius + i. */
-TY_INLINE void ty_patch_mean(const float (*rows)[TY_PATCH_ROW], int32_t radius, float* out) {
+/* The mean over patches, at least 0, of the differences in the first `height` rows, of pixels radius + i. */
+TY_INLINE void ty_patch_mean(const float (*rows)[TY_PATCH_ROW], int32_t height, int32_t radius, float* out) {
     float column[TY_PATCH_ROW + TY_LANES];
     const int32_t side = 2 * radius + 1;
-    const float scale = 1.0f / (float)(side * side);
+    const float scale = 1.0f / (float)(side * height);
     for (int32_t x = 0; x < TY_PATCH_ROW; x += TY_LANES) {
         ty_lanes sum = ty_lanes_load(rows[0] + x);
-        for (int32_t y = 1; y < side; ++y) sum += ty_lanes_load(rows[y] + x);
+        for (int32_t y = 1; y < height; ++y) sum += ty_lanes_load(rows[y] + x);
         ty_lanes_store(column + x, sum);
     }
     for (int32_t x = 0; x < TY_DENOISE_TILE; x += TY_LANES) {

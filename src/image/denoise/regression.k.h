@@ -23,30 +23,43 @@ typedef struct ty_linear_model {
 } ty_linear_model;
 
 TY_INLINE float ty_lanes_sum(ty_lanes value) {
-    float sum = 0;
-    for (int32_t i = 0; i < TY_LANES; ++i) sum += value[i];
-    return sum;
+    float parts[TY_LANES];
+    memcpy(parts, &value, sizeof parts);
+    for (int32_t half = TY_LANES / 2; half > 0; half /= 2)
+        for (int32_t i = 0; i < half; ++i) parts[i] += parts[i + half];
+    return parts[0];
 }
 
-/* Scalar products of a column with four others. */
-TY_INLINE void ty_products(const float* a, const float (*b)[TY_DENOISE_WEIGHTS], float out[4]) {
-    ty_lanes sums[4] = {{0}, {0}, {0}, {0}};
+/* Scalar products of two columns with four others. */
+TY_INLINE void ty_products(const float (*a)[TY_DENOISE_WEIGHTS], const float (*b)[TY_DENOISE_WEIGHTS], float* first,
+                           float* second) {
+    ty_lanes sums[2][4] = {{{0}, {0}, {0}, {0}}, {{0}, {0}, {0}, {0}}};
     for (int32_t i = 0; i < TY_DENOISE_WEIGHTS; i += TY_LANES) {
-        const ty_lanes factor = ty_lanes_load(a + i);
-        for (int32_t k = 0; k < 4; ++k) sums[k] += factor * ty_lanes_load(b[k] + i);
+        const ty_lanes factor = ty_lanes_load(a[0] + i), other = ty_lanes_load(a[1] + i);
+        for (int32_t k = 0; k < 4; ++k) {
+            const ty_lanes value = ty_lanes_load(b[k] + i);
+            sums[0][k] += factor * value;
+            sums[1][k] += other * value;
+        }
     }
-    for (int32_t k = 0; k < 4; ++k) out[k] = ty_lanes_sum(sums[k]);
+    for (int32_t k = 0; k < 4; ++k) {
+        first[k] = ty_lanes_sum(sums[0][k]);
+        second[k] = ty_lanes_sum(sums[1][k]);
+    }
 }
 
 /* Sums over the window of weight times products of columns: out[i][j], j >= i. */
 TY_INLINE void ty_normal_equations(const ty_regression* regression, const float* weight,
-                                   float out[TY_BASIS_MAX][TY_COLUMNS_MAX]) {
-    float weighted[TY_DENOISE_WEIGHTS];
-    for (int32_t i = 0; i < regression->basis; ++i) {
-        for (int32_t k = 0; k < TY_DENOISE_WEIGHTS; k += TY_LANES)
-            ty_lanes_store(weighted + k, ty_lanes_load(weight + k) * ty_lanes_load(regression->column[i] + k));
+                                   float out[TY_BASIS_MAX + 1][TY_COLUMNS_MAX]) {
+    float weighted[2][TY_DENOISE_WEIGHTS];
+    for (int32_t i = 0; i < regression->basis; i += 2) {
+        for (int32_t row = 0; row < 2; ++row)
+            for (int32_t k = 0; k < TY_DENOISE_WEIGHTS; k += TY_LANES)
+                ty_lanes_store(weighted[row] + k,
+                               ty_lanes_load(weight + k) * ty_lanes_load(regression->column[i + row] + k));
         for (int32_t j = i; j < regression->basis + 3; j += 4)
-            ty_products(weighted, regression->column + j, out[i] + j);
+            ty_products((const float(*)[TY_DENOISE_WEIGHTS])weighted, regression->column + j, out[i] + j,
+                        out[i + 1] + j);
     }
 }
 
@@ -80,7 +93,7 @@ TY_FN void ty_solve_covariance(int32_t count, float (*matrix)[TY_BASIS_MAX], flo
 /* Weighted least squares with a ridge per feature, about the weighted means. */
 TY_FN void ty_fit_model(const ty_regression* regression, const float* weight, const float* ridge,
                         ty_linear_model* model) {
-    float products[TY_BASIS_MAX][TY_COLUMNS_MAX], matrix[TY_BASIS_MAX][TY_BASIS_MAX], right[TY_BASIS_MAX][3];
+    float products[TY_BASIS_MAX + 1][TY_COLUMNS_MAX], matrix[TY_BASIS_MAX][TY_BASIS_MAX], right[TY_BASIS_MAX][3];
     const int32_t basis = regression->basis, count = basis - 1;
     ty_normal_equations(regression, weight, products);
     const float inverse = 1.0f / products[0][0];
