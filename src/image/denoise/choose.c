@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-enum { VARIANCE_RADIUS = 1, CHOICE_RADIUS = 2, BLEND_RADIUS = 2, ERROR_RADIUS = 5 };
+enum { VARIANCE_RADIUS = 2, CHOICE_RADIUS = 2, BLEND_RADIUS = 2, ERROR_RADIUS = 5 };
 
 /* Softening over the square of the mean. */
 static const double soft = 1e-6;
@@ -17,23 +17,26 @@ static void square_differences(void* user, int64_t y, int32_t worker) {
     (void)worker;
     ty_denoise_job* job = user;
     const size_t first = (size_t)y * (size_t)job->width;
-    for (int32_t c = 0; c < job->light.channels; ++c)
-        for (size_t i = first; i < first + (size_t)job->width; ++i) {
+    for (size_t i = first; i < first + (size_t)job->width; ++i) {
+        float sum = 0;
+        for (int32_t c = 0; c < job->light.channels; ++c) {
             const float difference = job->light.color[0][c][i] - job->light.color[1][c][i];
-            job->light.variance[c][i] = 0.5f * difference * difference;
+            sum += difference * difference;
         }
+        job->light.variance[i] = 0.5f * sum;
+    }
 }
 
 void ty_denoise_estimate_variance(ty_denoise_job* job) {
     double sum = 0;
     ty_denoise_rows(job, square_differences);
+    ty_denoise_box(job, job->light.variance, VARIANCE_RADIUS, job->light.variance);
     for (int32_t c = 0; c < job->light.channels; ++c) {
         double mean = 0;
         for (size_t i = 0; i < job->pixels; ++i)
             mean += 0.5 * fabs((double)job->light.color[0][c][i] + (double)job->light.color[1][c][i]);
         mean /= (double)job->pixels;
         sum += mean * mean;
-        ty_denoise_box(job, job->light.variance[c], VARIANCE_RADIUS, job->light.variance[c]);
     }
     job->light.softening = (float)fmax(soft * sum, 1e-30);
 }
@@ -70,13 +73,11 @@ static void find_errors(void* user, int64_t y, int32_t worker) {
     const size_t first = (size_t)y * (size_t)job->width;
     for (int k = 0; k < TY_DENOISE_CANDIDATES; ++k)
         for (size_t i = first; i < first + (size_t)job->width; ++i) {
-            float sum = 0, variance = light->softening;
-            for (int c = 0; c < 3; ++c) {
+            float sum = 0;
+            for (int c = 0; c < 3; ++c)
                 sum += square_error(light->sums[0][k][c][i], light->sums[1][k][c][i], light->color[0][c][i],
                                     light->color[1][c][i]);
-                variance += light->variance[c][i];
-            }
-            light->sums[0][k][3][i] = sum / variance;
+            light->sums[0][k][3][i] = sum / (light->variance[i] + light->softening);
         }
 }
 

@@ -8,7 +8,7 @@
 
 /* ---- memory ---- */
 
-enum { LIGHT_PLANES = 6 + 3 + 2 * TY_DENOISE_CANDIDATES * 4, OWN_PLANES = 6 + 6 + 3 + 4, OUT_PLANES = 6 };
+enum { LIGHT_PLANES = 6 + 1 + 2 * TY_DENOISE_CANDIDATES * 4, OWN_PLANES = 6 + 6 + 3 + 4, OUT_PLANES = 6 };
 
 /* Stores the addresses of all planes; returns their number. */
 static int list_planes(ty_denoise_job* job, float** planes[LIGHT_PLANES + OWN_PLANES]) {
@@ -20,9 +20,9 @@ static int list_planes(ty_denoise_job* job, float** planes[LIGHT_PLANES + OWN_PL
             planes[count++] = &job->denoised[h][c];
         }
     for (int c = 0; c < 3; ++c) {
-        planes[count++] = &job->light.variance[c];
         planes[count++] = &job->error[c];
     }
+    planes[count++] = &job->light.variance;
     for (int i = 0; i < 4; ++i) planes[count++] = &job->scratch[i];
     for (int i = 0; i < 2 * TY_DENOISE_CANDIDATES * 4; ++i)
         planes[count++] = &job->light.sums[i / (TY_DENOISE_CANDIDATES * 4)][i / 4 % TY_DENOISE_CANDIDATES][i % 4];

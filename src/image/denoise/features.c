@@ -11,8 +11,6 @@ static const double ridge_min = 1e-5;
 /* Features whose scaled values differ by less are one. */
 static const float same = 0.02f;
 
-enum { VARIANCE_RADIUS = 2 };
-
 static const struct {
     const char* names[3];
     int32_t count;
@@ -46,11 +44,10 @@ static void smooth_tile(ty_denoise_job* job, ty_denoise_tile* tile, int32_t x, i
     const ty_denoise_light* light = &job->light;
     const int32_t channels = light->channels;
     bool noisy = false;
-    for (int32_t c = 0; c < channels; ++c) {
+    for (int32_t c = 0; c < channels; ++c)
         for (int h = 0; h < 2; ++h) ty_denoise_load(job, light->color[h][c], x, y, tile->color[h][c]);
-        ty_denoise_load(job, light->variance[c], x, y, tile->variance[c]);
-        for (int32_t i = 0; i < TY_DENOISE_PLANE && !noisy; ++i) noisy = tile->variance[c][i] > tile->softening;
-    }
+    ty_denoise_load(job, light->variance, x, y, tile->variance);
+    for (int32_t i = 0; i < TY_DENOISE_PLANE && !noisy; ++i) noisy = tile->variance[i] > tile->softening;
     if (noisy) {
         ty_denoise_load_charts(job, x, y, tile);
         job->kernels->smooth(tile, channels);

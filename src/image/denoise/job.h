@@ -12,7 +12,7 @@ typedef struct ty_denoise_light {
     int32_t channels; /* 3, or 1 of a feature */
     float softening;  /* variance that does not count as noise */
     float* color[2][3];
-    float* variance[3]; /* of a half, smoothed */
+    float* variance; /* of a half, summed over channels, smoothed */
     float* sums[2][TY_DENOISE_CANDIDATES][4];
 } ty_denoise_light;
 

@@ -9,6 +9,9 @@ static const float wide2 = 1.0f;
 /* Distances beyond which a weight counts as 0. */
 static const float farthest = 80.0f;
 
+/* The least weight of a center itself, which otherwise has that of the most similar pixel beside it. */
+static const float own_weight = 0.01f;
+
 /* Radii of the window and of the patches of features' NL-means. */
 enum { SMOOTH_REACH = 3, SMOOTH_PATCH = 1 };
 
@@ -22,19 +25,16 @@ static int32_t center_distances(int32_t x, int32_t y) {
     return (y / TY_DENOISE_STEP * TY_DENOISE_CENTERS + x / (2 * TY_DENOISE_STEP)) * TY_DENOISE_DISTANCES;
 }
 
-/* Rows of patches are as far apart as rows of centers, so that only every second row of differences is needed. */
 static void find_distances(ty_denoise_tile* tile, int32_t half) {
-    enum { ABOVE = TY_DENOISE_PATCH_ROWS / 2, ROWS = TY_DENOISE_TILE / TY_DENOISE_STEP + 2 * ABOVE };
+    enum { ROWS = TY_DENOISE_TILE + 2 * TY_DENOISE_PATCH };
     float rows[ROWS][TY_PATCH_ROW], mean[TY_DENOISE_TILE];
-    const int32_t count = (tile->height + TY_DENOISE_STEP - 1) / TY_DENOISE_STEP;
     for (int32_t o = 0; o < TY_DENOISE_WEIGHTS; ++o) {
         const int32_t dx = o % TY_DENOISE_WINDOW - TY_DENOISE_BEFORE, dy = o / TY_DENOISE_WINDOW - TY_DENOISE_BEFORE;
-        for (int32_t row = 0; row < count + 2 * ABOVE; ++row)
-            ty_patch_row(tile, half, 3, ty_tile_index(-TY_DENOISE_PATCH, (row - ABOVE) * TY_DENOISE_STEP),
+        for (int32_t row = 0; row < tile->height + 2 * TY_DENOISE_PATCH; ++row)
+            ty_patch_row(tile, half, 3, ty_tile_index(-TY_DENOISE_PATCH, row - TY_DENOISE_PATCH),
                          dy * TY_DENOISE_PITCH + dx, rows[row]);
-        for (int32_t row = 0; row < count; ++row) {
-            const int32_t y = row * TY_DENOISE_STEP;
-            ty_patch_mean((const float(*)[TY_PATCH_ROW])rows + row, TY_DENOISE_PATCH_ROWS, TY_DENOISE_PATCH, mean);
+        for (int32_t y = 0; y < tile->height; y += TY_DENOISE_STEP) {
+            ty_patch_mean((const float(*)[TY_PATCH_ROW])rows + y, TY_DENOISE_PATCH, mean);
             for (int32_t x = first_center(y); x < TY_DENOISE_TILE; x += 2 * TY_DENOISE_STEP)
                 tile->distance[center_distances(x, y) + o] = mean[x];
         }
@@ -55,6 +55,12 @@ static void set_weights(const ty_denoise_tile* tile, int32_t x, int32_t y, ty_re
             out->weight[TY_DENOISE_WIDE][at] = weight;
             out->weight[TY_DENOISE_NARROW][at] = squared * squared;
         }
+    }
+    for (int32_t k = TY_DENOISE_NARROW; k <= TY_DENOISE_WIDE; ++k) {
+        float* own = out->weight[k] + TY_DENOISE_BEFORE * TY_DENOISE_WINDOW + TY_DENOISE_BEFORE;
+        const float beside =
+            ty_maxf(ty_maxf(own[-1], own[1]), ty_maxf(own[-TY_DENOISE_WINDOW], own[TY_DENOISE_WINDOW]));
+        *own = ty_maxf(beside, own_weight);
     }
 }
 
@@ -102,7 +108,7 @@ static void smooth_rows(ty_denoise_tile* tile, int32_t half, int32_t channels, i
     for (int32_t y = 0; y < tile->height; ++y) {
         const int32_t from = ty_tile_index(0, y), to = y * TY_DENOISE_REACH;
         const float *here = tile->chart + from, *there = here + shift;
-        ty_patch_mean((const float(*)[TY_PATCH_ROW])rows + y, 2 * SMOOTH_PATCH + 1, SMOOTH_PATCH, mean);
+        ty_patch_mean((const float(*)[TY_PATCH_ROW])rows + y, SMOOTH_PATCH, mean);
         for (int32_t x = 0; x < TY_DENOISE_TILE; ++x)
             mean[x] = here[x] == there[x] ? ty_exp_neg(ty_minf(mean[x], farthest)) : 0.0f;
         for (int32_t c = 0; c < channels; ++c) {

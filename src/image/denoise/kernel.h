@@ -7,13 +7,11 @@
 #include "base/kernel.h"
 
 enum {
-    TY_DENOISE_TILE = 32, /* pixels along a side of a tile */
-    TY_DENOISE_WINDOW =
-        16, /* pixels along a side of the window of a regression: from 8 before its center to 7 behind */
+    TY_DENOISE_TILE = 32,   /* pixels along a side of a tile */
+    TY_DENOISE_WINDOW = 16, /* side of the window of a regression, pixels: from 8 before its center to 7 behind */
     TY_DENOISE_BEFORE = 8,
-    TY_DENOISE_PATCH = 3,      /* radius along x of the patches by which pixels are compared */
-    TY_DENOISE_PATCH_ROWS = 5, /* their rows, two pixels apart */
-    TY_DENOISE_MARGIN = TY_DENOISE_BEFORE + 4,
+    TY_DENOISE_PATCH = 3, /* radius of the patches by which pixels are compared */
+    TY_DENOISE_MARGIN = TY_DENOISE_BEFORE + TY_DENOISE_PATCH,
     TY_DENOISE_ROWS = TY_DENOISE_TILE + 2 * TY_DENOISE_MARGIN,
     TY_DENOISE_PITCH = 64, /* floats from row to row of a tile's planes */
     TY_DENOISE_PLANE = TY_DENOISE_ROWS * TY_DENOISE_PITCH,
@@ -33,8 +31,8 @@ typedef struct ty_denoise_tile {
     int32_t width, height; /* pixels of the tile that the image has */
     float softening;       /* added to variances where patches are compared */
     float color[2][3][TY_DENOISE_PLANE];
-    float variance[3][TY_DENOISE_PLANE]; /* of either half */
-    float chart[TY_DENOISE_PLANE];       /* negative: the pixel is not used */
+    float variance[TY_DENOISE_PLANE]; /* of either half, summed over channels */
+    float chart[TY_DENOISE_PLANE];    /* negative: the pixel is not used */
     float feature[TY_DENOISE_PLANES_MAX][TY_DENOISE_PLANE];
     float distance[TY_DENOISE_TILE / TY_DENOISE_STEP * TY_DENOISE_CENTERS * TY_DENOISE_DISTANCES];
     /* Sums of weighted predictions of each half, R, G, B, and of their weights. */

@@ -14,33 +14,32 @@ TY_FN int32_t ty_tile_index(int32_t x, int32_t y) {
 }
 
 /* Squared differences of the pixels from index `at` on and those `shift` behind them, less what noise makes of them,
- * over their noise: Eq. 6 (Rousselle 2012), with sums over the channels above and below the line, so that channels
+ * over their noise (Rousselle et al. 2012), with sums over the channels above and below the line, so that channels
  * without light do not count. */
 TY_INLINE void ty_patch_row(const ty_denoise_tile* tile, int32_t half, int32_t channels, int32_t at, int32_t shift,
                             float* out) {
     for (int32_t x = 0; x < TY_PATCH_ROW; x += TY_LANES) {
-        ty_lanes above = {0}, below = {0};
-        below += tile->softening;
+        ty_lanes squares = {0};
         for (int32_t c = 0; c < channels; ++c) {
-            const float *color = tile->color[half][c] + at + x, *variance = tile->variance[c] + at + x;
+            const float* color = tile->color[half][c] + at + x;
             const ty_lanes difference = ty_lanes_load(color) - ty_lanes_load(color + shift);
-            const ty_lanes here = ty_lanes_load(variance), there = ty_lanes_load(variance + shift);
-            const ty_lanes sum = here + there;
-            above += difference * difference - here - 0.5f * (sum - ty_lanes_abs(here - there)); /* the lesser one */
-            below += sum;
+            squares += difference * difference;
         }
-        ty_lanes_store(out + x, above * ty_lanes_invert(below));
+        const float* variance = tile->variance + at + x;
+        const ty_lanes here = ty_lanes_load(variance), there = ty_lanes_load(variance + shift), sum = here + there;
+        const ty_lanes lesser = 0.5f * (sum - ty_lanes_abs(here - there));
+        ty_lanes_store(out + x, (squares - here - lesser) * ty_lanes_invert(sum + tile->softening));
     }
 }
 
-/* The mean over patches, at least 0, of the differences in the first `height` rows, of pixels radius + i. */
-TY_INLINE void ty_patch_mean(const float (*rows)[TY_PATCH_ROW], int32_t height, int32_t radius, float* out) {
+/* The mean over patches, at least 0, of the differences in the rows from rows[0] on, of pixels radius + i. */
+TY_INLINE void ty_patch_mean(const float (*rows)[TY_PATCH_ROW], int32_t radius, float* out) {
     float column[TY_PATCH_ROW + TY_LANES];
     const int32_t side = 2 * radius + 1;
-    const float scale = 1.0f / (float)(side * height);
+    const float scale = 1.0f / (float)(side * side);
     for (int32_t x = 0; x < TY_PATCH_ROW; x += TY_LANES) {
         ty_lanes sum = ty_lanes_load(rows[0] + x);
-        for (int32_t y = 1; y < height; ++y) sum += ty_lanes_load(rows[y] + x);
+        for (int32_t y = 1; y < side; ++y) sum += ty_lanes_load(rows[y] + x);
         ty_lanes_store(column + x, sum);
     }
     for (int32_t x = 0; x < TY_DENOISE_TILE; x += TY_LANES) {

@@ -81,10 +81,9 @@ static void add_sums(ty_denoise_job* job, const ty_denoise_tile* tile, int32_t x
 
 static void predict_tile(ty_denoise_job* job, ty_denoise_tile* tile, int32_t x, int32_t y) {
     const ty_denoise_light* light = &job->light;
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 3; ++c)
         for (int h = 0; h < 2; ++h) ty_denoise_load(job, light->color[h][c], x, y, tile->color[h][c]);
-        ty_denoise_load(job, light->variance[c], x, y, tile->variance[c]);
-    }
+    ty_denoise_load(job, light->variance, x, y, tile->variance);
     for (int32_t f = 0; f < job->feature_count; ++f) ty_denoise_load(job, job->features[f], x, y, tile->feature[f]);
     ty_denoise_load_charts(job, x, y, tile);
     memset(tile->sums, 0, sizeof tile->sums);
