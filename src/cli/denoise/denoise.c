@@ -49,7 +49,8 @@ static int denoise_images_of(cli_session* session, const denoise_options* option
     def.parts = !options->whole;
     def.progress = cli_progress_report;
     def.progress_user = &session->progress;
-    const ty_result result = cli_add_denoised(session, &def, NULL, NULL, &images->image, stats);
+    ty_result result = cli_add_denoised(session, &def, NULL, NULL, &images->image, stats);
+    if (result == TY_OK) result = cli_denoised_metadata(images->image, stats);
     if (result == TY_ERROR_INPUT || result == TY_ERROR_ARGUMENT)
         return cli_fail(CLI_USAGE, "%s: %s", input, ty_take_error(session->context));
     if (result != TY_OK) return cli_fail_running(session, result);

@@ -31,8 +31,11 @@ ty_result cli_add_denoised(cli_session* session, const ty_denoise_def* def, bool
     cli_progress_clear(&session->progress);
     if (result == TY_OK) result = add_layers(session, denoised, keep, user, image);
     ty_image_destroy(denoised);
-    if (result == TY_OK) result = ty_image_set_number(*image, "tyndall.denoised_error", stats->error);
     return result;
+}
+
+ty_result cli_denoised_metadata(ty_image* image, const ty_denoise_stats* stats) {
+    return ty_image_set_number(image, "tyndall.denoised_error", stats->error);
 }
 
 void cli_print_denoised(const ty_denoise_stats* stats) {

@@ -4,10 +4,12 @@
 
 #include "cli/session/session.h"
 
-/* Denoises an image and adds the layers to it. Of its own channels those that `keep` accepts stay; NULL: all.
- * Metadata gets the estimated error. Results as of ty_denoise_image; after an error *image is as it was. */
+/* Denoises an image and adds the layers to it. Of its own channels those that `keep` accepts stay; NULL: all. Results
+ * as of ty_denoise_image; after an error *image is as it was. */
 ty_result cli_add_denoised(cli_session* session, const ty_denoise_def* def, bool (*keep)(void* user, const char* name),
                            void* user, ty_image** image, ty_denoise_stats* stats);
+/* Puts the estimated error into an image's metadata. */
+ty_result cli_denoised_metadata(ty_image* image, const ty_denoise_stats* stats);
 /* Prints the line about it. */
 void cli_print_denoised(const ty_denoise_stats* stats);
 /* Adds "denoise" to --stats. */

@@ -68,7 +68,7 @@ static void print_closing_lines(const render_options* options, const cli_report*
     if (options->denoise) cli_print_denoised(&report->denoised);
     printf("wrote %s\n", options->output);
     if (options->png != NULL) printf("wrote %s\n", options->png);
-    if (options->denoised_png != NULL) printf("wrote %s (denoised)\n", options->denoised_png);
+    if (options->denoise && options->denoised_png != NULL) printf("wrote %s (denoised)\n", options->denoised_png);
 }
 
 static cli_request make_request(const render_options* options, const cli_session* session,
@@ -111,23 +111,30 @@ static bool is_wanted(void* user, const char* name) {
     return false;
 }
 
+/* An image that was interrupted before it had the samples for it stays without the layers, after a warning. */
 static ty_result denoise(cli_session* session, render_options* options, cli_report* report, ty_image** image) {
     ty_denoise_def def = ty_default_denoise_def();
     def.progress = cli_progress_report;
     def.progress_user = &session->progress;
     report->denoised = ty_default_denoise_stats();
-    return cli_add_denoised(session, &def, is_wanted, options, image, &report->denoised);
+    const ty_result result = cli_add_denoised(session, &def, is_wanted, options, image, &report->denoised);
+    if (report->complete || (result != TY_ERROR_INPUT && result != TY_CANCELLED)) return result;
+    cli_progress_warn(&session->progress,
+                      result == TY_CANCELLED ? "the image is not denoised" : ty_take_error(session->context));
+    options->denoise = false;
+    return TY_OK;
 }
 
 /* Writes a finished or partial image; returns the exit status. */
 static int write_result(cli_session* session, render_options* options, cli_report* report, ty_image** image,
                         double exposure) {
-    ty_result result = cli_report_metadata(*image, report);
-    if (result == TY_OK && options->denoise) result = denoise(session, options, report, image);
+    ty_result result = options->denoise ? denoise(session, options, report, image) : TY_OK;
     if (result == TY_OK && (options->aovs & TY_AOV_SAMPLES) == 0)
         result = cli_drop_even_samples(session->context, image);
+    if (result == TY_OK) result = cli_report_metadata(*image, report);
+    if (result == TY_OK && options->denoise) result = cli_denoised_metadata(*image, &report->denoised);
     if (result == TY_OK) result = write_images(session, options, *image, exposure);
-    if (result == TY_OK && options->denoised_png != NULL)
+    if (result == TY_OK && options->denoise && options->denoised_png != NULL)
         result = cli_write_denoised_png(session, *image, exposure, options->denoised_png);
     if (result != TY_OK) return cli_fail_running(session, result);
     if (!session->common.quiet) print_closing_lines(options, report);
@@ -143,6 +150,8 @@ static int render_scene(cli_session* session, const ty_scene* scene, render_opti
     if (options->denoise && method != &cli_method_auto && strcmp(method->name, "path") != 0)
         return cli_usage_error("render", "--denoise is for method path, and %s has no noise of samples", method->name);
     const cli_request request = make_request(options, session, &settings, checkpoint, tev);
+    if (options->denoise && request.spp < 2)
+        return cli_usage_error("render", "--denoise compares two halves of the samples, and there is one a pixel");
     const int possible = cli_check_request(session, scene, method, &request);
     if (possible != CLI_GO) return possible;
     report->method = method->name;

@@ -124,7 +124,8 @@ void ty_denoise_choose(ty_denoise_job* job) {
 /* ---- error ---- */
 
 /* Radii of the box filters behind which the error is estimated. */
-static const int32_t scales[] = {0, 1, 3};
+enum { SCALES = 3 };
+static const int32_t scales[SCALES] = {0, 1, 3};
 
 /* Sums over the image and its channels. */
 typedef struct error_sums {
@@ -154,16 +155,19 @@ static error_sums sum_errors(ty_denoise_job* job, int32_t radius) {
 
 /* The mean square error over the image. Its unbiased estimate is itself noisy, by the noise of one half times that of
  * the other. Behind a box filter it is far less so, and then lacks the bias in what the filter removes. Hence the
- * largest over several filters, each with the variance that it removes and one standard deviation of the estimate. */
+ * largest over several filters, each with the variance that it removes, and with one standard deviation of the estimate
+ * added where that is less than the error that coarser filters found, else subtracted. */
 static double total_error(ty_denoise_job* job) {
-    const double n = 3 * (double)job->pixels;
-    double largest = 0, variance = 0;
-    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; ++i) {
-        const error_sums sums = sum_errors(job, scales[i]);
-        if (i == 0) largest = variance = sums.variance;
-        largest = fmax(largest, sums.error + sqrt(sums.square) + variance - sums.variance);
+    error_sums sums[SCALES];
+    for (int i = 0; i < SCALES; ++i) sums[i] = sum_errors(job, scales[i]);
+    double largest = sums[0].variance;
+    for (int i = SCALES - 1; i >= 0; --i) {
+        const double deviation = sqrt(sums[i].square);
+        const double error = sums[i].error + sums[0].variance - sums[i].variance;
+        const bool precise = i == SCALES - 1 || deviation < largest;
+        largest = fmax(largest, precise ? error + deviation : error - deviation);
     }
-    return largest / n;
+    return largest / (3 * (double)job->pixels);
 }
 
 /* Smoothed errors of a channel: its variance, and where they are significant the errors beyond it. */

@@ -131,11 +131,11 @@ static ty_result run(ty_denoise_job* job, ty_image** out) {
     if (result == TY_OK) result = denoise_parts(job);
     if (result != TY_OK) return result;
     ty_denoise_estimate_error(job);
-    if (job->def.previous != NULL) result = ty_denoise_blend_previous(job);
-    return result != TY_OK ? result : create_result(job, out);
+    if (job->def.previous != NULL) ty_denoise_blend_previous(job);
+    return create_result(job, out);
 }
 
-static ty_result check_sizes(const ty_denoise_job* job) {
+static ty_result check_images(ty_denoise_job* job) {
     for (int f = 0; f <= TY_DENOISE_FEATURES_MAX; ++f) {
         const bool previous = f == TY_DENOISE_FEATURES_MAX;
         const ty_image* image = previous ? job->def.previous : job->def.features[f];
@@ -144,6 +144,9 @@ static ty_result check_sizes(const ty_denoise_job* job) {
                            previous ? "previous" : "features", (int)image->width, (int)image->height, (int)job->width,
                            (int)job->height);
     }
+    if (job->def.previous != NULL && !ty_denoise_has_previous(job))
+        return ty_fail(job->context, TY_ERROR_ARGUMENT,
+                       "denoise.previous: it has no denoised and denoised_error, which denoising adds to an image");
     return TY_OK;
 }
 
@@ -158,7 +161,7 @@ ty_result ty_denoise_image(ty_context* context, const ty_image* image, const ty_
     job.width = image->width;
     job.height = image->height;
     job.pixels = (size_t)job.width * (size_t)job.height;
-    if (result == TY_OK) result = check_sizes(&job);
+    if (result == TY_OK) result = check_images(&job);
     if (result == TY_OK) result = ty_denoise_check_image(&job);
     if (result != TY_OK) return result;
     job.progress = ty_part_begin(job.def.progress, job.def.progress_user, 0, 1);

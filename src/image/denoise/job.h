@@ -76,7 +76,9 @@ void ty_denoise_predict(ty_denoise_job* job);
 void ty_denoise_choose(ty_denoise_job* job);
 /* Estimates the errors of what was denoised, and the statistics of them. */
 void ty_denoise_estimate_error(ty_denoise_job* job);
-/* Blends the image before into what was denoised. Errors: TY_ERROR_ARGUMENT. */
-ty_result ty_denoise_blend_previous(ty_denoise_job* job);
+/* True if the image before has the channels that are needed of it. */
+bool ty_denoise_has_previous(ty_denoise_job* job);
+/* Blends the image before into what was denoised. */
+void ty_denoise_blend_previous(ty_denoise_job* job);
 
 #endif

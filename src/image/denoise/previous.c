@@ -22,6 +22,7 @@ typedef struct blending {
     float* weight;
 } blending;
 
+/* Returns false if the image before lacks some of its light or error. */
 static bool find_planes(blending* b) {
     static const char* const light[3] = {"denoised.R", "denoised.G", "denoised.B"};
     static const char* const error[3] = {"denoised_error.R", "denoised_error.G", "denoised_error.B"};
@@ -120,11 +121,14 @@ static void blend_row(void* user, int64_t y, int32_t worker) {
     for (int32_t x = 0; x < b->job->width; ++x) blend_pixel(b, x, (int32_t)y);
 }
 
-ty_result ty_denoise_blend_previous(ty_denoise_job* job) {
+bool ty_denoise_has_previous(ty_denoise_job* job) {
+    blending b = {.job = job};
+    return find_planes(&b);
+}
+
+void ty_denoise_blend_previous(ty_denoise_job* job) {
     blending b = {.job = job, .weight = job->scratch[0]};
-    if (!find_planes(&b))
-        return ty_fail(job->context, TY_ERROR_ARGUMENT,
-                       "denoise.previous: it has no denoised and denoised_error, which denoising adds to an image");
+    find_planes(&b);
     for (int c = 0; c < 3; ++c) {
         b.own[c] = job->light.sums[0][0][c];
         for (size_t i = 0; i < job->pixels; ++i) b.own[c][i] = 0.5f * (job->denoised[0][c][i] + job->denoised[1][c][i]);
@@ -140,5 +144,4 @@ ty_result ty_denoise_blend_previous(ty_denoise_job* job) {
     for (size_t i = 0; i < job->pixels; ++i) weight += (double)b.weight[i];
     job->stats.previous = weight / (double)job->pixels;
     if (before > 0) job->stats.error *= sqrt(after / before);
-    return TY_OK;
 }
