@@ -11,6 +11,7 @@ const bench_entry bench_entries[BENCH_COUNT] = {
     {"pop", "principal-ordinates propagation: its stages, and their scaling", bench_pop},
     {"lpv", "light propagation volumes: stages as in the paper's Table 1, growth, a frame", bench_lpv},
     {"dom", "discrete ordinates: solves, sweeps against thickness, images beside path", bench_dom},
+    {"denoise", "denoising of path-traced images, in parts and at once", bench_denoise},
     {"octaves", "multiple-scattering octaves: images by the number of octaves, beside path", bench_octaves},
     {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
     {"bake", "baking: overhead of radiance caches and impulse responses, and speedup over paths", bench_bake},

@@ -43,11 +43,10 @@ static void invert_depths(const ty_denoise_job* job, float* const halves[2]) {
 static void smooth_tile(ty_denoise_job* job, ty_denoise_tile* tile, int32_t x, int32_t y) {
     const ty_denoise_light* light = &job->light;
     const int32_t channels = light->channels;
-    bool noisy = false;
     for (int32_t c = 0; c < channels; ++c)
         for (int h = 0; h < 2; ++h) ty_denoise_load(job, light->color[h][c], x, y, tile->color[h][c]);
     ty_denoise_load(job, light->variance, x, y, tile->variance);
-    for (int32_t i = 0; i < TY_DENOISE_PLANE && !noisy; ++i) noisy = tile->variance[i] > tile->softening;
+    const bool noisy = ty_denoise_is_noisy(tile);
     if (noisy) {
         ty_denoise_load_charts(job, x, y, tile);
         job->kernels->smooth(tile, channels);

@@ -68,6 +68,8 @@ void ty_denoise_tiles(ty_denoise_job* job, bool in_passes, ty_denoise_tile_fn bo
 /* Copies planes into a tile with its margin. */
 void ty_denoise_load(const ty_denoise_job* job, const float* plane, int32_t x, int32_t y, float* out);
 void ty_denoise_load_charts(const ty_denoise_job* job, int32_t x, int32_t y, ty_denoise_tile* tile);
+/* True if a tile or its margin has noise, by its variance. */
+bool ty_denoise_is_noisy(const ty_denoise_tile* tile);
 /* Fills in variance and softening of light. */
 void ty_denoise_estimate_variance(ty_denoise_job* job);
 /* Adds up the candidates' predictions of light in its sums. */

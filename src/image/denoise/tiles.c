@@ -63,6 +63,15 @@ void ty_denoise_load_charts(const ty_denoise_job* job, int32_t x, int32_t y, ty_
         }
 }
 
+/* Noise whose variance is below that of softening, times this, may stay. */
+static const float negligible = 1e-2f;
+
+bool ty_denoise_is_noisy(const ty_denoise_tile* tile) {
+    bool noisy = false;
+    for (int32_t i = 0; i < TY_DENOISE_PLANE && !noisy; ++i) noisy = tile->variance[i] > negligible * tile->softening;
+    return noisy;
+}
+
 /* ---- predictions ---- */
 
 /* Adds a tile's sums to those of the image. */
@@ -81,9 +90,10 @@ static void add_sums(ty_denoise_job* job, const ty_denoise_tile* tile, int32_t x
 
 static void predict_tile(ty_denoise_job* job, ty_denoise_tile* tile, int32_t x, int32_t y) {
     const ty_denoise_light* light = &job->light;
+    ty_denoise_load(job, light->variance, x, y, tile->variance);
+    if (!ty_denoise_is_noisy(tile)) return;
     for (int c = 0; c < 3; ++c)
         for (int h = 0; h < 2; ++h) ty_denoise_load(job, light->color[h][c], x, y, tile->color[h][c]);
-    ty_denoise_load(job, light->variance, x, y, tile->variance);
     for (int32_t f = 0; f < job->feature_count; ++f) ty_denoise_load(job, job->features[f], x, y, tile->feature[f]);
     ty_denoise_load_charts(job, x, y, tile);
     memset(tile->sums, 0, sizeof tile->sums);
