@@ -9,7 +9,7 @@ enum {
     TY_COLUMNS_MAX = TY_BASIS_MAX + 3 + 3 /* with colors, and whole groups of four */
 };
 
-/* What is common to the candidates of a center. */
+/* Columns and weights of the window of a center. */
 typedef struct ty_regression {
     int32_t basis;                                    /* 1 and the features, less their values at the center */
     float column[TY_COLUMNS_MAX][TY_DENOISE_WEIGHTS]; /* basis, then R, G, B */
