@@ -190,12 +190,12 @@ static void clear_coats_have_their_own_normals(void** state) {
         "'KHR_materials_specular':{'specularFactor':0},'KHR_materials_clearcoat':{'clearcoatFactor':1,"
         "'clearcoatRoughnessFactor':0.5%s}}%s";
     static const char own[] = ",'clearcoatNormalTexture':{'index':0}",
-                      turned[] = ",'clearcoatNormalTexture':{'index':0,'scale':-1}",
+                      negative[] = ",'clearcoatNormalTexture':{'index':0,'scale':-1}",
                       base[] = ",'normalTexture':{'index':0}";
     static const struct {
         const char *coat, *normal;
         bool bright;
-    } cases[] = {{"", "", false}, {own, "", true}, {turned, "", false}, {"", base, false}, {own, base, true}};
+    } cases[] = {{"", "", false}, {own, "", true}, {negative, "", false}, {"", base, false}, {own, base, true}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char material[1024];
         snprintf(material, sizeof material, coated, 0, 0, 0, cases[i].coat, cases[i].normal);

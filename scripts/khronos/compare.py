@@ -47,7 +47,7 @@ VIEWS = {
     "TransmissionRoughnessTest": View(0, 5, zoom=1.35, sky=0.5, shift=(0, 0.05, 0)),
     "AttenuationTest": View(0, 0, fov=20, zoom=1.1, sky=0.5),
     "EmissiveStrengthTest": View(-15, 10, sky=0.1, shift=(0, 0.1, 0)),
-    "ToyCar": View(228, 12, zoom=2.6, sky=0.7, shift=(0, 0.25, 0)),
+    "ToyCar": View(-45, 12, zoom=2.6, sky=0.7, shift=(0, 0.25, 0)),
 }
 
 

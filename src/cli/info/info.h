@@ -14,7 +14,7 @@ int cli_info_mesh(cli_session* session, const char* path, bool json);
 /* Prints the coefficients of a medium in words (ty_medium_parse); NULL: all named media. */
 int cli_info_media(cli_session* session, const char* medium, bool json);
 
-/* What a material is, printed after its name, or as members of the open object. */
+/* A material, printed after its name, or as members of the open object. */
 void cli_print_material(const ty_mesh_file_entry* entry);
 void cli_write_material(json_writer* json, const ty_mesh_file_entry* entry);
 

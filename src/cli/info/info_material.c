@@ -71,7 +71,9 @@ static material_keys describe(const ty_mesh_file_entry* entry) {
                    {"sheen_color", gloss->sheen_color, 0},
                    {"attenuation_color", gloss->attenuation_color, 1},
                    {"emission", def->emission, 0}},
-        .alpha = def->alpha_mode == TY_ALPHA_MASK ? "mask" : def->alpha_mode == TY_ALPHA_BLEND ? "blend" : NULL};
+        .alpha = def->alpha_mode == TY_ALPHA_MASK    ? "mask"
+                 : def->alpha_mode == TY_ALPHA_BLEND ? "blend"
+                                                     : NULL};
     add_texture(&keys, entry->base_texture, "base_color");
     for (int i = 0; i < TY_GLOSS_TEXTURES; ++i) add_texture(&keys, entry->textures[i], names[i]);
     add_texture(&keys, entry->emission_texture, "emission");
@@ -109,9 +111,7 @@ void cli_write_material(json_writer* json, const ty_mesh_file_entry* entry) {
         const float* value = keys.colors[i].value;
         const double color[3] = {decimal(value[0]), decimal(value[1]), decimal(value[2])};
         if (is_usual(&keys.colors[i])) continue;
-        json_open_array(json, keys.colors[i].name);
-        json_numbers(json, NULL, color, 3);
-        json_close_array(json);
+        json_numbers(json, keys.colors[i].name, color, 3);
     }
     for (int i = 0; i < NUMBERS; ++i)
         if (keys.numbers[i].value != keys.numbers[i].usual)

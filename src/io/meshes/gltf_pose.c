@@ -210,14 +210,14 @@ static void find_cofactors(const double* m, double out[9]) {
 
 /* Multiplies a vector by sign times a matrix with rows of `stride` numbers, to a largest component of 1; a vector that
  * becomes zero stays as it is. */
-static void turn(const double* matrix, int stride, double sign, float vector[3]) {
-    double turned[3], largest = 0;
+static void rotate(const double* matrix, int stride, double sign, float vector[3]) {
+    double rotated[3], largest = 0;
     for (int r = 0; r < 3; ++r) {
         const double* row = matrix + stride * r;
-        turned[r] = row[0] * (double)vector[0] + row[1] * (double)vector[1] + row[2] * (double)vector[2];
-        largest = fmax(largest, fabs(turned[r]));
+        rotated[r] = row[0] * (double)vector[0] + row[1] * (double)vector[1] + row[2] * (double)vector[2];
+        largest = fmax(largest, fabs(rotated[r]));
     }
-    for (int r = 0; r < 3; ++r) vector[r] = largest > 0 ? (float)(sign * turned[r] / largest) : vector[r];
+    for (int r = 0; r < 3; ++r) vector[r] = largest > 0 ? (float)(sign * rotated[r] / largest) : vector[r];
 }
 
 /* Moves vertex i; returns true if the map mirrors it. Tangents transform as differences of positions, and a mirrored
@@ -227,9 +227,9 @@ static bool move_vertex(const ty_affine* map, ty_model_mesh* mesh, size_t i) {
     find_cofactors(map->m, cofactors);
     const bool mirrored = map->m[0] * cofactors[0] + map->m[1] * cofactors[1] + map->m[2] * cofactors[2] < 0;
     transform_point(map, mesh->positions + 3 * i);
-    if (mesh->normals != NULL) turn(cofactors, 3, mirrored ? -1 : 1, mesh->normals + 3 * i);
+    if (mesh->normals != NULL) rotate(cofactors, 3, mirrored ? -1 : 1, mesh->normals + 3 * i);
     if (mesh->tangents == NULL) return mirrored;
-    turn(map->m, 4, 1, mesh->tangents + 4 * i);
+    rotate(map->m, 4, 1, mesh->tangents + 4 * i);
     if (mirrored) mesh->tangents[4 * i + 3] = -mesh->tangents[4 * i + 3];
     return mirrored;
 }
