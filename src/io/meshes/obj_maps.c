@@ -70,16 +70,17 @@ static bool is_gray(const ty_model_image* image) {
     return true;
 }
 
-/* The alpha of an image with one, else its red. An image of its own without alpha, named as that of the base colour, is
- * opaque. */
+/* The alpha of an image with one, else its red. The image of the base colour named again says so by its alpha alone. */
 static ty_result join_opacity(ty_model* model, ty_model_material* material) {
     const int32_t opacity = material->single_textures[TY_SINGLE_OPACITY], albedo = material->albedo_texture;
     if (opacity < 0) return TY_OK;
     const bool alpha = has_alpha(image_of(model, opacity));
     const bool same = albedo >= 0 && model->textures[albedo].image == model->textures[opacity].image;
-    if (same && !alpha) return TY_OK;
-    material->def.alpha_mode = TY_ALPHA_BLEND;
-    if (same) return TY_OK;
+    if (alpha || !same) material->def.alpha_mode = TY_ALPHA_BLEND;
+    if (same) {
+        model->textures[opacity].image = -1;
+        return TY_OK;
+    }
     const source sources[4] = {{albedo, 0}, {albedo, 1}, {albedo, 2}, {opacity, alpha ? 3 : 0}};
     const int32_t texture = albedo >= 0 ? albedo : opacity;
     const ty_result result = join(model, sources, texture);
