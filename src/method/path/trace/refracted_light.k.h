@@ -15,8 +15,9 @@
  * Newton's steps in each. */
 enum { TY_MANIFOLD_TRIALS_MAX = 32, TY_MANIFOLD_SAMPLED_STEPS_MAX = 10 };
 
-/* Chains of a smaller determinant, at caustics, are left out: Newton's method does not tell them apart. */
-#define TY_MANIFOLD_DETERMINANT_MIN 1e-3f
+/* Chains of a smaller determinant, at caustics, are left out: single ones would outshine all others, and Newton's
+ * method does not tell the nearest apart. */
+#define TY_MANIFOLD_DETERMINANT_MIN 2e-2f
 
 /* Light of an emitter with a size, or of an environment, at a sampled point of it. Its MIS weight is against the
  * vertex's own directions. */
@@ -96,7 +97,7 @@ TY_FN void ty_path_add_sampled_chains(ty_path* path, const ty_light_view* light,
     ty_vec other, again;
     ty_refracted_ray chain, trial;
     float radiance[3];
-    const float rate = 1.0f / (float)(path->depth > 1 ? path->depth : 1);
+    const float rate = 1.0f / ty_clampf((float)path->depth, 1.0f, 8.0f);
     if (ty_rng_uniform(&path->random) >= rate) return;
     if (!ty_path_sample_chain(path, target, response, &other, &chain)) return;
     if (found != NULL && chain.reflections == 0 && ty_manifold_is_same(found, direction, other)) return;
