@@ -12,6 +12,8 @@
 static const float max_peak = 0.2f;
 /* Cells along the longest side by default: as thick as a transport mean free path, between these. */
 static const double min_cells = 32, max_diffusion_cells = 64, max_ordinates_cells = 48;
+/* Thickness of a cell, transport mean free paths, above which in all channels ordinates give way to diffusion. */
+static const double max_thickness = 2;
 /* Samples of a varying density per cell. */
 enum { DENSITY_SAMPLES = 8 };
 /* Surfaces of other solids beside that of an interior that a ray passes at most. */
@@ -94,27 +96,29 @@ static int32_t auto_cells(const ty_enclosed_def* def, double longest, double red
     return (int32_t)fmin(fmax(ceil(longest * reduced), min_cells), most);
 }
 
-/* The largest reduced extinction of a medium of density 1, 1/m. */
-static double reduced_extinction(const ty_medium_view* medium, ty_vec at) {
+/* Reduced extinction of a medium of density 1, 1/m: the least and the largest of the channels. */
+static void find_reduced_extinction(const ty_medium_view* medium, ty_vec at, double range[2]) {
     float g[3], scattering[3];
-    double most = 0;
     ty_medium_g(medium, at, g);
     ty_medium_sigma_s(medium, at, scattering);
-    for (int c = 0; c < 3; ++c) most = fmax(most, (double)(medium->sigma_t[c] - g[c] * scattering[c]));
-    return most;
+    for (int c = 0; c < 3; ++c) {
+        const double reduced = (double)(medium->sigma_t[c] - g[c] * scattering[c]);
+        range[0] = c > 0 ? fmin(range[0], reduced) : reduced;
+        range[1] = c > 0 ? fmax(range[1], reduced) : reduced;
+    }
 }
 
 /* Nearly cubic cells over the extent of the medium. */
 static void cut(ty_enclosed_body* body, const ty_medium_def* medium, const ty_medium_view* view) {
-    double upper[3], longest = 0;
+    double upper[3], reduced[2], longest = 0;
     ty_vec center;
     ty_medium_extent(medium, body->lower, upper);
     for (int a = 0; a < 3; ++a) longest = fmax(longest, upper[a] - body->lower[a]);
     center = ty_vec_make((float)(body->lower[0] + upper[0]) / 2, (float)(body->lower[1] + upper[1]) / 2,
                          (float)(body->lower[2] + upper[2]) / 2);
-    const int32_t along = body->def->cells != TY_AUTO
-                              ? body->def->cells
-                              : auto_cells(body->def, longest, reduced_extinction(view, center));
+    find_reduced_extinction(view, center, reduced);
+    const int32_t along = body->def->cells != TY_AUTO ? body->def->cells : auto_cells(body->def, longest, reduced[1]);
+    body->diffusion = body->def->diffusion || longest / along * reduced[0] > max_thickness;
     body->cells = 1;
     for (int a = 0; a < 3; ++a) {
         const double side = upper[a] - body->lower[a];
@@ -182,16 +186,16 @@ static void choose_bands(ty_enclosed_body* body, const ty_medium_view* medium, t
     for (int c = 0; c < 3; ++c)
         for (int32_t l = 0; l < TY_SH_BANDS_MAX; ++l)
             body->legendre[c][l] = medium->phase != NULL ? medium->phase->moments[c][l] : powf(g[c], (float)l);
-    body->bands = body->def->diffusion ? 2 : 1;
+    body->bands = body->diffusion ? 2 : 1;
     do {
         if (body->bands > 1) peak = 0;
         for (int c = 0; c < 3 && body->bands < TY_SH_BANDS_MAX; ++c)
             peak = ty_maxf(peak, fabsf(body->legendre[c][body->bands]));
-    } while (!body->def->diffusion && peak > max_peak && ++body->bands < TY_SH_BANDS_MAX);
+    } while (!body->diffusion && peak > max_peak && ++body->bands < TY_SH_BANDS_MAX);
     if (body->bands < 2) body->bands = 2;
     body->terms = body->bands * body->bands;
     for (int c = 0; c < 3; ++c) {
-        const int32_t order = body->def->diffusion ? 1 : body->bands;
+        const int32_t order = body->diffusion ? 1 : body->bands;
         const float moment = order < TY_SH_BANDS_MAX ? body->legendre[c][order]
                              : medium->phase != NULL ? medium->phase->moments[c][order]
                                                      : powf(g[c], (float)order);

@@ -20,6 +20,7 @@ typedef struct ty_enclosed_body {
     const ty_scene_view* scene;
     const ty_enclosed_def* def;
     int32_t interior; /* of the scene view */
+    bool diffusion;   /* asked for, or because cells are too thick for ordinates */
     int32_t bands, terms;
     float legendre[3][TY_SH_BANDS_MAX];
     float forward[3]; /* part of the scattering that counts as unscattered */

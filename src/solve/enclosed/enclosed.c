@@ -137,8 +137,8 @@ static ty_result scatter(ty_enclosed* enclosed, round_of_light round, ty_enclose
         stats->sides += body->side_count;
         for (int c = 0; c < 3; ++c) stats->entering[c] += body->entering[0][c] + body->entering[1][c];
         const double before[3] = {stats->leaving[0], stats->leaving[1], stats->leaving[2]};
-        result = body->def->diffusion ? ty_enclosed_solve_diffusion(body, stats)
-                                      : ty_enclosed_solve_ordinates(body, !round.first, tolerance, stats);
+        result = body->diffusion ? ty_enclosed_solve_diffusion(body, stats)
+                                 : ty_enclosed_solve_ordinates(body, !round.first, tolerance, stats);
         if (result != TY_OK) break;
         double leaving[3];
         for (int c = 0; c < 3; ++c) leaving[c] = stats->leaving[c] - before[c];
