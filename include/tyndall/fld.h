@@ -94,8 +94,8 @@ typedef struct ty_fld_def {
                          ///< interpolated, except at edges: for fast previews; default 1.
 
     int32_t interior_resolution; ///< Cells along the longest side of each medium that fills a solid dielectric, 4..256.
-                                 ///< TY_AUTO (default): as many as it is transport mean free paths long, 32..64. The
-                                 ///< command line and the viewer use it; ty_fld_solve() does not know surfaces' light.
+                                 ///< TY_AUTO (default): as many as it is transport mean free paths long,
+                                 ///< 32..48, and 32 from 96 on. The command line and the viewer use it.
 } ty_fld_def;
 
 /// Sets the `bytes` bytes of a ty_fld_def to the defaults, as ty_init_context_def() does.

@@ -5,6 +5,7 @@
 
 #include "bake/gather/segment.k.h"
 #include "direct/single/enclosed_field.k.h"
+#include "method/path/trace/light_path.k.h"
 #include "scene/bsdf/fresnel.k.h"
 #include "scene/interior_list.k.h"
 
@@ -54,17 +55,19 @@ TY_FN bool ty_transparent_fractions(const ty_transparent_ray* ray, const ty_hit*
     /* Light goes straight on, so its angle is that of the outside on both sides. */
     const float fresnel = ior > 1.0f ? ty_fresnel_dielectric(fabsf(ty_dot(hit->normal, direction)), ior) : 0.0f;
     for (int c = 0; c < 3; ++c) {
-        crosses[c] = part * (1.0f - fresnel) * (beyond->top == ray->inside.top && dielectric->solid != 0 ? 1.0f : point->tint[c]);
+        crosses[c] = part * (1.0f - fresnel) *
+                     (beyond->top == ray->inside.top && dielectric->solid != 0 ? 1.0f : point->tint[c]);
         reflects[c] = dielectric->solid != 0 ? returns * fresnel + (1.0f - returns) * point->albedo[c]
                                              : ty_maxf(point->albedo[c] - crosses[c], 0.0f);
     }
     return true;
 }
 
-/* Light that the medium of an interior scatters to the ray's origin at one sampled collision within a distance. */
-TY_FN void ty_transparent_scatter(ty_transparent_ray* ray, const ty_enclosed_field* field, const ty_segment* segment,
-                                  const ty_hit* entry, ty_vec direction, float distance, ty_sampler* random) {
-    const ty_interior* interior = &ray->scene->interiors[ray->inside.top];
+/* Light that the medium of an interior scatters to the ray's origin at one sampled collision along a segment. */
+TY_FN void ty_transparent_scatter(ty_transparent_ray* ray, const ty_segment* segment, ty_vec origin, ty_vec direction,
+                                  float distance, ty_sampler* random) {
+    const ty_enclosed_field* field = &ray->fields[ray->inside.top];
+    const float ior = ray->scene->interiors[ray->inside.top].ior;
     float least = TY_FLOAT_MAX, radiance[3], sigma[3];
     for (int c = 0; c < 3; ++c) {
         sigma[c] = segment->depth[c] / distance;
@@ -73,47 +76,55 @@ TY_FN void ty_transparent_scatter(ty_transparent_ray* ray, const ty_enclosed_fie
     if (!(least > 0.0f)) return;
     const float t = -ty_logf(1.0f - ty_rng_uniform(random)) / least;
     if (!(t < distance)) return;
-    const float side = ty_dot(entry->normal, direction) < 0.0f ? 1.0f : -1.0f;
-    const ty_vec inward = ty_refract(ty_scale(direction, -1.0f), ty_scale(entry->normal, side), interior->ior);
-    ty_enclosed_radiance(field, ty_mad(entry->position, inward, t), ty_scale(inward, -1.0f), radiance);
+    ty_enclosed_radiance(field, ty_mad(origin, direction, t), ty_scale(direction, -1.0f), radiance);
     for (int c = 0; c < 3; ++c) {
         const float albedo = segment->depth[c] > 0.0f ? segment->scattering_depth[c] / segment->depth[c] : 0.0f;
         const float weight = sigma[c] / least * ty_expf((least - sigma[c]) * t);
-        ray->scattered[c] += ray->passed[c] * weight * albedo * radiance[c] / (interior->ior * interior->ior);
+        ray->scattered[c] += ray->passed[c] * weight * albedo * radiance[c] / (ior * ior);
     }
 }
 
-/* Follows the ray through the interior that it is in, over a distance. */
+/* Follows the ray through the interior that it is in, over a distance. entry: where it was entered, from where the
+ * light that is scattered or absorbed goes along the refracted ray; NULL: the ray began there. random: for light that
+ * is scattered; NULL: none. */
 TY_FN void ty_transparent_cross(ty_transparent_ray* ray, const ty_hit* entry, ty_vec origin, ty_vec direction,
                                 float distance, ty_sampler* random) {
     const ty_interior* interior = &ray->scene->interiors[ray->inside.top];
-    const ty_enclosed_field* field = ray->fields != NULL ? &ray->fields[ray->inside.top] : NULL;
+    const bool solved = ray->inside.top > 0 && ray->fields != NULL && ray->fields[ray->inside.top].bands > 0;
+    const int32_t count = solved ? interior->medium_count : interior->absorbs;
     ty_segment segment;
-    if (ray->inside.top == 0 || interior->medium_count == 0) return;
+    if (ray->inside.top == 0 || count == 0) return;
+    if (entry != NULL) {
+        const ty_vec normal = ty_scale(entry->normal, ty_dot(entry->normal, direction) < 0.0f ? 1.0f : -1.0f);
+        ty_hit beyond;
+        direction = ty_refract(ty_scale(direction, -1.0f), normal, interior->ior);
+        origin = ty_hit_leave(entry, direction);
+        if (ty_accel_intersect(ray->scene->mesh, origin, direction, TY_FLOAT_MAX, &beyond)) distance = beyond.distance;
+    }
     segment.point = NULL;
-    ty_segment_find(&segment, interior->media, field != NULL && field->bands > 0 ? interior->medium_count : interior->absorbs,
-                    origin, direction, distance);
-    if (random != NULL && entry != NULL && field != NULL && field->bands > 0)
-        ty_transparent_scatter(ray, field, &segment, entry, direction, distance, random);
+    ty_segment_find(&segment, interior->media, count, origin, direction, distance);
+    if (random != NULL && entry != NULL && solved)
+        ty_transparent_scatter(ray, &segment, origin, direction, distance, random);
     for (int c = 0; c < 3; ++c) ray->passed[c] *= segment.transmittance[c];
 }
 
 /* Fraction of light that passes between two points; 0 in all channels behind an opaque surface. */
 TY_FN bool ty_transparent_passes(ty_transparent_ray* ray, ty_vec origin, ty_vec direction, float distance) {
     float left = distance < TY_FLOAT_MAX ? distance * 0.9999f : TY_FLOAT_MAX;
+    ty_hit hit, entry;
     for (int32_t i = 0; i < TY_TRANSPARENT_MAX; ++i) {
-        ty_hit hit;
         ty_surface_point point;
         ty_interior_list beyond;
         float crosses[3], reflects[3];
         if (!ty_accel_intersect(ray->scene->mesh, origin, direction, left, &hit)) {
-            ty_transparent_cross(ray, NULL, origin, direction, ty_minf(left, 1e6f), NULL);
+            ty_transparent_cross(ray, i > 0 ? &entry : NULL, origin, direction, ty_minf(left, 1e6f), NULL);
             return true;
         }
         if (ray->scene->surfaces[hit.surface].gloss == NULL) return false;
         ty_surface_evaluate(&ray->scene->surfaces[hit.surface], &hit, direction, &point);
         if (!ty_transparent_fractions(ray, &hit, &point, direction, &beyond, crosses, reflects)) return false;
-        ty_transparent_cross(ray, NULL, origin, direction, hit.distance, NULL);
+        ty_transparent_cross(ray, i > 0 ? &entry : NULL, origin, direction, hit.distance, NULL);
+        entry = hit;
         for (int c = 0; c < 3; ++c) ray->passed[c] *= crosses[c];
         if (ty_max3(ray->passed) < TY_TRANSPARENT_MIN) return false;
         ray->inside = beyond;

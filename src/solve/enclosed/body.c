@@ -10,8 +10,8 @@
 
 /* Fraction of the scattering that may count as unscattered. */
 static const float max_peak = 0.2f;
-/* Cells along the longest side by default: as thick as a transport mean free path, between these. */
-static const double min_cells = 32, max_diffusion_cells = 64, max_ordinates_cells = 48;
+/* Cells along the longest side by default. */
+enum { MIN_CELLS = 32, MAX_CELLS = 48 };
 /* Thickness of a cell, transport mean free paths, above which in all channels ordinates give way to diffusion. */
 static const double max_thickness = 2;
 /* Samples of a varying density per cell. */
@@ -90,10 +90,11 @@ static ty_vec center_of(const ty_enclosed_body* body, const int32_t at[3]) {
     return ty_vec_load(center);
 }
 
-/* Cells along the longest side, m, of an extinction, 1/m, less what scatters straight on. */
-static int32_t auto_cells(const ty_enclosed_def* def, double longest, double reduced) {
-    const double most = def->diffusion ? max_diffusion_cells : max_ordinates_cells;
-    return (int32_t)fmin(fmax(ceil(longest * reduced), min_cells), most);
+/* Cells along a longest side of a reduced optical thickness. Where the most of them would be thick, paths see little of
+ * them but the light that leaves, and the least do. */
+static int32_t auto_cells(double thickness) {
+    if (thickness > max_thickness * MAX_CELLS) return MIN_CELLS;
+    return (int32_t)fmin(fmax(ceil(thickness), MIN_CELLS), MAX_CELLS);
 }
 
 /* Reduced extinction of a medium of density 1, 1/m: the least and the largest of the channels. */
@@ -117,7 +118,7 @@ static void cut(ty_enclosed_body* body, const ty_medium_def* medium, const ty_me
     center = ty_vec_make((float)(body->lower[0] + upper[0]) / 2, (float)(body->lower[1] + upper[1]) / 2,
                          (float)(body->lower[2] + upper[2]) / 2);
     find_reduced_extinction(view, center, reduced);
-    const int32_t along = body->def->cells != TY_AUTO ? body->def->cells : auto_cells(body->def, longest, reduced[1]);
+    const int32_t along = body->def->cells != TY_AUTO ? body->def->cells : auto_cells(longest * reduced[1]);
     body->diffusion = body->def->diffusion || longest / along * reduced[0] > max_thickness;
     body->cells = 1;
     for (int a = 0; a < 3; ++a) {

@@ -43,13 +43,16 @@ bool ty_enclosed_exists(const ty_scene* scene) {
     return false;
 }
 
+bool ty_enclosed_fills(const ty_scene* scene, int32_t medium) {
+    bool fills = false;
+    for (int32_t i = 0; i < scene->view.interior_count && !fills; ++i)
+        fills = filling_medium(&scene->view, i) == medium;
+    return fills;
+}
+
 bool ty_enclosed_has_all_media(const ty_scene* scene) {
-    for (int32_t m = 0; m < scene->view.medium_count; ++m) {
-        bool solved = false;
-        for (int32_t i = 0; i < scene->view.interior_count && !solved; ++i)
-            solved = filling_medium(&scene->view, i) == m;
-        if (!solved) return false;
-    }
+    for (int32_t m = 0; m < scene->view.medium_count; ++m)
+        if (!ty_enclosed_fills(scene, m)) return false;
     return scene->view.medium_count > 0;
 }
 
