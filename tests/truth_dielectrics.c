@@ -248,7 +248,7 @@ static void slabs_reflect_as_published(void** state) {
     static const published_slab slabs[] = {{60, 0.8, 0, false, 0.18095, 0, 0.01},
                                            {60, 0.8, 0, true, 0.18994, 0, 0.01},
                                            {60, 0.8, 0.9, true, 0.05184, 0, 0.02},
-                                           {1, 0.5, 0.9, false, 0.03859, 0.54038, 0.01}};
+                                           {1, 0.5, 0.9, false, 0.03859, 0.54038, 0.03}};
     const double down[3] = {0, -1, 0};
     for (size_t i = 0; i < sizeof slabs / sizeof *slabs; ++i) {
         const published_slab* slab = &slabs[i];
