@@ -80,7 +80,7 @@ void ty_enclosed_fill_field(ty_enclosed_body* body);
 /* Replaces it beside the surface of thick cells by the exitance, averaged along the surface. Errors: TY_ERROR_MEMORY.
  */
 ty_result ty_enclosed_spread_exitance(ty_enclosed_body* body);
-/* Scales the field so that what paths find leaving is what leaves by the balance, W. */
+/* Scales the field so that the flux that paths find leaving is that of the balance, W. */
 void ty_enclosed_balance_field(ty_enclosed_body* body, const ty_enclosed_field* field, const double leaving[3]);
 
 #endif
