@@ -119,7 +119,7 @@ static void threads_do_not_matter(void** state) {
     assert_memory_equal(seen[0], seen[1], sizeof seen[0]);
 }
 
-/* What enters is absorbed or leaves: in milk, in thin media, and in cells of two transport mean free paths. */
+/* Light that enters is absorbed or leaves: in milk, in thin media, and in cells of two transport mean free paths. */
 static void energy_is_kept(void** state) {
     static const ball balls[] = {
         {20, 0.1f, 0.7f, true}, {20, 0.1f, 0.7f, false}, {3, 0.5f, 0, true}, {200, 1, 0.7f, false}};

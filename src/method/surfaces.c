@@ -2,21 +2,6 @@
  * is solved before. */
 #include "method/method.h"
 
-#include "base/context.h"
-#include "method/path/enclosed_light.h"
-
-ty_result ty_solve_enclosed(const ty_scene* scene, const ty_render_request* request, const ty_enclosed_def* def,
-                            ty_enclosed** out, ty_enclosed_stats* stats) {
-    ty_path_def path;
-    ty_enclosed_def reporting = *def;
-    *out = NULL;
-    const ty_result result = ty_request_path_def(scene, request, &path);
-    if (result != TY_OK) return result;
-    reporting.progress = request->progress;
-    reporting.progress_user = request->progress_user;
-    return ty_path_solve_enclosed(scene, &path, &reporting, out, stats);
-}
-
 ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* request, const ty_enclosed_field* fields,
                             ty_image** out, ty_method_run* run) {
     const ty_scene_info info = ty_scene_get_info(scene);

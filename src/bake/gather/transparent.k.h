@@ -68,18 +68,18 @@ TY_FN void ty_transparent_scatter(ty_transparent_ray* ray, const ty_segment* seg
                                   float distance, ty_sampler* random) {
     const ty_enclosed_field* field = &ray->fields[ray->inside.top];
     const float ior = ray->scene->interiors[ray->inside.top].ior;
-    float least = TY_FLOAT_MAX, radiance[3], sigma[3];
+    float min_sigma = TY_FLOAT_MAX, radiance[3], sigma[3];
     for (int c = 0; c < 3; ++c) {
         sigma[c] = segment->depth[c] / distance;
-        least = ty_minf(least, sigma[c]);
+        min_sigma = ty_minf(min_sigma, sigma[c]);
     }
-    if (!(least > 0.0f)) return;
-    const float t = -ty_logf(1.0f - ty_rng_uniform(random)) / least;
+    if (!(min_sigma > 0.0f)) return;
+    const float t = -ty_logf(1.0f - ty_rng_uniform(random)) / min_sigma;
     if (!(t < distance)) return;
     ty_enclosed_radiance(field, ty_mad(origin, direction, t), ty_scale(direction, -1.0f), radiance);
     for (int c = 0; c < 3; ++c) {
         const float albedo = segment->depth[c] > 0.0f ? segment->scattering_depth[c] / segment->depth[c] : 0.0f;
-        const float weight = sigma[c] / least * ty_expf((least - sigma[c]) * t);
+        const float weight = sigma[c] / min_sigma * ty_expf((min_sigma - sigma[c]) * t);
         ray->scattered[c] += ray->passed[c] * weight * albedo * radiance[c] / (ior * ior);
     }
 }

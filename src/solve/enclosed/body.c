@@ -90,14 +90,14 @@ static ty_vec center_of(const ty_enclosed_body* body, const int32_t at[3]) {
     return ty_vec_load(center);
 }
 
-/* Cells along a longest side of a reduced optical thickness. Where the most of them would be thick, paths see little of
- * them but the light that leaves, and the least do. */
+/* Cells along a longest side of a reduced optical thickness. Where MAX_CELLS would be thick, paths see little of cells
+ * but the light that leaves, and MIN_CELLS suffice. */
 static int32_t auto_cells(double thickness) {
     if (thickness > max_thickness * MAX_CELLS) return MIN_CELLS;
     return (int32_t)fmin(fmax(ceil(thickness), MIN_CELLS), MAX_CELLS);
 }
 
-/* Reduced extinction of a medium of density 1, 1/m: the least and the largest of the channels. */
+/* Reduced extinction of a medium of density 1, 1/m: the minimum and maximum of the channels. */
 static void find_reduced_extinction(const ty_medium_view* medium, ty_vec at, double range[2]) {
     float g[3], scattering[3];
     ty_medium_g(medium, at, g);

@@ -95,14 +95,14 @@ typedef struct round_of_light {
 static const double last_tolerance = 1e-3, first_tolerance = 0.03;
 enum { FEWER_RAYS = 4 };
 /* Rays of an interior at most, where that leaves each face a few. */
-enum { MOST_RAYS = 40000, LEAST_PER_SIDE = 4 };
+enum { MAX_RAYS = 40000, MIN_PER_SIDE = 4 };
 
 /* Rays of each face. */
 static int32_t rays_of(const ty_enclosed_body* body, bool last) {
-    const int32_t most = MOST_RAYS / (body->side_count / 2 + 1);
+    const int32_t max_rays = MAX_RAYS / (body->side_count / 2 + 1);
     int32_t rays = body->def->rays;
-    if (rays > most) rays = most;
-    if (rays < LEAST_PER_SIDE) rays = body->def->rays < LEAST_PER_SIDE ? body->def->rays : LEAST_PER_SIDE;
+    if (rays > max_rays) rays = max_rays;
+    if (rays < MIN_PER_SIDE) rays = body->def->rays < MIN_PER_SIDE ? body->def->rays : MIN_PER_SIDE;
     return last ? rays : (rays + FEWER_RAYS - 1) / FEWER_RAYS;
 }
 

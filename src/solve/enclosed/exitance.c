@@ -33,8 +33,8 @@ static reach reach_of(const ty_enclosed_body* body, const ty_enclosed_side* side
     reach r;
     for (int a = 0; a < 3; ++a) {
         const float at = (position[a] - (float)body->lower[a]) / (float)body->cell[a] - 0.5f;
-        const int32_t middle = (int32_t)lrintf(at), first = middle > REACH ? middle - REACH : 0;
-        const int32_t last = middle + REACH < body->size[a] - 1 ? middle + REACH : body->size[a] - 1;
+        const int32_t center = (int32_t)lrintf(at), first = center > REACH ? center - REACH : 0;
+        const int32_t last = center + REACH < body->size[a] - 1 ? center + REACH : body->size[a] - 1;
         r.first[a] = first;
         r.count[a] = last >= first ? last - first + 1 : 0;
         for (int32_t i = 0; i < r.count[a]; ++i) {
@@ -87,12 +87,12 @@ static void add_face(const ty_enclosed_body* body, int32_t i, bool normals, face
 static void set_cell(ty_enclosed_body* body, size_t cell, const face_sums* s, float factor) {
     const size_t terms = (size_t)body->terms, at = cell * terms;
     static const int32_t axis_of[3] = {1, 2, 0};
-    float parts[3], least = 1;
+    float parts[3], min_part = 1;
     for (int c = 0; c < 3; ++c) {
         parts[c] = ty_clampf(s->thickness[c] / s->area - min_thickness, 0, 1);
-        least = ty_minf(least, parts[c]);
+        min_part = ty_minf(min_part, parts[c]);
     }
-    if (body->near_cell[cell] == 0 && least < 1) return;
+    if (body->near_cell[cell] == 0 && min_part < 1) return;
     body->near_cell[cell] = 1;
     const float length =
         sqrtf(s->weighted_normal[0] * s->weighted_normal[0] + s->weighted_normal[1] * s->weighted_normal[1] +
