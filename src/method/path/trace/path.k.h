@@ -4,9 +4,11 @@
 #define TY_METHOD_PATH_TRACE_PATH_K_H
 
 #include "method/path/trace/equiangular.k.h"
+#include "method/path/trace/guided_distance.k.h"
 #include "method/path/trace/manifold.k.h"
 #include "method/path/trace/point_light_direction.k.h"
-#include "scene/media/phase.k.h"
+#include "method/path/trace/scatter.k.h"
+#include "method/path/trace/window.k.h"
 
 /* The squared distance from a local light within which rays sample the light that it sends into them, m^2. */
 TY_FN float ty_path_near2(const ty_path* path, const ty_light_view* light) {
@@ -59,120 +61,6 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
     }
 }
 
-/* ---- directions in media ---- */
-
-/* Direction sampling at a vertex in a medium: a mixture over channels of their phase functions, weighted by throughput,
- * and of Henyey-Greenstein lobes about the directions of lights (guiding). */
-typedef struct ty_scatter_vertex {
-    ty_vec incoming;
-    float g[3];
-    float weight[3]; /* mixture weights of the channels; their sum is 1 */
-    int32_t gray;
-    const ty_phase_view* lobes; /* NULL: Henyey-Greenstein of g */
-    float guided;               /* probability of sampling a lobe about a light */
-    float guide_g[3];           /* g, g^2, g^4: light that scatters once, twice, four times more */
-    int32_t guide_count;
-    ty_vec axis[TY_GUIDES_MAX];
-    const float* axis_share;
-    int32_t point_light[TY_GUIDES_MAX]; /* nonzero if the guiding light is a lamp */
-} ty_scatter_vertex;
-
-TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
-    if (light->kind == TY_KIND_DIRECTIONAL) return ty_scale(light->direction, -1.0f);
-    ty_vec to = ty_sub(light->position, from);
-    const float middle = light->kind == TY_KIND_TRIANGLE ? 1.0f / 3.0f : 0.5f;
-    if (light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE)
-        to = ty_mad(ty_mad(to, light->u, middle), light->v, middle);
-    const float d2 = ty_dot(to, to);
-    return d2 > 1e-30f ? ty_scale(to, 1.0f / sqrtf(d2)) : ty_vec_make(0, 0, 1);
-}
-
-/* Probability of sampling a guiding lobe at a vertex of the given depth (1: the first). It is large only for g near 1
- * and falls with depth fast enough to bound the weight of a path without guided directions (by 14). Both factors
- * minimise the measured cost of noise (variance times time) in thin and in thick media. */
-TY_FN float ty_guided_fraction(float g, int32_t depth) {
-    const float g2 = ty_maxf(g, 0.0f) * ty_maxf(g, 0.0f), g4 = g2 * g2;
-    const float fall = 1.0f / (1.0f + 0.25f * (float)(depth - 1));
-    return 0.6f * g4 * g4 * fall * fall;
-}
-
-TY_FN void ty_scatter_vertex_begin(ty_scatter_vertex* s, const ty_path* path, const ty_medium_view* medium) {
-    const ty_path_request* request = path->request;
-    const float sum = ty_sum3(path->beta);
-    float g = 0.0f;
-    s->incoming = path->direction;
-    s->gray = medium->gray_g;
-    s->lobes = medium->phase;
-    ty_medium_g(medium, path->origin, s->g);
-    for (int c = 0; c < 3; ++c) {
-        s->weight[c] = path->beta[c] / sum;
-        g += s->weight[c] * s->g[c];
-    }
-    s->guide_count = request->guide_count;
-    s->axis_share = request->guide_weight;
-    s->guided = s->guide_count > 0 ? ty_guided_fraction(g, path->depth) : 0.0f;
-    if (s->guided <= 0.0f) return;
-    s->guide_g[0] = g;
-    s->guide_g[1] = g * g;
-    s->guide_g[2] = g * g * g * g;
-    for (int32_t i = 0; i < s->guide_count; ++i) {
-        const ty_light_view* light = &request->scene->lights.lights[request->guide_light[i]];
-        s->axis[i] = ty_light_axis(light, path->origin);
-        s->point_light[i] = ty_light_is_point_or_spot(light->kind);
-    }
-}
-
-/* The phase function per channel. */
-TY_FN void ty_scatter_vertex_phase(const ty_scatter_vertex* s, ty_vec direction, float phase[3]) {
-    const float mu = ty_clampf(ty_dot(s->incoming, direction), -1.0f, 1.0f);
-    if (s->lobes != NULL) {
-        ty_phase_evaluate(s->lobes, mu, phase);
-        return;
-    }
-    phase[0] = ty_hg(mu, s->g[0]);
-    phase[1] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[1]);
-    phase[2] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[2]);
-}
-
-TY_FN float ty_scatter_vertex_pdf(const ty_scatter_vertex* s, ty_vec direction, const float phase[3]) {
-    const float plain = s->weight[0] * phase[0] + s->weight[1] * phase[1] + s->weight[2] * phase[2];
-    if (s->guided <= 0.0f) return plain;
-    float lobes = 0.0f;
-    for (int32_t i = 0; i < s->guide_count; ++i) {
-        const float mu = ty_clampf(ty_dot(s->axis[i], direction), -1.0f, 1.0f);
-        lobes += s->axis_share[i] * (ty_hg(mu, s->guide_g[0]) + ty_hg(mu, s->guide_g[1]) + ty_hg(mu, s->guide_g[2]));
-    }
-    return ty_lerpf(plain, lobes * (1.0f / 3.0f), s->guided);
-}
-
-TY_FN ty_vec ty_scatter_vertex_sample(const ty_scatter_vertex* s, ty_sampler* random) {
-    const float v = ty_sobol_next(random);
-    float u = ty_sobol_next(random);
-    ty_vec axis = s->incoming;
-    float g = s->g[0];
-    if (u < s->guided) {
-        const float lobes[3] = {1.0f, 1.0f, 1.0f};
-        u /= s->guided;
-        const int32_t guide = ty_sample_discrete(s->axis_share, s->guide_count, 1.0f, &u);
-        const int32_t lobe = ty_sample_discrete(lobes, 3, 3.0f, &u);
-        axis = s->axis[guide];
-        g = s->guide_g[lobe];
-        /* Few bits of u are left, and the first of its values is the axis itself. A ray that meets a lamp would have
-         * that probability, and not 0: the missing bits are drawn. */
-        if (s->point_light[guide] != 0) {
-            ty_sampler bits = ty_sampler_branch(random);
-            u += ty_rng_uniform(&bits) * 3.0f * 0x1p-24f / (s->guided * s->axis_share[guide]);
-            return ty_hg_sample_narrow(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
-        }
-    } else {
-        u = (u - s->guided) / (1.0f - s->guided);
-        if (s->lobes != NULL)
-            return ty_direction_about(axis, ty_phase_sample_cosine(s->lobes, s->weight, ty_minf(u, 0x1.fffffep-1f)), v);
-        if (s->gray == 0) g = s->g[ty_sample_discrete(s->weight, 3, 1.0f, &u)];
-    }
-    return ty_hg_sample(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
-}
-
 /* ---- vertices ---- */
 
 /* Chooses a light for a vertex and samples a point on it, without visibility: the light's index, or -1 without one.
@@ -210,15 +98,15 @@ TY_FN bool ty_path_light_visible(const ty_path* path, ty_vec from, const ty_ligh
 }
 
 /* Radiance of a light sample times factor (throughput, phase function or BRDF, cosine) times visibility and
- * transmittance. Contributions below request->min_contribution are traced by Russian roulette. */
+ * transmittance. Contributions below ty_path_min_contribution are traced by Russian roulette. */
 TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample* sample, const float factor[3],
                              float radiance[3]) {
     const ty_scene_view* scene = path->request->scene;
     float transmittance[3];
     for (int c = 0; c < 3; ++c) radiance[c] = factor[c] * sample->radiance[c];
-    const float most = ty_max3(radiance);
-    if (most < path->request->min_contribution) {
-        const float chance = most / path->request->min_contribution;
+    const float most = ty_max3(radiance), least = ty_path_min_contribution(path);
+    if (most < least) {
+        const float chance = most / least;
         const bool traced = ty_rng_uniform(&path->random) < chance;
         for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
     }
@@ -337,6 +225,7 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
 typedef struct ty_vertex_response {
     const ty_scatter_vertex* scatter;
     const ty_surface_point* surface;
+    const ty_guide_vertex* guide; /* of a diffuse surface; NULL: none */
 } ty_vertex_response;
 
 /* Phase function, or BSDF times cosine, for light from a direction; returns the density with which the vertex samples
@@ -351,7 +240,7 @@ TY_FN float ty_vertex_response_evaluate(const ty_vertex_response* response, ty_v
     const float cosine = ty_dot(point->ns, direction) * (1.0f / TY_PI);
     if (!(cosine > 0.0f) || !(ty_dot(point->ng, direction) > 0.0f)) return 0.0f;
     for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * cosine;
-    return cosine;
+    return ty_guide_vertex_pdf(response->guide, direction, cosine);
 }
 
 /* Light of a directional, point or spot light that smooth interfaces refract to the vertex at path->origin
@@ -453,7 +342,7 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
                                  sample.pdf > 0.0f ? ty_scatter_vertex_pdf(&scatter, sample.wi, phase) : 0.0f,
                                  phase[1]);
     }
-    const ty_vertex_response response = {&scatter, NULL};
+    const ty_vertex_response response = {&scatter, NULL, NULL};
     ty_path_sample_refracted_light(path, light, chosen, &response);
     path->point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
     path->direction = ty_scatter_vertex_sample(&scatter, &path->random);
@@ -461,6 +350,7 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     path->phase = phase[1];
     path->pdf = ty_scatter_vertex_pdf(&scatter, path->direction, phase);
     for (int c = 0; c < 3; ++c) path->beta[c] *= phase[c] / path->pdf;
+    if (TY_PATH_GUIDED != 0) path->incident = ty_guide_vertex_radiance(&scatter.guide, path->direction);
 }
 
 /* Samples a cosine-weighted direction about the vertex normal. */
@@ -470,6 +360,19 @@ TY_FN void ty_path_sample_cosine_hemisphere(ty_path* path) {
     path->direction = ty_direction_about(path->normal, cosine, v);
     path->pdf = cosine * (1.0f / TY_PI);
     path->point_light_rate = 0.0f;
+}
+
+/* The same by a guide, too. Returns the weight of the direction beside the albedo. */
+TY_FN float ty_path_sample_guided_hemisphere(ty_path* path, const ty_guide_vertex* guide) {
+    float u = ty_sobol_next(&path->random);
+    const float v = ty_sobol_next(&path->random);
+    path->point_light_rate = 0.0f;
+    path->direction = ty_guide_vertex_takes(guide, &u)
+                          ? ty_guide_vertex_sample(guide, u, v)
+                          : ty_direction_about(path->normal, ty_maxf(sqrtf(1.0f - u), 1e-4f), v);
+    const float cosine = ty_maxf(ty_dot(path->normal, path->direction) * (1.0f / TY_PI), 0.0f);
+    path->pdf = ty_guide_vertex_pdf(guide, path->direction, cosine);
+    return path->pdf > 0.0f ? cosine / path->pdf : 0.0f;
 }
 
 /* Samples a direction uniformly on the sphere. */
@@ -492,18 +395,23 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     path->passed = 0.0f;
     bool shines;
     const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
-    const ty_vertex_response response = {NULL, point};
+    ty_guide_vertex guide;
+    if (TY_PATH_GUIDED != 0)
+        ty_guide_vertex_reflect(&guide, path->request->guide, path->origin, point->ns, path->depth, &path->random);
+    const ty_vertex_response response = {NULL, point, TY_PATH_GUIDED != 0 ? &guide : NULL};
     const float facing = shines ? ty_vertex_response_evaluate(&response, sample.wi, factor) : 0.0f;
     if (facing > 0.0f)
         ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, facing,
                                  0.0f);
     ty_path_sample_refracted_light(path, light, chosen, &response);
     const float point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
-    ty_path_sample_cosine_hemisphere(path);
+    const float weight = TY_PATH_GUIDED != 0 ? ty_path_sample_guided_hemisphere(path, &guide) : 1.0f;
+    if (TY_PATH_GUIDED == 0) ty_path_sample_cosine_hemisphere(path);
     path->point_light_rate = point_light_rate;
     const bool outside = ty_dot(point->ng, path->direction) > 0.0f;
-    for (int c = 0; c < 3; ++c) path->beta[c] *= outside ? point->albedo[c] : 0.0f;
+    for (int c = 0; c < 3; ++c) path->beta[c] *= outside ? weight * point->albedo[c] : 0.0f;
     path->rr_throughput *= ty_max3(point->albedo);
+    if (TY_PATH_GUIDED != 0) path->incident = ty_guide_vertex_radiance(&guide, path->direction);
 }
 
 /* The lobe of a glossy surface for the choice of lights: of its microfacets or its coat, by what reflects more. Thin
@@ -539,7 +447,7 @@ TY_FN void ty_path_reflect_gloss(ty_path* path, const ty_intersection* at) {
                                  0.0f);
         path->origin = origin;
     }
-    const ty_vertex_response response = {NULL, point};
+    const ty_vertex_response response = {NULL, point, NULL};
     ty_path_sample_refracted_light(path, light, chosen, &response);
     path->point_light_rate = transmits ? 0.0f : ty_path_sample_point_light_direction(path, light, chosen, &response);
     const float pick = ty_sobol_next(&path->random);
@@ -559,7 +467,7 @@ TY_FN bool ty_path_survives(ty_path* path, float beta_before) {
     path->rr_throughput = ty_minf(path->rr_throughput, 1e6f * now);
     /* A closed scene without absorption would otherwise never end a path. */
     if (path->depth >= TY_PATH_ROULETTE_DEPTH) path->rr_throughput *= 0.99f;
-    if (path->rr_throughput >= 0.2f) return true;
+    if (path->rr_throughput >= 0.2f || ty_path_has_window(path)) return true;
     const float chance = ty_maxf(path->rr_throughput * 2.5f, 0.02f);
     if (ty_rng_uniform(&path->random) >= chance) return false;
     for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
@@ -606,6 +514,8 @@ TY_FN bool ty_path_next_event_before_surface(ty_path* path, const ty_medium_view
     ty_spans_find(media, path->medium_count, path->origin, path->direction,
                   on_surface ? end->hit.distance : TY_FLOAT_MAX, &spans);
     if (spans.count > 0 && scatters && scene->lights.local_count > 0 && !last) ty_path_add_equiangular(path, &spans);
+    if (TY_PATH_GUIDED != 0 && path->depth == 0 && (spans.heterogeneous != 0 || spans.count != 1))
+        ty_path_expect(path, on_surface ? end : NULL);
     if (spans.heterogeneous != 0) {
         const bool collides = ty_delta_tracking(media, &spans, path->origin, path->direction, &path->random, path->beta,
                                                 emitted, &collision);
@@ -639,6 +549,17 @@ TY_FN bool ty_path_next_event_before_surface(ty_path* path, const ty_medium_view
     ty_path_add_emission(path, transmitted, on_surface ? end : NULL);
     const float sum = colliding + reflecting;
     if (!(sum > 0.0f)) return false;
+    if (TY_PATH_GUIDED != 0 && spans.count == 1 && colliding > 0.0f && path->depth == 0) {
+        ty_guided_event event;
+        if (ty_path_sample_guided_event(path, &spans, end, transmitted, colliding, reflecting, &event)) {
+            path->scattered = event.collides;
+            if (event.collides) {
+                *medium = &media[spans.medium[0]];
+                path->origin = ty_mad(path->origin, path->direction, event.t);
+            }
+            return event.analog > 0.0f && ty_path_survives(path, ty_sum3(path->beta) / event.analog);
+        }
+    }
     const float chance = colliding / sum;
     const float u = ty_sobol_next(&path->random);
     if (u < chance) {
@@ -723,6 +644,7 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
         if (path->request->max_run > 0 && path->run > path->request->max_run) break;
         ++path->depth;
         ++vertices;
+        if (TY_PATH_GUIDED != 0) path->incident = -1.0f;
         path->path_class =
             medium != NULL ? ty_path_class_scattered(path->path_class) : ty_path_class_reflected(path->path_class);
         if (medium != NULL)
@@ -733,6 +655,7 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
             ty_path_reflect_gloss(path, &end);
         else
             ty_path_reflect(path, &end);
+        if (TY_PATH_GUIDED != 0 && !ty_path_passes_window(path)) break;
     }
     return vertices;
 }
@@ -753,6 +676,8 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->media = request->scene->media;
     path->medium_count = request->scene->medium_count;
     path->passed = 0.0f;
+    path->expected = 0.0f;
+    path->incident = -1.0f;
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
     memset(path->radiance, 0, sizeof path->radiance);
 }
