@@ -27,7 +27,7 @@ static vec unit(vec a) {
 
 /* ---- the engine ---- */
 
-/* What maps and views hold for each of their pixels. */
+/* Buffers of maps and views, a value per pixel. */
 typedef struct buffers {
     float *depth, *normal, *albedo;
 } buffers;
@@ -90,7 +90,7 @@ static void draw_shadow_map(const vec forward, const buffers* b, ty_rsm* map) {
         }
 }
 
-/* What the camera sees through the middles of its pixels, distances along their rays. */
+/* The surfaces that the camera sees through the centers of its pixels, with distances along their rays. */
 static void draw_view(const ty_camera_def* camera, const buffers* b) {
     const vec eye = {camera->position[0], camera->position[1], camera->position[2]};
     const vec target = {camera->target[0], camera->target[1], camera->target[2]};
@@ -176,7 +176,8 @@ static ty_result run(ty_context* context, const buffers* shadow, const buffers* 
                stats.size[0][0], stats.size[0][1], stats.size[0][2], stats.cell[0], 1e3 * stats.seconds,
                stats.reflected[0], stats.scattered[0]);
 
-    /* What a shader would look up for surfaces, at two places on the plane: in the sun, and in the box's shadow. */
+    /* The look-up that a shader would do for surfaces, at two points on the plane: in the sun, and in the box's shadow.
+     */
     const float points[6] = {2.5f, 0, 0, -1.8f, 0, 0.6f}, normals[6] = {0, 1, 0, 0, 1, 0};
     float irradiance[6] = {0};
     if (result == TY_OK) result = ty_lpv_irradiance(light, points, normals, 2, irradiance);

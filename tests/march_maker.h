@@ -42,6 +42,23 @@ static inline double march_once(const ty_scene* scene, const ty_march_def* def, 
     return value;
 }
 
+/* Smooth lumps between 0 and 2 in 16^3 voxels, empty at the faces. */
+static inline ty_grid* lumpy_grid(ty_context* context) {
+    enum { LUMPY_SIDE = 16 };
+    static float values[LUMPY_SIDE * LUMPY_SIDE * LUMPY_SIDE];
+    for (int i = 0; i < LUMPY_SIDE * LUMPY_SIDE * LUMPY_SIDE; ++i) {
+        const double x = i % LUMPY_SIDE, y = i / LUMPY_SIDE % LUMPY_SIDE, z = i / LUMPY_SIDE / LUMPY_SIDE;
+        const double square = pow(x - 7.5, 2) + pow(y - 7.5, 2) + pow(z - 7.5, 2);
+        values[i] = (float)fmax(0, (1 + sin(x) * sin(1.3 * y + 1) * cos(0.9 * z)) * (1 - square / 49));
+    }
+    ty_grid_def def = ty_default_grid_def();
+    ty_grid* grid = NULL;
+    def.size[0] = def.size[1] = def.size[2] = LUMPY_SIDE;
+    def.values = values;
+    check_result(context, ty_grid_create(context, &def, &grid));
+    return grid;
+}
+
 /* A field of one cell, alike in all channels. */
 typedef struct even_field {
     float values[TY_FIELD_TERMS];

@@ -13,23 +13,7 @@ typedef struct smoke {
     ty_march_def def;
 } smoke;
 
-enum { SIDE = 16, WIDE = 121, HIGH = 90 };
-
-/* Smooth lumps between 0 and 2, empty at the faces. */
-static ty_grid* make_lumps(ty_context* context) {
-    static float values[SIDE * SIDE * SIDE];
-    for (int i = 0; i < SIDE * SIDE * SIDE; ++i) {
-        const double x = i % SIDE, y = i / SIDE % SIDE, z = i / SIDE / SIDE;
-        const double square = pow(x - 7.5, 2) + pow(y - 7.5, 2) + pow(z - 7.5, 2);
-        values[i] = (float)fmax(0, (1 + sin(x) * sin(1.3 * y + 1) * cos(0.9 * z)) * (1 - square / 49));
-    }
-    ty_grid_def def = ty_default_grid_def();
-    ty_grid* grid = NULL;
-    def.size[0] = def.size[1] = def.size[2] = SIDE;
-    def.values = values;
-    check_result(context, ty_grid_create(context, &def, &grid));
-    return grid;
-}
+enum { WIDE = 121, HIGH = 90 };
 
 /* Within the smoke's box the wall ends with it; outside, light is gathered for it, which is noisy. */
 static void add_wall(ty_scene* scene, double z) {
@@ -44,7 +28,7 @@ static void begin_smoke(ty_context* context, double wall, smoke* s) {
     s->scene = make_scene(context);
     ty_medium_def medium = box_medium(low, high, 3, 0.5f);
     set3f(medium.sigma_s, 2, 3, 4);
-    medium.density_grid = make_lumps(context);
+    medium.density_grid = lumpy_grid(context);
     check_result(context, ty_scene_add_medium(s->scene, &medium));
     ty_grid_release(medium.density_grid);
     ty_light_def sky = sky_light(0.2f, 0.3f, 0.5f);

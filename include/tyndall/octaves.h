@@ -59,6 +59,13 @@ typedef struct ty_octaves_def {
 
     int32_t ray_spacing; ///< Pixels between camera rays along x and y, 1..8; above 1, pixels between rays are
                          ///< interpolated, except at edges: for fast previews; default 1.
+
+    int32_t
+        froxels; ///< Columns of froxels, 4..1024: voxels of the camera's frustum, as deep as the media in view, that
+                 ///< hold the scattered light up to them, and from which pixels are interpolated, as in engines;
+                 ///< `spp` rays go through each column and each pixel, and `step` and `ray_spacing` have no effect.
+                 ///< 0 (default): none, rays march through the media. Engines have 160. Rows: as high as wide.
+    int32_t froxel_slices; ///< Slices of froxels in depth, 1..1024; default 64, as in engines.
 } ty_octaves_def;
 
 /// Sets the `bytes` bytes of a ty_octaves_def to the defaults, as ty_init_context_def() does.

@@ -230,7 +230,7 @@ typedef struct ty_texture_use {
     float map[6];        ///< u' = m[0] u + m[1] v + m[2], v' = m[3] u + m[4] v + m[5]; default identity.
 } ty_texture_use;
 
-/// What a surface reflects and lets through apart from its diffuse part: glTF's metallic-roughness model
+/// The reflection and transmission of a surface apart from its diffuse part: glTF's metallic-roughness model
 /// (docs/materials.md). Without metal, specular reflection, coat, sheen, transmission and normals of a texture, which
 /// is the default, the surface is Lambertian.
 typedef struct ty_gloss_def {

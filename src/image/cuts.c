@@ -29,7 +29,7 @@ static void corner_at(const int32_t size[3], const int32_t base[3], int corner, 
     }
 }
 
-/* Whether a face between two of eight cells is closed: between `corner` and the next one along an axis. */
+/* True if the face between two of eight cells is closed: between `corner` and the next one along an axis. */
 static bool is_closed(const ty_boundary_faces* walls, const int32_t base[3], int corner, int axis) {
     int32_t at[3];
     corner_at(walls->size, base, corner, at);
@@ -58,7 +58,7 @@ static bool find_parts(const ty_boundary_faces* walls, const int32_t base[3], ui
     return several;
 }
 
-/* Whether any of eight cells has a closed face, which most have not. */
+/* True if any of eight cells has a closed face, which most have not. */
 static bool has_walls(const ty_boundary_faces* walls, const int32_t base[3]) {
     uint8_t all = 0;
     for (int i = 0; i < 8; ++i) {

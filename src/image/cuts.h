@@ -19,9 +19,9 @@ typedef struct ty_cuts {
  * are. *out is NULL where there are none; freed with ty_cuts_destroy. Errors: TY_ERROR_MEMORY. */
 ty_result ty_cuts_find(ty_context* context, const ty_boundary_faces* walls, const ty_grid_box* box, ty_cuts** out);
 void ty_cuts_destroy(ty_cuts* cuts);
-/* Whether any cut is among a cell and those about it. */
+/* True if there is a cut among a cell and its neighbours. */
 bool ty_cuts_are_about(const ty_cuts* cuts, const int32_t at[3]);
-/* Whether open faces join two cells that are next to each other, corners included. */
+/* True if open faces join two cells that are next to each other, corners included. */
 bool ty_cuts_join(const ty_cuts* cuts, const int32_t at[3], const int32_t next[3]);
 /* Of NULL: of no cuts. */
 ty_cuts_view ty_cuts_get_view(const ty_cuts* cuts);

@@ -19,7 +19,7 @@ typedef struct ty_cuts_view {
     TY_GLOBAL const ty_cell_cut* cuts;
 } ty_cuts_view;
 
-/* What every cell on a point's side weighs at least, so that a point that is farther off than all of them has their
+/* Smallest weight of a cell on a point's side, so that a point that is farther off than all of them has their
  * mean. */
 #define TY_CUT_LEAST 1e-6f
 

@@ -9,6 +9,21 @@
 #include "scene/camera.h"
 #include "scene/scene.h"
 
+/* Light and transmittance from the camera to a point of a column of froxels. */
+typedef struct ty_froxel {
+    float transmittance[3], emission[3], single[3], multiple[3];
+} ty_froxel;
+
+/* Froxels: voxels of the camera's frustum between two depths along its axis, see image/froxels.k.h. */
+typedef struct ty_froxel_view {
+    int32_t size[3];              /* columns, rows, slices; 0: none */
+    float pixels[2];              /* width and height of a column, pixels */
+    float near, inverse_range;    /* depth of the first slice, m; 1 / (far - near), 1/m */
+    float growth;                 /* r of ty_froxel_slice */
+    TY_GLOBAL const float* ends;  /* depths of the slices' ends, m: slices + 1, the first is `near` */
+    TY_GLOBAL ty_froxel* froxels; /* slices + 1 of each column, at the slices' ends; column by column, row by row */
+} ty_froxel_view;
+
 typedef struct ty_march_request {
     const ty_scene_view* scene;
     ty_camera_view camera;
@@ -29,6 +44,7 @@ typedef struct ty_march_request {
     ty_upsample_view field;
     ty_upsample_view surface_field; /* field that lights surfaces inside its box */
     int32_t has_background;         /* 1: environments are visible */
+    ty_froxel_view froxels;
 } ty_march_request;
 
 /* Sums over the rays of a pixel. */

@@ -5,6 +5,7 @@
 #include "base/context.h"
 #include "base/progress.h"
 #include "image/aovs.h"
+#include "image/froxels.h"
 #include "image/image.h"
 #include "image/kernel.h"
 #include "image/sharpen.h"
@@ -33,6 +34,7 @@ typedef struct march_job {
     march_cells cells, surface_cells; /* of the fields */
     ty_spaced_rays spaced;            /* spacing 1: unused */
     const ty_spaced_kernels* spaced_kernels;
+    const ty_froxel_kernels* froxel_kernels;
     int32_t sample;       /* the ray of each pixel that spaced rays are at */
     ty_march_pixel* sums; /* of the pixels, for several spaced rays per pixel; NULL: none */
     ty_image* image;
@@ -95,6 +97,20 @@ static ty_result check_unscattered(ty_context* context, const ty_march_def* def)
     return TY_OK;
 }
 
+static bool has_froxels(const ty_march_def* def) {
+    return def->froxels[0] != 0 || def->froxels[1] != 0 || def->froxels[2] != 0;
+}
+
+static ty_result check_froxels(ty_context* context, const ty_march_def* def) {
+    static const char* const names[] = {"march.froxels[0]", "march.froxels[1]", "march.froxels[2]"};
+    static const int32_t max[] = {TY_FROXEL_COLUMNS_MAX, TY_FROXEL_ROWS_MAX, TY_FROXEL_SLICES_MAX};
+    for (int a = 0; a < 3; ++a) {
+        const ty_result result = ty_check_number(context, names[a], def->froxels[a], 1, max[a]);
+        if (result != TY_OK) return result;
+    }
+    return def->field == NULL ? TY_OK : ty_fail(context, TY_ERROR_ARGUMENT, "march.froxels: they hold no source field");
+}
+
 static ty_result check_def(ty_context* context, const ty_march_def* def) {
     const ty_image_options options = {def->width, def->height, def->spp, def->seed, def->step, def->aovs};
     ty_result result = ty_check_number(context, "march.width", def->width, 1, TY_IMAGE_SIDE_MAX);
@@ -107,6 +123,7 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
     if (result == TY_OK)
         result = ty_check_number(context, "march.light_count", def->light_count, 0, TY_MARCH_LIGHTS_MAX);
     if (result == TY_OK) result = ty_check_number(context, "march.reduced", def->reduced, 0, REDUCED_MAX);
+    if (result == TY_OK && has_froxels(def)) result = check_froxels(context, def);
     if (result == TY_OK && def->light_count > 0) result = check_box(context, "light_box", &def->light_box);
     if (result == TY_OK && def->field != NULL) result = check_field(context, def->field);
     if (result == TY_OK && def->surface_field != NULL) result = check_field(context, def->surface_field);
@@ -197,7 +214,7 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->spp = def->spp;
     request->step_offset = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
     request->step = (float)def->step;
-    request->black = def->ray_spacing == 1 ? black : black_spaced;
+    request->black = def->ray_spacing == 1 || has_froxels(def) ? black : black_spaced;
     request->has_background = def->unscattered == NULL;
     if (def->unscattered != NULL) ty_image_rgb_planes(def->unscattered, job->unscattered);
     request->light = lattice_of_box(&def->light_box);
@@ -340,7 +357,7 @@ static ty_result create_spaced(march_job* job) {
     const ty_march_def* def = job->def;
     ty_spaced_rays* spaced = &job->spaced;
     *spaced = (ty_spaced_rays){.spacing = def->ray_spacing, .width = def->width, .height = def->height};
-    if (spaced->spacing == 1) return TY_OK;
+    if (spaced->spacing == 1 || has_froxels(def)) return TY_OK;
     spaced->columns = ty_spaced_count(def->width, spaced->spacing);
     spaced->rows = ty_spaced_count(def->height, spaced->spacing);
     spaced->rays =
@@ -367,10 +384,33 @@ static void march_spaced(march_job* job, int64_t tiles) {
     }
 }
 
+/* ---- froxels ---- */
+
+static void fill_row(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    march_job* job = user;
+    if (is_cancelled(job)) return;
+    const uint64_t steps = job->froxel_kernels->fill(&job->request, (int32_t)row);
+    report(job, false);
+    finish_tile(job, steps);
+}
+
+static void march_froxels(march_job* job, int64_t tiles) {
+    const int32_t rows = job->request.froxels.size[1];
+    job->tiles = rows + tiles;
+    ty_parallel_for(job->context, rows, fill_row, job);
+    job->kernel = job->froxel_kernels->look_up;
+    ty_parallel_for(job->context, tiles, march_tile, job);
+}
+
+/* ---- all pixels ---- */
+
 static ty_result march(march_job* job) {
     pthread_mutex_init(&job->lock, NULL);
     job->tiles = tiles_of(job->def->width, job->def->height);
-    if (job->spaced.spacing > 1)
+    if (has_froxels(job->def))
+        march_froxels(job, job->tiles);
+    else if (job->spaced.spacing > 1)
         march_spaced(job, job->tiles);
     else
         ty_parallel_for(job->context, job->tiles, march_tile, job);
@@ -386,12 +426,16 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
     job.cpu_begun = ty_cpu_seconds();
     job.kernel = TY_BEST_KERNELS(ty_march_kernel);
     job.spaced_kernels = TY_BEST_KERNELS(ty_spaced_kernels);
+    job.froxel_kernels = TY_BEST_KERNELS(ty_froxel_kernels);
     ty_result result = check_def(job.context, def);
     if (result == TY_OK) result = prepare(&job, scene);
     if (result == TY_OK) result = create_image(&job);
     if (result == TY_OK) result = create_spaced(&job);
+    if (result == TY_OK && has_froxels(def))
+        result = ty_froxels_create(job.context, &job.request, def->froxels, def->width, def->height);
     if (result == TY_OK) result = march(&job);
     free_spaced(&job);
+    ty_froxels_destroy(job.context, &job.request.froxels);
     ty_free_array(job.context, job.cells.floats, job.cells.count, sizeof(float));
     ty_free_array(job.context, job.surface_cells.floats, job.surface_cells.count, sizeof(float));
     if (result != TY_OK) {

@@ -43,27 +43,35 @@ TY_FN void ty_pixel_add_blurred(TY_GLOBAL const ty_march_request* request, ty_ve
             multiple[c] += (light->scaled[c] - light->transmittance[c]) * weight[k] * request->blurred[3 * cell[k] + c];
 }
 
-/* Adds a ray of the camera up to the surface that it hits; hit: NULL for none. */
+/* Adds the media's light along a ray of the camera up to the surface that it hits, with the environment behind; hit:
+ * NULL for none. */
+TY_FN void ty_pixel_add_light(TY_GLOBAL const ty_march_request* request, const ty_march_light* light, ty_vec direction,
+                              const ty_hit* hit, ty_march_pixel* pixel) {
+    for (int c = 0; c < 3; ++c) {
+        pixel->unscattered[c] += light->emission[c];
+        pixel->single[c] += light->single[c];
+        pixel->multiple[c] += light->multiple[c];
+        pixel->transmittance[c] += light->transmittance[c];
+    }
+    if (hit == NULL) {
+        if (request->blurred != NULL) ty_pixel_add_blurred(request, direction, light, pixel->multiple);
+        if (request->has_background != 0)
+            ty_pixel_add_environment(request, direction, light->transmittance, pixel->unscattered);
+        return;
+    }
+    pixel->depth += hit->distance;
+    pixel->hits += 1.0f;
+}
+
+/* Marches a ray of the camera up to the surface that it hits, and adds it; hit: NULL for none. */
 TY_FN void ty_pixel_add_ray(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, ty_vec direction,
                             const ty_hit* hit, float offset, ty_march_pixel* pixel) {
     ty_march_follow(ray, request, request->camera.origin, direction, hit != NULL ? hit->distance : TY_FLOAT_MAX, offset,
                     1.0f);
     const ty_march_light light = ray->light;
-    for (int c = 0; c < 3; ++c) {
-        pixel->unscattered[c] += light.emission[c];
-        pixel->single[c] += light.single[c];
-        pixel->multiple[c] += light.multiple[c];
-        pixel->transmittance[c] += light.transmittance[c];
-    }
-    if (hit == NULL) {
-        if (request->blurred != NULL) ty_pixel_add_blurred(request, direction, &light, pixel->multiple);
-        if (request->has_background != 0)
-            ty_pixel_add_environment(request, direction, light.transmittance, pixel->unscattered);
-        return;
-    }
-    pixel->depth += hit->distance;
-    pixel->hits += 1.0f;
-    if (request->has_field != 0) ty_reflect(request, ray, direction, hit, offset, light.transmittance, pixel->multiple);
+    ty_pixel_add_light(request, &light, direction, hit, pixel);
+    if (hit != NULL && request->has_field != 0)
+        ty_reflect(request, ray, direction, hit, offset, light.transmittance, pixel->multiple);
 }
 
 #endif

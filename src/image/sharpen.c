@@ -10,7 +10,7 @@
 /* Three come within a tenth of where more would end, and raise noise of single cells by four at most. */
 enum { ITERATIONS = 3 };
 
-/* How far the mean radiance may go from what a cell holds. */
+/* Largest factor between the mean radiance that is interpolated and that of the cell. */
 static const float farthest = 3;
 
 typedef struct sharpen_job {

@@ -4,12 +4,11 @@
 
 #include "image/cuts.h"
 
-/* What trilinear interpolation takes between the middles of cells is smoother than what the cells are means of: its
+/* Trilinear interpolation between the centers of cells is smoother than the field whose means the cells are: its
  * means over cells have 1/8 of either neighbour along each axis. Replaces cells by values that are interpolated to
  * means close to what they were. cells: `floats` of each, of which the first `terms` * n for n channels are the terms
  * of a source field, as ty_upsample_view has them; used: how many these are. Values at least 0 stay so in the first
- * term. cuts (NULL: none): across which
- * nothing is interpolated. Errors: TY_ERROR_MEMORY. */
+ * term. cuts: faces across which nothing is interpolated; NULL: none. Errors: TY_ERROR_MEMORY. */
 ty_result ty_sharpen_cells(ty_context* context, const int32_t size[3], int32_t floats, int32_t terms, int32_t used,
                            const ty_cuts* cuts, float* cells);
 

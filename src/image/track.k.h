@@ -182,11 +182,16 @@ TY_FN void ty_track_advance(ty_track* track, float t) {
     ty_track_enter_cell(track);
 }
 
-/* Extinction t metres along the ray, anywhere in the medium; channel mean, 1/m. */
-TY_FN float ty_track_extinction(const ty_track* track, float t) {
+/* The density t metres along the ray, anywhere in the medium. */
+TY_FN float ty_track_density_anywhere(const ty_track* track, float t) {
     TY_GLOBAL const ty_medium_view* medium = track->medium;
-    if (medium->has_grid == 0) return track->mean;
-    return track->mean * ty_voxels_density(medium, ty_mad(track->bricks.origin, track->bricks.direction, t));
+    if (medium->has_grid == 0) return 1.0f;
+    return ty_voxels_density(medium, ty_mad(track->bricks.origin, track->bricks.direction, t));
+}
+
+/* Extinction there; channel mean, 1/m. */
+TY_FN float ty_track_extinction(const ty_track* track, float t) {
+    return track->mean * ty_track_density_anywhere(track, t);
 }
 
 /* ---- pieces ---- */

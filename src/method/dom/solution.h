@@ -1,4 +1,4 @@
-/* What a solve by discrete ordinates leaves behind: uncollided fluence on fine cells and moments on coarse ones. */
+/* The solution by discrete ordinates: uncollided fluence on fine cells and moments on coarse ones. */
 #ifndef TY_METHOD_DOM_SOLUTION_H
 #define TY_METHOD_DOM_SOLUTION_H
 

@@ -45,7 +45,7 @@ typedef struct ty_lpv_known {
 extern const ty_option_table ty_lpv_options;
 /* Copies the caller's def to own, checks all ranges, and makes *def point to the copy. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_lpv_take_def(ty_context* context, const ty_lpv_def** def, ty_lpv_known* own);
-/* Whether def's maps are those of the scene's lights. */
+/* True if def's maps are those of the scene's lights. */
 ty_result ty_lpv_check_maps(const ty_scene* scene, const ty_lpv_def* def);
 
 #endif

@@ -2,9 +2,11 @@
 #include "method/octaves/job.h"
 
 #include "base/context.h"
+#include "image/froxels.h"
 #include "method/volume_method.h"
 #include "scene/scene.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Fraction of a solve's progress after sampling the media. */
@@ -56,6 +58,15 @@ void ty_octaves_destroy(ty_octaves* light) {
 
 /* ---- images ---- */
 
+/* Rows of froxels that are as high as wide. */
+static void set_froxels(const ty_octaves_def* def, ty_march_def* march) {
+    if (def->froxels == 0) return;
+    const double rows = round((double)def->froxels * march->height / march->width);
+    march->froxels[0] = def->froxels;
+    march->froxels[1] = (int32_t)fmax(1, fmin(rows, TY_FROXEL_ROWS_MAX));
+    march->froxels[2] = def->froxel_slices;
+}
+
 static ty_result view(ty_volume_call* call, ty_image** out) {
     const ty_octaves* light = call->light;
     ty_march_octaves octaves = light->octaves;
@@ -65,6 +76,7 @@ static ty_result view(ty_volume_call* call, ty_image** out) {
     march.lights = light->lights;
     march.light_count = light->light_count;
     march.octaves = &octaves;
+    set_froxels(call->def, &march);
     return ty_march(call->scene, &march, out, NULL);
 }
 

@@ -1,4 +1,5 @@
 /* Options of multiple scattering octaves. */
+#include "image/froxels.h"
 #include "image/options.h"
 #include "method/octaves/job.h"
 
@@ -29,6 +30,12 @@ static const ty_option options[] = {
     TY_OPTION_SPP(ty_octaves_def),
     TY_OPTION_STEP(ty_octaves_def, "voxels"),
     TY_OPTION_RAY_SPACING(ty_octaves_def),
+    {TY_OPTION_FIELD(ty_octaves_def, froxels), .type = TY_OPTION_INT, .min = 4, .max = TY_FROXEL_COLUMNS_MAX,
+     .flags = TY_OPTION_OR_ZERO, .unit = "columns",
+     .doc = "Columns of froxels as high as wide, from which pixels are interpolated as in engines, which have 160; spp "
+            "rays go through each, and step and ray_spacing have no effect; 0: rays march through the media."},
+    {TY_OPTION_FIELD(ty_octaves_def, froxel_slices), .type = TY_OPTION_INT, .min = 1, .max = TY_FROXEL_SLICES_MAX,
+     .preset = 64, .unit = "slices", .doc = "Slices of froxels in depth, as many as in engines by default."},
 };
 
 const ty_option_table ty_octaves_options =

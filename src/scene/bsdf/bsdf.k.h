@@ -4,8 +4,8 @@
  * Energy compensation (Kulla and Conty 2017): light that single scattering at microfacets loses returns by the lobe
  * (1 - E(wi)) (1 - E(wo)) / (pi (1 - E_mean)), with E the directional albedo of white microfacets. The diffuse base has
  * the same form, with E the directional albedo of the dielectric above it (Kelemen and Szirmay-Kalos 2001). Both are
- * reciprocal, and a white material reflects all light; layers.k.h has the same for what lies below sheen and clear
- * coat. Without compensation the model is that of glTF 2.0, appendix B, with height-correlated masking. */
+ * reciprocal, and a white material reflects all light; layers.k.h has the same for lobes below sheen and clear coat.
+ * Without compensation the model is that of glTF 2.0, appendix B, with height-correlated masking. */
 #ifndef TY_SCENE_BSDF_BSDF_K_H
 #define TY_SCENE_BSDF_BSDF_K_H
 
@@ -29,11 +29,11 @@ TY_FN ty_frame ty_frame_make(ty_vec n) {
 /* ---- albedos ---- */
 
 /* Fraction of the light lost by single scattering that returns after two or more, for microfacets of Schlick's
- * reflectance, whose mean is (20 f0 + f90) / 21: the series of Kulla and Conty 2017 from its second term on. kept: mean
- * albedo of white microfacets. */
-TY_FN float ty_bsdf_multiple(float f0, float f90, float kept) {
+ * reflectance, whose mean is (20 f0 + f90) / 21: the series of Kulla and Conty 2017 from its second term on.
+ * mean_albedo: that of white microfacets, E_mean. */
+TY_FN float ty_bsdf_multiple(float f0, float f90, float mean_albedo) {
     const float mean = (20.0f * f0 + f90) * (1.0f / 21.0f);
-    return mean * mean * kept / (1.0f - mean * (1.0f - kept));
+    return mean * mean * mean_albedo / (1.0f - mean * (1.0f - mean_albedo));
 }
 
 /* Directional albedo of the dielectric above the base. */
@@ -67,7 +67,7 @@ TY_FN float ty_bsdf_below_coat(const ty_bsdf* b, float cosine) {
 /* ---- preparation ---- */
 
 /* The reflectances of dielectric and metal (KHR_materials_ior, KHR_materials_specular). */
-TY_FN void ty_bsdf_set_fresnel(ty_bsdf* b, const ty_bsdf_parameters* p, float kept) {
+TY_FN void ty_bsdf_set_fresnel(ty_bsdf* b, const ty_bsdf_parameters* p, float mean_albedo) {
     const float f0 = ty_dielectric_f0(p->ior), m = p->metallic;
     b->film_f0 = 0.0f;
     b->film_f90 = p->specular;
@@ -75,10 +75,10 @@ TY_FN void ty_bsdf_set_fresnel(ty_bsdf* b, const ty_bsdf_parameters* p, float ke
         const float dielectric = ty_minf(f0 * p->specular_color[c], 1.0f) * p->specular;
         b->film_f0 = ty_maxf(b->film_f0, dielectric);
         b->f0[c] = ty_lerpf(dielectric, p->base_color[c], m);
-        b->multiple[c] = ty_lerpf(ty_bsdf_multiple(dielectric, p->specular, kept),
-                                  ty_bsdf_multiple(p->base_color[c], 1.0f, kept), m);
+        b->multiple[c] = ty_lerpf(ty_bsdf_multiple(dielectric, p->specular, mean_albedo),
+                                  ty_bsdf_multiple(p->base_color[c], 1.0f, mean_albedo), m);
     }
-    b->film_multiple = ty_bsdf_multiple(b->film_f0, b->film_f90, kept);
+    b->film_multiple = ty_bsdf_multiple(b->film_f0, b->film_f90, mean_albedo);
     b->f90 = ty_lerpf(p->specular, 1.0f, m);
 }
 
@@ -121,12 +121,12 @@ TY_FN void ty_bsdf_prepare(ty_bsdf* b, const ty_bsdf_parameters* p, TY_GLOBAL co
     b->wo = ty_frame_local(&b->frame, wo);
     const float white = ty_bsdf_albedo(tables->reflected[0], b->wo.z, b->roughness);
     const float schlick = ty_bsdf_albedo(tables->schlick[0], b->wo.z, b->roughness);
-    const float kept = ty_bsdf_mean(tables->reflected_mean, b->roughness);
+    const float mean_albedo = ty_bsdf_mean(tables->reflected_mean, b->roughness);
     b->lost = 1.0f - white;
-    b->lost_mean = ty_maxf(1.0f - kept, 1e-6f);
-    ty_bsdf_set_fresnel(b, p, kept);
+    b->lost_mean = ty_maxf(1.0f - mean_albedo, 1e-6f);
+    ty_bsdf_set_fresnel(b, p, mean_albedo);
     b->film = ty_bsdf_microfacet_albedo(b->film_f0, b->film_f90, b->film_multiple, white, schlick);
-    b->below_mean = ty_maxf(1.0f - ty_bsdf_microfacet_albedo(b->film_f0, b->film_f90, b->film_multiple, kept,
+    b->below_mean = ty_maxf(1.0f - ty_bsdf_microfacet_albedo(b->film_f0, b->film_f90, b->film_multiple, mean_albedo,
                                                              ty_bsdf_mean(tables->schlick_mean, b->roughness)),
                             1e-6f);
     b->sheen_scale = 0.0f;
@@ -183,8 +183,8 @@ typedef struct ty_bsdf_passage {
     float wide, lesser, sheen;
 } ty_bsdf_passage;
 
-/* coat_cosine: of wi to the normal of the coat. Without energy compensation each layer lets down the lesser of what it
- * does on both ways (KHR_materials_sheen). */
+/* coat_cosine: of wi to the normal of the coat. Without energy compensation each layer has the lesser of its two
+ * transmittances, for wi and for wo (KHR_materials_sheen). */
 TY_FN ty_bsdf_passage ty_bsdf_pass_layers(const ty_bsdf* b, float cosine, float coat_cosine) {
     ty_bsdf_passage down = {1.0f, 1.0f, 1.0f};
     if (b->layered == 0) return down;

@@ -99,7 +99,7 @@ TY_FN float ty_rough_reflection(const ty_rough_dielectric* d, ty_vec wi, float* 
     return fresnel * ty_ggx_visible_pdf(d->wo, h, d->alpha) / (4.0f * projected);
 }
 
-/* Single refraction for wi below the interface (Walter et al. 2007, eq. 16, 17 and 21); returns its density. */
+/* Single refraction for wi below the interface, Eq. 16, 17 and 21 (Walter 2007); returns its density. */
 TY_FN float ty_rough_refraction(const ty_rough_dielectric* d, ty_vec wi, float* value) {
     ty_vec h = ty_mad(d->wo, wi, d->eta);
     const float square = ty_dot(h, h);

@@ -1,5 +1,5 @@
 /* Layers above the base, sheen and over it a clear coat, with energy compensation: a reciprocal BSDF in which layers
- * whose albedo is A let down T(wo) = 1 - A(wo) of what the base reflects without them.
+ * whose albedo is A let down T(wo) = 1 - A(wo) of the light that the base reflects without them.
  *
  * Wide lobes of the base have the form u(wi) u(wo) / (pi u_mean) with u the albedo of a white one; below layers u
  * becomes T u (Kelemen and Szirmay-Kalos 2001). Other lobes f take min(T(wi), T(wo)), which is T where a smooth surface
@@ -7,7 +7,7 @@
  *
  *     r(wo) = integral of f(wi, wo) (T(wo) - min(T(wi), T(wo))) cos dwi
  *
- * returns by the lobe r(wi) r(wo) / (pi r_mean), as Kulla and Conty 2017 return what microfacets lose. The
+ * returns by the lobe r(wi) r(wo) / (pi r_mean), like the light that microfacets lose (Kulla and Conty 2017). The
  * integral is a sum over the tables' nodes. */
 #ifndef TY_SCENE_BSDF_LAYERS_K_H
 #define TY_SCENE_BSDF_LAYERS_K_H
@@ -19,7 +19,7 @@ TY_FN float ty_bsdf_microfacet_albedo(float f0, float f90, float multiple, float
     return f0 * (white - schlick) + f90 * schlick + multiple * (1.0f - white);
 }
 
-/* Mean over cosine-weighted directions of what is interpolated between nodes. */
+/* Mean over cosine-weighted directions of values that are interpolated between nodes. */
 TY_FN float ty_bsdf_node_mean(const ty_bsdf* b, const float values[TY_BSDF_NODES]) {
     float sum = 0.0f;
     for (int32_t j = 0; j < TY_BSDF_NODES; ++j) sum += b->tables->node_weight[j] * values[j];
@@ -85,7 +85,7 @@ TY_FN void ty_bsdf_set_layers(ty_bsdf* b) {
     ty_bsdf_set_residual(b, TY_BELOW_SHEEN, ty_bsdf_sheen_row(b->sheen_roughness), below_coat);
 }
 
-/* Adds to the BRDF of what lies below layers the sheen, of which the coat lets down `down`, and residual lobes. */
+/* Adds to the BRDF of the lobes below layers the sheen, of which the coat lets down `down`, and residual lobes. */
 TY_FN void ty_bsdf_add_layers(const ty_bsdf* b, ty_vec wi, float down, float brdf[3]) {
     float sheen = 0.0f, residual[TY_BELOW_COUNT] = {0.0f, 0.0f, 0.0f};
     if (b->sheen_scale > 0.0f) sheen = ty_sheen_brdf(wi, b->wo, ty_sheen_alpha(b->sheen_roughness)) * down;

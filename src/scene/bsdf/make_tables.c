@@ -100,7 +100,7 @@ static float integrate_dielectric(float cosine, float alpha, float eta) {
     return fminf((float)(sum / VISIBLE_STEPS), 1.0f);
 }
 
-/* The mean of the interpolated table, so that what is left to energy compensation adds up. */
+/* The mean of the interpolated table, so that the light left to energy compensation adds up. */
 static float mean_of(const float* table, float roughness) {
     double sum = 0;
     for (int i = 0; i < MEAN_STEPS; ++i) {
@@ -128,8 +128,8 @@ static void fill_tables(void) {
         const float row = (float)r / (TY_BSDF_ROUGHNESSES - 1);
         for (int i = 0; i < TY_BSDF_COSINES; ++i) {
             const float x = (float)i / (TY_BSDF_COSINES - 1);
-            const float kept = integrate_sheen(clamp_cosine(x * x), ty_bsdf_sheen_roughness(row), true, NULL);
-            tables.sheen_kept[r][i] = fminf(kept, 1.0f);
+            const float albedo = integrate_sheen(clamp_cosine(x * x), ty_bsdf_sheen_roughness(row), true, NULL);
+            tables.sheen_kept[r][i] = fminf(albedo, 1.0f);
         }
         tables.reflected_mean[r] = mean_of(tables.reflected[0], row);
         tables.schlick_mean[r] = mean_of(tables.schlick[0], row);
@@ -154,7 +154,7 @@ static void fill_dielectric(void) {
     }
 }
 
-/* Weights of the nodes in the integral of 2 c times what is interpolated between them. */
+/* Weights of the nodes in the integral of 2 c times values that are interpolated between them. */
 static void fill_node_weights(void) {
     for (int j = 0; j + 1 < TY_BSDF_NODES; ++j) {
         const float a = ty_bsdf_node_cosine(j), b = ty_bsdf_node_cosine(j + 1);

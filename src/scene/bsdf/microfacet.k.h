@@ -12,7 +12,7 @@ TY_FN float ty_ggx_alpha(float roughness) {
     return ty_maxf(roughness * roughness, TY_ALPHA_MIN);
 }
 
-/* Normal distribution function D (Walter et al. 2007, eq. 33), from the tangent components of h, which keep their
+/* Normal distribution function D, Eq. 33 (Walter 2007), from the tangent components of h, which keep their
  * precision where those of 1 - h.z^2 are lost. */
 TY_FN float ty_ggx_ndf(ty_vec h, float alpha) {
     const float a2 = alpha * alpha;
@@ -20,13 +20,13 @@ TY_FN float ty_ggx_ndf(ty_vec h, float alpha) {
     return 1.0f / (TY_PI * a2 * stretched * stretched);
 }
 
-/* sqrt(alpha^2 (1 - c^2) + c^2): with it, Smith's masking G1 is 2 c / (c + this) (Walter et al. 2007, eq. 34). */
+/* sqrt(alpha^2 (1 - c^2) + c^2): with it, Smith's masking G1 is 2 c / (c + this), Eq. 34 (Walter 2007). */
 TY_FN float ty_ggx_smith_root(float cosine, float alpha) {
     const float a2 = alpha * alpha;
     return sqrtf(a2 + (1.0f - a2) * cosine * cosine);
 }
 
-/* G2 / (4 cos_i cos_o), with the height-correlated masking and shadowing G2 of Smith (Heitz 2014, eq. 99). */
+/* G2 / (4 cos_i cos_o), with the height-correlated masking and shadowing G2 of Smith, Eq. 99 (Heitz 2014). */
 TY_FN float ty_ggx_visibility(float cos_i, float cos_o, float alpha) {
     return 0.5f / (cos_i * ty_ggx_smith_root(cos_o, alpha) + cos_o * ty_ggx_smith_root(cos_i, alpha));
 }

@@ -13,14 +13,14 @@ TY_FN float ty_sheen_alpha(float roughness) {
     return r * r;
 }
 
-/* D = (2 + 1 / alpha) sin(theta_h)^(1 / alpha) / (2 pi) (Estevez and Kulla 2017, eq. 2). */
+/* D = (2 + 1 / alpha) sin(theta_h)^(1 / alpha) / (2 pi), Eq. 2 (Estevez 2017). */
 TY_FN float ty_sheen_ndf(float cos_h, float alpha) {
     const float inverse = 1.0f / alpha, sine2 = ty_maxf(1.0f - cos_h * cos_h, 1e-12f);
     return (2.0f + inverse) * ty_expf(0.5f * inverse * ty_logf(sine2)) * (0.5f / TY_PI);
 }
 
-/* The fitted curve L(x) = a / (1 + b x^c) + d x + e of Estevez and Kulla 2017, eq. 3, with its constants for alpha 0
- * and 1 (table 1). */
+/* The fitted curve L(x) = a / (1 + b x^c) + d x + e, Eq. 3 (Estevez 2017), with the constants of Table 1 (Estevez 2017)
+ * for alpha 0 and 1. */
 TY_FN float ty_sheen_curve(float x, float alpha) {
     const float t = (1.0f - alpha) * (1.0f - alpha);
     const float a = ty_lerpf(21.5473f, 25.3245f, t), b = ty_lerpf(3.82987f, 3.32435f, t);

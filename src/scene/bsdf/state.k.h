@@ -42,8 +42,8 @@ typedef struct ty_bsdf {
     float transmitted[3];    /* colour of the light that passes */
     float multiple[3];       /* fraction of the light that single scattering loses which returns; 0: no compensation */
     float film_multiple;     /* the same of the dielectric alone */
-    float lost, lost_mean;   /* 1 - E(wo), and its mean times what layers let down */
-    float film, below_mean;  /* albedo of the dielectric alone, at wo; mean of what it and layers let down */
+    float lost, lost_mean;   /* 1 - E(wo), and its mean times the transmittance of layers */
+    float film, below_mean;  /* albedo of the dielectric alone, at wo; mean transmittance of it and layers */
     float coat, coat_roughness;
     float sheen[3], sheen_roughness, sheen_scale; /* sheen_scale: its largest channel */
     float below_sheen, below_coat; /* parts of the light that sheen, and the clear coat, let down at wo */
@@ -51,7 +51,7 @@ typedef struct ty_bsdf {
     /* Residual albedo of each lobe below layers (layers.k.h): at the nodes' cosines, at wo, its mean. */
     float residual[TY_BELOW_COUNT][TY_BSDF_NODES], residual_out[TY_BELOW_COUNT], residual_mean[TY_BELOW_COUNT];
     float albedo[3]; /* directional albedo of the side of wo */
-    float total[3];  /* the same with what passes */
+    float total[3];  /* the same with the transmitted light */
     float probability[TY_LOBE_COUNT];
     int32_t compensated;
 } ty_bsdf;

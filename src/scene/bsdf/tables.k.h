@@ -111,8 +111,8 @@ TY_FN float ty_bsdf_sheen_value(TY_GLOBAL const float* table, float cosine, floa
     return ty_bsdf_bilinear(table, sqrtf(ty_clampf(cosine, 0.0f, 1.0f)), ty_bsdf_sheen_row(roughness));
 }
 
-/* White sheen exceeds what comes in where fibres are smooth and both directions graze: with energy compensation it is
- * divided by this, the larger of its albedos at both cosines, or 1. */
+/* White sheen reflects more than the incident light where fibres are smooth and both directions graze: with energy
+ * compensation it is divided by this, the larger of its albedos at both cosines, or 1. */
 TY_FN float ty_bsdf_sheen_bound(TY_GLOBAL const ty_bsdf_tables* tables, float cos_i, float cos_o, float roughness) {
     const float larger = ty_maxf(ty_bsdf_sheen_value(tables->sheen[0], cos_i, roughness),
                                  ty_bsdf_sheen_value(tables->sheen[0], cos_o, roughness));
@@ -126,7 +126,7 @@ TY_FN float ty_bsdf_node_cosine(int32_t node) {
     return x * x;
 }
 
-/* Node at or below a cosine, but the last, and the fraction on the way to the next. */
+/* Node at or below a cosine, but the last, and the fraction of the distance to the next. */
 TY_FN int32_t ty_bsdf_node_below(float cosine, float* fraction) {
     const float c = ty_clampf(cosine, 0.0f, 1.0f), x = sqrtf(c) * (float)(TY_BSDF_NODES - 1);
     const int32_t node = x < (float)(TY_BSDF_NODES - 2) ? (int32_t)x : TY_BSDF_NODES - 2;

@@ -74,7 +74,7 @@ static inline double ty_step_center(double length, int i, int steps, double* wid
     return scale * (i * (i + 1) + 0.5);
 }
 
-/* Phase function of haze, Eq. 6 (Cornette and Shanks 1992), 1/sr. */
+/* Phase function of haze, Eq. 6 (Cornette 1992), 1/sr. */
 static inline double ty_haze_phase(double mu) {
     const double g = ty_haze_g;
     return 3 / (8 * TY_PI_F64) * (1 - g * g) * (1 + mu * mu) / ((2 + g * g) * pow(1 + g * g - 2 * g * mu, 1.5));

@@ -147,7 +147,7 @@ static void gather(const sky_path* path, ty_air_ray from, double air_phase, doub
     }
 }
 
-/* Eqs. 5-9 (Hillaire 2020): twice-scattered light incident at a point, averaged over directions, and the fraction f of
+/* Eq. 5-9 (Hillaire 2020): twice-scattered light incident at a point, averaged over directions, and the fraction f of
  * isotropic light that is incident there again; 1 + f + f^2 + ... sums all orders. job->series is still zero, so that
  * gather gives the first order only. */
 static void series_point(void* user, int64_t index, int32_t worker) {

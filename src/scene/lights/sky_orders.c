@@ -144,7 +144,7 @@ static void trace(const orders_job* job, double radius, double up, int steps, pa
 
 /* ---- light along a path ---- */
 
-/* Where a step of a path is, as the sun is seen. */
+/* Position of a step of a path relative to the sun: zenith angle and azimuth. */
 typedef struct aspect {
     double sun_up, cos_azimuth;
 } aspect;

@@ -69,7 +69,7 @@ double ty_fournier_forand(double n, double slope, double tilt) {
     return first + (1 - back_power) / (16 * TY_PI_F64 * (back - 1) * back_power) * (3 * mu * mu - 1);
 }
 
-/* Mobley, Sundman and Boss (2002), Eq. 6. */
+/* The fraction that is scattered by more than 90 degrees, Eq. 6 (Mobley 2002). */
 double ty_fournier_forand_backscatter(double n, double slope) {
     const double nu = exponent(slope), delta = delta_at(n, 0.5), power = pow(delta, nu);
     return 1 - (1 - delta * power - 0.5 * (1 - power)) / ((1 - delta) * power);

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Internal reflections at most; transmittance below which what is left collides in its cell. */
+/* Internal reflections at most; transmittance below which the remaining light collides in its cell. */
 enum { MAX_REFLECTIONS = 8 };
 static const float min_transmittance = 0.01f;
 
@@ -89,7 +89,8 @@ static bool march(beam* b, ty_hit* hit) {
     }
 }
 
-/* Splits the light at the surface into what leaves and what stays; the beam ends at other surfaces, which absorb it. */
+/* Splits the light at the surface into refracted and reflected light; the beam ends at other surfaces, which absorb it.
+ */
 static void meet_surface(beam* b, const ty_hit* hit) {
     const ty_interior* interior = &b->body->scene->interiors[b->body->interior];
     const float cosine = ty_dot(b->direction, hit->normal);

@@ -130,7 +130,7 @@ static void sample_cell(ty_enclosed_body* body, const ty_medium_view* medium, si
     }
 }
 
-/* Outside there is light of no cell: what is there absorbs. */
+/* Cells outside hold no light: they absorb. */
 static void sample_cells(ty_enclosed_body* body, const ty_medium_view* medium) {
     const float opaque = (float)(1 / (body->cell[0] * body->size[0]));
     for (size_t i = 0; i < body->cells; ++i) {

@@ -71,7 +71,7 @@ ty_result ty_enclosed_solve_ordinates(ty_enclosed_body* body, bool again, double
 ty_result ty_enclosed_solve_diffusion(ty_enclosed_body* body, ty_enclosed_stats* stats);
 /* Fills body->field with all light, continued beyond the surface. */
 void ty_enclosed_fill_field(ty_enclosed_body* body);
-/* Scales the field so that what paths find leaving is what leaves by the balance, W. */
+/* Scales the field so that the flux that paths find leaving is that of the balance, W. */
 void ty_enclosed_balance_field(ty_enclosed_body* body, const ty_enclosed_field* field, const double leaving[3]);
 
 #endif

@@ -62,8 +62,8 @@ static void add_sums(entering* e, int source, float* const moments[3]) {
 
 /* ---- lights ---- */
 
-/* Follows a ray through other smooth dielectrics, without refraction, to what ends it: origin, where it left the last
- * of them; returns the fraction of light that passes. hit->surface is -1 where nothing ends it. */
+/* Follows a ray through other smooth dielectrics, without refraction, to the surface that ends it: origin, where it
+ * left the last of them; returns the fraction of light that passes. hit->surface is -1 where nothing ends it. */
 static float pass_dielectrics(const ty_enclosed_body* body, ty_vec* origin, ty_vec w, float far, ty_hit* hit) {
     const ty_scene_view* scene = body->scene;
     float passed = 1;
@@ -135,7 +135,7 @@ ty_result ty_enclosed_add_lights(ty_enclosed_body* body, const ty_discrete_light
 /* ---- other surfaces ---- */
 
 /* Rays over the hemisphere of a side, in proportion to the cosine, that a surface ends; passed: the fraction of its
- * light that dielectrics on the way let through. */
+ * light that dielectrics before it transmit. */
 static int64_t find_rays(const ty_enclosed_body* body, const ty_sobol* sobol, int32_t side, int32_t per_side,
                          double* rays, int32_t* sides, float* passed) {
     const ty_enclosed_side* s = &body->sides[side];

@@ -145,7 +145,7 @@ TY_FN_CALLED void ty_path_light_through(ty_path* path, ty_vec origin, const ty_l
 
 /* ---- reflection and refraction ---- */
 
-/* The path leaves an interface along direction, in what is there. */
+/* The path leaves an interface along direction, in the dielectric or medium there. */
 TY_FN void ty_path_leave_interface(ty_path* path, const ty_intersection* at, ty_vec direction) {
     path->direction = direction;
     path->origin = ty_hit_leave(&at->hit, direction);
@@ -156,7 +156,7 @@ TY_FN void ty_path_leave_interface(ty_path* path, const ty_intersection* at, ty_
 }
 
 /* Smooth: one direction by Snell's law or by reflection, with the probability of Fresnel's reflectance. Light sampling
- * finds no such path, so what it meets counts in full. */
+ * finds no such path, so the light that it meets counts in full. */
 TY_FN void ty_path_refract_smooth(ty_path* path, const ty_intersection* at, float eta) {
     const ty_surface_point* point = &at->point;
     const ty_vec wo = ty_scale(path->direction, -1.0f), normal = point->bsdf.frame.n;

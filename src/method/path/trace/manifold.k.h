@@ -2,12 +2,12 @@
  * dielectrics, which no sampled direction meets (Hanika et al. 2015, as specular manifold sampling in Zeltner et al.
  * 2020).
  *
- * Directions w of a vertex are refracted through all interfaces on their way, with their derivatives (Igehy 1999).
- * Newton's method looks for the one that reaches the light, from the straight line on. With the throughput T of the way
- * its light is f(w) cos T E / |det dv/dw|, with v the direction of the ray at a directional light of irradiance E; for
- * a point light v is the ray's offset at the light over its distance D from the last interface, and E is I / D^2.
+ * Directions w of a vertex are refracted through all interfaces that they meet, with their derivatives (Igehy 1999).
+ * Newton's method looks for the one that reaches the light, from the straight line on. With the throughput T of that
+ * path its light is f(w) cos T E / |det dv/dw|, with v the direction of the ray at a directional light of irradiance E;
+ * for a point light v is the ray's offset at the light over its distance D from the last interface, and E is I / D^2.
  *
- * One such way is found for each vertex and light. Further ones, which curved surfaces may have, and light that is
+ * One such path is found for each vertex and light. Further ones, which curved surfaces may have, and light that is
  * reflected at an interface, are left out. */
 #ifndef TY_METHOD_PATH_TRACE_MANIFOLD_K_H
 #define TY_METHOD_PATH_TRACE_MANIFOLD_K_H
@@ -105,7 +105,7 @@ TY_FN void ty_manifold_compare(const ty_light_view* light, ty_refracted_ray* ray
     ray->deviation[0] = ty_dot(s, ray->direction);
     ray->deviation[1] = ty_dot(t, ray->direction);
     for (int k = 0; k < 2; ++k) {
-        /* Shifts of the origin turn the direction of a near light the other way. */
+        /* Shifts of the origin rotate the direction of a near light in the opposite sense. */
         const ty_vec change = ty_mad(ray->d_direction[k], ray->d_origin[k], 1.0f / distance);
         ray->jacobian[k] = ty_dot(s, change);
         ray->jacobian[2 + k] = ty_dot(t, change);
@@ -113,8 +113,8 @@ TY_FN void ty_manifold_compare(const ty_light_view* light, ty_refracted_ray* ray
     if (ty_dot(target, ray->direction) < 0.0f) ray->deviation[0] += 2.0f;
 }
 
-/* Traces a direction from the path's vertex to the side of the light; false: it does not get there. attenuates: media
- * on the way count. */
+/* Traces a direction from the path's vertex to the side of the light; false: it does not get there. attenuates: with
+ * the transmittance of media along the path. */
 TY_FN bool ty_manifold_trace(ty_path* path, const ty_light_view* light, ty_vec direction, bool attenuates,
                              ty_refracted_ray* ray) {
     const ty_scene_view* scene = path->request->scene;

@@ -414,7 +414,7 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     if (TY_PATH_GUIDED != 0) path->incident = ty_guide_vertex_radiance(&guide, path->direction);
 }
 
-/* The lobe of a glossy surface for the choice of lights: of its microfacets or its coat, by what reflects more. Thin
+/* The lobe of a glossy surface for the choice of lights: of its microfacets or its coat, whichever reflects more. Thin
  * walls have none, because light passes them, too. */
 TY_FN void ty_path_set_lobe(ty_path* path, const ty_bsdf* b) {
     const float coat = b->probability[TY_LOBE_COAT], base = b->probability[TY_LOBE_SPECULAR];
@@ -578,7 +578,7 @@ TY_FN bool ty_path_next_event_before_surface(ty_path* path, const ty_medium_view
 }
 
 /* The same in a medium whose light is known: it is added at a sampled collision, and the path goes on to the surface
- * with what does not collide. */
+ * with the light that does not collide. */
 TY_FN_CALLED bool ty_path_next_event_in_field(ty_path* path, const ty_enclosed_field* field, ty_intersection* end) {
     const ty_scene_view* scene = path->request->scene;
     const float beta_before = ty_sum3(path->beta);
