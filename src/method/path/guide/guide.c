@@ -18,7 +18,7 @@ static const float directions = 0.6f, fall = 0.2f, distances = 0.5f;
 /* Roulette: below this fraction of the pixel's expected radiance a path's contribution is left to chance, below another
  * one the shadow ray of a light. Cells of more free paths than max_thickness know too little of the light within them
  * for roulette of paths. */
-static const float path_window = 0.3f, light_window = 0.4f, max_thickness = 2;
+static const float path_window = 0.15f, light_window = 0.4f, max_thickness = 2;
 
 /* Of a direction that phase functions and surfaces sample, 1/sr. */
 static const float typical_pdf = 1 / (2 * TY_PI);
@@ -156,17 +156,17 @@ static ty_result allocate(ty_path_guide* guide) {
 static void set_window(ty_path_guide* guide) {
     const float* per_metre = guide->view.cells.per_metre;
     const float edge = 1 / ty_maxf(per_metre[0], ty_maxf(per_metre[1], per_metre[2]));
-    float most = 0;
-    for (size_t i = 0; i < guide->cells; ++i) most = ty_maxf(most, guide->light[i].sigma_t * edge);
-    guide->view.window = most <= max_thickness ? path_window : 0;
+    float thickest = 0;
+    for (size_t i = 0; i < guide->cells; ++i) thickest = ty_maxf(thickest, guide->light[i].sigma_t * edge);
+    guide->view.window = thickest <= max_thickness ? path_window : 0;
 }
 
 static void set_bins(ty_guide* view) {
     for (int32_t bin = 0; bin < TY_GUIDE_BINS; ++bin) {
-        const ty_vec middle = ty_octahedral_texel(TY_GUIDE_SIDE, bin);
-        view->x[bin] = middle.x;
-        view->y[bin] = middle.y;
-        view->z[bin] = middle.z;
+        const ty_vec center = ty_octahedral_texel(TY_GUIDE_SIDE, bin);
+        view->x[bin] = center.x;
+        view->y[bin] = center.y;
+        view->z[bin] = center.z;
     }
 }
 

@@ -39,7 +39,7 @@ typedef struct ty_guide {
     TY_GLOBAL const ty_guide_light* light; /* all light in a cell, uncollided and collided */
     TY_GLOBAL const float* radiance; /* TY_GUIDE_BINS per cell: integral over a bin's solid angle of the radiance that
                                         comes from there, W m^-2, less what next-event estimation finds of it */
-    float x[TY_GUIDE_BINS], y[TY_GUIDE_BINS], z[TY_GUIDE_BINS]; /* the bins' middles, unit vectors */
+    float x[TY_GUIDE_BINS], y[TY_GUIDE_BINS], z[TY_GUIDE_BINS]; /* the bins' centers, unit vectors */
     float directions;                                           /* fraction of guided directions at the first vertex */
     float fall;                                                 /* decrease of that fraction with depth */
     float distances;    /* fraction of guided distances along the camera's rays */
@@ -205,16 +205,16 @@ typedef struct ty_guide_vertex {
     TY_GLOBAL const float* radiance; /* of the bins, as in ty_guide */
     float sum;
     float column[TY_GUIDE_SIDE]; /* sums */
-    float share[TY_GUIDE_VERTEX_BINS];
+    float weight[TY_GUIDE_VERTEX_BINS];
 } ty_guide_vertex;
 
-/* Sums up the shares. depth: 1 at the first vertex. The fraction falls as that of lobes about lights does, which bounds
+/* Sums up the weight. depth: 1 at the first vertex. The fraction falls as that of lobes about lights does, which bounds
  * the weight of paths without guided directions. */
 TY_FN void ty_guide_vertex_end(ty_guide_vertex* vertex, const ty_guide* guide, float fraction, int32_t depth) {
     for (int32_t j = 0; j < TY_GUIDE_SIDE; ++j) vertex->column[j] = 0.0f;
     for (int32_t i = 0; i < TY_GUIDE_SIDE; ++i)
         for (int32_t j = 0; j < TY_GUIDE_SIDE; ++j)
-            vertex->column[j] += vertex->share[(i * TY_GUIDE_SIDE + j) % TY_GUIDE_VERTEX_BINS];
+            vertex->column[j] += vertex->weight[(i * TY_GUIDE_SIDE + j) % TY_GUIDE_VERTEX_BINS];
     vertex->sum = 0.0f;
     for (int32_t j = 0; j < TY_GUIDE_SIDE; ++j) vertex->sum += vertex->column[j];
     const float fall = 1.0f / (1.0f + guide->fall * (float)(depth - 1));
@@ -237,7 +237,7 @@ TY_FN void ty_guide_vertex_scatter(ty_guide_vertex* vertex, const ty_guide* guid
     vertex->radiance = radiance;
     for (int32_t b = 0; b < TY_GUIDE_VERTEX_BINS; ++b) {
         const float mu = incoming.x * guide->x[b] + incoming.y * guide->y[b] + incoming.z * guide->z[b];
-        vertex->share[b] = radiance[b] * ty_hg_approximate(ty_maxf(2.0f - 2.0f * mu, 0.0f), g);
+        vertex->weight[b] = radiance[b] * ty_hg_approximate(ty_maxf(2.0f - 2.0f * mu, 0.0f), g);
     }
     ty_guide_vertex_end(vertex, guide, guide->directions * (1.0f - g * g), depth);
 }
@@ -252,7 +252,7 @@ TY_FN void ty_guide_vertex_reflect(ty_guide_vertex* vertex, const ty_guide* guid
     vertex->radiance = radiance;
     for (int32_t b = 0; b < TY_GUIDE_VERTEX_BINS; ++b) {
         const float mu = normal.x * guide->x[b] + normal.y * guide->y[b] + normal.z * guide->z[b];
-        vertex->share[b] = radiance[b] * ty_maxf(0.0f, mu);
+        vertex->weight[b] = radiance[b] * ty_maxf(0.0f, mu);
     }
     ty_guide_vertex_end(vertex, guide, guide->directions, depth);
 }
@@ -271,10 +271,10 @@ TY_FN ty_vec ty_guide_vertex_sample(const ty_guide_vertex* vertex, float u, floa
     float target = u * vertex->sum;
     int32_t i = 0, j = 0;
     while (j + 1 < TY_GUIDE_SIDE && target >= vertex->column[j]) target -= vertex->column[j++];
-    while (i + 1 < TY_GUIDE_SIDE && target >= vertex->share[(i * TY_GUIDE_SIDE + j) % TY_GUIDE_VERTEX_BINS])
-        target -= vertex->share[(i++ * TY_GUIDE_SIDE + j) % TY_GUIDE_VERTEX_BINS];
-    const float share = vertex->share[(i * TY_GUIDE_SIDE + j) % TY_GUIDE_VERTEX_BINS];
-    const float rest = ty_clampf(target / ty_maxf(share, 1e-37f), 0.0f, 1.0f);
+    while (i + 1 < TY_GUIDE_SIDE && target >= vertex->weight[(i * TY_GUIDE_SIDE + j) % TY_GUIDE_VERTEX_BINS])
+        target -= vertex->weight[(i++ * TY_GUIDE_SIDE + j) % TY_GUIDE_VERTEX_BINS];
+    const float weight = vertex->weight[(i * TY_GUIDE_SIDE + j) % TY_GUIDE_VERTEX_BINS];
+    const float rest = ty_clampf(target / ty_maxf(weight, 1e-37f), 0.0f, 1.0f);
     return ty_octahedral_direction(((float)j + rest) * side - 1.0f, ((float)i + v) * side - 1.0f);
 }
 
@@ -293,8 +293,8 @@ TY_FN int32_t ty_guide_bin_of(ty_vec direction) {
  * none. */
 TY_FN float ty_guide_vertex_pdf(const ty_guide_vertex* vertex, ty_vec direction, float unguided) {
     if (TY_PATH_GUIDED == 0 || vertex == NULL || !(vertex->fraction > 0.0f)) return unguided;
-    const float share = vertex->share[ty_guide_bin_of(direction) % TY_GUIDE_VERTEX_BINS];
-    const float density = share / (vertex->sum * ty_octahedral_angle(direction, TY_GUIDE_SIDE));
+    const float weight = vertex->weight[ty_guide_bin_of(direction) % TY_GUIDE_VERTEX_BINS];
+    const float density = weight / (vertex->sum * ty_octahedral_angle(direction, TY_GUIDE_SIDE));
     return ty_lerpf(unguided, density, vertex->fraction);
 }
 

@@ -76,16 +76,16 @@ TY_FN int32_t ty_guide_segments_part(const ty_guide_segments* s, float t) {
     if (s->count == 0 || t < s->from[0] || t >= s->from[s->count]) return -1;
     int32_t low = 0, high = s->count;
     while (high - low > 1) {
-        const int32_t middle = (low + high) / 2;
-        if (t >= s->from[middle])
-            low = middle;
+        const int32_t center = (low + high) / 2;
+        if (t >= s->from[center])
+            low = center;
         else
-            high = middle;
+            high = center;
     }
     return low;
 }
 
-/* What a path does next in a homogeneous medium. */
+/* The next event of a path in a homogeneous medium. */
 typedef struct ty_guided_event {
     bool collides;
     float t;

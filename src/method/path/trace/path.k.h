@@ -104,9 +104,9 @@ TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample
     const ty_scene_view* scene = path->request->scene;
     float transmittance[3];
     for (int c = 0; c < 3; ++c) radiance[c] = factor[c] * sample->radiance[c];
-    const float most = ty_max3(radiance), least = ty_path_min_contribution(path);
-    if (most < least) {
-        const float chance = most / least;
+    const float most = ty_max3(radiance), threshold = ty_path_min_contribution(path);
+    if (most < threshold) {
+        const float chance = most / threshold;
         const bool traced = ty_rng_uniform(&path->random) < chance;
         for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
     }

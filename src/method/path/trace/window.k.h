@@ -17,10 +17,10 @@ TY_FN bool ty_path_has_window(const ty_path* path) {
 /* Contributions of lights below this are traced by Russian roulette, W m^-2 sr^-1. Guided paths find many small ones.
  */
 TY_FN float ty_path_min_contribution(const ty_path* path) {
-    const float least = path->request->min_contribution;
+    const float bound = path->request->min_contribution;
     return TY_PATH_GUIDED != 0 && path->expected > 0.0f
-               ? ty_minf(least, path->request->guide->light_window * path->expected)
-               : least;
+               ? ty_minf(bound, path->request->guide->light_window * path->expected)
+               : bound;
 }
 
 /* The expected radiance of the camera's ray, which ends at a surface (NULL: at none). */
@@ -38,10 +38,10 @@ TY_FN_CALLED void ty_path_expect(ty_path* path, const ty_intersection* end) {
 /* After a vertex: false if roulette ends the path. Heavier paths are not split: that costs as much as it saves. */
 TY_FN bool ty_path_passes_window(ty_path* path) {
     if (!ty_path_has_window(path)) return true;
-    const float least = path->request->guide->window;
+    const float bound = path->request->guide->window;
     const float ratio = ty_luminance(path->beta[0], path->beta[1], path->beta[2]) * path->incident / path->expected;
-    if (!(ratio < least)) return true;
-    const float chance = ty_maxf(ratio / least, 0.1f);
+    if (!(ratio < bound)) return true;
+    const float chance = ty_maxf(ratio / bound, 0.25f);
     if (ty_rng_uniform(&path->random) >= chance) return false;
     for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
     return true;
