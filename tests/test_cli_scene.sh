@@ -54,7 +54,7 @@ test_meshes() {
   expect 0 info two.obj
   said out.txt '^meshes +2, 5 triangles$'
   said out.txt '^materials +2$'
-  said out.txt '^ +lamp$'
+  said out.txt '^ +lamp: diffuse, base_color \(0.5, 0.5, 0.5\), emission \(5, 5, 5\)$'
   said out.txt '^emitters +1$'
   said out.txt '^bounds +\(0, 0, 0\) to \(1, 1, 1\)$'
   said out.txt '^memory +[0-9.]+ KiB$'
@@ -71,7 +71,23 @@ test_meshes() {
   expect 0 info two.obj --json
   valid_json out.txt
   said out.txt '"name": "red"'
+  said out.txt '"base_color": \[1, 0, 0\]'
+  said out.txt '"glossy": false'
   said out.txt '"triangles": 5'
+  printf 'newmtl glass\nillum 7\nNi 1.33\nTf 1 0.5 0.25\nnewmtl gold\nPm 1\nPr 0.3\nKd 1 0.8 0.3\nd 0.5\nPc 1\nPs 0.1\n' > more.mtl
+  { echo 'mtllib more.mtl'; cat tetra.obj; } > more.obj
+  expect 0 info more.obj
+  said out.txt '^ +glass: solid dielectric, base_color \(1, 0.5, 0.25\), metallic 0, roughness 0, ior 1.33, transmission 1$'
+  said out.txt '^ +gold: glossy, .*metallic 1, roughness 0.3, clearcoat 1, sheen_roughness 0.5, alpha blend 0.5$'
+  cat > textured.gltf << 'END'
+{"asset": {"version": "2.0"}, "images": [{"uri": "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNoaGgAAAMEAYFL09IQAAAAAElFTkSuQmCC"}],
+ "textures": [{"source": 0}],
+ "materials": [{"name": "wall", "normalTexture": {"index": 0}, "pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}}}]}
+END
+  expect 0 info textured.gltf
+  said out.txt '^ +wall: glossy, .*, textures: metallic and roughness, normal_map$'
+  expect 0 info textured.gltf --json
+  valid_json out.txt
   printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n' > one.ply
   printf 'element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >> one.ply
   expect 0 info one.ply

@@ -109,6 +109,39 @@ static void white_balls_vanish(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* A texture takes the metal away that its factor of 1 leaves to it: through a body of index 1 light goes straight on,
+ * however rough, with the colour of both sides. */
+static void textures_decide_on_metal(void** state) {
+    ty_context* context = *state;
+    ty_scene* scene = make_scene(context);
+    static const uint8_t rough[] = {0, 255, 0, 255};
+    ty_texture_def texture = ty_default_texture_def();
+    texture.width = texture.height = 1;
+    texture.rgba8 = rough;
+    texture.linear = true;
+    ty_shape_def box = ty_default_shape_def();
+    box.kind = TY_SHAPE_BOX;
+    set3(box.origin, -1, -1, -1);
+    set3(box.u, 1, 1, 1);
+    set3f(box.albedo, 0.5f, 0.5f, 0.5f);
+    box.gloss.metallic = box.gloss.roughness = box.gloss.transmission = box.gloss.ior = 1;
+    box.gloss.solid = true;
+    assert_int_equal(ty_texture_create(context, &texture, &box.gloss.textures[TY_GLOSS_METALLIC_ROUGHNESS].texture),
+                     TY_OK);
+    ty_shape_def lamp = quad_shape((const double[3][3]){{-0.1, -0.1, -2}, {0.2, 0, 0}, {0, 0.2, 0}});
+    set3f(lamp.emission, 4, 4, 4);
+    assert_int_equal(ty_scene_add_shape(scene, &box), TY_OK);
+    assert_int_equal(ty_scene_add_shape(scene, &lamp), TY_OK);
+    ty_texture_release(box.gloss.textures[TY_GLOSS_METALLIC_ROUGHNESS].texture);
+    assert_int_equal(ty_scene_commit(scene), TY_OK);
+    static const double ray[6] = {0, 0, 3, 0, 0, 1};
+    const ty_path_def def = small_def(16);
+    double radiance[3];
+    assert_int_equal(ty_path_radiance(scene, &def, ray, 1, radiance, NULL), TY_OK);
+    assert_close(radiance[0], 1, 1e-5);
+    ty_scene_destroy(scene);
+}
+
 static void wrong_numbers_are_refused(void** state) {
     ty_context* context = *state;
     ty_scene* scene = make_scene(context);
@@ -131,7 +164,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mirrors_have_their_colour), cmocka_unit_test(panes_have_their_colour),
         cmocka_unit_test(lamps_shine_through_panes), cmocka_unit_test(white_balls_vanish),
-        cmocka_unit_test(wrong_numbers_are_refused),
+        cmocka_unit_test(textures_decide_on_metal),  cmocka_unit_test(wrong_numbers_are_refused),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -90,7 +90,7 @@ static void materials_are_read(void** state) {
     put_png("bricks and mortar.png");
     put_text("made of.mtl", "newmtl red wall\nKd 1 0.25 2\nKe 3\nNs 5\nillum 2\nd 0.5\n"
                             "newmtl bricks\nKd 0 0 0\nmap_Kd -s 1 1 1 -clamp on bricks and mortar.png\n"
-                            "map_Ke .\\bricks and mortar.png\nmap_d x.png\nTr 1\n"
+                            "map_Ke .\\bricks and mortar.png\nTr 1\ndecal x.png\n"
                             "newmtl unused\nmap_Kd bricks and mortar.png\n");
     static const char text[] = "mtllib made of.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
                                "usemtl bricks\nf 1 2 3\nusemtl red wall\nf 1 2 3\nusemtl bricks\nf 3 2 1\n"
@@ -116,7 +116,7 @@ static void materials_are_read(void** state) {
     const ty_model_image* image = &model.images[model.textures[model.materials[2].albedo_texture].image];
     assert_int_equal(image->width, 2);
     assert_int_equal(image->rgba8[4], 5);
-    assert_int_equal(book.warnings, 3); /* map_d, the line, the unknown material */
+    assert_int_equal(book.warnings, 3); /* decal, the line, the unknown material */
     ty_model_free(&model);
 }
 
@@ -138,6 +138,145 @@ static void gloss_is_read(void** state) {
     assert_true(fabs((double)phong->roughness - sqrt(0.5)) < 1e-6);
     assert_true(metal->metallic == 1 && metal->roughness == 0.25f && metal->specular == 0);
     assert_true(metal->clearcoat == 0.5f && metal->clearcoat_roughness == 1);
+    ty_model_free(&model);
+}
+
+/* Reads an MTL text alone, with its maps; to be freed. */
+static ty_model read_materials(const char* text) {
+    put_text("own.mtl", text);
+    ty_model model;
+    read_well("mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "", &model);
+    return model;
+}
+
+/* Ks is relative to the reflection of ior 1.5, of mirrors it is the reflectance; an index of 1 says nothing. */
+static void models_of_illumination_are_read(void** state) {
+    (void)state;
+    ty_model model = read_materials("newmtl dull\nKs 1 1 1\nillum 1\n"
+                                    "newmtl plain\nillum 2\nNi 1\nKs 0.5\n"
+                                    "newmtl mirror\nillum 5\nKd 0 0 0\nKs 0.5 0.25 0.125\nNi 1.5\n"
+                                    "newmtl metal\nillum 3\nPm 1\nPr 0.5\nKs 0.5 0.5 0.5\n");
+    const ty_gloss_def *dull = &model.materials[1].def.gloss, *plain = &model.materials[2].def.gloss,
+                       *mirror = &model.materials[3].def.gloss, *metal = &model.materials[4].def.gloss;
+    static const float reflectance[] = {12.5f, 6.25f, 3.125f}, white[] = {1, 1, 1};
+    assert_true(dull->specular == 0 && dull->metallic == 0);
+    assert_true(plain->specular == 1 && plain->ior == 1.5f);
+    assert_floats(plain->specular_color, white, 3);
+    assert_true(mirror->specular == 1);
+    assert_floats(mirror->specular_color, reflectance, 3); /* times F0 = 0.04 */
+    assert_true(metal->metallic == 1);
+    assert_floats(metal->specular_color, white, 3);
+    ty_model_free(&model);
+}
+
+static void glass_is_read(void** state) {
+    (void)state;
+    ty_model model = read_materials("newmtl glass\nillum 7\nNi 1.33\nKd 0.01 0.01 0.01\nTf 1 0.5 0.25\nd 0.1\nNs 900\n"
+                                    "newmtl frosted\nTf 1\nPr 0.25\nillum 6\n"
+                                    "newmtl filtered\nTf 0.5 0.5 0.5\nillum 2\nKd 1 1 1\n");
+    const ty_material_def *glass = &model.materials[1].def, *frosted = &model.materials[2].def,
+                          *filtered = &model.materials[3].def;
+    static const float tint[] = {1, 0.5f, 0.25f};
+    assert_true(glass->gloss.solid && glass->gloss.transmission == 1 && glass->gloss.ior == 1.33f);
+    assert_true(glass->gloss.roughness == 0 && glass->alpha_mode == TY_ALPHA_OPAQUE);
+    assert_floats(glass->albedo, tint, 3);
+    assert_true(frosted->gloss.solid && frosted->gloss.roughness == 0.25f && frosted->gloss.ior == 1.5f);
+    assert_true(!filtered->gloss.solid && filtered->gloss.transmission == 0 && filtered->albedo[0] == 1);
+    ty_model_free(&model);
+}
+
+/* Tr is 1 - d, but a Tr of 1 alone is opaque. */
+static void opacities_are_read(void** state) {
+    (void)state;
+    ty_model model = read_materials("newmtl a\nTr 0.25\nnewmtl b\nTr 0.25\nd 0.5\nnewmtl c\nTr 1\nnewmtl d\nTr 0\n"
+                                    "newmtl e\nPs 0.5\nd 1\n");
+    static const float alphas[] = {0.75f, 0.5f, 1, 1, 1}, sheen[] = {0.5f, 0.5f, 0.5f};
+    for (size_t i = 0; i < 5; ++i) {
+        assert_true(model.materials[i + 1].def.alpha == alphas[i]);
+        assert_true((model.materials[i + 1].def.alpha_mode == TY_ALPHA_BLEND) == (alphas[i] < 1));
+    }
+    assert_floats(model.materials[5].def.gloss.sheen_color, sheen, 3);
+    ty_model_free(&model);
+}
+
+/* A PNG of one texel. */
+static void put_texel(const char* path, uint8_t red, uint8_t green, uint8_t blue, uint8_t alpha) {
+    const uint8_t rgba[] = {red, green, blue, alpha};
+    uint8_t bytes[1024];
+    png_image image = {.version = PNG_IMAGE_VERSION, .width = 1, .height = 1, .format = PNG_FORMAT_RGBA};
+    png_alloc_size_t size = sizeof bytes;
+    assert_int_equal(png_image_write_to_memory(&image, bytes, &size, 0, rgba, 0, NULL), 1);
+    put_file(path, bytes, size);
+}
+
+static const uint8_t* texels_of(const ty_model* model, int32_t texture) {
+    assert_true(texture >= 0);
+    return model->images[model->textures[texture].image].rgba8;
+}
+
+/* Opacity becomes the alpha of the base colour, roughness green and metallic blue of one texture. */
+static void maps_of_one_number_are_joined(void** state) {
+    (void)state;
+    put_png("wide.png");
+    put_texel("gray.png", 64, 64, 64, 255);
+    put_texel("dark.png", 32, 32, 32, 255);
+    put_texel("clear.png", 9, 9, 9, 128);
+    ty_model model = read_materials("newmtl cut\nmap_Kd wide.png\nmap_d gray.png\n"
+                                    "newmtl own\nmap_Kd clear.png\nmap_d clear.png\n"
+                                    "newmtl alone\nmap_d gray.png\n"
+                                    "newmtl metal\nPr 0.5\nmap_Pr gray.png\nmap_Pm dark.png\n"
+                                    "newmtl rough\nmap_Pr gray.png\n"
+                                    "newmtl same\nmap_Pm wide.png\nmap_Pr wide.png\n");
+    static const uint8_t cut[] = {1, 2, 3, 64, 5, 6, 7, 64}, own[] = {9, 9, 9, 128}, alone[] = {255, 255, 255, 64},
+                         metal[] = {255, 64, 32, 255}, rough[] = {255, 64, 255, 255};
+    const ty_model_material* m = model.materials + 1;
+    assert_memory_equal(texels_of(&model, m[0].albedo_texture), cut, sizeof cut);
+    assert_memory_equal(texels_of(&model, m[1].albedo_texture), own, sizeof own);
+    assert_memory_equal(texels_of(&model, m[2].albedo_texture), alone, sizeof alone);
+    for (int i = 0; i < 3; ++i) {
+        assert_int_equal(m[i].def.alpha_mode, TY_ALPHA_BLEND);
+        assert_false(model.textures[m[i].albedo_texture].linear);
+    }
+    assert_memory_equal(texels_of(&model, m[3].gloss_textures[TY_GLOSS_METALLIC_ROUGHNESS]), metal, sizeof metal);
+    assert_memory_equal(texels_of(&model, m[4].gloss_textures[TY_GLOSS_METALLIC_ROUGHNESS]), rough, sizeof rough);
+    assert_int_equal(texels_of(&model, m[5].gloss_textures[TY_GLOSS_METALLIC_ROUGHNESS])[5], 6);
+    assert_true(m[3].def.gloss.metallic == 1 && m[3].def.gloss.roughness == 0.5f && m[3].def.gloss.specular == 1);
+    assert_true(m[4].def.gloss.metallic == 0 && m[4].def.gloss.roughness == 1 && m[4].def.gloss.specular == 1);
+    assert_true(model.textures[m[3].gloss_textures[TY_GLOSS_METALLIC_ROUGHNESS]].linear);
+    assert_int_equal(book.warnings, 0);
+    ty_model_free(&model);
+}
+
+static void bumps_are_normals_or_left_out(void** state) {
+    (void)state;
+    put_texel("gray.png", 64, 64, 64, 255);
+    put_texel("normal.png", 128, 128, 255, 255);
+    put_texel("color.png", 9, 8, 7, 255);
+    ty_model model = read_materials("newmtl heights\nbump gray.png\n"
+                                    "newmtl normals\nmap_Bump -bm 0.5 normal.png\n"
+                                    "newmtl both\nnorm normal.png\nbump -bm 1 gray.png\n"
+                                    "newmtl colored\nKs 0 0 0\nmap_Ks color.png\nmap_Ps color.png\n");
+    const ty_model_material* m = model.materials + 1;
+    assert_int_equal(m[0].gloss_textures[TY_GLOSS_NORMAL], -1);
+    assert_int_equal(texels_of(&model, m[1].gloss_textures[TY_GLOSS_NORMAL])[2], 255);
+    assert_true(m[1].def.gloss.normal_scale == 0.5f);
+    assert_int_equal(texels_of(&model, m[2].gloss_textures[TY_GLOSS_NORMAL])[0], 128);
+    assert_false(model.textures[m[3].gloss_textures[TY_GLOSS_SPECULAR_COLOR]].linear);
+    assert_true(m[3].gloss_textures[TY_GLOSS_SHEEN_COLOR] >= 0 && m[3].def.gloss.sheen_color[2] == 1);
+    assert_true(m[3].def.gloss.specular == 1 && m[3].def.gloss.specular_color[1] == 1);
+    assert_non_null(strstr(book.text, "made.obj: 2 maps of heights have no effect"));
+    ty_model_free(&model);
+}
+
+/* v of the file points up: twice the map and a shift by (0.5, 0.25) of it. */
+static void maps_are_scaled_and_moved(void** state) {
+    (void)state;
+    put_png("wide.png");
+    ty_model model = read_materials("newmtl a\nmap_Kd -s 2 4 1 -o 0.5 0.25 0 wide.png\nnorm -s 3 3 wide.png\n");
+    static const float map[] = {2, 0, 0.5f, 0, 4, -3.25f}, normals[] = {3, 0, 0, 0, 3, -2};
+    assert_floats(model.materials[1].def.albedo_map, map, 6);
+    assert_floats(model.materials[1].def.gloss.textures[TY_GLOSS_NORMAL].map, normals, 6);
+    assert_int_equal(book.warnings, 0);
     ty_model_free(&model);
 }
 
@@ -215,7 +354,7 @@ static void broken_materials_are_refused(void** state) {
     } cases[] = {
         {"newmtl a\nKd 1 2\n", "made.mtl:2: a colour is not three numbers"},
         {"newmtl a\nKe 1 2 inf\n", "made.mtl:2: a colour is not finite"},
-        {"newmtl a\nd\n", "made.mtl:2: the opacity is not a number"},
+        {"newmtl a\nd\n", "made.mtl:2: a number is damaged"},
         {"newmtl a\nmap_Kd -clamp on\n", "made.mtl:2: the name of a map is damaged"},
         {"newmtl a\n\nmap_Kd ../x.png\n", "made.mtl:3: \"../x.png\" leads out"},
     };
@@ -284,6 +423,12 @@ int main(void) {
         cmocka_unit_test(colours_of_vertices_are_read),
         cmocka_unit_test(materials_are_read),
         cmocka_unit_test(gloss_is_read),
+        cmocka_unit_test(models_of_illumination_are_read),
+        cmocka_unit_test(glass_is_read),
+        cmocka_unit_test(opacities_are_read),
+        cmocka_unit_test(maps_of_one_number_are_joined),
+        cmocka_unit_test(bumps_are_normals_or_left_out),
+        cmocka_unit_test(maps_are_scaled_and_moved),
         cmocka_unit_test(missing_materials_are_survived),
         cmocka_unit_test(numbers_do_not_depend_on_the_locale),
         cmocka_unit_test(references_may_lead_on_or_nowhere),

@@ -362,6 +362,11 @@ static void all_stats_are_checked(void** state) {
     EXPECT_REFUSED(screen, ty_screen_apply(context, &screen, &picture, NULL, 0, &unmade));
     const ty_impulse_def impulse = ty_default_impulse_def();
     EXPECT_REFUSED(impulse, ty_impulse_create(context, &impulse, &tables, &unmade));
+    const ty_denoise_def denoise = ty_default_denoise_def();
+    ty_image* noisy = NULL;
+    assert_int_equal(ty_image_create_rgb(context, 1, 1, &noisy), TY_OK);
+    EXPECT_REFUSED(denoise, ty_denoise_image(context, noisy, &denoise, &image, &unmade));
+    ty_image_destroy(noisy);
     const ty_bake_def bake = ty_default_bake_def();
     EXPECT_REFUSED(bake, ty_bake_probes(scene, &bake, position, 1, &probe, &unmade));
     EXPECT_REFUSED(bake, ty_bake_surfaces(scene, &bake, NULL, 0, NULL, &unmade));

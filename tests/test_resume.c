@@ -30,7 +30,7 @@ static void forget(keeper* k) {
 /* As many states as there can be. */
 static ty_path_def kept_def(int32_t spp, keeper* k) {
     ty_path_def def = small_def(spp);
-    def.aovs = TY_AOV_ALL;
+    def.aovs = TY_AOV_ALL | TY_AOV_HALF;
     def.crop[0] = 1;
     def.crop[2] = WIDTH - 1;
     def.crop[3] = HEIGHT;

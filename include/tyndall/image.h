@@ -29,7 +29,10 @@ typedef enum ty_aov {
     TY_AOV_MULTIPLE = 64, ///< multiple.R, .G, .B: all other radiance that a medium scattered. The remainder of R, G, B
                           ///< never scattered in a medium: emission and surfaces.
     TY_AOV_SAMPLES = 128, ///< samples.N: number of samples; it varies over a partial result only.
-    TY_AOV_ALL = 255      ///< All of the above.
+    TY_AOV_ALL = 255,     ///< All of the above.
+    TY_AOV_HALF = 256 ///< half.R, .G, .B, and half.single.R and so on for each of the channels above but variance and
+                      ///< samples that the image has: means over the even half of the samples, which is
+                      ///< independent of the odd half. Their difference tells noise (ty_denoise_image()).
 } ty_aov;
 
 /// Creates an image with pixels of 0. names: channel_count names such as "R" or "depth.Z", each of 1..254 characters,

@@ -192,9 +192,14 @@ TY_API ty_result ty_mesh_file_create_closed_mesh(ty_context* context, const char
 
 /// A material or a camera of a mesh file.
 typedef struct ty_mesh_file_entry {
-    bool camera;    ///< True: a camera. False: a material.
-    char name[128]; ///< Name in the file, cut to 127 bytes; "" without one.
-    double fov_y;   ///< Cameras: vertical angle of view, degrees; 0: orthographic.
+    bool camera;                      ///< True: a camera. False: a material.
+    char name[128];                   ///< Name in the file, cut to 127 bytes; "" without one.
+    double fov_y;                     ///< Cameras: vertical angle of view, degrees; 0: orthographic.
+    bool glossy;                      ///< Materials: not Lambertian.
+    ty_material_def material;         ///< Materials: the numbers; textures are NULL.
+    bool base_texture;                ///< Materials: there is a texture of the base colour.
+    bool emission_texture;            ///< Materials: there is one of the emission.
+    bool textures[TY_GLOSS_TEXTURES]; ///< Materials: the others that there are, by ty_gloss_texture.
 } ty_mesh_file_entry;
 
 /// Lists the content of a file: counts as ty_scene_get_info() gives them for a scene of the file alone, and all

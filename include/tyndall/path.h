@@ -53,8 +53,8 @@ typedef struct ty_path_def {
     int32_t crop[4];        ///< Images: x, y, width, height of the part of the frame to render. Its pixels are those of
                             ///< the whole frame, bit for bit. Default 0: the whole frame.
     ty_path_state_fn state; ///< Images: receives the state of the work every `state_seconds` and at the end; default
-                            ///< NULL. It takes 56 bytes a pixel, 216 with aovs other than variance and samples, and the
-                            ///< work itself takes the same.
+                            ///< NULL. It takes 56 bytes a pixel, 216 with aovs other than variance and samples, 400
+                            ///< with TY_AOV_HALF, and the work itself takes the same.
     void* state_user;       ///< Passed on to `state`; default NULL.
     double state_seconds;   ///< Time between two states, s, 0..1e9. TY_AUTO (default): 2, or 50 times the time that a
                             ///< state takes from the threads, if that is longer, so that states take at most 2% of it;

@@ -6,6 +6,7 @@
 #include <tyndall/bake.h>
 #include <tyndall/base.h>
 #include <tyndall/choose.h>
+#include <tyndall/denoise.h>
 #include <tyndall/dom.h>
 #include <tyndall/fld.h>
 #include <tyndall/grid.h>

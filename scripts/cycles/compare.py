@@ -20,9 +20,9 @@ HERE = pathlib.Path(__file__).resolve().parent
 
 
 def options():
-    known = [*scenes.SCENES, *scenes.SOLID_SCENES]
+    known = [*scenes.SCENES, *scenes.PLASTIC_SCENES, *scenes.SOLID_SCENES]
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="; ".join(known) + "; default: those without solid dielectrics")
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="; ".join(known) + "; default: the first three")
     parser.add_argument("--tyndall", default=str(HERE.parents[1] / "build/release/bin/tyndall"))
     parser.add_argument("--blender", default="blender")
     parser.add_argument("--environment", help="an equirectangular .hdr or .exr")
@@ -86,7 +86,7 @@ def main():
     print("| scene | mean ratio | 8x8 blocks, relative RMSE | noise of one Cycles image on blocks |")
     print("|---|--:|--:|--:|")
     for name in chosen.scenes or scenes.SCENES:
-        if name not in ("metal_in_fog", "normal_map") and environment is None:
+        if name not in ("metal_in_fog", "normal_map", *scenes.PLASTIC_SCENES) and environment is None:
             print(f"skipped: {name} needs an environment map; TYNDALL_DATA or --environment names one")
             continue
         both, noise = compare(chosen, name, folder, environment)

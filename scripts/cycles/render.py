@@ -104,6 +104,17 @@ def glass(json_material):
     return material
 
 
+def lambertian(material):
+    """Takes the base of a Principled BSDF as a Diffuse BSDF of the same colour and normals, without reflection."""
+    tree = material.node_tree
+    principled = tree.nodes["Principled BSDF"]
+    node = add_node(tree, "ShaderNodeBsdfDiffuse", Color=principled.inputs["Base Color"].default_value)
+    for link in principled.inputs["Normal"].links:
+        tree.links.new(link.from_socket, node.inputs["Normal"])
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+
+
 def read_materials(path):
     data = path.read_bytes()
     length = struct.unpack("<I", data[12:16])[0]
@@ -123,9 +134,14 @@ def import_meshes(path):
             if "KHR_materials_volume" in known[name].get("extensions", {}):
                 solids.setdefault(name, glass(known[name]))
                 slot.material = solids[name]
+            elif name == "lambert":
+                lambertian(slot.material)
             else:
                 principled = slot.material.node_tree.nodes["Principled BSDF"]
                 principled.distribution = "MULTI_GGX"
+                # The importer of 3.4 leaves this extension out.
+                specular = known[name].get("extensions", {}).get("KHR_materials_specular", {})
+                principled.inputs["Specular"].default_value *= specular.get("specularFactor", 1)
     return made
 
 

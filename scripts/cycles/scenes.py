@@ -189,16 +189,45 @@ def metal_in_fog(folder, _):
     return out
 
 
-def normal_map(folder, _):
+def mapped_square(folder, name, color, metallic, bumpy=True, specular=1.0):
+    """A square of roughness 0.4 under a lamp, by a map of normals or flat. What is named "lambert" is a Diffuse BSDF in Cycles."""
     model = Model()
     lights = [{"type": "area", "origin": [-0.3, 2.2, -1.1], "u": [0.6, 0, 0], "v": [0, 0, 0.6], "radiance": 20}]
     out = scene(([0, 2.9, 1.7], [0, 0, 0.02], 34), lights)
-    texture = model.image(png(128, 128, bumps))
-    material = model.material("copper", COPPER, 1, 0.4, normalTexture={"index": texture})
+    more = {"normalTexture": {"index": model.image(png(128, 128, bumps))}} if bumpy else {}
+    if specular < 1:
+        more["extensions"] = {"KHR_materials_specular": {"specularFactor": specular}}
+    material = model.material(name, color, metallic, 0.4, **more)
     model.place("square", model.mesh(square(2)), material)
-    model.write(folder / "normal_map.glb")
-    out["geometry"] = [{"file": "normal_map.glb"}]
+    model.write(folder / f"{name}.glb")
+    out["geometry"] = [{"file": f"{name}.glb"}]
     return out
+
+
+def normal_map(folder, _):
+    return mapped_square(folder, "normal_map", COPPER, 1)
+
+
+def plastic(folder, _):
+    """The parts of plastic, one by one: both, without the map, the reflection alone, the base alone as Principled has it and as
+    Lambert has it."""
+    return mapped_square(folder, "plastic", PLASTIC, 0)
+
+
+def plastic_flat(folder, _):
+    return mapped_square(folder, "plastic_flat", PLASTIC, 0, bumpy=False)
+
+
+def plastic_reflection(folder, _):
+    return mapped_square(folder, "plastic_reflection", (0, 0, 0), 0)
+
+
+def plastic_base(folder, _):
+    return mapped_square(folder, "plastic_base", PLASTIC, 0, specular=0)
+
+
+def lambert(folder, _):
+    return mapped_square(folder, "lambert", PLASTIC, 0, specular=0)
 
 
 def glass_balls(folder, environment):
@@ -250,13 +279,15 @@ def pool(folder, environment):
 
 
 SCENES = {"spheres": spheres, "metal_in_fog": metal_in_fog, "normal_map": normal_map}
+PLASTIC_SCENES = {"plastic": plastic, "plastic_flat": plastic_flat, "plastic_reflection": plastic_reflection,
+                  "plastic_base": plastic_base, "lambert": lambert}
 SOLID_SCENES = {"glass_balls": glass_balls, "milk": milk, "milk_index_matched": milk_index_matched, "pool": pool}
 
 
 def write(name, folder, environment, size):
     """Writes NAME.json and its meshes into a folder; returns the path of the scene."""
     folder = pathlib.Path(folder)
-    out = {**SCENES, **SOLID_SCENES}[name](folder, environment)
+    out = {**SCENES, **PLASTIC_SCENES, **SOLID_SCENES}[name](folder, environment)
     out["camera"]["resolution"] = list(size)
     path = folder / f"{name}.json"
     path.write_text(json.dumps(out, indent=1))

@@ -11,6 +11,7 @@ const cli_command cli_commands[CLI_COMMAND_COUNT] = {
     {"info", "what a scene, volume, image or mesh holds", cli_info, false},
     {"diff", "how an image differs from another", cli_diff, false},
     {"merge", "renderings of one scene to a better or larger one", cli_merge, false},
+    {"denoise", "a path-traced image without its noise", cli_denoise, false},
     {"compare", "methods or images with a reference", cli_compare, false},
     {"screen", "fog and water over an image with distances", cli_screen, false},
     {"convert", "a volume or an image as another kind of file", cli_convert, false},

@@ -7,6 +7,7 @@
 int cli_render(int count, char** arguments);
 int cli_info(int count, char** arguments);
 int cli_diff(int count, char** arguments);
+int cli_denoise(int count, char** arguments);
 int cli_merge(int count, char** arguments);
 int cli_compare(int count, char** arguments);
 int cli_screen(int count, char** arguments);
@@ -24,7 +25,7 @@ typedef struct cli_command {
     bool is_tool; /* a separate program, which replaces this process */
 } cli_command;
 
-enum { CLI_COMMAND_COUNT = 12 };
+enum { CLI_COMMAND_COUNT = 13 };
 extern const cli_command cli_commands[CLI_COMMAND_COUNT];
 
 /* The command of a name; NULL, after a message that lists all commands, if there is none. asker: the name of the

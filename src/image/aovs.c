@@ -11,10 +11,17 @@ const ty_aov_group ty_aov_groups[TY_AOV_GROUPS] = {
     {TY_AOV_SINGLE, 3, {"single.R", "single.G", "single.B"}},
     {TY_AOV_MULTIPLE, 3, {"multiple.R", "multiple.G", "multiple.B"}},
     {TY_AOV_SAMPLES, 1, {"samples.N"}},
+    {TY_AOV_HALF | TY_AOV_COLOR, 3, {"half.R", "half.G", "half.B"}},
+    {TY_AOV_HALF | TY_AOV_TRANSMITTANCE, 3, {"half.transmittance.R", "half.transmittance.G", "half.transmittance.B"}},
+    {TY_AOV_HALF | TY_AOV_DEPTH, 1, {"half.depth.Z"}},
+    {TY_AOV_HALF | TY_AOV_NORMAL, 3, {"half.normal.X", "half.normal.Y", "half.normal.Z"}},
+    {TY_AOV_HALF | TY_AOV_ALBEDO, 3, {"half.albedo.R", "half.albedo.G", "half.albedo.B"}},
+    {TY_AOV_HALF | TY_AOV_SINGLE, 3, {"half.single.R", "half.single.G", "half.single.B"}},
+    {TY_AOV_HALF | TY_AOV_MULTIPLE, 3, {"half.multiple.R", "half.multiple.G", "half.multiple.B"}},
 };
 
 bool ty_aov_is_requested(const ty_aov_group* group, uint32_t aovs) {
-    return group->aov == TY_AOV_COLOR || (group->aov & aovs) != 0;
+    return (group->aov & aovs) == group->aov;
 }
 
 int32_t ty_aov_names(uint32_t aovs, const char* names[TY_AOV_CHANNELS_MAX]) {

@@ -4,9 +4,9 @@
 
 #include <tyndall/image.h>
 
-enum { TY_AOV_COLOR = 0, TY_AOV_GROUPS = 9, TY_AOV_CHANNELS_MAX = 26 };
+enum { TY_AOV_COLOR = 0, TY_AOV_GROUPS = 16, TY_AOV_CHANNELS_MAX = 42 };
 
-/* A group of channels, in the order of the image; aov: TY_AOV_..., or TY_AOV_COLOR. */
+/* A group of channels, in the order of the image; aov: TY_AOV_..., all of which ask for it, or TY_AOV_COLOR. */
 typedef struct ty_aov_group {
     uint32_t aov;
     int32_t count;

@@ -38,6 +38,11 @@ ty_result ty_image_copy_metadata(const ty_image* from, ty_image* to);
 /* Takes a channel out of an image, if it has it; metadata stays behind. */
 ty_result ty_image_drop_channel(ty_context* context, ty_image** image, const char* name);
 
+/* Creates an image of the named channels, each from the second image if it has it, else from the first, which must.
+ * Both have the same size; frame and metadata are the first's. Errors: TY_ERROR_MEMORY. */
+ty_result ty_image_select(ty_context* context, const ty_image* first, const ty_image* second, int32_t count,
+                          const char* const* names, ty_image** out);
+
 /* A rectangle of pixels in a frame: x0 <= x < x1, y0 <= y < y1; empty when x0 >= x1 or y0 >= y1. */
 typedef struct ty_window {
     int32_t x0, y0, x1, y1;

@@ -115,3 +115,25 @@ ty_result ty_image_drop_channel(ty_context* context, ty_image** image, const cha
     *image = rest;
     return TY_OK;
 }
+
+/* ---- some channels of two images ---- */
+
+ty_result ty_image_select(ty_context* context, const ty_image* first, const ty_image* second, int32_t count,
+                          const char* const* names, ty_image** out) {
+    ty_image* image = NULL;
+    ty_result result = ty_image_create(context, first->width, first->height, count, names, &image);
+    if (result == TY_OK) result = ty_image_copy_metadata(first, image);
+    if (result != TY_OK) {
+        ty_image_destroy(image);
+        return result;
+    }
+    memcpy(image->frame, first->frame, sizeof image->frame);
+    for (int32_t i = 0; i < count; ++i) {
+        const int32_t of_second = ty_image_find_channel(second, names[i]);
+        const float* from = of_second >= 0 ? ty_image_plane_const(second, of_second)
+                                           : ty_image_plane_const(first, ty_image_find_channel(first, names[i]));
+        memcpy(ty_image_plane(image, i), from, sizeof(float) * (size_t)image->width * (size_t)image->height);
+    }
+    *out = image;
+    return TY_OK;
+}

@@ -44,6 +44,7 @@ int bench_pop(const bench_session* bench);
 int bench_lpv(const bench_session* bench);
 int bench_dom(const bench_session* bench);
 int bench_octaves(const bench_session* bench);
+int bench_denoise(const bench_session* bench);
 int bench_impulse(const bench_session* bench);
 int bench_bake(const bench_session* bench);
 int bench_view(const bench_session* bench);

@@ -242,7 +242,7 @@ static int measure(int count, char** arguments) {
         {"spp", 0, CLI_INT, "N", "samples per pixel (default 64)", &options.spp, 1, 1 << 24, &spp_given},
         {"size", 0, CLI_SIZE, "WxH",
          "pixels (default 256x256; rays: 1024x1024; screen: 1, 2, 4 and 8 million; "
-         "fld, pop, octaves: 1024x1024; lpv: 1280x720; dom: 384x216; bake: 48x48 receivers)",
+         "fld, pop, octaves, denoise: 1024x1024; lpv: 1280x720; dom: 384x216; bake: 48x48 receivers)",
          options.size, 0, 0, &options.size_given},
         {"runs", 0, CLI_INT, "N", "repetitions whose median counts (default 3)", &options.runs, 1, 99, &runs_given},
         {"side", 0, CLI_INT, "N", "voxels a side of the volumes to load (default 192)", &options.side, 8, 1024,

@@ -168,7 +168,7 @@ typedef enum channel_kind { CHANNEL_MEAN, CHANNEL_VARIANCE, CHANNEL_DEPTH } chan
 
 static channel_kind kind_of(const char* name) {
     if (strncmp(name, "variance.", 9) == 0) return CHANNEL_VARIANCE;
-    return strcmp(name, "depth.Z") == 0 ? CHANNEL_DEPTH : CHANNEL_MEAN;
+    return strcmp(name, "depth.Z") == 0 || strcmp(name, "half.depth.Z") == 0 ? CHANNEL_DEPTH : CHANNEL_MEAN;
 }
 
 static void add_values(merge* m, const input* p, const char* name) {
@@ -203,8 +203,7 @@ static void merge_channel(merge* m, int32_t channel) {
 }
 
 /* Normalizes mean normals; vectors already of unit length keep their bits. */
-static void unit_normals(merge* m) {
-    static const char* const names[3] = {"normal.X", "normal.Y", "normal.Z"};
+static void unit_normals(merge* m, const char* const names[3]) {
     float* n[3];
     for (int c = 0; c < 3; ++c) {
         n[c] = ty_image_plane(m->image, ty_image_find_channel(m->image, names[c]));
@@ -333,7 +332,8 @@ static ty_result merge_inputs(merge* m, const cli_piece* pieces) {
     if (result == TY_OK) result = create_image(m);
     if (result != TY_OK) return result;
     for (int32_t i = 0; i < ty_image_channel_count(m->image); ++i) merge_channel(m, i);
-    unit_normals(m);
+    unit_normals(m, (const char* const[]){"normal.X", "normal.Y", "normal.Z"});
+    unit_normals(m, (const char* const[]){"half.normal.X", "half.normal.Y", "half.normal.Z"});
     return set_metadata(m);
 }
 

@@ -27,6 +27,7 @@ static void print_entries(const mesh_summary* mesh, const char* label, bool came
         if (entry->camera != cameras) continue;
         printf("%-17s", "");
         cli_print_text(stdout, entry->name[0] != '\0' ? entry->name : "(no name)", 0);
+        if (!cameras) cli_print_material(entry);
         if (cameras && entry->fov_y > 0) printf(", %.6g degrees high", entry->fov_y);
         if (cameras && !(entry->fov_y > 0)) printf(", orthographic");
         printf("\n");
@@ -57,6 +58,7 @@ static void json_entries(json_writer* json, const mesh_summary* mesh, const char
         if (entry->camera != cameras) continue;
         json_open_object(json, NULL);
         json_text(json, "name", entry->name);
+        if (!cameras) cli_write_material(json, entry);
         if (cameras) json_bool(json, "orthographic", !(entry->fov_y > 0));
         if (cameras && entry->fov_y > 0) json_number(json, "fov_y", entry->fov_y);
         json_close_object(json);

@@ -45,4 +45,4 @@ ty_result cli_render_auto(cli_session* session, const ty_scene* scene, const cli
 }
 
 const ty_method cli_method_auto = {
-    .name = "auto", .summary = "the method that suits the scene", .aovs = TY_AOV_ALL, .crops = true};
+    .name = "auto", .summary = "the method that suits the scene", .aovs = TY_AOV_ALL | TY_AOV_HALF, .crops = true};

@@ -19,6 +19,7 @@ typedef struct cli_report {
     double load_seconds;
     double fov_y; /* vertical field of view, degrees; 0: left out */
     bool resumed, complete;
+    ty_denoise_stats denoised; /* cookie 0: it was not denoised */
 } cli_report;
 
 enum { CLI_STAGES_MAX = 24 };

@@ -1,4 +1,5 @@
 /* tyndall render: renders a scene to an image. */
+#include "cli/denoise/denoised.h"
 #include "cli/options/aovs.h"
 #include "cli/session/checkpoint.h"
 #include "cli/commands.h"
@@ -7,6 +8,7 @@
 #include "cli/methods/report.h"
 #include "cli/session/session.h"
 #include "cli/images/tev.h"
+#include "image/aovs.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -14,11 +16,11 @@
 enum { SPP_MAX = 1 << 24 };
 
 typedef struct render_options {
-    const char *output, *png, *aov, *method, *tev;
+    const char *output, *png, *denoised_png, *aov, *method, *tev;
     uint32_t aovs;
     int32_t spp, size[2], crop[4];
     double time, error, exposure, checkpoint;
-    bool spp_given, exposure_given, checkpoint_given, resume;
+    bool spp_given, exposure_given, checkpoint_given, resume, denoise;
     cli_list overrides;
 } render_options;
 
@@ -63,8 +65,10 @@ static void print_closing_lines(const render_options* options, const cli_report*
         print_method_lines(report);
     else
         print_path_line(report);
+    if (options->denoise) cli_print_denoised(&report->denoised);
     printf("wrote %s\n", options->output);
     if (options->png != NULL) printf("wrote %s\n", options->png);
+    if (options->denoise && options->denoised_png != NULL) printf("wrote %s (denoised)\n", options->denoised_png);
 }
 
 static cli_request make_request(const render_options* options, const cli_session* session,
@@ -80,7 +84,7 @@ static cli_request make_request(const render_options* options, const cli_session
         .error = options->error,
         .width = options->size[0],
         .height = options->size[1],
-        .aovs = options->aovs | TY_AOV_SAMPLES,
+        .aovs = options->aovs | TY_AOV_SAMPLES | (options->denoise ? TY_DENOISE_AOVS : 0),
         .checkpoint = options->resume ? checkpoint : NULL,
         .checkpoint_seconds = options->checkpoint,
         .partial = options->tev != NULL ? cli_tev_show : NULL,
@@ -97,24 +101,57 @@ static int fail_rendering(cli_session* session, ty_result result, const cli_chec
     return cli_fail(CLI_USAGE, "%s: %s; remove it to start again", checkpoint->path, ty_take_error(session->context));
 }
 
+/* True for channels that --aov asks for, and R, G, B and samples.N. */
+static bool is_wanted(void* user, const char* name) {
+    const render_options* options = user;
+    const char* names[TY_AOV_CHANNELS_MAX];
+    const int32_t count = ty_aov_names(options->aovs | TY_AOV_SAMPLES, names);
+    for (int32_t i = 0; i < count; ++i)
+        if (strcmp(names[i], name) == 0) return true;
+    return false;
+}
+
+/* An image that was interrupted before it had the samples for it stays without the layers, after a warning. */
+static ty_result denoise(cli_session* session, render_options* options, cli_report* report, ty_image** image) {
+    ty_denoise_def def = ty_default_denoise_def();
+    def.progress = cli_progress_report;
+    def.progress_user = &session->progress;
+    report->denoised = ty_default_denoise_stats();
+    const ty_result result = cli_add_denoised(session, &def, is_wanted, options, image, &report->denoised);
+    if (report->complete || (result != TY_ERROR_INPUT && result != TY_CANCELLED)) return result;
+    cli_progress_warn(&session->progress,
+                      result == TY_CANCELLED ? "the image is not denoised" : ty_take_error(session->context));
+    options->denoise = false;
+    return TY_OK;
+}
+
 /* Writes a finished or partial image; returns the exit status. */
-static int write_result(cli_session* session, const render_options* options, const cli_report* report, ty_image** image,
+static int write_result(cli_session* session, render_options* options, cli_report* report, ty_image** image,
                         double exposure) {
-    ty_result result = (options->aovs & TY_AOV_SAMPLES) == 0 ? cli_drop_even_samples(session->context, image) : TY_OK;
+    ty_result result = options->denoise ? denoise(session, options, report, image) : TY_OK;
+    if (result == TY_OK && (options->aovs & TY_AOV_SAMPLES) == 0)
+        result = cli_drop_even_samples(session->context, image);
     if (result == TY_OK) result = cli_report_metadata(*image, report);
+    if (result == TY_OK && options->denoise) result = cli_denoised_metadata(*image, &report->denoised);
     if (result == TY_OK) result = write_images(session, options, *image, exposure);
+    if (result == TY_OK && options->denoise && options->denoised_png != NULL)
+        result = cli_write_denoised_png(session, *image, exposure, options->denoised_png);
     if (result != TY_OK) return cli_fail_running(session, result);
     if (!session->common.quiet) print_closing_lines(options, report);
     return report->complete ? CLI_DONE : CLI_INTERRUPTED;
 }
 
 /* Renders and writes the scene; returns the exit status. */
-static int render_scene(cli_session* session, const ty_scene* scene, const render_options* options,
+static int render_scene(cli_session* session, const ty_scene* scene, render_options* options,
                         cli_checkpoint* checkpoint, cli_tev* tev, cli_report* report) {
     const ty_render_settings settings = ty_scene_render_settings(scene);
     const ty_method* method = cli_find_method("render", options->method != NULL ? options->method : settings.method);
     if (method == NULL) return CLI_USAGE;
+    if (options->denoise && method != &cli_method_auto && strcmp(method->name, "path") != 0)
+        return cli_usage_error("render", "--denoise is for method path, and %s has no noise of samples", method->name);
     const cli_request request = make_request(options, session, &settings, checkpoint, tev);
+    if (options->denoise && request.spp < 2)
+        return cli_usage_error("render", "--denoise compares two halves of the samples, and there is one a pixel");
     const int possible = cli_check_request(session, scene, method, &request);
     if (possible != CLI_GO) return possible;
     report->method = method->name;
@@ -137,7 +174,13 @@ static int render_scene(cli_session* session, const ty_scene* scene, const rende
     return status;
 }
 
-static int load_and_render(cli_session* session, const char* path, const render_options* options) {
+static void report_stats(json_writer* json, const void* user) {
+    const cli_report* report = user;
+    cli_report_stats(json, report);
+    if (report->denoised.cookie != 0) cli_denoised_json(json, &report->denoised);
+}
+
+static int load_and_render(cli_session* session, const char* path, render_options* options) {
     cli_checkpoint checkpoint = {.session = session};
     cli_report report = {.method = "", .complete = false};
     cli_tev tev = {.session = session};
@@ -153,7 +196,7 @@ static int load_and_render(cli_session* session, const char* path, const render_
     }
     if (status == CLI_GO) {
         report.load_seconds = cli_wall_seconds() - session->started;
-        session->stats = cli_report_stats;
+        session->stats = report_stats;
         session->stats_user = &report;
         status = render_scene(session, scene, options, &checkpoint, &tev, &report);
     }
@@ -173,12 +216,22 @@ static int check_options(render_options* options) {
         return cli_usage_error("render", "%s: the extension is not .png", options->png);
     if (options->aov != NULL && png)
         return cli_usage_error("render", "--aov is for .exr images, and %s is none", options->output);
+    if (options->denoise && png)
+        return cli_usage_error("render",
+                               "--denoise adds layers to .exr images, and %s is none; --denoised-png has a PNG",
+                               options->output);
+    if (options->denoised_png != NULL && !options->denoise)
+        return cli_usage_error("render", "--denoised-png shows what --denoise makes; give both");
+    if (options->denoised_png != NULL && !cli_has_extension(options->denoised_png, ".png"))
+        return cli_usage_error("render", "%s: the extension is not .png", options->denoised_png);
     if (options->checkpoint_given && !options->resume)
         return cli_usage_error("render", "--checkpoint says how often --resume saves; give both");
     int status = options->tev != NULL ? cli_tev_check_address("render", options->tev) : CLI_GO;
     if (status == CLI_GO && options->aov != NULL) status = cli_parse_aovs("render", options->aov, &options->aovs);
     if (status == CLI_GO) status = cli_check_output("render", options->output);
-    return status != CLI_GO || options->png == NULL ? status : cli_check_output("render", options->png);
+    if (status == CLI_GO && options->png != NULL) status = cli_check_output("render", options->png);
+    return status != CLI_GO || options->denoised_png == NULL ? status
+                                                             : cli_check_output("render", options->denoised_png);
 }
 
 static bool print_words(FILE* file, const char* option) {
@@ -215,6 +268,10 @@ int cli_render(int count, char** arguments) {
         {"exposure", 0, CLI_REAL, "STOPS", "exposure of the PNG (default: the camera's)", &options.exposure, -64, 64,
          &options.exposure_given},
         {"aov", 0, CLI_TEXT, "NAME,...", "also write these channels to the EXR (see above)", &options.aov, 0, 0, NULL},
+        {"denoise", 0, CLI_FLAG, NULL, "add the layers denoised and denoised_error to the EXR (path, see above)",
+         &options.denoise, 0, 0, NULL},
+        {"denoised-png", 0, CLI_TEXT, "FILE", "with --denoise: also write a PNG of the denoised light",
+         &options.denoised_png, 0, 0, NULL},
         {"resume", 0, CLI_FLAG, NULL, "go on from FILE.state if it is there, and keep it up to date", &options.resume,
          0, 0, NULL},
         {"checkpoint", 0, CLI_REAL, "SECONDS", "time between two states of --resume (default: 2, see above)",
@@ -241,7 +298,8 @@ int cli_render(int count, char** arguments) {
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
         "media\n"
         "scattered once, and otherwise), albedo (fraction that media scatter), normal, variance (of the pixels),\n"
-        "samples, or all. Partial images always have samples, so that 'tyndall merge' knows what they weigh.",
+        "samples, or all, and half (the even samples' mean of each). --denoise leaves R, G, B and --png as they are.\n"
+        "Partial images always have samples, so that 'tyndall merge' knows what they weigh.",
         table,
         sizeof table / sizeof table[0],
         1,

@@ -179,7 +179,7 @@ typedef struct ty_gltf_pose {
 ty_result ty_gltf_read_pose(ty_gltf* gltf, const json_t* node, const ty_json_path* json_path, size_t mesh,
                             const ty_affine* transform, ty_gltf_pose* pose);
 void ty_gltf_free_pose(ty_gltf* gltf, ty_gltf_pose* pose);
-/* Moves a mesh's vertices and normals into the pose; with a skin, they are then in scene space. */
+/* Moves a mesh's vertices, normals and tangents into the pose; with a skin, they are then in scene space. */
 ty_result ty_gltf_apply_pose(ty_gltf* gltf, ty_gltf_primitive* p, const ty_gltf_pose* pose, ty_model_mesh* mesh);
 
 /* ---- parts of the model ---- */

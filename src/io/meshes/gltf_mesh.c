@@ -99,6 +99,7 @@ static ty_result fill_vertices(ty_gltf* gltf, ty_gltf_primitive* p, const ty_glt
     const size_t count = mesh->vertex_count;
     ty_gltf_read_floats(&p->positions, p->first, count, 3, mesh->positions);
     if (p->has_normals) ty_gltf_read_floats(&p->normals, p->first, count, 3, mesh->normals);
+    if (mesh->tangents != NULL) ty_gltf_read_floats(&p->tangents, p->first, count, 4, mesh->tangents);
     const ty_result result = pose == NULL ? TY_OK : ty_gltf_apply_pose(gltf, p, pose, mesh);
     if (result != TY_OK) return result;
     for (size_t i = 0; i < 3 * count; ++i)
@@ -108,7 +109,6 @@ static ty_result fill_vertices(ty_gltf* gltf, ty_gltf_primitive* p, const ty_glt
         if (p->has_uv[set]) ty_gltf_read_floats(&p->uv[set], p->first, count, 2, mesh->uv[set]);
     for (size_t i = 0; p->has_colors && i < count; ++i) mesh->colors[4 * i + 3] = 1;
     if (p->has_colors) ty_gltf_read_floats(&p->colors, p->first, count, 4, mesh->colors);
-    if (mesh->tangents != NULL) ty_gltf_read_floats(&p->tangents, p->first, count, 4, mesh->tangents);
     ty_model_tidy_shading(mesh);
     return TY_OK;
 }
@@ -138,8 +138,7 @@ static ty_result build_mesh(ty_gltf* gltf, ty_gltf_primitive* p, const ty_gltf_p
     result = ty_model_alloc_mesh(gltf->context, &mesh, p->has_normals, p->has_uv[0], p->has_uv[1], p->has_colors);
     if (result != TY_OK) return result;
     fill_triangles(p, &mesh);
-    /* Poses move tangents no more: those of posed meshes are derived. */
-    if (p->has_tangents && pose == NULL) {
+    if (p->has_tangents) {
         mesh.tangents = ty_alloc_array(gltf->context, mesh.vertex_count, 4 * sizeof(float), true);
         if (mesh.tangents == NULL) result = TY_ERROR_MEMORY;
     }

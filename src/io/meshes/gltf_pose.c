@@ -106,9 +106,12 @@ void ty_gltf_free_pose(ty_gltf* gltf, ty_gltf_pose* pose) {
 
 /* ---- morph targets ---- */
 
-/* Adds `weight` times an attribute of a morph target to `values`, three per vertex of the primitive's range. */
+/* Adds `weight` times an attribute of a morph target to the first three of `width` values per vertex of the primitive's
+ * range; values: NULL if the mesh lacks the attribute. */
 static ty_result add_target(ty_gltf* gltf, const ty_gltf_primitive* p, const json_t* target,
-                            const ty_json_path* json_path, const char* name, double weight, float* values) {
+                            const ty_json_path* json_path, const char* name, double weight, size_t width,
+                            float* values) {
+    if (values == NULL) return TY_OK;
     int64_t index = -1;
     ty_gltf_accessor accessor;
     ty_result result = ty_gltf_read_reference(gltf, target, json_path, name, "accessors", &index);
@@ -122,7 +125,7 @@ static ty_result add_target(ty_gltf* gltf, const ty_gltf_primitive* p, const jso
         float displacement[3] = {0, 0, 0};
         ty_gltf_read_floats(&accessor, p->first + i, 1, 3, displacement);
         for (size_t a = 0; a < 3; ++a)
-            values[3 * i + a] = (float)((double)values[3 * i + a] + weight * (double)displacement[a]);
+            values[width * i + a] = (float)((double)values[width * i + a] + weight * (double)displacement[a]);
     }
     return TY_OK;
 }
@@ -135,9 +138,10 @@ static ty_result morph(ty_gltf* gltf, const ty_gltf_primitive* p, const ty_gltf_
         if (pose->weights[i] == 0) continue;
         const ty_json_path here = ty_json_path_index(&targets_path, i);
         const json_t* target = json_array_get(targets, i);
-        result = add_target(gltf, p, target, &here, "POSITION", pose->weights[i], mesh->positions);
-        if (result == TY_OK && mesh->normals != NULL)
-            result = add_target(gltf, p, target, &here, "NORMAL", pose->weights[i], mesh->normals);
+        result = add_target(gltf, p, target, &here, "POSITION", pose->weights[i], 3, mesh->positions);
+        if (result == TY_OK) result = add_target(gltf, p, target, &here, "NORMAL", pose->weights[i], 3, mesh->normals);
+        if (result == TY_OK)
+            result = add_target(gltf, p, target, &here, "TANGENT", pose->weights[i], 4, mesh->tangents);
     }
     return result;
 }
@@ -204,21 +208,29 @@ static void find_cofactors(const double* m, double out[9]) {
         }
 }
 
-/* Moves a vertex; returns true if the map mirrors it. */
-static bool move_vertex(const ty_affine* map, float position[3], float* normal) {
+/* Multiplies a vector by sign times a matrix with rows of `stride` numbers, to a largest component of 1; a vector that
+ * becomes zero stays as it is. */
+static void rotate(const double* matrix, int stride, double sign, float vector[3]) {
+    double rotated[3], largest = 0;
+    for (int r = 0; r < 3; ++r) {
+        const double* row = matrix + stride * r;
+        rotated[r] = row[0] * (double)vector[0] + row[1] * (double)vector[1] + row[2] * (double)vector[2];
+        largest = fmax(largest, fabs(rotated[r]));
+    }
+    for (int r = 0; r < 3; ++r) vector[r] = largest > 0 ? (float)(sign * rotated[r] / largest) : vector[r];
+}
+
+/* Moves vertex i; returns true if the map mirrors it. Tangents transform as differences of positions, and a mirrored
+ * one has its bitangent on the other side. */
+static bool move_vertex(const ty_affine* map, ty_model_mesh* mesh, size_t i) {
     double cofactors[9];
     find_cofactors(map->m, cofactors);
     const bool mirrored = map->m[0] * cofactors[0] + map->m[1] * cofactors[1] + map->m[2] * cofactors[2] < 0;
-    transform_point(map, position);
-    if (normal == NULL) return mirrored;
-    double rotated[3], largest = 0;
-    for (int r = 0; r < 3; ++r) {
-        const double* row = cofactors + 3 * r;
-        rotated[r] = row[0] * (double)normal[0] + row[1] * (double)normal[1] + row[2] * (double)normal[2];
-        largest = fmax(largest, fabs(rotated[r]));
-    }
-    for (int r = 0; r < 3; ++r)
-        normal[r] = largest > 0 ? (float)((mirrored ? -rotated[r] : rotated[r]) / largest) : normal[r];
+    transform_point(map, mesh->positions + 3 * i);
+    if (mesh->normals != NULL) rotate(cofactors, 3, mirrored ? -1 : 1, mesh->normals + 3 * i);
+    if (mesh->tangents == NULL) return mirrored;
+    rotate(map->m, 4, 1, mesh->tangents + 4 * i);
+    if (mirrored) mesh->tangents[4 * i + 3] = -mesh->tangents[4 * i + 3];
     return mirrored;
 }
 
@@ -231,7 +243,7 @@ static void place_vertices(const ty_gltf_pose* pose, const blend* blends, bool h
             for (int e = 0; e < 12; ++e) map.m[e] = blends[i].matrix.m[e] / blends[i].weight;
         else if (has_joints)
             map = pose->joints[blends[i].joint];
-        mirrored[i] = move_vertex(&map, mesh->positions + 3 * i, mesh->normals == NULL ? NULL : mesh->normals + 3 * i);
+        mirrored[i] = move_vertex(&map, mesh, i);
     }
 }
 

@@ -2,6 +2,7 @@
 #include "base/context.h"
 #include "io/meshes/model.h"
 #include "io/schema_text.h"
+#include "scene/surfaces/gloss.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -83,6 +84,7 @@ static ty_result make_textures(filler* f) {
     if (f->textures == NULL) return TY_ERROR_MEMORY;
     for (size_t i = 0; i < f->model->texture_count; ++i) {
         const ty_model_texture* texture = &f->model->textures[i];
+        if (texture->image < 0) continue;
         const ty_model_image* image = &f->model->images[texture->image];
         ty_texture_def def = ty_default_texture_def();
         def.width = image->width;
@@ -224,10 +226,20 @@ static void add_entry(const ty_mesh_file_entry* entry, const char* name, ty_mesh
     ++*count;
 }
 
+static ty_mesh_file_entry material_entry(const ty_model_material* material) {
+    ty_mesh_file_entry entry = {.material = material->def,
+                                .glossy = ty_gloss_exists(&material->def.gloss),
+                                .base_texture = material->albedo_texture >= 0,
+                                .emission_texture = material->emission_texture >= 0};
+    for (int i = 0; i < TY_GLOSS_TEXTURES; ++i) entry.textures[i] = material->gloss_textures[i] >= 0;
+    entry.glossy = entry.glossy || entry.textures[TY_GLOSS_NORMAL];
+    return entry;
+}
+
 static void list_entries(const ty_model* model, ty_mesh_file_entry* entries, int32_t capacity, int32_t* count) {
     *count = 0;
     for (size_t i = 0; i < model->material_count; ++i) {
-        const ty_mesh_file_entry entry = {.camera = false};
+        const ty_mesh_file_entry entry = material_entry(&model->materials[i]);
         if (!model->materials[i].plain) add_entry(&entry, model->materials[i].name, entries, capacity, count);
     }
     for (size_t i = 0; i < model->camera_count; ++i) {

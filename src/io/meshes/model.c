@@ -134,6 +134,7 @@ ty_model_material ty_model_plain_material(float albedo) {
     ty_model_material material = {.def = ty_default_material_def(), .albedo_texture = -1, .emission_texture = -1};
     for (int c = 0; c < 3; ++c) material.def.albedo[c] = albedo;
     for (int i = 0; i < TY_GLOSS_TEXTURES; ++i) material.gloss_textures[i] = -1;
+    for (int i = 0; i < TY_SINGLE_MAPS; ++i) material.single_textures[i] = -1;
     return material;
 }
 
@@ -144,7 +145,7 @@ static float finite_or_zero(float value) {
 }
 
 /* Double precision, in which squares of floats neither overflow nor vanish. */
-static void tidy_normal(float n[3]) {
+static void tidy_unit(float n[3]) {
     const double x = (double)n[0], y = (double)n[1], z = (double)n[2];
     const double length = sqrt(x * x + y * y + z * z);
     for (int a = 0; a < 3; ++a) n[a] = length > 0 && isfinite(length) ? (float)((double)n[a] / length) : 0;
@@ -152,12 +153,14 @@ static void tidy_normal(float n[3]) {
 
 void ty_model_tidy_shading(ty_model_mesh* mesh) {
     const size_t count = mesh->vertex_count;
-    for (size_t i = 0; mesh->normals != NULL && i < count; ++i) tidy_normal(mesh->normals + 3 * i);
+    for (size_t i = 0; mesh->normals != NULL && i < count; ++i) tidy_unit(mesh->normals + 3 * i);
     for (int set = 0; set < 2; ++set)
         for (size_t i = 0; mesh->uv[set] != NULL && i < 2 * count; ++i)
             mesh->uv[set][i] = finite_or_zero(mesh->uv[set][i]);
-    for (size_t i = 0; mesh->tangents != NULL && i < 4 * count; ++i)
-        mesh->tangents[i] = finite_or_zero(mesh->tangents[i]);
+    for (size_t i = 0; mesh->tangents != NULL && i < count; ++i) {
+        tidy_unit(mesh->tangents + 4 * i);
+        mesh->tangents[4 * i + 3] = mesh->tangents[4 * i + 3] < 0 ? -1 : 1;
+    }
     for (size_t i = 0; mesh->colors != NULL && i < 4 * count; ++i)
         mesh->colors[i] = mesh->colors[i] > 0 ? fminf(mesh->colors[i], 1) : 0;
 }

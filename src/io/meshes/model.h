@@ -25,7 +25,7 @@ typedef struct ty_model_mesh {
     float* normals; /* unit, or zero where the file has no direction */
     float* uv[2];
     float* colors;
-    float* tangents;
+    float* tangents; /* unit, or zero; the fourth number, 1 or -1, is the sign of the bitangent */
     uint32_t* indices;
     int32_t material;  /* -1: none */
     int32_t primitive; /* this and the next fields: as in ty_mesh_origin */
@@ -50,11 +50,15 @@ typedef struct ty_model_image {
 } ty_model_image;
 
 typedef struct ty_model_texture {
-    int32_t image;
+    int32_t image; /* -1: the texture has no use */
     ty_wrap wrap[2];
     bool nearest;
     bool linear; /* numbers, not colours */
 } ty_model_texture;
+
+/* Maps of MTL files that hold one number, and bumps. */
+typedef enum ty_single_map { TY_SINGLE_OPACITY, TY_SINGLE_ROUGHNESS, TY_SINGLE_METALLIC, TY_SINGLE_BUMP } ty_single_map;
+enum { TY_SINGLE_MAPS = 4 };
 
 /* def without textures, which are given by index; -1: none. */
 typedef struct ty_model_material {
@@ -63,7 +67,7 @@ typedef struct ty_model_material {
     ty_material_def def;
     int32_t albedo_texture, emission_texture;
     int32_t gloss_textures[TY_GLOSS_TEXTURES];
-    bool has_roughness, has_specular; /* from keys of their own */
+    int32_t single_textures[TY_SINGLE_MAPS]; /* -1 once the file is read */
 } ty_model_material;
 
 /* Position and directions in file space; directions are unit. */
@@ -117,7 +121,7 @@ ty_result ty_model_add_camera(ty_model* model, ty_model_camera* camera);
 ty_result ty_model_alloc_mesh(ty_context* context, ty_model_mesh* mesh, bool normals, bool uv0, bool uv1, bool colors);
 void ty_model_free_mesh(ty_context* context, ty_model_mesh* mesh);
 
-/* Makes shading arrays conform to ty_model_mesh: normals unit, non-finite numbers 0, colors clamped. */
+/* Makes shading arrays conform to ty_model_mesh: normals and tangents unit, non-finite numbers 0, colors clamped. */
 void ty_model_tidy_shading(ty_model_mesh* mesh);
 /* A material with the given albedo and no textures. */
 ty_model_material ty_model_plain_material(float albedo);

@@ -269,5 +269,6 @@ ty_result ty_read_obj(ty_context* context, const char* path, const char* folder,
     if (result == TY_OK) result = ty_obj_build_meshes(&obj);
     if (result == TY_OK) warn(&obj);
     free_obj(&obj);
-    return result == TY_OK ? ty_model_decode_images(model) : result;
+    if (result == TY_OK) result = ty_model_decode_images(model);
+    return result == TY_OK ? ty_obj_join_maps(model, path) : result;
 }

@@ -41,6 +41,9 @@ typedef struct ty_obj {
 /* obj_material.c: adds the materials of an .mtl text, which is followed by a zero byte not counted in size. */
 ty_result ty_read_mtl(ty_context* context, const char* path, const char* folder, const char* text, size_t size,
                       ty_model* model);
+/* obj_maps.c: puts decoded maps of one number into the channels in which glTF has them: opacity into the alpha of the
+ * base colour, roughness into green and metallic into blue of one texture. Maps of bumps are taken for normals. */
+ty_result ty_obj_join_maps(ty_model* model, const char* path);
 /* obj_mesh.c: builds one mesh per material from the triangles. */
 ty_result ty_obj_build_meshes(ty_obj* obj);
 

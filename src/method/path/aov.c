@@ -40,7 +40,7 @@ static double unit_normal(const ty_path_aov_sums* aov_sums, int c) {
 }
 
 /* aov_sums may be NULL only for channels that do not read it. */
-static double pixel_value(uint32_t aov, const ty_path_item* item, const ty_path_aov_sums* aov_sums, int c) {
+static double mean_value(uint32_t aov, const ty_path_item* item, const ty_path_aov_sums* aov_sums, int c) {
     const double n = item->count > 0 ? item->count : 1;
     switch (aov) {
     case TY_AOV_VARIANCE: return ty_path_item_variance(item, c);
@@ -55,13 +55,23 @@ static double pixel_value(uint32_t aov, const ty_path_item* item, const ty_path_
     }
 }
 
+/* The same of the even samples. */
+static double half_value(uint32_t aov, const ty_path_item* item, const ty_path_half* half, int c) {
+    ty_path_item even = {.count = (item->count + 1) / 2};
+    for (int k = 0; k < 3; ++k) even.sums.mean[k] = half->mean[k];
+    return mean_value(aov, &even, &half->aov_sums, c);
+}
+
 void ty_path_image_fill(const ty_path_run* run, ty_image* image) {
     int32_t channel = 0;
     for (int g = 0; g < TY_AOV_GROUPS; ++g)
         for (int c = 0; ty_aov_is_requested(&ty_aov_groups[g], run->def->aovs) && c < ty_aov_groups[g].count; ++c) {
             float* plane = ty_image_plane(image, channel++);
+            const uint32_t aov = ty_aov_groups[g].aov & ~(uint32_t)TY_AOV_HALF;
+            const bool half = aov != ty_aov_groups[g].aov;
             for (int64_t i = 0; i < run->item_count; ++i)
-                plane[i] = (float)pixel_value(ty_aov_groups[g].aov, &run->items[i],
-                                              run->aov_sums != NULL ? &run->aov_sums[i] : NULL, c);
+                plane[i] = (float)(half ? half_value(aov, &run->items[i], &run->halves[i], c)
+                                        : mean_value(aov, &run->items[i],
+                                                     run->aov_sums != NULL ? &run->aov_sums[i] : NULL, c));
         }
 }

@@ -88,7 +88,12 @@ static ty_result allocate_items(ty_path_run* run, bool with_aov_sums) {
     run->items = ty_alloc_array(run->context, count, sizeof *run->items, true);
     if (run->items != NULL && with_aov_sums)
         run->aov_sums = ty_alloc_array(run->context, count, sizeof *run->aov_sums, true);
-    return run->items != NULL && (run->aov_sums != NULL) == with_aov_sums ? TY_OK : TY_ERROR_MEMORY;
+    const bool with_halves = run->request.kind == TY_PATH_PIXELS && (run->known.aovs & TY_AOV_HALF) != 0;
+    if (run->aov_sums != NULL && with_halves)
+        run->halves = ty_alloc_array(run->context, count, sizeof *run->halves, true);
+    return run->items != NULL && (run->aov_sums != NULL) == with_aov_sums && (run->halves != NULL) == with_halves
+               ? TY_OK
+               : TY_ERROR_MEMORY;
 }
 
 /* Rates of lamp directions, where lamps shine into media: off if the def, or the request, leaves no light for them. */
@@ -152,9 +157,11 @@ void ty_path_run_end(ty_path_run* run) {
     ty_free_array(run->context, run->lights, (size_t)run->view.lights.count, sizeof *run->lights);
     ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);
     ty_free_array(run->context, run->aov_sums, (size_t)run->item_count, sizeof *run->aov_sums);
+    ty_free_array(run->context, run->halves, (size_t)run->item_count, sizeof *run->halves);
     run->lights = NULL;
     run->items = NULL;
     run->aov_sums = NULL;
+    run->halves = NULL;
 }
 
 double ty_path_item_mean(const ty_path_item* item, int channel) {

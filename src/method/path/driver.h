@@ -16,6 +16,12 @@ typedef struct ty_path_item {
     uint32_t count;
 } ty_path_item;
 
+/* Sums over the even samples of an item alone, whose random numbers are independent of those of odd ones. */
+typedef struct ty_path_half {
+    double mean[3]; /* sum of samples */
+    ty_path_aov_sums aov_sums;
+} ty_path_half;
+
 typedef struct ty_path_run {
     ty_context* context;
     const ty_path_def* def; /* known, but for a bake, which has none once it samples */
@@ -29,6 +35,7 @@ typedef struct ty_path_run {
     ty_image* image;            /* of the pixels, filled for def->partial; NULL: none */
     ty_path_item* items;        /* item_count items, zeroed or resumed from a state */
     ty_path_aov_sums* aov_sums; /* item_count; NULL: not needed */
+    ty_path_half* halves;       /* item_count, for TY_AOV_HALF; NULL: not needed */
     ty_light_view* lights;      /* lights of the scene without its media; NULL: the scene's own */
     int64_t item_count;
     ty_path_kernel kernel;

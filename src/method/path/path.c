@@ -45,7 +45,8 @@ static ty_result prepare_pixels(const ty_scene* scene, ty_path_run* run) {
 /* Reports early if items, image and state together exceed the memory limit. */
 static ty_result check_memory(const ty_path_run* run) {
     const double item =
-        (double)(sizeof *run->items + (ty_aovs_need_classes(run->def->aovs) ? sizeof *run->aov_sums : 0));
+        (double)(sizeof *run->items + (ty_aovs_need_classes(run->def->aovs) ? sizeof *run->aov_sums : 0) +
+                 ((run->def->aovs & TY_AOV_HALF) != 0 ? sizeof *run->halves : 0));
     const double pixel = item * (run->def->state != NULL ? 2 : 1) + (double)ty_aovs_pixel_size(run->def->aovs);
     char what[64];
     snprintf(what, sizeof what, "path: %d x %d pixels", run->request.crop[2], run->request.crop[3]);

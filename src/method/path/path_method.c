@@ -40,6 +40,6 @@ static ty_result render(const ty_scene* scene, const ty_render_request* request,
 const ty_method ty_method_path = {.name = "path",
                                   .summary = "unbiased path tracing",
                                   .options = &ty_path_options,
-                                  .aovs = TY_AOV_ALL,
+                                  .aovs = TY_AOV_ALL | TY_AOV_HALF,
                                   .crops = true,
                                   .render = render};

@@ -26,8 +26,8 @@ static const ty_option options[] = {
      .flags = TY_OPTION_CALLS_ONLY, .doc = "Time after which sampling stops; 0 means no bound."},
     {TY_OPTION_FIELD(ty_path_def, error), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .flags = TY_OPTION_CALLS_ONLY,
      .doc = "Relative error at which sampling stops; 0 means no bound."},
-    {TY_OPTION_FIELD(ty_path_def, aovs), .type = TY_OPTION_INT, .min = 0, .max = TY_AOV_ALL, .preset = TY_AOV_VARIANCE,
-     .flags = TY_OPTION_CALLS_ONLY, .doc = "Channels of images, TY_AOV_... together."},
+    {TY_OPTION_FIELD(ty_path_def, aovs), .type = TY_OPTION_INT, .min = 0, .max = TY_AOV_ALL | TY_AOV_HALF,
+     .preset = TY_AOV_VARIANCE, .flags = TY_OPTION_CALLS_ONLY, .doc = "Channels of images, TY_AOV_... together."},
     {TY_OPTION_FIELD(ty_path_def, state_seconds), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .preset = TY_AUTO,
      .unit = "s", .flags = TY_OPTION_AUTO | TY_OPTION_CALLS_ONLY,
      .doc = "Time between two states that are handed out; automatic means 2 s, or longer where that took more than 2 % "

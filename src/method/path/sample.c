@@ -25,8 +25,12 @@ static const double state_seconds_auto = 2, state_fraction = 0.02, merge_seconds
 /* The shortest time between two partial images. */
 static const double partial_seconds = 1;
 
+/* Seed of the odd samples of a run with halves, over that of the even ones. */
+static const uint64_t odd_seed = 0xb5ad4eceda1ce2a9u;
+
 typedef struct sampling {
     ty_path_run* run;
+    ty_path_request odd;  /* runs with halves: the request of odd samples */
     uint32_t last;        /* samples of each item after this pass */
     uint32_t done_before; /* samples of each item before this pass */
     double begun;         /* start time as if the work had been done in one go */
@@ -196,9 +200,19 @@ typedef struct block_work {
     ty_path_aov_sums aov_sums[TY_PATH_BLOCK];
 } block_work;
 
+/* Adds `samples` samples of items to the work. With halves it is one, which has its index among those of its parity. */
+static uint64_t trace(const sampling* pass, block_work* work, int64_t item, int64_t next, uint32_t sample,
+                      uint32_t samples) {
+    const ty_path_run* run = pass->run;
+    const bool halves = run->halves != NULL;
+    const ty_path_request* request = halves && work->first % 2 == 1 ? &pass->odd : &run->request;
+    return run->kernel(request, item, next, halves ? work->first / 2 : work->first + sample, samples,
+                       work->sums + (item - work->begin),
+                       run->aov_sums != NULL ? work->aov_sums + (item - work->begin) : NULL);
+}
+
 /* Samples in strides of a few milliseconds; their lengths change no result. Returns false if the run stops. */
 static bool sample_in_strides(sampling* pass, block_work* work) {
-    const ty_path_run* run = pass->run;
     int64_t item = work->begin;
     uint32_t sample = 0;
     while (item < work->end) {
@@ -208,9 +222,7 @@ static bool sample_in_strides(sampling* pass, block_work* work) {
         const int64_t many = sample > 0 || samples < left ? 1 : stride / work->count;
         const int64_t next = item + many < work->end ? item + many : work->end;
         const double begun = ty_wall_seconds();
-        work->vertices +=
-            run->kernel(&run->request, item, next, work->first + sample, samples, work->sums + (item - work->begin),
-                        run->aov_sums != NULL ? work->aov_sums + (item - work->begin) : NULL);
+        work->vertices += trace(pass, work, item, next, sample, samples);
         const double seconds = ty_wall_seconds() - begun;
         uint32_t better = stride;
         if (seconds > 2 * stride_seconds && stride > 1) better = stride / 2;
@@ -225,12 +237,27 @@ static bool sample_in_strides(sampling* pass, block_work* work) {
 }
 
 /* Samples per item of a block until they are merged: as many as take about merge_seconds, judged by the stride. A
- * stride of one path may take any time longer than a stride should, and then the fewest are merged. */
+ * stride of one path may take any time longer than a stride should, and then the fewest are merged. With halves each
+ * sample is, because the next one belongs to the other half. */
 static uint32_t samples_to_merge(const sampling* pass, uint32_t left) {
+    if (pass->run->halves != NULL) return 1;
     const uint32_t stride = atomic_load_explicit(&pass->stride, memory_order_relaxed);
     const double samples = stride * (merge_seconds / stride_seconds) / TY_PATH_BLOCK;
     const uint32_t count = stride <= 1 || samples < 1 ? 1 : (uint32_t)samples;
     return count < left ? count : left;
+}
+
+/* Adds an even sample of a block, by which its sums exceed those of the run's items, to the halves. */
+static void add_to_halves(ty_path_run* run, const block_work* work) {
+    enum { AOV_SUMS = sizeof(ty_path_aov_sums) / sizeof(double) };
+    for (int64_t i = work->begin; i < work->end; ++i) {
+        const ty_path_sums* sums = &work->sums[i - work->begin];
+        const double* after = (const double*)&work->aov_sums[i - work->begin];
+        const double* before = (const double*)&run->aov_sums[i];
+        double* half = (double*)&run->halves[i].aov_sums;
+        for (int c = 0; c < 3; ++c) run->halves[i].mean[c] += sums->mean[c] - run->items[i].sums.mean[c];
+        for (int k = 0; k < AOV_SUMS; ++k) half[k] += after[k] - before[k];
+    }
 }
 
 /* Adds the samples of a block to the run's items. */
@@ -238,6 +265,7 @@ static void merge(sampling* pass, const block_work* work) {
     ty_path_run* run = pass->run;
     const size_t size = (size_t)(work->end - work->begin);
     pthread_rwlock_rdlock(&pass->items);
+    if (run->halves != NULL && work->first % 2 == 0) add_to_halves(run, work);
     for (size_t i = 0; i < size; ++i) {
         run->items[(size_t)work->begin + i].sums = work->sums[i];
         run->items[(size_t)work->begin + i].count = work->first + work->count;
@@ -315,7 +343,8 @@ static void sample_passes(sampling* pass) {
 }
 
 ty_result ty_path_sample(ty_path_run* run) {
-    sampling pass = {.run = run, .reported = ty_wall_seconds()};
+    sampling pass = {.run = run, .odd = run->request, .reported = ty_wall_seconds()};
+    pass.odd.seed ^= odd_seed;
     pass.begun = pass.reported - run->stats.seconds - run->guide_seconds;
     pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds - run->guide_cpu_seconds;
     pass.saved = pass.shown = ty_wall_seconds();

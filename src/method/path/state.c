@@ -1,5 +1,6 @@
 /* Serialised state of a render: one record after another, each of which has what changed since the one before it. A
- * record is a header that identifies the render, then blocks: an index, then items and AOV sums as in memory. */
+ * record is a header that identifies the render, then blocks: an index, then items, AOV sums and halves as in memory.
+ */
 #include "method/path/state.h"
 
 #include "base/context.h"
@@ -30,13 +31,18 @@ static uint32_t aov_sums_size(const ty_path_run* run) {
     return run->aov_sums != NULL ? sizeof *run->aov_sums : 0;
 }
 
+/* aovs tells whether there are halves, so that the header has no size of them. */
+static size_t half_size(const ty_path_run* run) {
+    return run->halves != NULL ? sizeof *run->halves : 0;
+}
+
 size_t ty_path_state_blocks(const ty_path_run* run) {
     return ((size_t)run->item_count + TY_PATH_BLOCK - 1) / TY_PATH_BLOCK;
 }
 
 size_t ty_path_state_room(const ty_path_run* run) {
     return sizeof(state_header) + ty_path_state_blocks(run) * sizeof(uint64_t) +
-           (size_t)run->item_count * (sizeof *run->items + aov_sums_size(run));
+           (size_t)run->item_count * (sizeof *run->items + aov_sums_size(run) + half_size(run));
 }
 
 /* Items of a block: the last one may be short. */
@@ -110,6 +116,8 @@ size_t ty_path_state_copy(const ty_path_run* run, const ty_path_stats* stats, ui
         end += items * sizeof *run->items;
         if (run->aov_sums != NULL) memcpy(end, run->aov_sums + first, items * sizeof *run->aov_sums);
         end += items * aov_sums_size(run);
+        if (run->halves != NULL) memcpy(end, run->halves + first, items * sizeof *run->halves);
+        end += items * half_size(run);
         saved[b] = run->items[first].count;
     }
     const size_t size = (size_t)(end - state);
@@ -208,20 +216,22 @@ static ty_result check_counts(const ty_path_run* run) {
 
 /* Sets the items of a record's blocks. */
 static ty_result take_blocks(ty_path_run* run, const uint8_t* at, const uint8_t* end) {
-    const size_t item_size = sizeof *run->items, aov_size = aov_sums_size(run);
+    const size_t item_size = sizeof *run->items, aov_size = aov_sums_size(run), half = half_size(run);
     while (at < end) {
         uint64_t block = UINT64_MAX;
         if ((size_t)(end - at) >= sizeof block) memcpy(&block, at, sizeof block);
         const bool known = block < ty_path_state_blocks(run);
         const size_t first = known ? (size_t)block * TY_PATH_BLOCK : 0,
                      items = known ? block_items(run, (size_t)block) : 0;
-        if (!known || (size_t)(end - at) < sizeof block + items * (item_size + aov_size))
+        if (!known || (size_t)(end - at) < sizeof block + items * (item_size + aov_size + half))
             return ty_fail(run->context, TY_ERROR_INPUT, "the state is damaged: its blocks are not those of the image");
         at += sizeof block;
         memcpy(run->items + first, at, items * item_size);
         at += items * item_size;
         if (run->aov_sums != NULL) memcpy(run->aov_sums + first, at, items * aov_size);
         at += items * aov_size;
+        if (run->halves != NULL) memcpy(run->halves + first, at, items * half);
+        at += items * half;
     }
     return TY_OK;
 }

@@ -80,7 +80,8 @@ bool ty_gloss_exists(const ty_gloss_def* def) {
 }
 
 bool ty_gloss_is_solid(const ty_gloss_def* def) {
-    return def->solid && def->transmission > 0 && def->metallic < 1 && def->ior >= 1;
+    const bool metal = def->metallic >= 1 && def->textures[TY_GLOSS_METALLIC_ROUGHNESS].texture == NULL;
+    return def->solid && def->transmission > 0 && !metal && def->ior >= 1;
 }
 
 /* The absorption coefficient is -ln(color) / distance (KHR_materials_volume). */

@@ -37,10 +37,10 @@ TY_FN ty_bsdf_parameters ty_surface_bsdf_parameters(TY_GLOBAL const ty_surface* 
     return p;
 }
 
-/* Direction of increasing u in a triangle, and the sign of the bitangent in glTF's sense, with v downwards; 0 where
- * texture coordinates, of the given set, span no area. */
+/* Direction in which u of a texture increases in a triangle, and the sign of the bitangent in glTF's sense, with v
+ * downwards; 0 where texture coordinates, of a set and by a map, span no area. */
 TY_FN ty_vec ty_surface_derive_tangent(TY_GLOBAL const ty_surface* surface, int32_t triangle, int32_t set,
-                                       ty_vec normal, float* sign) {
+                                       TY_GLOBAL const float* map, ty_vec normal, float* sign) {
     TY_GLOBAL const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
     TY_GLOBAL const float* uv = surface->uv[set];
     const ty_vec a = ty_vec_load(surface->positions + 3 * (size_t)corners[0]);
@@ -50,7 +50,9 @@ TY_FN ty_vec ty_surface_derive_tangent(TY_GLOBAL const ty_surface* surface, int3
     if (uv == NULL) return ab;
     TY_GLOBAL const float *uv_a = uv + 2 * (size_t)corners[0], *uv_b = uv + 2 * (size_t)corners[1],
                           *uv_c = uv + 2 * (size_t)corners[2];
-    const float ub = uv_b[0] - uv_a[0], vb = uv_b[1] - uv_a[1], uc = uv_c[0] - uv_a[0], vc = uv_c[1] - uv_a[1];
+    const float sb = uv_b[0] - uv_a[0], tb = uv_b[1] - uv_a[1], sc = uv_c[0] - uv_a[0], tc = uv_c[1] - uv_a[1];
+    const float ub = map[0] * sb + map[1] * tb, vb = map[3] * sb + map[4] * tb;
+    const float uc = map[0] * sc + map[1] * tc, vc = map[3] * sc + map[4] * tc;
     const float determinant = ub * vc - vb * uc;
     if (!(determinant != 0.0f)) return ab;
     const ty_vec along_u = ty_scale(ty_mad(ty_scale(ab, vc), ac, -vb), 1.0f / determinant);
@@ -86,7 +88,8 @@ TY_FN ty_vec ty_surface_mapped_normal(TY_GLOBAL const ty_surface* surface, const
         tangent = ty_vec_make(at[0], at[1], at[2]);
         sign = at[3] < 0.0f ? -1.0f : 1.0f;
     } else {
-        tangent = ty_surface_derive_tangent(surface, hit->primitive_id, surface->gloss->uv[number], normal, &sign);
+        tangent = ty_surface_derive_tangent(surface, hit->primitive_id, surface->gloss->uv[number],
+                                            surface->gloss->map[number], normal, &sign);
     }
     tangent = ty_mad(tangent, normal, -ty_dot(tangent, normal));
     const float length2 = ty_dot(tangent, tangent);
