@@ -128,7 +128,7 @@ test_completion() {
   completes 'render.dom.direct render.dom.directions' render -D render.dom.dir
   completes 'auto json none plain' render --progress ''
   completes 'auto json none plain' render --progress =
-  completes 'dom-convergence dom-cube dom-images dom-rays' figure dom
+  completes 'dom-convergence dom-cube dom-images dom-milk dom-rays' figure dom
   completes 'bake' bench ba
   completes 'compare convert' help co
   completes '' nonsense ''

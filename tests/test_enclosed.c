@@ -39,10 +39,11 @@ static ty_scene* make_ball(ty_context* context, const ball* b) {
     return scene;
 }
 
-static ty_enclosed* solve(const ty_scene* scene, bool diffusion, ty_enclosed_stats* stats) {
+static ty_enclosed* solve(const ty_scene* scene, bool diffusion, int32_t cells, ty_enclosed_stats* stats) {
     ty_enclosed_def def = ty_default_enclosed_def();
     ty_enclosed* enclosed;
     def.diffusion = diffusion;
+    def.cells = cells;
     assert_true(ty_enclosed_exists(scene));
     assert_int_equal(ty_enclosed_solve(scene, &def, &enclosed, stats), TY_OK);
     assert_true(stats->converged);
@@ -79,7 +80,7 @@ static void white_milk_is_invisible(void** state) {
     for (size_t i = 0; i < 2 * sizeof balls / sizeof *balls; ++i) {
         ty_enclosed_stats stats;
         ty_scene* scene = make_ball(*state, &balls[i / 2]);
-        ty_enclosed* enclosed = solve(scene, i % 2 != 0, &stats);
+        ty_enclosed* enclosed = solve(scene, i % 2 != 0, TY_AUTO, &stats);
         const ty_enclosed_field* field = &ty_enclosed_fields(enclosed)[1];
         const double entering = PI * (1 - 2 * ty_fresnel_moments_of(1 / IOR).c1) * PI;
         const double near_surface = mean_radiance(field, 0.49), deep = mean_radiance(field, 0.3);
@@ -106,7 +107,7 @@ static void threads_do_not_matter(void** state) {
         def.threads = 1 + 2 * i;
         assert_int_equal(ty_context_create(&def, &context), TY_OK);
         ty_scene* scene = make_ball(context, &milk);
-        ty_enclosed* enclosed = solve(scene, false, &stats);
+        ty_enclosed* enclosed = solve(scene, false, 16, &stats);
         leaving[i] = stats.leaving[1];
         ty_enclosed_radiance(&ty_enclosed_fields(enclosed)[1], ty_vec_make(0.2f, 0.1f, 0.3f), ty_vec_make(0, 1, 0),
                              seen[i]);
@@ -118,24 +119,51 @@ static void threads_do_not_matter(void** state) {
     assert_memory_equal(seen[0], seen[1], sizeof seen[0]);
 }
 
-/* What enters is absorbed or leaves: in milk, in thin media, and in cells of two transport mean free paths. */
+/* Light that enters is absorbed or leaves: in milk, in thin media, and in cells of two transport mean free paths. */
 static void energy_is_kept(void** state) {
     static const ball balls[] = {
         {20, 0.1f, 0.7f, true}, {20, 0.1f, 0.7f, false}, {3, 0.5f, 0, true}, {200, 1, 0.7f, false}};
     for (size_t i = 0; i < 2 * sizeof balls / sizeof *balls; ++i) {
         ty_enclosed_stats stats;
         ty_scene* scene = make_ball(*state, &balls[i / 2]);
-        ty_enclosed* enclosed = solve(scene, i % 2 != 0, &stats);
+        ty_enclosed* enclosed = solve(scene, i % 2 != 0, 20, &stats);
         for (int c = 0; c < 3; ++c) assert_close((stats.absorbed[c] + stats.leaving[c]) / stats.entering[c], 1, 1e-3);
         ty_enclosed_destroy(enclosed);
         ty_scene_destroy(scene);
     }
 }
 
+/* In thick cells the light beside the surface is that which leaves, even where cells are steps: under uniform light
+ * milk is as bright everywhere. Measured: 1.048, since P1 is brightest along the normal, and a deviation of 1.3 %. */
+static void surfaces_show_no_cells(void** state) {
+    static const ball milk = {400, 0, 0.7f, false};
+    ty_enclosed_stats stats;
+    ty_scene* scene = make_ball(*state, &milk);
+    ty_enclosed* enclosed = solve(scene, true, 16, &stats);
+    const ty_enclosed_field* field = &ty_enclosed_fields(enclosed)[1];
+    double mean = 0, square = 0;
+    enum { POINTS = 300 };
+    for (int i = 0; i < POINTS; ++i) {
+        float out[3];
+        const double z = (2 * i + 1.0) / POINTS - 1, turn = 2.399963 * i, rho = sqrt(1 - z * z);
+        const ty_vec n = ty_vec_make((float)(rho * cos(turn)), (float)(rho * sin(turn)), (float)z);
+        ty_enclosed_radiance(field, ty_scale(n, 0.498f), n, out);
+        mean += (double)out[0] / POINTS;
+        square += (double)out[0] * (double)out[0] / POINTS;
+    }
+    const double deviation = sqrt(fmax(0, square - mean * mean)) / mean;
+    print_message("white milk: mean %.4f of n^2, deviation %.4f\n", mean / (IOR * IOR), deviation);
+    assert_close(mean / (IOR * IOR), 1.048, 0.02);
+    assert_close(deviation, 0, 0.02);
+    ty_enclosed_destroy(enclosed);
+    ty_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(white_milk_is_invisible, start_context, stop_context),
         cmocka_unit_test_setup_teardown(energy_is_kept, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(surfaces_show_no_cells, start_context, stop_context),
         cmocka_unit_test(threads_do_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

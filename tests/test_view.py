@@ -207,6 +207,34 @@ def check_surfaces():
     assert viewer.stop()[0] == 0
 
 
+def check_milk():
+    """Media in dielectrics, which the fast methods solve beside their own light, are those of `tyndall render`; a method that
+    does not see them says so."""
+    document = json.loads(SCENE)
+    document["media"][0].update({"sigma_t": 8, "g": 0.5})
+    document["geometry"] = [{"sphere": {"center": [0, 0, 0], "radius": 1},
+                             "material": {"base_color": 1, "transmission": 1, "ior": 1.33, "roughness": 0, "volume": {}}}]
+    document["render"]["spp"] = 16
+    json.dump(document, open("milk.json", "w"))
+    viewer = Viewer("milk.json", "--no-compare", "--threads", "2")
+    client = viewer.connect()
+    for method in ("fld", "dom"):
+        client.send("view", method=method)
+        client.wait(lambda: client.status and client.status["method"] == method and client.status["final"], f"{method}'s image")
+        client.wait_final()
+        assert client.status["message"] == "", client.status
+        open("live_milk.exr", "wb").write(viewer.image("method")[2])
+        render("milk.json", "--method", method, "-o", "milk.exr")
+        found = difference("live_milk.exr", "milk.exr")["all"]
+        assert abs(found["mean_ratio"] - 1) < 0.03, (method, found)
+    revision = client.set("media[0].albedo", 0.5, moving=True)
+    client.wait(lambda: client.frames[METHOD]["revision"] >= revision, "a coarse image of milk")
+    client.send("view", method="lpv")
+    client.wait(lambda: client.status["method"] == "lpv" and client.status["message"] != "", "what lpv does not show")
+    assert "solid dielectrics are opaque" in client.status["message"], client.status
+    assert viewer.stop()[0] == 0
+
+
 def check_methods(client):
     for method in ("pop", "dom", "octaves", "lpv", "path"):
         client.send("view", method=method)
@@ -488,6 +516,7 @@ def main():
         status, errors = viewer.stop()
         assert status == 0 and errors == "view: Ctrl-C ends it\n", (status, errors)
         check_surfaces()
+        check_milk()
         os.chdir(here)
     print("test_view: passed" + (", but for the page: there is no browser" if page == 77 else ""))
     return 0

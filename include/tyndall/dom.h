@@ -73,6 +73,10 @@ typedef struct ty_dom_def {
 
     int32_t ray_spacing; ///< Pixels between camera rays along x and y, 1..8; above 1, pixels between rays are
                          ///< interpolated, except at edges: for fast previews; default 1.
+
+    int32_t interior_resolution; ///< Cells along the longest side of each medium that fills a solid dielectric, 4..256.
+                                 ///< TY_AUTO (default): as many as it is transport mean free paths long,
+                                 ///< 32..48, and 32 from 96 on. The command line and the viewer use it.
 } ty_dom_def;
 
 /// Sets the `bytes` bytes of a ty_dom_def to the defaults, as ty_init_context_def() does.

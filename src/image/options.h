@@ -31,6 +31,13 @@
         TY_OPTION_FIELD(def, step), .type = TY_OPTION_DOUBLE, .min = 0.05, .max = 8, .preset = 1, .unit = of,          \
                                     .doc = "Length of the steps in which rays of the camera march through the media."  \
     }
+#define TY_OPTION_INTERIOR_RESOLUTION(def)                                                                             \
+    {                                                                                                                  \
+        TY_OPTION_FIELD(def, interior_resolution),                                                                     \
+            .type = TY_OPTION_INT, .min = 4, .max = 256, .preset = TY_AUTO, .flags = TY_OPTION_AUTO, .unit = "cells",  \
+            .doc = "Cells along the longest side of each medium that fills a solid dielectric, such as milk in a "     \
+                   "glass; auto is as many as it is transport mean free paths long, 32 to 48, and 32 from 96 on."      \
+    }
 #define TY_OPTION_RAY_SPACING(def)                                                                                     \
     {                                                                                                                  \
         TY_OPTION_FIELD(def, ray_spacing),                                                                             \

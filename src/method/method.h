@@ -4,6 +4,7 @@
 #define TY_METHOD_METHOD_H
 
 #include "option/option.h"
+#include "solve/enclosed/enclosed.h"
 
 #include <tyndall/method.h>
 #include <tyndall/path.h>
@@ -47,9 +48,10 @@ enum { TY_METHOD_STATS_MAX = 1024 };
 
 /* Measurements of one rendering. */
 typedef struct ty_method_run {
-    ty_path_stats path; /* stats of the path tracer; its seconds are those of the whole rendering */
-    double own_seconds; /* seconds without the path-traced image of the surfaces */
-    bool enclosed;      /* all media fill dielectrics, which that image shows, and nothing else was computed */
+    ty_path_stats path;          /* stats of the path tracer; its seconds are those of the whole rendering */
+    double own_seconds;          /* seconds without the path-traced image of the surfaces */
+    bool enclosed;               /* all media fill dielectrics, which that image shows, and nothing else was computed */
+    ty_enclosed_stats interiors; /* of media in dielectrics */
     _Alignas(16) char stats[TY_METHOD_STATS_MAX]; /* the method's own stats struct */
 } ty_method_run;
 
@@ -100,7 +102,12 @@ typedef struct ty_method {
                       const ty_image* unscattered, ty_image** out, ty_method_run* run);
     void (*destroy)(void* light);
     bool (*follows_camera)(const ty_scene* scene);
-    bool takes_surfaces; /* view shows surfaces by `unscattered` alone */
+    const char* of_interiors; /* a sentence on what it does not see of solid dielectrics; NULL: nothing */
+    bool takes_surfaces;      /* view shows surfaces by `unscattered` alone */
+    /* Solves media inside dielectrics, which the surfaces of such a method show (ty_trace_surfaces): *out is freed with
+     * ty_enclosed_destroy, and NULL on failure and without any. NULL in methods without `takes_surfaces`. */
+    ty_result (*enclose)(const ty_scene* scene, const ty_render_request* request, ty_solve_quality quality,
+                         ty_enclosed** out, ty_enclosed_stats* stats);
     /* Writes the closing line's text, for example "32x32x32 cells, 1.2 s"; NULL: a line about paths. */
     void (*describe)(const ty_method_run* run, char* text, size_t size);
 } ty_method;
@@ -112,6 +119,9 @@ typedef struct ty_method {
 extern const ty_method* const ty_methods[];
 /* The method of a name, or NULL. */
 const ty_method* ty_method_find(const char* name);
+
+/* The sentence on what a method does not see of the scene's solid dielectrics; NULL: it sees all. */
+const char* ty_method_of_interiors(const ty_method* method, const ty_scene* scene);
 
 /* Copies from a request the fields that all methods' defs have under the same names. */
 #define TY_TAKE_REQUEST(def, request)                                                                                  \
@@ -126,10 +136,13 @@ const ty_method* ty_method_find(const char* name);
 
 /* The def of the path tracer from the scene's options and the request. Errors: those of ty_method_options. */
 ty_result ty_request_path_def(const ty_scene* scene, const ty_render_request* request, ty_path_def* def);
+/* Media inside dielectrics, as ty_path_solve_enclosed, with the request's seed and progress. */
+ty_result ty_solve_enclosed(const ty_scene* scene, const ty_render_request* request, const ty_enclosed_def* def,
+                            ty_enclosed** out, ty_enclosed_stats* stats);
 /* The image of the surfaces, attenuated by the media, for ty_fld_def.unscattered and the like; *out stays NULL without
- * surfaces, and after an interruption, because a partial result is no image. Media that fill dielectrics are solved by
- * ordinates, or by diffusion, and show in it. Sets run->path. */
-ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* request, bool diffusion, ty_image** out,
-                            ty_method_run* run);
+ * surfaces, and after an interruption, because a partial result is no image. Media that fill dielectrics show the light
+ * of `fields`. Sets run->path. */
+ty_result ty_trace_surfaces(const ty_scene* scene, const ty_render_request* request, const ty_enclosed_field* fields,
+                            ty_image** out, ty_method_run* run);
 
 #endif

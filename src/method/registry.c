@@ -16,6 +16,11 @@ const ty_method* ty_method_find(const char* name) {
     return NULL;
 }
 
+const char* ty_method_of_interiors(const ty_method* method, const ty_scene* scene) {
+    if (scene->view.interior_count < 2 || (method->takes_surfaces && ty_enclosed_has_all_media(scene))) return NULL;
+    return method->of_interiors;
+}
+
 /* True for a valid method index. */
 static bool has_method(int32_t index) {
     return index >= 0 && index < (int32_t)(sizeof ty_methods / sizeof ty_methods[0]) - 1;

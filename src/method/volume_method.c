@@ -61,8 +61,7 @@ static ty_result begin_call(const ty_volume_method* method, const ty_scene* scen
 static ty_result solve(const ty_volume_method* method, ty_volume_call* call) {
     ty_result result = ty_scene_check_media(call->scene, method->name);
     if (result != TY_OK) return result;
-    if (!ty_enclosed_has_all_media(call->scene))
-        ty_interiors_warn(call->scene, method->name, "media in dielectrics light other media as without a surface");
+    if (!ty_enclosed_has_all_media(call->scene)) ty_interiors_warn(call->scene, method->name, TY_VOLUME_OF_INTERIORS);
     call->progress = ty_part_begin(call->options.progress, call->options.progress_user, 0, 0);
     call->light = ty_alloc_array(call->context, 1, method->light_bytes, true);
     if (call->light == NULL) return TY_ERROR_MEMORY;
@@ -168,11 +167,37 @@ ty_result ty_volume_method_view(const ty_volume_method* method, void (*change)(v
     return result;
 }
 
+ty_result ty_volume_method_enclose(const ty_volume_method* method, const ty_scene* scene,
+                                   const ty_render_request* request, ty_solve_quality quality, ty_enclosed** out,
+                                   ty_enclosed_stats* stats) {
+    _Alignas(16) char own[TY_VOLUME_DEF_MAX];
+    ty_enclosed_def def = quality == TY_SOLVE_FULL ? ty_default_enclosed_def() : ty_coarse_enclosed_def();
+    *out = NULL;
+    ty_result result = make_def(method, NULL, scene, request, NULL, own);
+    if (result != TY_OK) return result;
+    def.diffusion = method->diffuses;
+    if (method->interior_at > 0) {
+        int32_t cells;
+        memcpy(&cells, own + method->interior_at, sizeof cells);
+        if (quality == TY_SOLVE_FULL)
+            def.cells = cells;
+        else if (cells != TY_AUTO && cells < def.cells)
+            def.cells = cells;
+    }
+    if (quality == TY_SOLVE_COARSEST) def.cells = (def.cells + 1) / 2;
+    return ty_solve_enclosed(scene, request, &def, out, stats);
+}
+
 ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)(void* def), const ty_scene* scene,
                                   const ty_render_request* request, ty_image** out, ty_method_run* run) {
     _Alignas(16) char def[TY_VOLUME_DEF_MAX];
     ty_image* surfaces = NULL;
-    ty_result result = ty_trace_surfaces(scene, request, method->diffuses, &surfaces, run);
+    ty_enclosed* enclosed = NULL;
+    ty_result result = ty_volume_method_enclose(method, scene, request, TY_SOLVE_FULL, &enclosed, &run->interiors);
+    if (result == TY_OK) result = ty_trace_surfaces(scene, request, ty_enclosed_fields(enclosed), &surfaces, run);
+    ty_enclosed_destroy(enclosed);
+    run->own_seconds = run->interiors.seconds;
+    run->path.seconds += run->interiors.seconds;
     /* The image of the surfaces shows media inside dielectrics already. */
     if (result == TY_OK && surfaces != NULL && (request->aovs & ~(uint32_t)TY_AOV_SAMPLES) == 0 &&
         ty_enclosed_has_all_media(scene)) {
@@ -184,8 +209,9 @@ ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)
     }
     if (result == TY_OK) result = make_def(method, change, scene, request, surfaces, def);
     if (result == TY_OK) result = ty_volume_render(method, scene, def, out, ty_method_stats(run, method->stats_bytes));
-    run->own_seconds = *seconds_at(run->stats, method->seconds);
-    run->path.seconds += run->own_seconds;
+    const double seconds = *seconds_at(run->stats, method->seconds);
+    run->own_seconds += seconds;
+    run->path.seconds += seconds;
     ty_image_destroy(surfaces);
     return result;
 }

@@ -47,7 +47,8 @@ typedef struct ty_volume_method {
     void (*coarsen)(void* def,
                     ty_solve_quality quality); /* the def of a solve coarser than TY_SOLVE_FULL; NULL: the same */
     void (*destroy)(void* light);
-    bool diffuses; /* media inside dielectrics are solved by diffusion; false: by ordinates */
+    bool diffuses;      /* media inside dielectrics are solved by diffusion; false: by ordinates */
+    size_t interior_at; /* offset of interior_resolution in the def; 0: none, and TY_AUTO */
 } ty_volume_method;
 
 /* The fields of a ty_volume_method that follow from the method's name. */
@@ -82,6 +83,11 @@ ty_result ty_volume_method_solve(const ty_volume_method* method, void (*change)(
 ty_result ty_volume_method_view(const ty_volume_method* method, void (*change)(void* def), const void* light,
                                 const ty_scene* scene, const ty_render_request* request, const ty_image* unscattered,
                                 ty_image** out, ty_method_run* run);
+/* ty_method.enclose. */
+ty_result ty_volume_method_enclose(const ty_volume_method* method, const ty_scene* scene,
+                                   const ty_render_request* request, ty_solve_quality quality, ty_enclosed** out,
+                                   ty_enclosed_stats* stats);
+#define TY_VOLUME_OF_INTERIORS "media in dielectrics light other media as without a surface"
 /* Defines ty_method's functions of the method `name` on ty_volume_method `volume`; change: see above. */
 #define TY_DEFINE_VOLUME_METHOD(name, volume, change)                                                                  \
     static ty_result render_##name(const ty_scene* scene, const ty_render_request* request, ty_image** out,            \
@@ -96,6 +102,10 @@ ty_result ty_volume_method_view(const ty_volume_method* method, void (*change)(v
                                  const ty_image* unscattered, ty_image** out, ty_method_run* run) {                    \
         return ty_volume_method_view(&(volume), change, light, scene, request, unscattered, out, run);                 \
     }                                                                                                                  \
+    static ty_result enclose_##name(const ty_scene* scene, const ty_render_request* request, ty_solve_quality quality, \
+                                    ty_enclosed** out, ty_enclosed_stats* done) {                                      \
+        return ty_volume_method_enclose(&(volume), scene, request, quality, out, done);                                \
+    }                                                                                                                  \
     static void destroy_##name(void* light) {                                                                          \
         (volume).destroy(light);                                                                                       \
     }                                                                                                                  \
@@ -103,7 +113,7 @@ ty_result ty_volume_method_view(const ty_volume_method* method, void (*change)(v
 /* The fields of ty_method that TY_DEFINE_VOLUME_METHOD makes. */
 #define TY_VOLUME_METHOD_CALLS(name)                                                                                   \
     .render = render_##name, .solve = solve_##name, .view = view_##name, .destroy = destroy_##name,                    \
-    .takes_surfaces = true
+    .takes_surfaces = true, .enclose = enclose_##name, .of_interiors = TY_VOLUME_OF_INTERIORS
 
 /* Defines ty_NAME_solve, ty_NAME_view and ty_NAME_render of a method whose ty_volume_method is ty_volume_NAME, and
  * checks what TY_VOLUME_METHOD assumes of its def and stats. */

@@ -2,8 +2,10 @@
  * tracing. */
 #include "bench/bench.h"
 #include "bench/memory.h"
+#include "bench/milk.h"
 #include "bench/noise.h"
 #include "bench/ordinates_box.h"
+#include "method/registry.h"
 #include "scenes/scenes.h"
 #include "solve/ordinates/sweep.h"
 
@@ -301,5 +303,6 @@ int bench_dom(const bench_session* bench) {
     ty_result result = bench_solves(bench);
     if (result == TY_OK) result = bench_thickness(bench);
     if (result == TY_OK) result = bench_images(bench);
+    if (result == TY_OK) result = bench_milk(bench, &ty_method_dom);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
 }

@@ -2,6 +2,8 @@
  * and path tracing. */
 #include "bench/bench.h"
 #include "bench/fld_box.h"
+#include "bench/milk.h"
+#include "method/registry.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -245,5 +247,6 @@ static ty_result bench_images(const bench_session* bench) {
 int bench_fld(const bench_session* bench) {
     ty_result result = bench_solvers(bench);
     if (result == TY_OK) result = bench_images(bench);
+    if (result == TY_OK) result = bench_milk(bench, &ty_method_fld);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
 }

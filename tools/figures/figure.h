@@ -132,6 +132,7 @@ void figure_place_sheet(figure_run* run, ty_result result, plot_sheet* sheet, co
     X(dom, convergence, DOM, "", "sweeps against thickness, with diffusion's help and without")                        \
     X(dom, rays, DOM, "", "ray effects and false scattering")                                                          \
     X(dom, images, DOM, "", "images beside those of other methods")                                                    \
+    X(dom, milk, DOM, "", "milk in a glass and in a ball")                                                             \
     X(auto, choice, AUTO, "", "loss of its choices against the best in their time")                                    \
     X(path, seeds, PATH, "", "means of images over seeds, lamps in media")
 

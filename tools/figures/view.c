@@ -129,10 +129,16 @@ ty_result figure_method_def(const ty_scene* scene, const ty_method* method, cons
 }
 
 /* Records what a method tells of its solve. */
-static void note_solve(figure_run* run, const char* item, const ty_method* method, const void* stats) {
+static void note_solve(figure_run* run, const char* item, const ty_method* method, const ty_method_run* done) {
+    const void* stats = done->stats;
     const ty_pop_stats* pop = stats;
     const ty_dom_stats* dom = stats;
     const ty_fld_stats* fld = stats;
+    if (done->enclosed) {
+        figure_note(run, item, "time of the solve", "s", done->interiors.seconds);
+        figure_expect(run, item, "converged", "1", done->interiors.converged ? 1 : 0, 1, 0);
+        return;
+    }
     if (method == &ty_method_pop)
         figure_note(run, item, "time before the march", "s", pop->seconds - pop->march_seconds);
     if (method == &ty_method_dom) {
@@ -162,7 +168,7 @@ ty_result figure_render_variant(figure_run* run, const char* item, ty_scene* sce
         if (result == TY_OK) result = ty_method_set_options(scene, method->options->name, def);
     }
     if (result == TY_OK) result = figure_render(run, item, scene, method, size, out, report);
-    if (result == TY_OK) note_solve(run, item, method, report->run.stats);
+    if (result == TY_OK) note_solve(run, item, method, &report->run);
     if (result == TY_OK && variant->options != NULL)
         result = ty_method_set_options(scene, method->options->name, before);
     return result;

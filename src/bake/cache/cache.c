@@ -276,6 +276,7 @@ static ty_result fill_all(ty_bake_cache* cache, const ty_bake_run* run) {
     fill f = {.kernel = TY_BEST_KERNELS(ty_cache_kernel), .flags = cache->flags};
     f.request = (ty_cache_request){.path = run->request.path, .view = cache->view};
     f.request.path.seed ^= seed_salt;
+    f.request.path.enclosed = ty_enclosed_fields(cache->enclosed);
     f.request.paths = (uint32_t)run->def->cell_paths;
     f.request.surface_axes = ty_alloc_array(cache->context, cache->cells, sizeof *f.request.surface_axes, true);
     int32_t* cells = ty_alloc_array(cache->context, cache->cells, sizeof *cells, false);
@@ -291,8 +292,8 @@ ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_b
     ty_bake_cache* cache = ty_alloc_array(run->context, 1, sizeof *cache, true);
     if (cache == NULL) return TY_ERROR_MEMORY;
     cache->context = run->context;
-    ty_result result = TY_OK;
-    if (run->path.view.medium_count > 0) {
+    ty_result result = ty_bake_solve_enclosed(run, scene, &cache->enclosed);
+    if (result == TY_OK && run->path.view.medium_count > 0) {
         lay_out(scene, run->def, &run->path.view, &cache->view, &cache->info);
         result = allocate_cells(cache);
         if (result == TY_OK) result = fill_all(cache, run);
@@ -317,6 +318,7 @@ ty_result ty_bake_cache_estimate(const ty_scene* scene, const ty_bake_def* def, 
 
 void ty_bake_cache_destroy(ty_bake_cache* cache) {
     if (cache == NULL) return;
+    ty_enclosed_destroy(cache->enclosed);
     const size_t floats = (size_t)(TY_CACHE_KINDS * cache->view.floats) * sizeof(float);
     ty_free_array(cache->context, cache->view.light, cache->cells, floats);
     ty_free_array(cache->context, cache->view.second_light, cache->cells, floats);

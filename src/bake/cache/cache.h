@@ -12,6 +12,7 @@ struct ty_bake_cache {
     uint8_t* surfel_axes;  /* view's */
     int32_t* first_surfel; /* view's */
     size_t cells, surfels;
+    ty_enclosed* enclosed; /* light in media inside dielectrics; NULL: none */
     ty_bake_cache_info info;
 };
 

@@ -136,6 +136,7 @@ TY_FN void ty_cached_gather_ray(ty_gather* g, uint64_t item, uint32_t number) {
     ty_path_begin(path, &request->path, item | TY_FOG_ITEM, number);
     path->origin = g->origin;
     path->normal = g->normal;
+    g->inside = g->around;
     for (int c = 0; c < 3; ++c) g->sample[c] = 0.0f;
     if (ty_gather_sample_direction(g)) {
         const float weight = 1.0f / path->pdf;

@@ -39,6 +39,7 @@ TY_FN void ty_surfel_add_path(ty_gather* g, const ty_cache_request* request, int
     ty_path_begin(path, &request->path, (uint64_t)surfel | TY_FOG_ITEM, (uint32_t)sums->paths);
     path->origin = ty_hit_leave(&start->hit, ng);
     path->normal = g->normal = start->point.ns;
+    g->inside.top = g->inside.count = 0;
     ty_path_sample_cosine_hemisphere(path);
     ty_gather_basis(g, path->direction, basis);
     const float weight = 1.0f / path->pdf;

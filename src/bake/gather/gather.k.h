@@ -5,6 +5,7 @@
 #include "base/sh.k.h"
 #include "bake/gather/request.h"
 #include "bake/gather/segment.k.h"
+#include "bake/gather/transparent.k.h"
 #include "method/path/trace/path.k.h"
 
 /* Cosine to the normal below which light is damped in the tangential vector irradiance. */
@@ -32,6 +33,8 @@ typedef struct ty_gather {
     float max_distance;       /* and its length, m */
     const float* emitter_cdf; /* cumulative selection weights of the virtual emitters for this receiver */
     uint64_t rays;
+    ty_interior_list around, inside; /* dielectrics around the receiver, and around the origin of the path's ray */
+    float enclosed[3]; /* radiance that media in dielectrics scatter to the path's last ray, as `emission` */
     float emission[3]; /* radiance emitted by media along the path's last ray, per throughput at its origin */
     ty_path path;
 } ty_gather;
@@ -95,11 +98,29 @@ TY_FN ty_vec ty_gather_fog_position(const ty_gather* g, const ty_fog_point* poin
     return at;
 }
 
+/* Traces the path's ray through glass to where it ends. */
+TY_FN bool ty_gather_pass_to_end(ty_gather* g, ty_intersection* end, ty_segment* segment) {
+    const ty_scene_view* scene = g->request->path.scene;
+    ty_path* path = &g->path;
+    ty_transparent_ray ray;
+    ty_transparent_begin(&ray, scene, path->request->enclosed, &g->inside);
+    const bool hit = ty_transparent_trace(&ray, path->origin, path->direction, &path->random, end);
+    ty_segment_find(segment, scene->media, scene->medium_count, path->origin, path->direction,
+                    hit ? end->hit.distance : TY_FLOAT_MAX);
+    for (int c = 0; c < 3; ++c) {
+        segment->transmittance[c] *= ray.passed[c];
+        g->enclosed[c] = ray.scattered[c];
+    }
+    g->inside = ray.inside;
+    return hit;
+}
+
 /* Traces the path's ray; segment->point samples the media along it. False: it hits no surface. */
 TY_FN bool ty_gather_find_end(ty_gather* g, ty_intersection* end, ty_segment* segment) {
     const ty_scene_view* scene = g->request->path.scene;
     const ty_path* path = &g->path;
     ++g->rays;
+    if (g->request->transparent != 0) return ty_gather_pass_to_end(g, end, segment);
     const bool hit =
         scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (hit) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
@@ -132,10 +153,16 @@ TY_FN bool ty_gather_sample_light(ty_gather* g, ty_vec ng, ty_visible_light* vis
     visible->cosine = probe ? 1.0f : ty_dot(path->normal, visible->sample.wi);
     if (!probe && (!(visible->cosine > 0.0f) || !(ty_dot(ng, visible->sample.wi) > 0.0f))) return false;
     ++g->rays;
-    if (!ty_path_light_visible(path, path->origin, &visible->sample)) return false;
+    ty_transparent_ray ray;
+    if (g->request->transparent != 0) {
+        ty_transparent_begin(&ray, path->request->scene, path->request->enclosed, &g->inside);
+        if (!ty_transparent_passes(&ray, path->origin, visible->sample.wi, visible->sample.distance)) return false;
+    } else if (!ty_path_light_visible(path, path->origin, &visible->sample))
+        return false;
     const float pdf = probe ? TY_INV_4PI : visible->cosine * (1.0f / TY_PI), light_pdf = visible->sample.pdf;
     visible->weight = light_pdf > 0.0f ? light_pdf / (visible->chosen * light_pdf + pdf) : 1.0f / visible->chosen;
     ty_gather_segment(g, path->origin, visible->sample.wi, visible->sample.distance, &visible->segment);
+    for (int c = 0; c < 3 && g->request->transparent != 0; ++c) visible->segment.transmittance[c] *= ray.passed[c];
     return true;
 }
 
@@ -181,13 +208,14 @@ TY_FN void ty_gather_add_hit(const ty_gather* g, const ty_intersection* end, con
     for (int c = 0; c < 3; ++c) out[c] += g->path.beta[c] * (segment->transmittance[c] * radiance[c] + g->emission[c]);
 }
 
-/* Radiance reflected by a surface, of light that media only attenuated: continues the path from there. */
-TY_FN void ty_gather_follow(ty_gather* g, const ty_intersection* start, float out[3]) {
+/* Radiance reflected by a surface, of light that media only attenuated: continues the path from there. scattered: that
+ * of light which media in dielectrics scattered. */
+TY_FN void ty_gather_follow(ty_gather* g, const ty_intersection* start, float out[3], float scattered[3]) {
     ty_path* path = &g->path;
     const int32_t max_depth = path->request->max_depth;
     ty_intersection end = *start;
     ty_segment segment;
-    for (int c = 0; c < 3; ++c) out[c] = 0.0f;
+    for (int c = 0; c < 3; ++c) out[c] = scattered[c] = 0.0f;
     path->rr_throughput = 1.0f;
     path->depth = 0;
     while (ty_max3(end.point.albedo) > 0.0f && (max_depth == 0 || path->depth < max_depth)) {
@@ -202,7 +230,10 @@ TY_FN void ty_gather_follow(ty_gather* g, const ty_intersection* start, float ou
         if (!(ty_dot(end.point.ng, path->direction) > 0.0f)) return;
         const bool hit = ty_gather_trace(g, &end, &segment);
         ty_gather_add_hit(g, hit ? &end : NULL, &segment, out);
-        for (int c = 0; c < 3; ++c) path->beta[c] *= segment.transmittance[c];
+        for (int c = 0; c < 3; ++c) {
+            scattered[c] += path->beta[c] * g->enclosed[c];
+            path->beta[c] *= segment.transmittance[c];
+        }
         if (!hit || !ty_path_survives(path, before)) return;
     }
 }
@@ -226,6 +257,10 @@ TY_FN void ty_gather_set_receiver(ty_gather* g, const ty_bake_receiver* receiver
     g->normal = ty_vec_load(receiver->normal);
     g->face = ty_vec_load(receiver->face);
     g->origin = ty_mad(g->position, g->face, receiver->margin);
+    g->around.top = g->around.count = 0;
+    if (g->request->transparent != 0 && g->request->path.scene->interior_count > 0)
+        ty_interiors_around(g->request->path.scene, g->origin, &g->around);
+    g->inside = g->around;
 }
 
 #endif

@@ -35,6 +35,7 @@ typedef struct ty_bake_request {
     int32_t back_scattering;
     int32_t gray;        /* 1: media are identical in all channels */
     ty_cache_view cache; /* TY_BAKE_CACHE; light NULL: no media */
+    int32_t transparent; /* 1: some surface passes light (bake/gather/transparent.k.h) */
     int32_t media_emit;  /* TY_BAKE_CACHE: 1: some medium emits, and paths sample its emission */
     const ty_bake_receiver* receivers;
     int32_t terms;      /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS for probes */
@@ -64,5 +65,7 @@ typedef struct ty_bake_sums {
               ty_bake_sums* sums, double* light)
 typedef TY_BAKE_KERNEL((*ty_bake_kernel));
 TY_DECLARE_KERNEL_FUNCTION(TY_BAKE_KERNEL, ty_bake_kernel);
+/* The same of TY_BAKE_PATH alone, by paths that refract at solid dielectrics. */
+TY_DECLARE_KERNEL_FUNCTION(TY_BAKE_KERNEL, ty_bake_path_kernel);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "bake/gather/request.h"
 #include "method/path/driver.h"
+#include "method/path/enclosed_light.h"
 
 /* Impulse responses in a run, which owns their memory. */
 typedef struct ty_bake_impulse_run {
@@ -21,7 +22,8 @@ typedef struct ty_bake_run {
     ty_path_run path;       /* the scene without media, including its lights; then with its media */
     ty_medium_view* media;  /* media of non-zero density; media_size of them allocated */
     size_t media_size;
-    ty_bake_cache* cache; /* created by the run; NULL: the caller's */
+    ty_enclosed* enclosed; /* light in media inside dielectrics, where no cache holds it; NULL: none */
+    ty_bake_cache* cache;  /* created by the run; NULL: the caller's */
     ty_bake_impulse_run impulse;
     ty_bake_request request;
     ty_bake_kernel kernel;
@@ -35,6 +37,8 @@ typedef struct ty_bake_run {
 ty_result ty_bake_take_def(ty_context* context, const ty_bake_def* def, ty_bake_def* own);
 /* Checks def and prepares the scene, as needed for a cache. Call ty_bake_run_end whatever it returns. */
 ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def);
+/* Solves media inside dielectrics, where the method scatters light; *out is NULL without any. */
+ty_result ty_bake_solve_enclosed(const ty_bake_run* run, const ty_scene* scene, ty_enclosed** out);
 /* Checks def and receivers and allocates memory. Call ty_bake_run_end whatever it returns. */
 ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def,
                             const ty_bake_receiver* receivers, int64_t count, int32_t terms);

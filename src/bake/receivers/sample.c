@@ -30,7 +30,13 @@ static bool has_density(const ty_medium_view* medium) {
 }
 
 /* Media of zero density are left out, so that they change nothing, not even the random choice of lights. */
-static ty_result select_media(ty_bake_run* run, const ty_scene_view* scene) {
+/* True for methods to which media scatter light. */
+static bool solves_enclosed(const ty_bake_run* run) {
+    return run->def->method != TY_BAKE_SURFACES && run->def->method != TY_BAKE_ATTENUATION;
+}
+
+static ty_result select_media(ty_bake_run* run, const ty_scene* solved) {
+    const ty_scene_view* scene = ty_scene_get_view(solved);
     if (run->def->method == TY_BAKE_SURFACES || scene->medium_count == 0) return TY_OK;
     run->media_size = (size_t)scene->medium_count;
     run->media = ty_alloc_array(run->context, run->media_size, sizeof *run->media, false);
@@ -39,6 +45,7 @@ static ty_result select_media(ty_bake_run* run, const ty_scene_view* scene) {
     run->request.gray = 1;
     for (int32_t i = 0; i < scene->medium_count; ++i) {
         if (!has_density(&scene->media[i])) continue;
+        if (run->def->method != TY_BAKE_PATH && solves_enclosed(run) && ty_enclosed_fills(solved, i)) continue;
         run->media[count++] = scene->media[i];
         if (!ty_bake_is_gray(&scene->media[i])) run->request.gray = 0;
     }
@@ -47,20 +54,41 @@ static ty_result select_media(ty_bake_run* run, const ty_scene_view* scene) {
     return TY_OK;
 }
 
+ty_result ty_bake_solve_enclosed(const ty_bake_run* run, const ty_scene* scene, ty_enclosed** out) {
+    ty_path_def path = ty_default_path_def();
+    const ty_enclosed_def def = ty_default_enclosed_def();
+    *out = NULL;
+    if (!solves_enclosed(run)) return TY_OK;
+    path.seed = run->def->seed;
+    path.max_depth = run->def->bounces;
+    return ty_path_solve_enclosed(scene, &path, &def, out, NULL);
+}
+
 static ty_result attach_cache(ty_bake_run* run, const ty_scene* scene) {
     const ty_bake_def* def = run->def;
-    if (def->method != TY_BAKE_CACHE || run->path.view.medium_count == 0) return TY_OK;
+    const bool fog = run->path.view.medium_count > 0;
+    if (def->method != TY_BAKE_CACHE || (!fog && !ty_enclosed_exists(scene))) return TY_OK;
     if (def->cache == NULL) {
         const ty_result result = ty_bake_cache_make(run, scene, &run->cache);
         if (result != TY_OK) return result;
         run->stats.cache_seconds = run->cache->info.seconds;
     }
-    run->request.cache = (def->cache != NULL ? def->cache : run->cache)->view;
+    const ty_bake_cache* cache = def->cache != NULL ? def->cache : run->cache;
+    run->request.path.enclosed = ty_enclosed_fields(cache->enclosed);
+    if (!fog) return TY_OK;
+    run->request.cache = cache->view;
     /* An error bound should be met soon, whichever term is noisiest. */
     run->request.fog_every = def->error > 0 ? FOG_EVERY_BOUND : FOG_EVERY;
     for (int32_t i = 0; i < run->path.view.medium_count; ++i)
         if (run->media[i].emits != 0) run->request.media_emit = 1;
     return TY_OK;
+}
+
+static ty_result attach_enclosed(ty_bake_run* run, const ty_scene* scene) {
+    if (run->request.path.enclosed != NULL || run->def->method == TY_BAKE_CACHE) return TY_OK;
+    const ty_result result = ty_bake_solve_enclosed(run, scene, &run->enclosed);
+    run->request.path.enclosed = ty_enclosed_fields(run->enclosed);
+    return result;
 }
 
 /* ---- setup and results of a run ---- */
@@ -77,6 +105,15 @@ static ty_result check_receivers(const ty_bake_run* run, const ty_bake_receiver*
                            (long long)i);
     }
     return TY_OK;
+}
+
+static bool is_transparent(const ty_surface* surface) {
+    return surface->gloss != NULL && (surface->gloss->dielectric.solid != 0 || surface->gloss->factor.transmission > 0);
+}
+
+static void find_transparent(ty_bake_run* run, const ty_scene* scene) {
+    for (size_t i = 0; i < scene->surfaces.count && run->request.transparent == 0; ++i)
+        run->request.transparent = is_transparent(&scene->surfaces.surfaces[i]);
 }
 
 /* Light selection ignores media, whatever the method, so that media of zero density change nothing. */
@@ -99,9 +136,10 @@ ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_
     ty_result result = ty_bake_take_def(run->context, def, &run->known);
     def = run->def = &run->known;
     if (result == TY_OK) result = begin_path(run, scene);
-    if (result == TY_OK) result = select_media(run, ty_scene_get_view(scene));
+    if (result == TY_OK) result = select_media(run, scene);
     if (result != TY_OK) return result;
     run->request.path = run->path.request;
+    find_transparent(run, scene);
     if (def->method == TY_BAKE_PATH || def->method == TY_BAKE_CACHE) run->request.path.max_run = def->scatterings;
     return TY_OK;
 }
@@ -112,8 +150,9 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
     if (result == TY_OK) result = check_receivers(run, receivers, count);
     if (result == TY_OK) result = ty_bake_impulse_take_tables(run);
     if (result == TY_OK) result = attach_cache(run, scene);
+    if (result == TY_OK) result = attach_enclosed(run, scene);
     if (result != TY_OK) return result;
-    ty_interiors_warn(scene, "bake", "solid dielectrics are opaque, and media in them are lit as without a surface");
+    ty_interiors_warn(scene, "bake", "glass passes light straight on, and media outside take it for opaque");
     run->count = count;
     ty_bake_request* request = &run->request;
     request->method = (int32_t)def->method;
@@ -122,6 +161,8 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
     request->receivers = receivers;
     request->terms = terms;
     run->kernel = TY_BEST_KERNELS(ty_bake_kernel);
+    if (def->method == TY_BAKE_PATH && run->path.view.interior_count > 1)
+        run->kernel = TY_BEST_KERNELS(ty_bake_path_kernel);
     const size_t size = (size_t)(TY_BAKE_LAYERS * 3 * terms);
     run->sums = ty_alloc_array(run->context, (size_t)count, sizeof *run->sums, true);
     run->light = ty_alloc_array(run->context, (size_t)count, size * sizeof *run->light, true);
@@ -135,6 +176,7 @@ void ty_bake_run_end(ty_bake_run* run) {
     if (run->media != NULL) ty_free_array(run->context, run->media, run->media_size, sizeof *run->media);
     ty_bake_impulse_end(run);
     ty_bake_cache_destroy(run->cache);
+    ty_enclosed_destroy(run->enclosed);
     if (run->path.items != NULL) ty_path_run_end(&run->path);
 }
 

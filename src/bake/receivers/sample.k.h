@@ -19,12 +19,14 @@ TY_FN bool ty_gather_add_light(ty_gather* g, ty_visible_light* visible) {
 TY_FN void ty_gather_first_ray(ty_gather* g, const ty_intersection* end, const ty_segment* segment) {
     const ty_vec direction = g->path.direction;
     const float weight = 1.0f / g->path.pdf;
-    float basis[TY_BAKE_TERMS_MAX], light[3] = {0.0f, 0.0f, 0.0f};
+    float basis[TY_BAKE_TERMS_MAX], light[3] = {0.0f, 0.0f, 0.0f}, scattered[3];
     ty_gather_basis(g, direction, basis);
     if (g->request->impulse.media_only == 0) {
         for (int c = 0; c < 3; ++c) g->path.beta[c] = weight;
         ty_gather_add_hit(g, end, segment, light);
         ty_gather_add_rgb(g, TY_BAKE_DIRECT, light, basis);
+        for (int c = 0; c < 3; ++c) scattered[c] = weight * g->enclosed[c];
+        ty_gather_add_rgb(g, TY_BAKE_MULTIPLE, scattered, basis);
     }
     if (end == NULL) return;
     if (ty_impulse_is_active(g)) {
@@ -35,9 +37,13 @@ TY_FN void ty_gather_first_ray(ty_gather* g, const ty_intersection* end, const t
     }
     if (g->request->impulse.media_only != 0) return;
     for (int c = 0; c < 3; ++c) g->path.beta[c] = 1.0f;
-    ty_gather_follow(g, end, light);
-    for (int c = 0; c < 3; ++c) light[c] *= weight * segment->transmittance[c];
+    ty_gather_follow(g, end, light, scattered);
+    for (int c = 0; c < 3; ++c) {
+        light[c] *= weight * segment->transmittance[c];
+        scattered[c] *= weight * segment->transmittance[c];
+    }
     ty_gather_add_rgb(g, TY_BAKE_INDIRECT, light, basis);
+    ty_gather_add_rgb(g, TY_BAKE_MULTIPLE, scattered, basis);
 }
 
 /* One path of TY_BAKE_PATH, including scattering by media. */
@@ -74,6 +80,7 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     ty_path_begin(path, &request->path, item, number);
     path->origin = g->origin;
     path->normal = g->normal;
+    g->inside = g->around;
     if (request->method == TY_BAKE_PATH) {
         ty_gather_path(g);
         return false;

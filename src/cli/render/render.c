@@ -52,7 +52,9 @@ static void print_method_lines(const cli_report* report) {
     const ty_method_run* run = &report->run;
     char text[256];
     if (run->enclosed)
-        snprintf(text, sizeof text, "all media inside dielectrics");
+        snprintf(text, sizeof text, "%d %s inside dielectrics, %.2f s (entering light %.2f, solve %.2f)",
+                 (int)run->interiors.interiors, run->interiors.interiors == 1 ? "medium" : "media",
+                 run->interiors.seconds, run->interiors.entering_seconds, run->interiors.solve_seconds);
     else
         report->ran->describe(run, text, sizeof text);
     printf("%s: %dx%d, %s\n", report->method, report->width, report->height, text);

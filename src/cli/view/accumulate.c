@@ -25,6 +25,7 @@ bool view_accumulation_reset(view_accumulation* sum, int32_t width, int32_t heig
     sum->width = width;
     sum->height = height;
     sum->unscattered = unscattered;
+    sum->enclosed = NULL;
     sum->spp[0] = sum->spp[1] = sum->seconds = 0;
     sum->batch = 1;
     sum->images = 0;
@@ -56,6 +57,7 @@ static ty_result render(const view_accumulation* sum, const ty_scene* scene, int
     ty_path_def def;
     ty_result result = ty_request_path_def(scene, &request, &def);
     def.unscattered = sum->unscattered;
+    def.enclosed = sum->enclosed;
     *out = NULL;
     if (result == TY_OK) result = ty_path_render(scene, &def, out, NULL);
     if (result == TY_OK) return TY_OK;

@@ -14,9 +14,11 @@ typedef struct view_accumulation {
     int32_t batch;   /* samples per pixel of the next image of each half */
     uint64_t images; /* added so far: part of the seed */
     bool unscattered;
+    const struct ty_enclosed_field* enclosed; /* light in media inside dielectrics; NULL: none */
 } view_accumulation;
 
-/* Empties it for images of this size; unscattered: as in ty_path_def. Returns false without memory. */
+/* Empties it for images of this size; unscattered, and `enclosed` at first: as in ty_path_def. Returns false without
+ * memory. */
 bool view_accumulation_reset(view_accumulation* sum, int32_t width, int32_t height, bool unscattered);
 void view_accumulation_free(view_accumulation* sum);
 /* Adds one image to each half; batches grow until they take about a third of a second. With a progress that cancels,

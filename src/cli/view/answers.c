@@ -95,6 +95,13 @@ static json_t* times_of(const view_live* live) {
                      view_number(times->surfaces), "latency", view_number(times->latency), "stages", stages);
 }
 
+/* Why the method refuses the scene, or what it does not show of it; "": nothing. */
+static const char* message_of(const view_live* live) {
+    if (live->message[0] != '\0' || live->scene == NULL) return live->message;
+    const char* unseen = ty_method_of_interiors(live->method, live->scene);
+    return unseen != NULL ? unseen : "";
+}
+
 void view_tell_status(view_live* live, bool at_once) {
     const double now = cli_wall_seconds();
     if (!at_once && now - live->told < status_seconds) return;
@@ -111,7 +118,7 @@ void view_tell_status(view_live* live, bool at_once) {
         (int)live->revision, "method", live->method->name, "stage", live->stage != NULL ? live->stage : "", "fraction",
         view_number(live->fraction), "final", live->shown == VIEW_SHOWN_FULL, "times", times_of(live), "path", "spp",
         view_number(has_path ? view_accumulation_spp(path) : 0), "seconds", view_number(has_path ? path->seconds : 0),
-        "difference", difference, "fps", view_number(rate(live)), "paused", live->paused, "message", live->message);
+        "difference", difference, "fps", view_number(rate(live)), "paused", live->paused, "message", message_of(live));
     tell(live, VIEW_SLOT_STATUS, message);
 }
 

@@ -34,6 +34,13 @@ typedef struct view_times {
     } stages[VIEW_STAGES_MAX];
 } view_times;
 
+/* The light of a method. */
+typedef struct view_light {
+    bool solved;
+    void* media;           /* of the method; NULL where all media fill dielectrics, which surfaces show */
+    ty_enclosed* enclosed; /* of media in dielectrics; NULL: none */
+} view_light;
+
 /* The source of images: a document that clients change, and the methods of rendering it. */
 typedef struct view_source {
     const char* kind;      /* in the welcome: "scene" */
@@ -98,7 +105,7 @@ struct view_live {
     double received; /* s: of the oldest request that the next image answers */
 
     const ty_method* light_method;
-    void* lights[TY_SOLVE_QUALITIES];          /* of light_method, by quality; NULL: none */
+    view_light lights[TY_SOLVE_QUALITIES];     /* of light_method, by quality */
     double solve_seconds[TY_SOLVE_QUALITIES];  /* the last solve took; 0: none yet */
     double coarse_seconds[TY_SOLVE_QUALITIES]; /* the last coarse view of the light took; 0: none yet */
     double coarse_pixels[TY_SOLVE_QUALITIES];  /* that such a view has time for; 0: unknown */

@@ -71,21 +71,35 @@ static void note_stages(view_live* live, const ty_method_run* run) {
 
 void view_live_drop_light(view_live* live) {
     for (int i = 0; i < TY_SOLVE_QUALITIES; ++i) {
-        if (live->lights[i] != NULL) live->light_method->destroy(live->lights[i]);
-        live->lights[i] = NULL;
+        if (live->lights[i].media != NULL) live->light_method->destroy(live->lights[i].media);
+        ty_enclosed_destroy(live->lights[i].enclosed);
+        live->lights[i] = (view_light){.solved = false};
     }
+    live->surfaces.enclosed = NULL;
     live->light_method = NULL;
     live->times.count = 0;
+}
+
+/* True if the image of the surfaces shows all media. */
+static bool shows_all_media(const view_live* live) {
+    return view_adds_surfaces(live) && ty_enclosed_has_all_media(live->scene);
 }
 
 static ty_result solve(view_live* live, ty_solve_quality quality) {
     const ty_render_request request = request_of(live, 1);
     const double begun = cli_wall_seconds();
     ty_method_run run = {.own_seconds = 0};
-    void* light = NULL;
+    view_light light = {.solved = true};
+    ty_result result = TY_OK;
     if (live->light_method != live->method) view_live_drop_light(live);
-    const ty_result result = live->method->solve(live->scene, &request, quality, &light, &run);
-    if (result != TY_OK) return result;
+    if (view_adds_surfaces(live))
+        result = live->method->enclose(live->scene, &request, quality, &light.enclosed, &run.interiors);
+    if (result == TY_OK && !shows_all_media(live))
+        result = live->method->solve(live->scene, &request, quality, &light.media, &run);
+    if (result != TY_OK) {
+        ty_enclosed_destroy(light.enclosed);
+        return result;
+    }
     live->light_method = live->method;
     live->lights[quality] = light;
     live->solve_seconds[quality] = cli_wall_seconds() - begun;
@@ -95,15 +109,16 @@ static ty_result solve(view_live* live, ty_solve_quality quality) {
 }
 
 bool view_has_light(const view_live* live, ty_solve_quality quality) {
-    return live->light_method == live->method && live->lights[quality] != NULL;
+    return live->light_method == live->method && live->lights[quality].solved;
 }
 
 /* Adds samples to the surfaces' own light for some seconds, and at least once; from none where its size or the scene
  * changed. */
-static ty_result trace_surfaces(view_live* live, double divisor, bool anew, double seconds) {
+static ty_result trace_surfaces(view_live* live, ty_solve_quality quality, double divisor, bool anew, double seconds) {
     if (!view_adds_surfaces(live)) return TY_OK;
     const int32_t width = divided(live->width, divisor), height = divided(live->height, divisor);
     if (anew && !view_accumulation_reset(&live->surfaces, width, height, true)) return TY_ERROR_MEMORY;
+    live->surfaces.enclosed = ty_enclosed_fields(live->lights[quality].enclosed);
     const double begun = cli_wall_seconds();
     double last, now = begun;
     ty_result result;
@@ -126,14 +141,16 @@ static ty_result view_media(view_live* live, ty_solve_quality quality, double di
     request.ray_spacing = ray_spacing;
     if (view_adds_surfaces(live)) result = ty_image_create_rgb(live->context, request.width, request.height, &black);
     const double begun = cli_wall_seconds();
-    if (result == TY_OK) result = live->method->view(live->lights[quality], live->scene, &request, black, &image, &run);
+    const view_light* light = &live->lights[quality];
+    if (result == TY_OK && light->media != NULL)
+        result = live->method->view(light->media, live->scene, &request, black, &image, &run);
     const double seconds = cli_wall_seconds() - begun;
     if (result == TY_OK) {
         live->times.view = 1e3 * seconds;
         if (ray_spacing == 0) live->view_seconds = seconds;
         note_stages(live, &run);
         float* rgb = view_make_room(&live->media, &live->media_capacity, request.width, request.height);
-        if (rgb == NULL || !view_interleave(image, rgb)) result = TY_ERROR_MEMORY;
+        if (rgb == NULL || !view_interleave(image != NULL ? image : black, rgb)) result = TY_ERROR_MEMORY;
     }
     ty_image_destroy(image);
     ty_image_destroy(black);
@@ -168,7 +185,7 @@ static ty_result show_coarse(view_live* live) {
     const ty_solve_quality quality = view_coarse_quality(live);
     const double divisor = view_coarse_divisor(live, quality);
     ty_result result = view_has_light(live, quality) ? TY_OK : solve(live, quality);
-    if (result == TY_OK) result = trace_surfaces(live, divisor, true, 0.5 * view_coarse_seconds);
+    if (result == TY_OK) result = trace_surfaces(live, quality, divisor, true, 0.5 * view_coarse_seconds);
     if (result == TY_OK) result = view_coarse(live, quality, divisor);
     if (result == TY_OK) result = show_sum(live, divisor, false);
     return result;
@@ -209,7 +226,7 @@ static bool step_light(view_live* live) {
     const bool first = live->shown == VIEW_SHOWN_COARSE;
     if (!first && !surfaces_are_noisy(live)) return prepare_coarse(live);
     if (first) result = view_media(live, TY_SOLVE_FULL, 1, 0);
-    if (result == TY_OK) result = trace_surfaces(live, 1, first, full_surface_seconds);
+    if (result == TY_OK) result = trace_surfaces(live, TY_SOLVE_FULL, 1, first, full_surface_seconds);
     if (result == TY_OK) result = show_sum(live, 1, !surfaces_are_noisy(live));
     if (result != TY_OK) return fail(live, result);
     live->shown = VIEW_SHOWN_FULL;

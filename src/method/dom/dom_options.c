@@ -35,6 +35,7 @@ static const ty_option options[] = {
      .doc = "Relative change of the fluence (root mean square) that is still to come when sweeps end."},
     {TY_OPTION_FIELD(ty_dom_def, iterations), .type = TY_OPTION_INT, .min = 1, .max = INT32_MAX, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO, .doc = "Sweeps of each channel at most; auto is 100, and 10000 without acceleration."},
+    TY_OPTION_INTERIOR_RESOLUTION(ty_dom_def),
     TY_OPTION_ENVIRONMENT_BEAMS(ty_dom_def),
     TY_OPTION_SURFACE_POINTS(ty_dom_def),
     TY_OPTION_SPP(ty_dom_def),

@@ -93,5 +93,10 @@ static void coarsen(void* user, ty_solve_quality quality) {
     def->tolerance = fmax(def->tolerance, 0.01);
 }
 
-const ty_volume_method ty_volume_fld = {TY_VOLUME_METHOD(fld), .solve_fraction = 0.5, .solve = solve,
-                                        .view = view,          .coarsen = coarsen,    .diffuses = true};
+const ty_volume_method ty_volume_fld = {TY_VOLUME_METHOD(fld),
+                                        .solve_fraction = 0.5,
+                                        .solve = solve,
+                                        .view = view,
+                                        .coarsen = coarsen,
+                                        .diffuses = true,
+                                        .interior_at = offsetof(ty_fld_def, interior_resolution)};

@@ -45,6 +45,7 @@ static const ty_option options[] = {
          "Residual over source (root mean squares) at which iterations end; images are good to about a third of it."},
     {TY_OPTION_FIELD(ty_fld_def, iterations), .type = TY_OPTION_INT, .min = 1, .max = INT32_MAX, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO, .doc = "Iterations at most; auto is the solver's own bound."},
+    TY_OPTION_INTERIOR_RESOLUTION(ty_fld_def),
     TY_OPTION_ENVIRONMENT_BEAMS(ty_fld_def),
     TY_OPTION_SURFACE_POINTS(ty_fld_def),
     TY_OPTION_SPP(ty_fld_def),

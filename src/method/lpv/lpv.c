@@ -4,6 +4,7 @@
 #include "direct/media/coverage.h"
 #include "method/lpv/image/image.h"
 #include "method/lpv/inject/inject.h"
+#include "method/lpv/lpv_method.h"
 #include "method/lpv/propagate/propagate.h"
 #include "scene/interiors.h"
 
@@ -132,6 +133,7 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double frac
     ty_result result = ty_lpv_check_scene(scene);
     if (result == TY_OK) result = ty_lpv_check_maps(scene, def);
     if (result != TY_OK) return result;
+    ty_interiors_warn(scene, "lpv", TY_LPV_OF_INTERIORS);
     ty_lpv_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
     job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
@@ -158,8 +160,6 @@ ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_lpv** ou
     ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
     if (result == TY_OK)
         result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_lpv_stats", &own, sizeof own);
-    if (result == TY_OK)
-        ty_interiors_warn(scene, "lpv", "solid dielectrics are opaque, and media in them are lit as without a surface");
     if (result == TY_OK) result = solve(scene, def, 1, out, &own);
     if (result == TY_OK) ty_give_stats(&own, sizeof own, stats);
     return result;

@@ -129,4 +129,5 @@ const ty_method ty_method_lpv = {.name = "lpv",
                                  .view = view,
                                  .destroy = destroy,
                                  .follows_camera = follows_camera,
+                                 .of_interiors = TY_LPV_OF_INTERIORS,
                                  .describe = describe};

@@ -9,4 +9,7 @@ double ty_lpv_injection_seconds(const ty_lpv_stats* lpv);
 double ty_lpv_propagation_seconds(const ty_lpv_stats* lpv);
 double ty_lpv_image_seconds(const ty_lpv_stats* lpv);
 
+/* ty_method.of_interiors. */
+#define TY_LPV_OF_INTERIORS "solid dielectrics are opaque, and media in them are lit as without a surface"
+
 #endif

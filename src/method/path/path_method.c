@@ -2,6 +2,7 @@
 #include "image/aovs.h"
 #include "method/method.h"
 #include "method/path/driver.h"
+#include "method/path/enclosed_light.h"
 
 #include <string.h>
 
@@ -26,6 +27,18 @@ ty_result ty_request_path_def(const ty_scene* scene, const ty_render_request* re
     def->partial = request->partial;
     def->partial_user = request->partial_user;
     return ty_method_options(scene, "path", def);
+}
+
+ty_result ty_solve_enclosed(const ty_scene* scene, const ty_render_request* request, const ty_enclosed_def* def,
+                            ty_enclosed** out, ty_enclosed_stats* stats) {
+    ty_path_def path;
+    ty_enclosed_def reporting = *def;
+    *out = NULL;
+    const ty_result result = ty_request_path_def(scene, request, &path);
+    if (result != TY_OK) return result;
+    reporting.progress = request->progress;
+    reporting.progress_user = request->progress_user;
+    return ty_path_solve_enclosed(scene, &path, &reporting, out, stats);
 }
 
 static ty_result render(const ty_scene* scene, const ty_render_request* request, ty_image** out, ty_method_run* run) {

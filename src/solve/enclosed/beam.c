@@ -72,7 +72,7 @@ static bool march(beam* b, ty_hit* hit) {
             b->cell = cell;
         } else if (!knows_end) {
             knows_end = true;
-            found = ty_accel_intersect(body->scene->mesh, b->origin, b->direction, TY_FLOAT_MAX, hit);
+            found = ty_enclosed_meet_surface(body, b->origin, b->direction, TY_FLOAT_MAX, hit);
             end = found ? ty_maxf(hit->distance, t) : t;
         }
         const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : next[1] < next[2] ? 1 : 2;

@@ -10,8 +10,14 @@
 
 /* Fraction of the scattering that may count as unscattered. */
 static const float max_peak = 0.2f;
+/* Cells along the longest side by default. */
+enum { MIN_CELLS = 32, MAX_CELLS = 48 };
+/* Thickness of a cell, transport mean free paths, above which in all channels ordinates give way to diffusion. */
+static const double max_thickness = 2;
 /* Samples of a varying density per cell. */
 enum { DENSITY_SAMPLES = 8 };
+/* Surfaces of other solids beside that of an interior that a ray passes at most. */
+enum { MAX_OVERLAPS = 4 };
 
 /* ---- memory ---- */
 
@@ -32,6 +38,7 @@ void ty_enclosed_body_destroy(ty_enclosed_body* body) {
     ty_free_array(context, body->face, sides, 1);
     float* const of_sides[3] = {body->albedo, body->emission, body->ior};
     for (int i = 0; i < 3; ++i) ty_free_array(context, of_sides[i], sides, sizeof(float));
+    for (int c = 0; c < 3; ++c) ty_free_array(context, body->exitance[c], sides, sizeof(float));
     ty_free_array(context, body->normal, 3 * sides, sizeof(float));
     ty_free_array(context, body->sides, sides, sizeof *body->sides);
 }
@@ -67,6 +74,10 @@ static bool allocate_sides(ty_enclosed_body* body) {
     body->ior = ty_alloc_array(context, sides, sizeof(float), true);
     body->normal = ty_alloc_array(context, 3 * sides, sizeof(float), true);
     body->sides = ty_alloc_array(context, sides, sizeof *body->sides, true);
+    for (int c = 0; c < 3; ++c) {
+        body->exitance[c] = ty_alloc_array(context, sides, sizeof(float), true);
+        if (body->exitance[c] == NULL) return false;
+    }
     return body->x != NULL && body->face != NULL && body->albedo != NULL && body->emission != NULL &&
            body->ior != NULL && body->normal != NULL && body->sides != NULL;
 }
@@ -79,15 +90,40 @@ static ty_vec center_of(const ty_enclosed_body* body, const int32_t at[3]) {
     return ty_vec_load(center);
 }
 
+/* Cells along a longest side of a reduced optical thickness. Where MAX_CELLS would be thick, paths see little of cells
+ * but the light that leaves, and MIN_CELLS suffice. */
+static int32_t auto_cells(double thickness) {
+    if (thickness > max_thickness * MAX_CELLS) return MIN_CELLS;
+    return (int32_t)fmin(fmax(ceil(thickness), MIN_CELLS), MAX_CELLS);
+}
+
+/* Reduced extinction of a medium of density 1, 1/m: the minimum and maximum of the channels. */
+static void find_reduced_extinction(const ty_medium_view* medium, ty_vec at, double range[2]) {
+    float g[3], scattering[3];
+    ty_medium_g(medium, at, g);
+    ty_medium_sigma_s(medium, at, scattering);
+    for (int c = 0; c < 3; ++c) {
+        const double reduced = (double)(medium->sigma_t[c] - g[c] * scattering[c]);
+        range[0] = c > 0 ? fmin(range[0], reduced) : reduced;
+        range[1] = c > 0 ? fmax(range[1], reduced) : reduced;
+    }
+}
+
 /* Nearly cubic cells over the extent of the medium. */
-static void cut(ty_enclosed_body* body, const ty_medium_def* medium) {
-    double upper[3], longest = 0;
+static void cut(ty_enclosed_body* body, const ty_medium_def* medium, const ty_medium_view* view) {
+    double upper[3], reduced[2], longest = 0;
+    ty_vec center;
     ty_medium_extent(medium, body->lower, upper);
     for (int a = 0; a < 3; ++a) longest = fmax(longest, upper[a] - body->lower[a]);
+    center = ty_vec_make((float)(body->lower[0] + upper[0]) / 2, (float)(body->lower[1] + upper[1]) / 2,
+                         (float)(body->lower[2] + upper[2]) / 2);
+    find_reduced_extinction(view, center, reduced);
+    const int32_t along = body->def->cells != TY_AUTO ? body->def->cells : auto_cells(longest * reduced[1]);
+    body->diffusion = body->def->diffusion || longest / along * reduced[0] > max_thickness;
     body->cells = 1;
     for (int a = 0; a < 3; ++a) {
         const double side = upper[a] - body->lower[a];
-        body->size[a] = (int32_t)fmax(1, lround(side / longest * body->def->cells));
+        body->size[a] = (int32_t)fmax(1, lround(side / longest * along));
         body->cell[a] = side / body->size[a];
         body->cells *= (size_t)body->size[a];
     }
@@ -151,16 +187,16 @@ static void choose_bands(ty_enclosed_body* body, const ty_medium_view* medium, t
     for (int c = 0; c < 3; ++c)
         for (int32_t l = 0; l < TY_SH_BANDS_MAX; ++l)
             body->legendre[c][l] = medium->phase != NULL ? medium->phase->moments[c][l] : powf(g[c], (float)l);
-    body->bands = body->def->diffusion ? 2 : 1;
+    body->bands = body->diffusion ? 2 : 1;
     do {
         if (body->bands > 1) peak = 0;
         for (int c = 0; c < 3 && body->bands < TY_SH_BANDS_MAX; ++c)
             peak = ty_maxf(peak, fabsf(body->legendre[c][body->bands]));
-    } while (!body->def->diffusion && peak > max_peak && ++body->bands < TY_SH_BANDS_MAX);
+    } while (!body->diffusion && peak > max_peak && ++body->bands < TY_SH_BANDS_MAX);
     if (body->bands < 2) body->bands = 2;
     body->terms = body->bands * body->bands;
     for (int c = 0; c < 3; ++c) {
-        const int32_t order = body->def->diffusion ? 1 : body->bands;
+        const int32_t order = body->diffusion ? 1 : body->bands;
         const float moment = order < TY_SH_BANDS_MAX ? body->legendre[c][order]
                              : medium->phase != NULL ? medium->phase->moments[c][order]
                                                      : powf(g[c], (float)order);
@@ -177,7 +213,42 @@ static bool is_inside(const ty_enclosed_body* body, const int32_t at[3]) {
                         (size_t)at[0]] != 0;
 }
 
-/* Point and normal of the surface behind a face; the face's own where rays miss it. */
+bool ty_enclosed_meet_surface(const ty_enclosed_body* body, ty_vec origin, ty_vec w, float far, ty_hit* hit) {
+    const ty_scene_view* scene = body->scene;
+    float passed = 0;
+    for (int i = 0; i < MAX_OVERLAPS && ty_accel_intersect(scene->mesh, origin, w, far - passed, hit); ++i) {
+        const ty_surface_gloss* gloss = scene->surfaces[hit->surface].gloss;
+        const bool own = hit->surface == scene->interiors[body->interior].surface;
+        passed += hit->distance;
+        hit->distance = passed;
+        if (own || gloss == NULL || gloss->dielectric.solid == 0) return true;
+        origin = ty_hit_leave(hit, w);
+    }
+    return false;
+}
+
+/* The interior's own surface along a ray from within. */
+static bool meet_own_surface(const ty_enclosed_body* body, ty_vec origin, ty_vec w, float far, ty_hit* hit) {
+    return ty_enclosed_meet_surface(body, origin, w, far, hit) &&
+           hit->surface == body->scene->interiors[body->interior].surface && ty_dot(hit->normal, w) > 0;
+}
+
+/* The nearest surface around a cell's center along its axes and diagonals. */
+static bool find_nearest(const ty_enclosed_body* body, ty_vec origin, float far, ty_hit* nearest) {
+    bool found = false;
+    for (int i = 0; i < 27; ++i) {
+        const ty_vec w = ty_vec_make((float)(i % 3 - 1), (float)(i / 3 % 3 - 1), (float)(i / 9 - 1));
+        ty_hit hit;
+        if (i == 13 || !meet_own_surface(body, origin, ty_normalize(w), found ? nearest->distance : far, &hit))
+            continue;
+        *nearest = hit;
+        found = true;
+    }
+    return found;
+}
+
+/* Point and normal of the surface behind a face, or, where that is far because the surface slants, of that nearest to
+ * the cell; the face's own where rays miss it. */
 static void find_surface(const ty_enclosed_body* body, const int32_t at[3], int32_t face, ty_enclosed_side* side) {
     const int axis = face / 2;
     float direction[3] = {0, 0, 0}, offset[3];
@@ -188,8 +259,7 @@ static void find_surface(const ty_enclosed_body* body, const int32_t at[3], int3
     side->normal = w;
     side->position = ty_mad(origin, w, 0.5f * edge);
     side->margin = 1e-4f * edge;
-    if (ty_accel_intersect(body->scene->mesh, origin, w, 2 * edge, &hit) &&
-        hit.surface == body->scene->interiors[body->interior].surface && ty_dot(hit.normal, w) > 0) {
+    if (meet_own_surface(body, origin, w, 1.1f * edge, &hit) || find_nearest(body, origin, 2 * edge, &hit)) {
         side->normal = hit.normal;
         side->position = hit.position;
         side->margin = ty_maxf(side->margin, hit.margin);
@@ -241,7 +311,7 @@ ty_result ty_enclosed_body_create(const ty_scene* scene, const ty_enclosed_def* 
                                   ty_enclosed_body* out) {
     *out = (ty_enclosed_body){.context = scene->context, .scene = &scene->view, .def = def, .interior = interior};
     const ty_medium_view* view = &scene->view.media[medium];
-    cut(out, &scene->media[medium]);
+    cut(out, &scene->media[medium], view);
     const int32_t center[3] = {out->size[0] / 2, out->size[1] / 2, out->size[2] / 2};
     choose_bands(out, view, center_of(out, center));
     if (!allocate_cells(out)) return TY_ERROR_MEMORY;

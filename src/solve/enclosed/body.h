@@ -20,6 +20,7 @@ typedef struct ty_enclosed_body {
     const ty_scene_view* scene;
     const ty_enclosed_def* def;
     int32_t interior; /* of the scene view */
+    bool diffusion;   /* asked for, or because cells are too thick for ordinates */
     int32_t bands, terms;
     float legendre[3][TY_SH_BANDS_MAX];
     float forward[3]; /* part of the scattering that counts as unscattered */
@@ -35,7 +36,8 @@ typedef struct ty_enclosed_body {
     ty_enclosed_side* sides;
     /* Moments, interleaved: `terms` per cell. Uncollided light of lights, and of other surfaces; the field. */
     float *of_lights[3], *of_surfaces[3], *field[3];
-    float* solved[3]; /* moments of scattered light, planes of cells */
+    float* solved[3];   /* moments of scattered light, planes of cells */
+    float* exitance[3]; /* of scattered light, per side, W m^-2 of the face */
     uint8_t* near_cell;
     /* Light that enters, W: of lights and of surfaces; absorbed before its first collision, and leaving again. */
     double entering[2][3], leaving[2][3];
@@ -50,6 +52,10 @@ static inline float ty_enclosed_scaled(const ty_enclosed_body* body, int channel
 ty_result ty_enclosed_body_create(const ty_scene* scene, const ty_enclosed_def* def, int32_t interior, int32_t medium,
                                   ty_enclosed_body* out);
 void ty_enclosed_body_destroy(ty_enclosed_body* body);
+
+/* The surface that ends a ray from within, behind those of solids that overlap the interior, whose space counts as
+ * filled; false: there is none before `far`. */
+bool ty_enclosed_meet_surface(const ty_enclosed_body* body, ty_vec origin, ty_vec w, float far, ty_hit* hit);
 
 /* Uncollided light of one thread's beams. */
 typedef struct ty_enclosed_sums {
@@ -71,6 +77,9 @@ ty_result ty_enclosed_solve_ordinates(ty_enclosed_body* body, bool again, double
 ty_result ty_enclosed_solve_diffusion(ty_enclosed_body* body, ty_enclosed_stats* stats);
 /* Fills body->field with all light, continued beyond the surface. */
 void ty_enclosed_fill_field(ty_enclosed_body* body);
+/* Replaces it beside the surface of thick cells by the exitance, averaged along the surface. Errors: TY_ERROR_MEMORY.
+ */
+ty_result ty_enclosed_spread_exitance(ty_enclosed_body* body);
 /* Scales the field so that the flux that paths find leaving is that of the balance, W. */
 void ty_enclosed_balance_field(ty_enclosed_body* body, const ty_enclosed_field* field, const double leaving[3]);
 

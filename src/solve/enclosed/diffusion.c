@@ -122,6 +122,7 @@ static void take_results(channel* ch, ty_enclosed_stats* stats) {
         const size_t cell = (size_t)body->sides[i].cell;
         const float flow = slope[i] * phi[box_index(ch, cell)] + offset[i];
         leaving += (double)flow * volume / body->cell[axis];
+        body->exitance[ch->c][i] = flow;
         add_flow(ch, cell, axis, (body->face[i] & 1) != 0 ? flow : -flow);
     }
     stats->absorbed[ch->c] += absorbed;

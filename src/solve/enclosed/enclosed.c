@@ -7,6 +7,7 @@
 
 struct ty_enclosed {
     ty_context* context;
+    const ty_enclosed_def* def; /* of the solve that runs */
     int32_t count, body_count;
     ty_enclosed_field* fields; /* per interior */
     ty_enclosed_body* bodies;  /* count at most */
@@ -14,7 +15,12 @@ struct ty_enclosed {
 
 ty_enclosed_def ty_default_enclosed_def(void) {
     return (ty_enclosed_def){
-        .cells = 32, .directions = 96, .environment_beams = 64, .surface_points = 16, .rays = 16, .rounds = 2};
+        .cells = TY_AUTO, .directions = 96, .environment_beams = 64, .surface_points = 16, .rays = 16, .rounds = 2};
+}
+
+ty_enclosed_def ty_coarse_enclosed_def(void) {
+    return (ty_enclosed_def){
+        .cells = 16, .directions = 24, .environment_beams = 16, .surface_points = 4, .rays = 2, .rounds = 1};
 }
 
 /* ---- interiors ---- */
@@ -37,13 +43,16 @@ bool ty_enclosed_exists(const ty_scene* scene) {
     return false;
 }
 
+bool ty_enclosed_fills(const ty_scene* scene, int32_t medium) {
+    bool fills = false;
+    for (int32_t i = 0; i < scene->view.interior_count && !fills; ++i)
+        fills = filling_medium(&scene->view, i) == medium;
+    return fills;
+}
+
 bool ty_enclosed_has_all_media(const ty_scene* scene) {
-    for (int32_t m = 0; m < scene->view.medium_count; ++m) {
-        bool solved = false;
-        for (int32_t i = 0; i < scene->view.interior_count && !solved; ++i)
-            solved = filling_medium(&scene->view, i) == m;
-        if (!solved) return false;
-    }
+    for (int32_t m = 0; m < scene->view.medium_count; ++m)
+        if (!ty_enclosed_fills(scene, m)) return false;
     return scene->view.medium_count > 0;
 }
 
@@ -85,6 +94,23 @@ typedef struct round_of_light {
 /* The tolerance of ordinates, and before the last round, where a fraction of the rays does as well. */
 static const double last_tolerance = 1e-3, first_tolerance = 0.03;
 enum { FEWER_RAYS = 4 };
+/* Rays of an interior at most, where that leaves each face a few. */
+enum { MAX_RAYS = 40000, MIN_PER_SIDE = 4 };
+
+/* Rays of each face. */
+static int32_t rays_of(const ty_enclosed_body* body, bool last) {
+    const int32_t max_rays = MAX_RAYS / (body->side_count / 2 + 1);
+    int32_t rays = body->def->rays;
+    if (rays > max_rays) rays = max_rays;
+    if (rays < MIN_PER_SIDE) rays = body->def->rays < MIN_PER_SIDE ? body->def->rays : MIN_PER_SIDE;
+    return last ? rays : (rays + FEWER_RAYS - 1) / FEWER_RAYS;
+}
+
+static ty_result report(const ty_enclosed* enclosed) {
+    const ty_enclosed_def* def = enclosed->def;
+    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
+    return ty_part_next(&progress, "media in dielectrics", 0);
+}
 
 static ty_result enter(ty_enclosed* enclosed, const ty_discrete_light_set* lights, round_of_light round,
                        ty_enclosed_stats* stats) {
@@ -93,10 +119,9 @@ static ty_result enter(ty_enclosed* enclosed, const ty_discrete_light_set* light
     int64_t rays = 0;
     for (int32_t i = 0; i < enclosed->body_count && result == TY_OK; ++i) {
         ty_enclosed_body* body = &enclosed->bodies[i];
-        const int32_t fewer = (body->def->rays + FEWER_RAYS - 1) / FEWER_RAYS;
         if (round.first) result = ty_enclosed_add_lights(body, lights);
         if (result == TY_OK && body->def->radiance != NULL)
-            result = ty_enclosed_add_surfaces(body, enclosed->fields, round.last ? body->def->rays : fewer, &rays);
+            result = ty_enclosed_add_surfaces(body, enclosed->fields, rays_of(body, round.last), &rays);
     }
     stats->rays = (int32_t)rays;
     stats->entering_seconds += ty_wall_seconds() - begun;
@@ -115,12 +140,13 @@ static ty_result scatter(ty_enclosed* enclosed, round_of_light round, ty_enclose
         stats->sides += body->side_count;
         for (int c = 0; c < 3; ++c) stats->entering[c] += body->entering[0][c] + body->entering[1][c];
         const double before[3] = {stats->leaving[0], stats->leaving[1], stats->leaving[2]};
-        result = body->def->diffusion ? ty_enclosed_solve_diffusion(body, stats)
-                                      : ty_enclosed_solve_ordinates(body, !round.first, tolerance, stats);
+        result = body->diffusion ? ty_enclosed_solve_diffusion(body, stats)
+                                 : ty_enclosed_solve_ordinates(body, !round.first, tolerance, stats);
         if (result != TY_OK) break;
         double leaving[3];
         for (int c = 0; c < 3; ++c) leaving[c] = stats->leaving[c] - before[c];
         ty_enclosed_fill_field(body);
+        result = ty_enclosed_spread_exitance(body);
         ty_enclosed_balance_field(body, &enclosed->fields[body->interior], leaving);
     }
     stats->interiors = enclosed->body_count;
@@ -138,7 +164,9 @@ static ty_result solve(const ty_scene* scene, const ty_enclosed_def* def, ty_enc
     if (result == TY_OK) result = ty_discretize_lights(scene, &samples, &lights);
     for (int32_t i = 0; i < rounds && result == TY_OK; ++i) {
         const round_of_light round = {.first = i == 0, .last = i == rounds - 1};
-        result = enter(enclosed, &lights, round, stats);
+        result = report(enclosed);
+        if (result == TY_OK) result = enter(enclosed, &lights, round, stats);
+        if (result == TY_OK) result = report(enclosed);
         if (result == TY_OK) result = scatter(enclosed, round, stats);
     }
     ty_discrete_light_set_destroy(scene->context, &lights);
@@ -151,11 +179,12 @@ ty_result ty_enclosed_solve(const ty_scene* scene, const ty_enclosed_def* def, t
     const double begun = ty_wall_seconds();
     *out = NULL;
     if (!ty_enclosed_exists(scene)) return TY_OK;
-    if (def->cells < 4 || def->cells > 256 || def->rays < 1 || def->rounds < 1)
+    if ((def->cells != TY_AUTO && (def->cells < 4 || def->cells > 256)) || def->rays < 1 || def->rounds < 1)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "enclosed: cells, rays or rounds are outside their ranges");
     ty_enclosed* enclosed = ty_alloc_array(scene->context, 1, sizeof *enclosed, true);
     if (enclosed == NULL) return TY_ERROR_MEMORY;
     enclosed->context = scene->context;
+    enclosed->def = def;
     enclosed->count = scene->view.interior_count;
     enclosed->fields = ty_alloc_array(scene->context, (size_t)enclosed->count, sizeof *enclosed->fields, true);
     enclosed->bodies = ty_alloc_array(scene->context, (size_t)enclosed->count, sizeof *enclosed->bodies, true);
@@ -165,6 +194,7 @@ ty_result ty_enclosed_solve(const ty_scene* scene, const ty_enclosed_def* def, t
         ty_enclosed_destroy(enclosed);
         return result;
     }
+    enclosed->def = NULL;
     totals.seconds = ty_wall_seconds() - begun;
     if (stats != NULL) *stats = totals;
     *out = enclosed;

@@ -12,6 +12,8 @@
 enum { TASKS = 4 };
 /* Maximum number of surfaces of dielectrics that a shadow ray passes. */
 enum { MAX_PASSED = 16 };
+/* Mean cosine below which a direction of an environment stands for a part of it, not for a sun. */
+static const float wide_cosine = 0.999f;
 
 typedef struct entering {
     ty_enclosed_body* body;
@@ -63,8 +65,11 @@ static void add_sums(entering* e, int source, float* const moments[3]) {
 /* ---- lights ---- */
 
 /* Follows a ray through other smooth dielectrics, without refraction, to the surface that ends it: origin, where it
- * left the last of them; returns the fraction of light that passes. hit->surface is -1 where nothing ends it. */
-static float pass_dielectrics(const ty_enclosed_body* body, ty_vec* origin, ty_vec w, float far, ty_hit* hit) {
+ * left the last of them; returns the fraction of light that passes. hit->surface is -1 where nothing ends it. wide: of
+ * even light, where what a glass before the surface reflects comes back from its other side, but not what a glass that
+ * covers the surface does. */
+static float pass_dielectrics(const ty_enclosed_body* body, ty_vec* origin, ty_vec w, float far, bool wide,
+                              ty_hit* hit) {
     const ty_scene_view* scene = body->scene;
     float passed = 1;
     for (int i = 0; i < MAX_PASSED && ty_accel_intersect(scene->mesh, *origin, w, far, hit); ++i) {
@@ -73,7 +78,8 @@ static float pass_dielectrics(const ty_enclosed_body* body, ty_vec* origin, ty_v
         if (!solid || gloss->dielectric.interior == body->interior ||
             scene->interiors[gloss->dielectric.interior].scatters != 0)
             return passed;
-        passed *= 1 - ty_fresnel_dielectric(fabsf(ty_dot(hit->normal, w)), gloss->dielectric.ior);
+        const float cosine = ty_dot(hit->normal, w);
+        if (!wide || (i == 0 && cosine > 0)) passed *= 1 - ty_fresnel_dielectric(fabsf(cosine), gloss->dielectric.ior);
         *origin = ty_hit_leave(hit, w);
         far -= hit->distance;
     }
@@ -82,10 +88,15 @@ static float pass_dielectrics(const ty_enclosed_body* body, ty_vec* origin, ty_v
 }
 
 /* Fraction of light that passes along a ray, 0 behind surfaces that end it. */
-static float visibility(const ty_enclosed_body* body, ty_vec origin, ty_vec w, float far) {
+static float visibility(const ty_enclosed_body* body, ty_vec origin, ty_vec w, float far, bool wide) {
     ty_hit hit;
-    const float passed = pass_dielectrics(body, &origin, w, far, &hit);
+    const float passed = pass_dielectrics(body, &origin, w, far, wide, &hit);
     return hit.surface < 0 ? passed : 0;
+}
+
+/* True for a direction that stands for a part of an environment of some width. */
+static bool is_wide(const ty_discrete_light* light) {
+    return light->kind == TY_DISCRETE_DIRECTIONAL && light->mean_cosine < wide_cosine;
 }
 
 /* Direction of travel and irradiance across the beam of a light at a side, without media outside; false: none. */
@@ -106,7 +117,7 @@ static bool light_beam(const entering* e, const ty_enclosed_side* side, const ty
         *w = ty_scale(off, -1 / far);
     }
     if (!(ty_dot(*w, side->normal) < 0) || !(factor > 0)) return false;
-    factor *= visibility(e->body, origin, ty_scale(*w, -1), far);
+    factor *= visibility(e->body, origin, ty_scale(*w, -1), far, is_wide(light));
     for (int c = 0; c < 3; ++c) irradiance[c] = factor * light->color[c];
     return factor > 0;
 }
@@ -149,7 +160,7 @@ static int64_t find_rays(const ty_enclosed_body* body, const ty_sobol* sobol, in
         w = ty_normalize(ty_mad(ty_mad(w, u, r * cosf(turn)), v, r * sinf(turn)));
         ty_vec origin = ty_mad(s->position, s->normal, s->margin);
         ty_hit hit;
-        passed[count] = pass_dielectrics(body, &origin, w, TY_FLOAT_MAX, &hit);
+        passed[count] = pass_dielectrics(body, &origin, w, TY_FLOAT_MAX, true, &hit);
         if (hit.surface < 0) continue;
         double* ray = rays + 6 * count;
         const float numbers[6] = {origin.x, origin.y, origin.z, -w.x, -w.y, -w.z};

@@ -75,17 +75,11 @@ typedef struct emergence {
     double power[TASKS][3];
 } emergence;
 
-/* Cell of a point; false outside of the medium. */
-static bool find_cell(const ty_enclosed_body* body, ty_vec point, size_t* cell) {
-    const float position[3] = {point.x, point.y, point.z};
-    size_t at = 0;
-    for (int a = 2; a >= 0; --a) {
-        const int32_t i = (int32_t)floor(((double)position[a] - body->lower[a]) / body->cell[a]);
-        if (i < 0 || i >= body->size[a]) return false;
-        at = at * (size_t)body->size[a] + (size_t)i;
-    }
-    *cell = at;
-    return body->inside[at] != 0;
+/* Distance from a side to the surface beyond along an inward direction. */
+static float depth_of(const ty_enclosed_body* body, const ty_enclosed_side* side, ty_vec inward) {
+    const ty_vec origin = ty_mad(side->position, side->normal, -side->margin);
+    ty_hit hit;
+    return ty_enclosed_meet_surface(body, origin, inward, TY_FLOAT_MAX, &hit) ? hit.distance : 0;
 }
 
 /* Adds the radiance of scattered light that leaves a side against a direction outside, as paths gather it. */
@@ -95,14 +89,14 @@ static void add_direction(const emergence* e, const ty_enclosed_side* side, ty_v
     const float transmitted = 1 - ty_fresnel_dielectric(ty_minf(ty_dot(w, side->normal), 1), ior);
     const ty_vec inward = ty_refract(w, side->normal, ior);
     const double factor = (double)(side->area * TY_PI * transmitted / (DIRECTIONS * POINTS * ior * ior));
+    const float depth = depth_of(body, side, inward);
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < POINTS; ++i) {
             const float sigma = body->extinction[c][side->cell], scattering = body->scattering[c][side->cell];
             const float distance = -log1pf(-((float)i + 0.5f) / POINTS) / ty_maxf(sigma, 1e-6f);
             const ty_vec point = ty_mad(side->position, inward, distance);
-            size_t cell;
             float radiance[3];
-            if (i > 0 && !find_cell(body, point, &cell)) break;
+            if (i > 0 && distance > depth) break;
             ty_enclosed_radiance(e->field, point, ty_scale(inward, -1), radiance);
             power[c] += factor * (double)(radiance[c] * scattering / ty_maxf(sigma, 1e-6f));
         }

@@ -72,7 +72,8 @@ static ty_result solve_channel(channel* ch, const ty_angular_quadrature* set, bo
                                      .albedo = body->albedo,
                                      .emission = body->emission,
                                      .ior = body->ior,
-                                     .normal = body->normal};
+                                     .normal = body->normal,
+                                     .absorbed = body->exitance[ch->c]};
     const ty_result result = ty_ordinates_solve(body->context, &def, moments, NULL, 0, &solved);
     if (result != TY_OK) return result;
     stats->converged = stats->converged && solved.converged;

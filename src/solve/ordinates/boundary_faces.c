@@ -231,8 +231,12 @@ void ty_ordinates_faces_balance(ty_ordinates_job* job, const float* irradiance, 
     for (int32_t i = 0; i < walls->count; ++i) {
         const double area = ty_ordinates_face_area(job->def, i);
         *emitted += TY_PI_F64 * area * (double)walls->emission[i];
-        const double albedo = ty_fresnel_faces_mirror(job->fresnel, i) ? ty_fresnel_faces_albedo(job->fresnel, i)
-                                                                       : (double)walls->albedo[i];
-        *absorbed += area * (1 - albedo) * (double)irradiance[i];
+        *absorbed += area * ty_ordinates_face_absorbs(job, i, irradiance[i]);
     }
+}
+
+double ty_ordinates_face_absorbs(const ty_ordinates_job* job, int32_t side, float irradiance) {
+    const double albedo = ty_fresnel_faces_mirror(job->fresnel, side) ? ty_fresnel_faces_albedo(job->fresnel, side)
+                                                                      : (double)job->def->walls.albedo[side];
+    return (1 - albedo) * (double)irradiance;
 }

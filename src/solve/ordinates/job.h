@@ -123,6 +123,8 @@ double ty_ordinates_entering(const ty_ordinates_def* def);
 void ty_ordinates_faces_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
 /* Power emitted by the faces themselves, and absorbed from an irradiance, W. */
 void ty_ordinates_faces_balance(ty_ordinates_job* job, const float* irradiance, double* emitted, double* absorbed);
+/* The part of a side's irradiance that it absorbs, W m^-2. */
+double ty_ordinates_face_absorbs(const ty_ordinates_job* job, int32_t side, float irradiance);
 
 /* Makes the first iterate, whose moments are set, the initial guess. */
 void ty_ordinates_start(ty_ordinates_job* job);

@@ -220,6 +220,8 @@ static void note_balance(ty_ordinates_job* job, const float* moments, int32_t te
     ty_ordinates_faces_balance(job, irradiance, &job->stats->walls_emitted, &job->stats->walls_absorbed);
     if (walls->irradiance != NULL && walls->count > 0)
         memcpy(walls->irradiance, irradiance, sizeof *irradiance * (size_t)walls->count);
+    for (int32_t i = 0; walls->absorbed != NULL && i < walls->count; ++i)
+        walls->absorbed[i] = (float)ty_ordinates_face_absorbs(job, i, irradiance[i]);
 }
 
 /* A final sweep, for more moments than the iteration needs or for more directions; emission and moments have `terms`

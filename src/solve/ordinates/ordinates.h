@@ -32,6 +32,7 @@ typedef struct ty_ordinates_faces {
     const float* ior;    /* index of the side's cell relative to the other side of the interface, at least 1; 0: opaque.
                             NULL (default): all are opaque. Not together with final_set */
     const float* normal; /* with ior: three per side, the interface's unit normal out of the side's cell */
+    float* absorbed;     /* out: what a side takes of its irradiance and does not return, W m^-2; may be NULL */
 } ty_ordinates_faces;
 
 typedef struct ty_ordinates_def {
