@@ -24,6 +24,12 @@ typedef bool (*ty_path_state_fn)(void* user, const void* state, size_t size);
 /// of false cancels the work. It is called like ty_path_state_fn.
 typedef bool (*ty_path_partial_fn)(void* user, const ty_image* image);
 
+/// What leads paths to the light.
+typedef enum ty_path_guide_kind {
+    TY_PATH_GUIDE_NONE = 0, ///< Nothing but the lights themselves.
+    TY_PATH_GUIDE_DOM = 1   ///< A coarse solve by discrete ordinates (docs/method/path.md, "Guided by dom").
+} ty_path_guide_kind;
+
 /// The options of path tracing. Create it with ty_default_path_def().
 typedef struct ty_path_def {
     uint32_t cookie;        ///< Set by ty_default_path_def() and checked.
@@ -56,9 +62,9 @@ typedef struct ty_path_def {
     const void*
         resume; ///< Images: a state to go on from, with any changes of it behind it; default NULL. A resumed render
                 ///< gives the same image, bit for bit, as an uninterrupted one, if spp, seed, size, crop, aovs,
-                ///< max_depth, ignore_media, unscattered, the scene and the instruction set (ty_path_stats.isa) are the
-                ///< same; spp may also be larger. The time of earlier runs counts for `seconds` and in ty_path_stats.
-                ///< TY_ERROR_INPUT: the state is damaged, or belongs to another render.
+                ///< max_depth, ignore_media, unscattered, guide, the scene and the instruction set (ty_path_stats.isa)
+                ///< are the same; spp may also be larger. The time of earlier runs counts for `seconds` and in
+                ///< ty_path_stats. TY_ERROR_INPUT: the state is damaged, or belongs to another render.
     size_t resume_size;      ///< Size of `resume`, bytes; default 0.
     ty_progress_fn progress; ///< Default NULL.
     void* progress_user;     ///< Passed on to `progress`; default NULL.
@@ -76,6 +82,9 @@ typedef struct ty_path_def {
     void* partial_user;          ///< Passed on to `partial`; default NULL.
     const struct ty_enclosed_field* enclosed; ///< Light in media inside dielectrics, at whose first collision paths
                                               ///< end, as methods of the library solve it; default NULL.
+    ty_path_guide_kind guide; ///< What directions and distances are sampled by, beside the lights; default
+                              ///< TY_PATH_GUIDE_NONE. The mean stays the same. Its time counts as that of the work.
+                              ///< Scenes without media have none.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.

@@ -9,7 +9,7 @@ enum { BENCH_PATH_SIZE = 1024 };
 typedef struct bench_options {
     bool json, quick;
     int32_t spp, size[2], runs, side;
-    bool size_given, scenes_given, full;
+    bool size_given, scenes_given, full, guide;
     const char* scenes;    /* names or paths, comma-separated */
     const char* mesh;      /* file, or NULL */
     const char* reference; /* folder of NAME.exr, or NULL */

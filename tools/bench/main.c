@@ -252,6 +252,7 @@ static int measure(int count, char** arguments) {
         {"full", 0, CLI_FLAG, NULL, "screen: the whole image through the reference, not 100 rows", &options.full, 0, 0,
          NULL},
         {"mesh", 0, CLI_TEXT, "FILE", "mesh for the rays (default: a terrain)", &options.mesh, 0, 0, NULL},
+        {"guide", 0, CLI_FLAG, NULL, "path: each scene with a guide, too", &options.guide, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "DIR", "also compare with DIR/SCENE.exr", &options.reference, 0, 0, NULL},
         {"data", 0, CLI_TEXT, "DIR",
          "lpv, dom, edit, view: third-party data (default: the environment variable TYNDALL_DATA)", &options.data, 0, 0,

@@ -34,7 +34,7 @@ static double pair_noise(const ty_image* a, const ty_image* b) {
     return sqrt(squares / values) / (sum / values);
 }
 
-static ty_result render(const bench_session* bench, const ty_scene* scene, uint64_t seed, ty_image** out,
+static ty_result render(const bench_session* bench, const ty_scene* scene, bool guided, uint64_t seed, ty_image** out,
                         ty_path_stats* stats) {
     ty_path_def def = ty_default_path_def();
     def.spp = bench->options->spp;
@@ -44,18 +44,19 @@ static ty_result render(const bench_session* bench, const ty_scene* scene, uint6
     def.progress = cli_progress_report;
     def.progress_user = &bench->session->progress;
     const ty_result result = ty_method_options(scene, "path", &def);
+    if (guided) def.guide = TY_PATH_GUIDE_DOM;
     return result == TY_OK ? ty_path_render(scene, &def, out, stats) : result;
 }
 
 /* Renders two images with different seeds. */
-static ty_result measure_pair(const bench_session* bench, const ty_scene* scene, int run, const ty_image* reference,
-                              path_result* out) {
+static ty_result measure_pair(const bench_session* bench, const ty_scene* scene, bool guided, int run,
+                              const ty_image* reference, path_result* out) {
     ty_image* images[2] = {NULL, NULL};
     ty_path_stats stats[2] = {ty_default_path_stats(), ty_default_path_stats()};
     ty_result result = TY_OK;
     for (int i = 0; result == TY_OK && i < 2; ++i)
-        result =
-            render(bench, scene, bench->session->common.seed + 2 * (uint64_t)run + (uint64_t)i, &images[i], &stats[i]);
+        result = render(bench, scene, guided, bench->session->common.seed + 2 * (uint64_t)run + (uint64_t)i, &images[i],
+                        &stats[i]);
     ty_difference difference = {.relative_rmse = {0, 0, 0, NAN}};
     if (result == TY_OK && reference != NULL)
         result = ty_image_compare(bench->session->context, images[0], reference, 1, &difference);
@@ -122,6 +123,20 @@ static ty_result load_reference(const bench_session* bench, const char* name, ty
     return ty_image_read(bench->session->context, path, out);
 }
 
+/* Measures a scene under a name. */
+static ty_result measure(const bench_session* bench, const ty_scene* scene, bool guided, const ty_image* reference,
+                         const char* name) {
+    path_result results[99];
+    ty_result result = TY_OK;
+    for (int run = 0; result == TY_OK && run < bench->options->runs; ++run)
+        result = measure_pair(bench, scene, guided, run, reference, &results[run]);
+    cli_progress_clear(&bench->session->progress);
+    if (result != TY_OK) return result;
+    const path_result median = median_result(results, bench->options->runs);
+    print_result(bench, name, &median);
+    return TY_OK;
+}
+
 static int bench_scene(const bench_session* bench, const char* given) {
     cli_session* session = bench->session;
     char name[PATH_SIZE];
@@ -134,16 +149,15 @@ static int bench_scene(const bench_session* bench, const char* given) {
         ty_scene_destroy(scene);
         return cli_fail_reading(session, result);
     }
-    path_result results[99];
-    for (int run = 0; result == TY_OK && run < bench->options->runs; ++run)
-        result = measure_pair(bench, scene, run, reference, &results[run]);
-    cli_progress_clear(&session->progress);
+    result = measure(bench, scene, false, reference, name);
+    if (result == TY_OK && bench->options->guide) {
+        char guided[PATH_SIZE + 16];
+        snprintf(guided, sizeof guided, "%s_guided", name);
+        result = measure(bench, scene, true, reference, guided);
+    }
     ty_image_destroy(reference);
     ty_scene_destroy(scene);
-    if (result != TY_OK) return cli_fail_running(session, result);
-    const path_result median = median_result(results, bench->options->runs);
-    print_result(bench, name, &median);
-    return CLI_DONE;
+    return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
 
 int bench_path(const bench_session* bench) {

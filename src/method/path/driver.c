@@ -120,6 +120,20 @@ static void set_point_light_rate(ty_path_run* run) {
     run->request.point_light_reach2 = (float)(point_light_reach_factor * (double)reach2);
 }
 
+/* The guide, where the def asks for one and there is light in media to sample. */
+static ty_result make_guide(ty_path_run* run, const ty_scene* scene) {
+    if (run->def->guide == TY_PATH_GUIDE_NONE || run->view.medium_count == 0 || run->request.unscattered != 0)
+        return TY_OK;
+    const double begun = ty_wall_seconds(), cpu_begun = ty_cpu_seconds();
+    const ty_result result = ty_path_guide_create(scene, &run->view, 0, &run->guide);
+    if (result != TY_OK) return result;
+    run->request.guide = &run->guide->view;
+    run->kernel = TY_BEST_KERNELS(ty_path_guided_kernel);
+    run->guide_seconds = ty_wall_seconds() - begun;
+    run->guide_cpu_seconds = ty_cpu_seconds() - cpu_begun;
+    return TY_OK;
+}
+
 ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_aov_sums) {
     ty_result result = replace_lights(run, scene);
     if (result == TY_OK) result = allocate_items(run, with_aov_sums);
@@ -132,10 +146,14 @@ ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_a
     choose_guides(&run->request);
     set_point_light_rate(run);
     run->request.min_contribution = contribution_threshold(&run->view.lights);
-    return TY_OK;
+    result = make_guide(run, scene);
+    if (result != TY_OK) ty_path_run_end(run);
+    return result;
 }
 
 void ty_path_run_end(ty_path_run* run) {
+    ty_path_guide_destroy(run->guide);
+    run->guide = NULL;
     ty_free_array(run->context, run->lights, (size_t)run->view.lights.count, sizeof *run->lights);
     ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);
     ty_free_array(run->context, run->aov_sums, (size_t)run->item_count, sizeof *run->aov_sums);

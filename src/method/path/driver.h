@@ -2,7 +2,7 @@
 #ifndef TY_PATH_DRIVER_H
 #define TY_PATH_DRIVER_H
 
-#include "method/path/trace/kernel.h"
+#include "method/path/guide/guide.h"
 #include "option/option.h"
 
 #include <tyndall/path.h>
@@ -39,7 +39,9 @@ typedef struct ty_path_run {
     ty_light_view* lights;      /* lights of the scene without its media; NULL: the scene's own */
     int64_t item_count;
     ty_path_kernel kernel;
-    ty_path_stats stats; /* result; before sampling, the statistics of earlier runs */
+    ty_path_guide* guide;                    /* NULL: none */
+    double guide_seconds, guide_cpu_seconds; /* of its making */
+    ty_path_stats stats;                     /* result; before sampling, the statistics of earlier runs */
 } ty_path_run;
 
 extern const ty_option_table ty_path_options;

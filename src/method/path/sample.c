@@ -345,8 +345,8 @@ static void sample_passes(sampling* pass) {
 ty_result ty_path_sample(ty_path_run* run) {
     sampling pass = {.run = run, .odd = run->request, .reported = ty_wall_seconds()};
     pass.odd.seed ^= odd_seed;
-    pass.begun = pass.reported - run->stats.seconds;
-    pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds;
+    pass.begun = pass.reported - run->stats.seconds - run->guide_seconds;
+    pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds - run->guide_cpu_seconds;
     pass.saved = pass.shown = ty_wall_seconds();
     pass.partial_period = partial_seconds;
     pass.state_period = run->def->state_seconds == TY_AUTO ? 0.5 * state_seconds_auto : run->def->state_seconds;

@@ -8,7 +8,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { STATE_VERSION = 4, BYTE_ORDER_MARK = 0x01020304 };
+enum { STATE_VERSION = 5, BYTE_ORDER_MARK = 0x01020304 };
 
 static const char state_magic[8] = "tyndstat";
 
@@ -22,6 +22,7 @@ typedef struct state_header {
     uint64_t scene, seed;
     int32_t width, height, crop[4], max_depth;
     uint32_t aovs, ignore_media, unscattered, point_light_directions, energy_compensation;
+    uint32_t guide, reserved;
     double seconds, cpu_seconds; /* elapsed */
     uint64_t paths, vertices;
 } state_header;
@@ -95,6 +96,7 @@ static state_header make_header(const ty_path_run* run, const ty_path_stats* sta
     header.unscattered = run->def->unscattered;
     header.point_light_directions = run->def->point_light_directions;
     header.energy_compensation = run->def->energy_compensation;
+    header.guide = run->def->guide;
     header.seconds = stats->seconds;
     header.cpu_seconds = stats->cpu_seconds;
     header.paths = stats->paths;
@@ -185,6 +187,8 @@ static ty_result check_render(ty_context* context, const state_header* was, cons
     if (was->energy_compensation != is->energy_compensation)
         return ty_fail(context, TY_ERROR_INPUT, "the state is with%s energy compensation",
                        was->energy_compensation != 0 ? "" : "out");
+    if (was->guide != is->guide)
+        return ty_fail(context, TY_ERROR_INPUT, "the state is with%s a guide", was->guide != 0 ? "" : "out");
     if (was->aovs != is->aovs)
         return ty_fail(context, TY_ERROR_INPUT,
                        "the state has other channels beside R, G and B: aovs %" PRIu32 ", not %" PRIu32, was->aovs,

@@ -5,6 +5,7 @@
 #include "base/dispatch.h"
 #include "base/random.k.h"
 #include "direct/single/enclosed_field.k.h"
+#include "method/path/trace/guide.k.h"
 #include "scene/camera.h"
 #include "scene/interior_list.k.h"
 #include "scene/scene.h"
@@ -40,6 +41,7 @@ typedef struct ty_path_request {
     float point_light_near;   /* factor of lamps' reach2 where rays sample the light that lamps send into them */
     float point_light_g;      /* mean cosine of the media's scattering, at least 0 */
     int32_t first_hit;        /* pixels: nonzero if first-hit channels are needed */
+    const ty_guide* guide;    /* of the guided kernel, which needs one */
 } ty_path_request;
 
 /* Sums over an item's samples in sample order, so that the division into passes changes no result. */
@@ -63,5 +65,6 @@ typedef struct ty_path_aov_sums {
                   ty_path_sums* sums, ty_path_aov_sums* aov_sums)
 typedef TY_PATH_KERNEL((*ty_path_kernel));
 TY_DECLARE_KERNEL_FUNCTION(TY_PATH_KERNEL, ty_path_kernel);
+TY_DECLARE_KERNEL_FUNCTION(TY_PATH_KERNEL, ty_path_guided_kernel);
 
 #endif

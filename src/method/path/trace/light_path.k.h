@@ -54,7 +54,9 @@ typedef struct ty_path {
     float radiance[TY_PATH_CLASS_COUNT][3]; /* estimate so far per class, W m^-2 sr^-1 */
     const ty_medium_view* media;            /* that the path may meet before the next interface of dielectrics */
     int32_t medium_count;
-    float passed; /* distance of origin from the last vertex, m: rays go on at interfaces that change nothing */
+    float expected; /* by a guide: radiance of the camera's ray, W m^-2 sr^-1; 0: unknown */
+    float incident; /* by a guide: radiance along the present ray; negative: unknown */
+    float passed;   /* distance of origin from the last vertex, m: rays go on at interfaces that change nothing */
     ty_interior_list inside;   /* the dielectrics around it, where the scene has any */
     ty_manifold_vertex vertex; /* where the scene has any */
 } ty_path;

@@ -4,8 +4,10 @@
 #define TY_METHOD_PATH_TRACE_PATH_K_H
 
 #include "method/path/trace/equiangular.k.h"
+#include "method/path/trace/guided_distance.k.h"
 #include "method/path/trace/point_light_direction.k.h"
 #include "method/path/trace/refracted_light.k.h"
+#include "method/path/trace/window.k.h"
 
 /* The squared distance from a local light within which rays sample the light that it sends into them, m^2. */
 TY_FN float ty_path_near2(const ty_path* path, const ty_light_view* light) {
@@ -104,15 +106,15 @@ TY_FN bool ty_path_light_visible(const ty_path* path, ty_vec from, const ty_ligh
 }
 
 /* Radiance of a light sample times factor (throughput, phase function or BRDF, cosine) times visibility and
- * transmittance. Contributions below request->min_contribution are traced by Russian roulette. */
+ * transmittance. Contributions below ty_path_min_contribution are traced by Russian roulette. */
 TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample* sample, const float factor[3],
                              float radiance[3]) {
     const ty_scene_view* scene = path->request->scene;
     float transmittance[3];
     for (int c = 0; c < 3; ++c) radiance[c] = factor[c] * sample->radiance[c];
-    const float most = ty_max3(radiance);
-    if (most < path->request->min_contribution) {
-        const float chance = most / path->request->min_contribution;
+    const float most = ty_max3(radiance), threshold = ty_path_min_contribution(path);
+    if (most < threshold) {
+        const float chance = most / threshold;
         const bool traced = ty_rng_uniform(&path->random) < chance;
         for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
     }
@@ -296,7 +298,7 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
                                  sample.pdf > 0.0f ? ty_scatter_vertex_pdf(&scatter, sample.wi, phase) : 0.0f,
                                  phase[1]);
     }
-    const ty_vertex_response response = {&scatter, NULL};
+    const ty_vertex_response response = {&scatter, NULL, NULL};
     ty_path_sample_refracted_light(path, light, chosen, shines ? &sample : NULL, &response);
     path->point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
     path->direction = ty_scatter_vertex_sample(&scatter, &path->random);
@@ -304,6 +306,7 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     path->phase = phase[1];
     path->pdf = ty_scatter_vertex_pdf(&scatter, path->direction, phase);
     for (int c = 0; c < 3; ++c) path->beta[c] *= phase[c] / path->pdf;
+    if (TY_PATH_GUIDED != 0) path->incident = ty_guide_vertex_radiance(&scatter.guide, path->direction);
 }
 
 /* Samples a cosine-weighted direction about the vertex normal. */
@@ -313,6 +316,19 @@ TY_FN void ty_path_sample_cosine_hemisphere(ty_path* path) {
     path->direction = ty_direction_about(path->normal, cosine, v);
     path->pdf = cosine * (1.0f / TY_PI);
     path->point_light_rate = 0.0f;
+}
+
+/* The same by a guide, too. Returns the weight of the direction beside the albedo. */
+TY_FN float ty_path_sample_guided_hemisphere(ty_path* path, const ty_guide_vertex* guide) {
+    float u = ty_sobol_next(&path->random);
+    const float v = ty_sobol_next(&path->random);
+    path->point_light_rate = 0.0f;
+    path->direction = ty_guide_vertex_takes(guide, &u)
+                          ? ty_guide_vertex_sample(guide, u, v)
+                          : ty_direction_about(path->normal, ty_maxf(sqrtf(1.0f - u), 1e-4f), v);
+    const float cosine = ty_maxf(ty_dot(path->normal, path->direction) * (1.0f / TY_PI), 0.0f);
+    path->pdf = ty_guide_vertex_pdf(guide, path->direction, cosine);
+    return path->pdf > 0.0f ? cosine / path->pdf : 0.0f;
 }
 
 /* Samples a direction uniformly on the sphere. */
@@ -335,18 +351,23 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     path->passed = 0.0f;
     bool shines;
     const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
-    const ty_vertex_response response = {NULL, point};
+    ty_guide_vertex guide;
+    if (TY_PATH_GUIDED != 0)
+        ty_guide_vertex_reflect(&guide, path->request->guide, path->origin, point->ns, path->depth, &path->random);
+    const ty_vertex_response response = {NULL, point, TY_PATH_GUIDED != 0 ? &guide : NULL};
     const float facing = shines ? ty_vertex_response_evaluate(&response, sample.wi, factor) : 0.0f;
     if (facing > 0.0f)
         ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, facing,
                                  0.0f);
     ty_path_sample_refracted_light(path, light, chosen, shines ? &sample : NULL, &response);
     const float point_light_rate = ty_path_sample_point_light_direction(path, light, chosen, &response);
-    ty_path_sample_cosine_hemisphere(path);
+    const float weight = TY_PATH_GUIDED != 0 ? ty_path_sample_guided_hemisphere(path, &guide) : 1.0f;
+    if (TY_PATH_GUIDED == 0) ty_path_sample_cosine_hemisphere(path);
     path->point_light_rate = point_light_rate;
     const bool outside = ty_dot(point->ng, path->direction) > 0.0f;
-    for (int c = 0; c < 3; ++c) path->beta[c] *= outside ? point->albedo[c] : 0.0f;
+    for (int c = 0; c < 3; ++c) path->beta[c] *= outside ? weight * point->albedo[c] : 0.0f;
     path->rr_throughput *= ty_max3(point->albedo);
+    if (TY_PATH_GUIDED != 0) path->incident = ty_guide_vertex_radiance(&guide, path->direction);
 }
 
 /* The lobe of a glossy surface for the choice of lights: of its microfacets or its coat, whichever reflects more. Thin
@@ -382,7 +403,7 @@ TY_FN void ty_path_reflect_gloss(ty_path* path, const ty_intersection* at) {
                                  0.0f);
         path->origin = origin;
     }
-    const ty_vertex_response response = {NULL, point};
+    const ty_vertex_response response = {NULL, point, NULL};
     ty_path_sample_refracted_light(path, light, chosen, shines ? &sample : NULL, &response);
     path->point_light_rate = transmits ? 0.0f : ty_path_sample_point_light_direction(path, light, chosen, &response);
     const float pick = ty_sobol_next(&path->random);
@@ -402,7 +423,7 @@ TY_FN bool ty_path_survives(ty_path* path, float beta_before) {
     path->rr_throughput = ty_minf(path->rr_throughput, 1e6f * now);
     /* A closed scene without absorption would otherwise never end a path. */
     if (path->depth >= TY_PATH_ROULETTE_DEPTH) path->rr_throughput *= 0.99f;
-    if (path->rr_throughput >= 0.2f) return true;
+    if (path->rr_throughput >= 0.2f || ty_path_has_window(path)) return true;
     const float chance = ty_maxf(path->rr_throughput * 2.5f, 0.02f);
     if (ty_rng_uniform(&path->random) >= chance) return false;
     for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
@@ -449,6 +470,8 @@ TY_FN bool ty_path_next_event_before_surface(ty_path* path, const ty_medium_view
     ty_spans_find(media, path->medium_count, path->origin, path->direction,
                   on_surface ? end->hit.distance : TY_FLOAT_MAX, &spans);
     if (spans.count > 0 && scatters && scene->lights.local_count > 0 && !last) ty_path_add_equiangular(path, &spans);
+    if (TY_PATH_GUIDED != 0 && path->depth == 0 && (spans.heterogeneous != 0 || spans.count != 1))
+        ty_path_expect(path, on_surface ? end : NULL);
     if (spans.heterogeneous != 0) {
         const bool collides = ty_delta_tracking(media, &spans, path->origin, path->direction, &path->random, path->beta,
                                                 emitted, &collision);
@@ -482,6 +505,17 @@ TY_FN bool ty_path_next_event_before_surface(ty_path* path, const ty_medium_view
     ty_path_add_emission(path, transmitted, on_surface ? end : NULL);
     const float sum = colliding + reflecting;
     if (!(sum > 0.0f)) return false;
+    if (TY_PATH_GUIDED != 0 && spans.count == 1 && colliding > 0.0f && path->depth == 0) {
+        ty_guided_event event;
+        if (ty_path_sample_guided_event(path, &spans, end, transmitted, colliding, reflecting, &event)) {
+            path->scattered = event.collides;
+            if (event.collides) {
+                *medium = &media[spans.medium[0]];
+                path->origin = ty_mad(path->origin, path->direction, event.t);
+            }
+            return event.analog > 0.0f && ty_path_survives(path, ty_sum3(path->beta) / event.analog);
+        }
+    }
     const float chance = colliding / sum;
     const float u = ty_sobol_next(&path->random);
     if (u < chance) {
@@ -566,6 +600,7 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
         if (path->request->max_run > 0 && path->run > path->request->max_run) break;
         ++path->depth;
         ++vertices;
+        if (TY_PATH_GUIDED != 0) path->incident = -1.0f;
         path->path_class =
             medium != NULL ? ty_path_class_scattered(path->path_class) : ty_path_class_reflected(path->path_class);
         if (medium != NULL)
@@ -578,6 +613,7 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
             ty_path_reflect_gloss(path, &end);
         } else
             ty_path_reflect(path, &end);
+        if (TY_PATH_GUIDED != 0 && !ty_path_passes_window(path)) break;
     }
     return vertices;
 }
@@ -599,6 +635,8 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->medium_count = request->scene->medium_count;
     path->passed = 0.0f;
     path->vertex.refractions = -1;
+    path->expected = 0.0f;
+    path->incident = -1.0f;
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
     memset(path->radiance, 0, sizeof path->radiance);
 }
@@ -615,7 +653,7 @@ TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     if (shines)
         ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, TY_INV_4PI,
                                  0.0f);
-    const ty_vertex_response response = {NULL, NULL};
+    const ty_vertex_response response = {NULL, NULL, NULL};
     ty_path_sample_refracted_light(path, light, chosen, shines ? &sample : NULL, &response);
     ty_path_sample_sphere(path);
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / TY_INV_4PI;

@@ -1,0 +1,110 @@
+/* The loop over items and samples of the path tracing kernels. */
+#ifndef TY_METHOD_PATH_TRACE_ITEMS_K_H
+#define TY_METHOD_PATH_TRACE_ITEMS_K_H
+
+#include "base/float_mode.h"
+#include "method/path/trace/path.k.h"
+
+/* The dielectrics around the camera are known. */
+static void begin_at_camera(ty_path* path) {
+    path->origin = path->request->camera.origin;
+    if (ty_path_sees_dielectrics(path)) ty_path_set_inside(path, &path->request->camera_inside);
+}
+
+static void start(ty_path* path, const ty_path_request* request, int64_t item) {
+    if (request->kind == TY_PATH_PIXELS) {
+        const int32_t x = request->crop[0] + (int32_t)(item % request->crop[2]);
+        const int32_t y = request->crop[1] + (int32_t)(item / request->crop[2]);
+        const float dx = ty_sobol_next(&path->random), dy = ty_sobol_next(&path->random);
+        begin_at_camera(path);
+        path->direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
+    } else if (request->kind == TY_PATH_RAYS) {
+        const double* ray = request->rays + 6 * item;
+        const double length = sqrt(ray[3] * ray[3] + ray[4] * ray[4] + ray[5] * ray[5]);
+        path->origin = ty_vec_make((float)ray[0], (float)ray[1], (float)ray[2]);
+        ty_path_begin_inside(path);
+        /* The path goes against the light; 0 - x, so that no component becomes -0. */
+        path->direction =
+            ty_vec_make((float)((0 - ray[3]) / length), (float)((0 - ray[4]) / length), (float)((0 - ray[5]) / length));
+    } else {
+        float point[3];
+        int64_t rest = item;
+        for (int a = 0; a < 3; ++a) {
+            const int64_t index = rest % request->size[a];
+            rest /= request->size[a];
+            const float offset = request->cell[a] > 0 ? ty_sobol_next(&path->random) : 0.5f;
+            point[a] = (float)(request->lower[a] + request->cell[a] * ((double)index + (double)offset));
+        }
+        ty_path_begin_fluence(path, ty_vec_make(point[0], point[1], point[2]));
+    }
+}
+
+/* Index of an item's random sequence. A pixel's does not depend on the crop. */
+static uint64_t random_item(const ty_path_request* request, int64_t item) {
+    if (request->kind != TY_PATH_PIXELS) return (uint64_t)item;
+    const int64_t x = request->crop[0] + item % request->crop[2], y = request->crop[1] + item / request->crop[2];
+    return (uint64_t)(y * request->width + x);
+}
+
+/* Adds the first-hit channels. Separate random numbers leave the path's own sequence unchanged. */
+static void add_first_hit(const ty_path* path, uint64_t number, uint32_t sample, ty_path_aov_sums* aov_sums) {
+    const ty_scene_view* scene = path->request->scene;
+    ty_sampler random = ty_sampler_begin(path->request->sobol, ~path->request->seed, number, sample);
+    ty_intersection end;
+    const bool hits =
+        scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end.hit);
+    const float far = hits ? end.hit.distance : TY_FLOAT_MAX;
+    float transmittance[3], scattered[3] = {1.0f, 1.0f, 1.0f}, emission[3] = {0.0f, 0.0f, 0.0f};
+    ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, far, &random, transmittance);
+    ty_spans spans;
+    ty_collision collision;
+    ty_spans_find(scene->media, scene->medium_count, path->origin, path->direction, far, &spans);
+    const bool collides = spans.count > 0 && ty_delta_tracking(scene->media, &spans, path->origin, path->direction,
+                                                               &random, scattered, emission, &collision);
+    for (int c = 0; c < 3; ++c) {
+        aov_sums->transmittance[c] += (double)transmittance[c];
+        if (collides) aov_sums->albedo[c] += (double)scattered[c];
+    }
+    if (!hits) return;
+    ty_surface_evaluate(&scene->surfaces[end.hit.surface], &end.hit, path->direction, &end.point);
+    aov_sums->normal[0] += (double)end.point.ns.x;
+    aov_sums->normal[1] += (double)end.point.ns.y;
+    aov_sums->normal[2] += (double)end.point.ns.z;
+    aov_sums->depth += (double)far;
+    aov_sums->hits += 1;
+}
+
+static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_aov_sums* aov_sums) {
+    for (int c = 0; c < 3; ++c) {
+        double value = 0;
+        for (int path_class = 0; path_class < TY_PATH_CLASS_COUNT; ++path_class)
+            value += (double)path->radiance[path_class][c];
+        sum->mean[c] += value;
+        sum->square[c] += value * value;
+        if (aov_sums == NULL) continue;
+        aov_sums->uncollided[c] += (double)path->radiance[TY_PATH_UNCOLLIDED][c];
+        aov_sums->single[c] += (double)path->radiance[TY_PATH_SINGLE][c];
+        aov_sums->multiple[c] += (double)path->radiance[TY_PATH_MULTIPLE][c];
+    }
+}
+
+static TY_PATH_KERNEL(ty_path_sample_items) {
+    const unsigned thread_state = ty_flush_denormals();
+    uint64_t vertices = 0;
+    for (int64_t item = begin; item < end; ++item) {
+        const uint64_t number = random_item(request, item);
+        ty_path_aov_sums* sums_of_item = aov_sums != NULL ? &aov_sums[item - begin] : NULL;
+        for (uint32_t i = first_sample; i < first_sample + count; ++i) {
+            ty_path path;
+            ty_path_begin(&path, request, number, i);
+            start(&path, request, item);
+            if (sums_of_item != NULL && request->first_hit != 0) add_first_hit(&path, number, i, sums_of_item);
+            vertices += ty_path_follow(&path);
+            add_sample(&path, &sums[item - begin], sums_of_item);
+        }
+    }
+    ty_restore_denormals(thread_state);
+    return vertices;
+}
+
+#endif
