@@ -23,7 +23,7 @@ test_help() {
 
 test_usage() {
   usage_error "did you mean 'render'" rendr
-  usage_error 'render, view, info, diff, merge, compare' nonsense
+  usage_error 'render, view, info, diff, merge, denoise, compare' nonsense
   usage_error "unknown command ''" ''
   usage_error 'did you mean --spp' render builtin:cube_g0 -o a.exr --sp 4
   usage_error 'unknown option --zzzzzzzz ' render builtin:cube_g0 -o a.exr --zzzzzzzz
@@ -73,7 +73,7 @@ test_usage() {
     usage_error 'locked' render builtin:cube_g0 -o locked/a.exr
   fi
   usage_error "did you mean 'path'" bench pat
-  usage_error 'machine, path, direct, rays, screen, fld, pop, lpv, dom, octaves, impulse, bake, view, load, edit, all' bench everything
+  usage_error 'machine, path, direct, rays, screen, fld, pop, lpv, dom, octaves, denoise, impulse, bake, view, load, edit, all' bench everything
   absent a.exr
 }
 

@@ -195,7 +195,7 @@ typedef struct golden {
 } golden;
 
 static const golden table[] = {
-    {"path", hash_path, {0x3501547bd5d0ac53, 0xf78b0788fed18672, 0xd1da618d25197ecd}},
+    {"path", hash_path, {0x3501547bd5d0ac53, 0xd1da618d25197ecd, 0xd1da618d25197ecd}},
     {"screen", hash_screen, {0x8f6b85b66741a6dd, 0x4762fb6f13246ca6, 0x3bb1bdcb3ddf4f6c}},
     {"fld", hash_fld, {0x9b2d4c47badc288c, 0xcea581ab6c95e13d, 0xcea581ab6c95e13d}},
     {"pop", hash_pop, {0x34c441425f962e3d, 0x3d87d44c87997d61, 0x3d87d44c87997d61}},

@@ -488,14 +488,15 @@ static const char every_key[] =
     "\"volume\":{\"attenuation_color\":0.5,\"attenuation_distance\":2,\"priority\":1}}},{\"sphere\":{\"center\":[0,0,"
     "0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0,\"point_light_directions\":true,"
-    "\"energy_compensation\":true},"
+    "\"energy_compensation\":true,\"guide\":\"none\"},"
     "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":\"auto\",\"environment\":"
     "\"none\","
     "\"balance\":false},"
     "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"max_flux_fraction\":1,\"boundary\":\"dirichlet\",\"solver\":"
     "\"sor\","
     "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
-    "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5,\"ray_spacing\":2},"
+    "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"interior_resolution\":40,\"spp\":2,\"step\":0.5,\"ray_"
+    "spacing\":2},"
     "\"pop\":{\"mode\":\"collided\",\"resolution\":16,\"merged\":24,\"fine_lights\":false,\"direct\":40,\"ordinates\":"
     "27,"
     "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"vpl_min_distance\":"
@@ -511,7 +512,8 @@ static const char every_key[] =
     "\"tolerance\":1e-4,\"iterations\":50,\"environment_beams\":9,\"surface_points\":6,\"spp\":4,\"step\":2,\"ray_"
     "spacing\":4},"
     "\"octaves\":{\"count\":3,\"scattering\":0.4,\"extinction\":0.6,\"anisotropy\":0.3,\"view_extinction\":\"scaled\","
-    "\"resolution\":30,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5,\"ray_spacing\":2}}}";
+    "\"resolution\":30,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5,\"ray_spacing\":2,"
+    "\"froxels\":80,\"froxel_slices\":32}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {

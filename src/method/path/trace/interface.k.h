@@ -112,7 +112,7 @@ TY_FN void ty_interface_tint(const ty_scene_view* scene, int32_t interface, cons
 TY_FN void ty_path_meet_pane(ty_path* path, ty_intersection* end) {
     const float passing = ty_max3(end->tint), sum = passing + ty_max3(end->point.bsdf.albedo);
     const float chance = sum > 0.0f ? passing / sum : 0.0f;
-    if (ty_rng_uniform(&path->random) < chance) {
+    if (ty_sobol_next(&path->random) < chance) {
         end->interface = TY_INTERFACE_PASSED;
         for (int c = 0; c < 3; ++c) end->tint[c] /= chance;
         return;
