@@ -233,7 +233,7 @@ static void refuse(ty_context* context, const ty_scene* scene, ty_path_def def, 
 
 /* The bytes of a state and its changes, as a command keeps them in a file. */
 typedef struct journal {
-    uint8_t bytes[1 << 18], before[1 << 18]; /* before: the longest up to a whole state */
+    uint8_t bytes[1 << 20], before[1 << 20]; /* before: the longest up to a whole state */
     size_t first, size, before_first, before_size;
     int changes, refuse_at; /* refuse_at: the number of the change that is not kept; 0: none */
 } journal;
