@@ -1,5 +1,6 @@
 /* The sky: where things are on the map, what colours they have, and that light adds up. */
 #include "checks.h"
+#include "effort.h"
 
 #include "scene/lights/sky.h"
 
@@ -67,6 +68,7 @@ static void threads_do_not_matter(void** state) {
 
 /* Tables that were kept make no difference, whatever they were made for, and the sky differs by how it scatters. */
 static void kept_tables_do_not_matter(void** state) {
+    skip_under_sanitizers();
     ty_context* context = *state;
     const ty_sky_def first = sun_at(25, 70, TY_AXIS_Y);
     ty_sky_def defs[5] = {sun_at(60, 0, TY_AXIS_Y), first, first, first, first};
