@@ -227,14 +227,19 @@ TY_FN TY_GLOBAL const float* ty_guide_bins_at(const ty_guide* guide, ty_vec at, 
     return cell < 0 ? NULL : guide->radiance + cell * TY_GUIDE_BINS;
 }
 
+/* Begins a vertex that is not guided yet; returns the bins at its point. */
+TY_FN TY_GLOBAL const float* ty_guide_vertex_begin(ty_guide_vertex* vertex, const ty_guide* guide, ty_vec at,
+                                                   ty_sampler* random) {
+    vertex->fraction = 0.0f;
+    vertex->radiance = TY_PATH_GUIDED != 0 ? ty_guide_bins_at(guide, at, random) : NULL;
+    return vertex->radiance;
+}
+
 /* Guided directions of a vertex in a medium of mean cosine g. */
 TY_FN void ty_guide_vertex_scatter(ty_guide_vertex* vertex, const ty_guide* guide, ty_vec at, ty_vec incoming, float g,
                                    int32_t depth, ty_sampler* random) {
-    vertex->fraction = 0.0f;
-    if (TY_PATH_GUIDED == 0) return;
-    TY_GLOBAL const float* radiance = ty_guide_bins_at(guide, at, random);
+    TY_GLOBAL const float* radiance = ty_guide_vertex_begin(vertex, guide, at, random);
     if (radiance == NULL) return;
-    vertex->radiance = radiance;
     for (int32_t b = 0; b < TY_GUIDE_VERTEX_BINS; ++b) {
         const float mu = incoming.x * guide->x[b] + incoming.y * guide->y[b] + incoming.z * guide->z[b];
         vertex->weight[b] = radiance[b] * ty_hg_approximate(ty_maxf(2.0f - 2.0f * mu, 0.0f), g);
@@ -245,11 +250,8 @@ TY_FN void ty_guide_vertex_scatter(ty_guide_vertex* vertex, const ty_guide* guid
 /* Guided directions of a vertex on a diffuse surface. */
 TY_FN void ty_guide_vertex_reflect(ty_guide_vertex* vertex, const ty_guide* guide, ty_vec at, ty_vec normal,
                                    int32_t depth, ty_sampler* random) {
-    vertex->fraction = 0.0f;
-    if (TY_PATH_GUIDED == 0) return;
-    TY_GLOBAL const float* radiance = ty_guide_bins_at(guide, at, random);
+    TY_GLOBAL const float* radiance = ty_guide_vertex_begin(vertex, guide, at, random);
     if (radiance == NULL) return;
-    vertex->radiance = radiance;
     for (int32_t b = 0; b < TY_GUIDE_VERTEX_BINS; ++b) {
         const float mu = normal.x * guide->x[b] + normal.y * guide->y[b] + normal.z * guide->z[b];
         vertex->weight[b] = radiance[b] * ty_maxf(0.0f, mu);
