@@ -8,6 +8,10 @@ TY_FN float ty_luminance(float r, float g, float b) {
     return 0.2126f * r + 0.7152f * g + 0.0722f * b;
 }
 
+TY_FN float ty_luminance_of(const float rgb[3]) {
+    return ty_luminance(rgb[0], rgb[1], rgb[2]);
+}
+
 #if !defined(__OPENCL_C_VERSION__)
 TY_FN double ty_luminance_f64(const double rgb[3]) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];

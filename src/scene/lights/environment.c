@@ -9,10 +9,6 @@
 
 enum { TABLE_WIDTH_MAX = 512 };
 
-static float luminance(const float rgb[3]) {
-    return ty_luminance(rgb[0], rgb[1], rgb[2]);
-}
-
 /* Weighted luminance of the texels that bilinear lookups within texel (x, y) blend. */
 static float luminance_around(const ty_environment_map* env, int32_t x, int32_t y) {
     float sum = 0;
@@ -21,7 +17,7 @@ static float luminance_around(const ty_environment_map* env, int32_t x, int32_t 
             const int32_t row = y + dy < 0 ? 0 : y + dy >= env->height ? env->height - 1 : y + dy;
             const int32_t column = (x + dx + env->width) % env->width;
             const float weight = dx == 0 && dy == 0 ? 1.0f : 0.25f;
-            sum += weight * luminance(env->pixels + 3 * ((size_t)env->width * (size_t)row + (size_t)column));
+            sum += weight * ty_luminance_of(env->pixels + 3 * ((size_t)env->width * (size_t)row + (size_t)column));
         }
     return sum / 3.0f;
 }

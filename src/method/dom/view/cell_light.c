@@ -46,10 +46,6 @@ typedef struct flux_job {
     ty_cell_light* out;
 } flux_job;
 
-static float luminance_of(const float rgb[3]) {
-    return ty_luminance(rgb[0], rgb[1], rgb[2]);
-}
-
 /* Luminance of a light's planes at a point. */
 static float uncollided_luminance(const ty_light_fluence* light, TY_GLOBAL const float* const planes[3],
                                   const ty_cell_point* at) {
@@ -58,7 +54,7 @@ static float uncollided_luminance(const ty_light_fluence* light, TY_GLOBAL const
         const float* plane = planes[light->shared != 0 ? 0 : c];
         rgb[c] = plane == NULL ? 0 : ty_cell_value(plane, at) * (light->shared != 0 ? light->color[c] : 1.0f);
     }
-    return luminance_of(rgb);
+    return ty_luminance_of(rgb);
 }
 
 /* Adds the flux of a light's uncollided fluence at a point: along its direction, or of its own planes. */
@@ -87,7 +83,7 @@ static void add_moments(const ty_dom* light, float* const moments[3], const ty_c
             float* planes = moments[light->shared ? 0 : c];
             rgb[c] = planes == NULL ? 0 : ty_cell_value(ty_dom_plane(light, planes, harmonic[a]), at) * light->color[c];
         }
-        flux[a] += luminance_of(rgb) / TY_SH_1;
+        flux[a] += ty_luminance_of(rgb) / TY_SH_1;
     }
 }
 

@@ -54,10 +54,6 @@ static float found_fraction(float sampled) {
     return typical_pdf / (typical_pdf + sampled);
 }
 
-static float luminance_of(const float rgb[3]) {
-    return ty_luminance(rgb[0], rgb[1], rgb[2]);
-}
-
 static float environment_radiance(const ty_scene_view* scene, ty_vec direction) {
     float sum = 0;
     for (int32_t i = 0; i < scene->lights.distant_count; ++i) {
@@ -67,7 +63,7 @@ static float environment_radiance(const ty_scene_view* scene, ty_vec direction) 
         ty_environment_radiance(&light->environment, direction, radiance);
         const float sampled =
             light->chosen > 0 ? light->chosen * ty_environment_pdf(&light->environment, direction) : 0;
-        sum += luminance_of(radiance) * found_fraction(sampled);
+        sum += ty_luminance_of(radiance) * found_fraction(sampled);
     }
     return sum;
 }
@@ -81,8 +77,8 @@ static float surface_radiance(const build* b, const ty_hit* hit, ty_vec origin, 
     if (point.light >= 0)
         sampled = ty_lights_probability(lights, point.light, origin, ty_vec_make(0, 0, 0), NULL) *
                   ty_light_pdf(&lights->lights[point.light], origin, direction, hit->distance);
-    return luminance_of(point.emission) * found_fraction(sampled) +
-           ty_guide_surface_radiance(&b->guide->view, hit->position, point.ng, luminance_of(point.albedo));
+    return ty_luminance_of(point.emission) * found_fraction(sampled) +
+           ty_guide_surface_radiance(&b->guide->view, hit->position, point.ng, ty_luminance_of(point.albedo));
 }
 
 static float incident_radiance(const build* b, ty_vec origin, ty_vec direction) {
