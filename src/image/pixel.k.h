@@ -71,7 +71,7 @@ TY_FN void ty_pixel_add_ray(TY_GLOBAL const ty_march_request* request, ty_march_
     const ty_march_light light = ray->light;
     ty_pixel_add_light(request, &light, direction, hit, pixel);
     if (hit != NULL && request->has_field != 0)
-        ty_reflect(request, ray, direction, hit, offset, light.transmittance, pixel->multiple);
+        ty_reflect_media(request, ray, direction, hit, offset, light.transmittance, pixel->multiple);
 }
 
 #endif

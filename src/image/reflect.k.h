@@ -55,8 +55,8 @@ TY_FN bool ty_reflect_is_visible(const ty_surface_point* point, const float tran
 
 /* Adds the media's light reflected by a surface that a camera ray hit, behind some transmittance. offset: (0, 1],
  * varies between rays. */
-TY_FN void ty_reflect(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, ty_vec direction, const ty_hit* hit,
-                      float offset, const float transmittance[3], float radiance[3]) {
+TY_FN void ty_reflect_media(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, ty_vec direction,
+                            const ty_hit* hit, float offset, const float transmittance[3], float radiance[3]) {
     ty_surface_point point;
     float irradiance[3];
     ty_surface_evaluate(&request->scene->surfaces[hit->surface], hit, direction, &point);
