@@ -205,6 +205,19 @@ def expect_end(client):
         pass
 
 
+def test_close(host):
+    """The answer to a goodbye is the last frame, whatever is about to be sent."""
+    for _ in range(300):
+        client = host.connect()
+        for _ in range(20):
+            client.send("x")
+        client.send(b"\x03\xe8", CLOSE)
+        while client.receive()[0] != CLOSE:
+            pass
+        assert client.closed == 1000 and client.rest() == b""
+    host.wait_for_clients(0)
+
+
 def test_places(host):
     clients = [host.connect() for _ in range(8)]
     extra = WebSocket(host.port, f"/live?token={host.token}")
@@ -348,7 +361,7 @@ def test_taken_port(host):
 def main():
     host = Host()
     test_taken_port(host)
-    for test in (test_doors, test_requests, test_messages, test_places, test_texts, test_acknowledgements, test_slow_clients):
+    for test in (test_doors, test_requests, test_messages, test_close, test_places, test_texts, test_acknowledgements, test_slow_clients):
         test(host)
         print(test.__name__, flush=True)
     port, clients = host.port, [host.connect() for _ in range(3)]

@@ -65,6 +65,14 @@ class WebSocket:
         taken, self.buffer = self.buffer[:count], self.buffer[count:]
         return taken
 
+    def rest(self):
+        """All bytes until the server ends the connection."""
+        try:
+            while True:
+                self.fill()
+        except (EOFError, ConnectionError):
+            return self.buffer
+
     def send(self, data, opcode=TEXT, last=True):
         data = data.encode() if isinstance(data, str) else data
         size = len(data)

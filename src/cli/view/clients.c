@@ -20,7 +20,8 @@ struct view_client {
     bool started;  /* there is a thread */
     bool flushing; /* goodbye follows the queued texts */
     bool ended;    /* nothing more is sent */
-    int bye;       /* the code of the goodbye; 0: the connection is lost */
+    int bye;       /* the code of the goodbye; 0: none */
+    const char* reason;
     char* texts[TEXTS_MAX];
     int first_text, text_count;
     char* slots[VIEW_SLOT_COUNT];
@@ -82,10 +83,11 @@ static int32_t count_open(const view_clients* clients) {
 }
 
 /* Ends a client; its thread says goodbye, unless the code is 0. */
-static void end(view_client* client, int bye) {
+static void end(view_client* client, int bye, const char* reason) {
     if (client->ended) return;
     client->ended = true;
     client->bye = bye;
+    client->reason = reason;
     pthread_cond_signal(&client->work);
 }
 
@@ -133,7 +135,7 @@ static bool take(view_client* client, parcel* next) {
         return true;
     }
     if (client->flushing) {
-        end(client, VIEW_BYE_REFUSED);
+        end(client, VIEW_BYE_REFUSED, "refused");
         return false;
     }
     for (int slot = 0; slot < VIEW_SLOT_COUNT; ++slot) {
@@ -163,14 +165,6 @@ static bool deliver(const view_client* client, parcel* next) {
     return written;
 }
 
-static const char* reason_of(int bye) {
-    switch (bye) {
-    case VIEW_BYE_AWAY: return "tyndall ends";
-    case VIEW_BYE_TOO_BIG: return "too many unsent texts";
-    default: return "refused";
-    }
-}
-
 static void* send_messages(void* user) {
     view_client* client = user;
     view_clients* clients = client->all;
@@ -189,9 +183,8 @@ static void* send_messages(void* user) {
             client->bye = 0;
         }
     }
-    const int bye = client->bye;
     pthread_mutex_unlock(&clients->lock);
-    if (bye != 0) clients->wire.goodbye(client->connection, bye, reason_of(bye));
+    if (client->bye != 0) clients->wire.goodbye(client->connection, client->bye, client->reason);
     return NULL;
 }
 
@@ -204,7 +197,7 @@ bool view_clients_start(view_clients* clients, int32_t id, bool accepted) {
     if (client->slots[VIEW_SLOT_STATUS] == NULL && clients->status != NULL)
         client->slots[VIEW_SLOT_STATUS] = strdup(clients->status);
     client->started = pthread_create(&client->thread, NULL, send_messages, client) == 0;
-    if (!client->started) end(client, 0);
+    if (!client->started) end(client, 0, NULL);
     const bool started = client->started;
     pthread_mutex_unlock(&clients->lock);
     return started;
@@ -218,13 +211,21 @@ static void free_client(view_client* client) {
     free(client);
 }
 
-void view_clients_remove(view_clients* clients, int32_t id) {
+void view_clients_end(view_clients* clients, int32_t id, int bye, const char* reason) {
     pthread_mutex_lock(&clients->lock);
     view_client* client = find(clients, id);
-    if (client != NULL) end(client, 0);
+    if (client != NULL) end(client, bye, reason);
     pthread_mutex_unlock(&clients->lock);
-    if (client == NULL) return;
+}
+
+bool view_clients_remove(view_clients* clients, int32_t id) {
+    view_clients_end(clients, id, 0, NULL);
+    pthread_mutex_lock(&clients->lock);
+    view_client* client = find(clients, id);
+    pthread_mutex_unlock(&clients->lock);
+    if (client == NULL) return false;
     if (client->started) pthread_join(client->thread, NULL);
+    const bool goodbye = client->started && client->bye != 0;
     pthread_mutex_lock(&clients->lock);
     view_client** link = &clients->first;
     while (*link != client) link = &(*link)->next;
@@ -232,6 +233,7 @@ void view_clients_remove(view_clients* clients, int32_t id) {
     pthread_cond_broadcast(&clients->removed);
     pthread_mutex_unlock(&clients->lock);
     free_client(client);
+    return goodbye;
 }
 
 void view_clients_close(view_clients* clients, double seconds) {
@@ -241,7 +243,8 @@ void view_clients_close(view_clients* clients, double seconds) {
     until.tv_sec += (time_t)at;
     until.tv_nsec = (long)((at - (double)(time_t)at) * 1e9);
     pthread_mutex_lock(&clients->lock);
-    for (view_client* client = clients->first; client != NULL; client = client->next) end(client, VIEW_BYE_AWAY);
+    for (view_client* client = clients->first; client != NULL; client = client->next)
+        end(client, VIEW_BYE_AWAY, "tyndall ends");
     while (clients->first != NULL && pthread_cond_timedwait(&clients->removed, &clients->lock, &until) == 0) {
     }
     pthread_mutex_unlock(&clients->lock);
@@ -295,7 +298,7 @@ void view_clients_send(view_clients* clients, int32_t id, const char* text) {
     if (client != NULL && !client->ended) {
         char* copy = client->text_count < TEXTS_MAX ? strdup(text) : NULL;
         if (copy == NULL) {
-            end(client, VIEW_BYE_TOO_BIG);
+            end(client, VIEW_BYE_TOO_BIG, "too many unsent texts");
         } else {
             client->texts[(client->first_text + client->text_count++) % TEXTS_MAX] = copy;
             pthread_cond_signal(&client->work);

@@ -31,8 +31,12 @@ int32_t view_clients_add(view_clients* clients, void* connection);
 /* Starts to send: what was queued for the client, then the last frames and the last status. accepted false: only what
  * was queued and goodbye. Returns false without a thread. */
 bool view_clients_start(view_clients* clients, int32_t id, bool accepted);
-/* Ends the client's thread, after its current message, and frees the place. */
-void view_clients_remove(view_clients* clients, int32_t id);
+/* Says goodbye after the current message, and nothing then; a client that has ended is left as it is. The reason lives
+ * as long as the client. */
+void view_clients_end(view_clients* clients, int32_t id, int bye, const char* reason);
+/* Ends the client's thread, after its current message, and frees the place: nothing is sent any more. Returns whether
+ * goodbye was said. */
+bool view_clients_remove(view_clients* clients, int32_t id);
 /* Says goodbye to all and waits for at most some seconds until they are removed. */
 void view_clients_close(view_clients* clients, double seconds);
 /* Number of clients that are sent frames. */

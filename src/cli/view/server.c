@@ -194,7 +194,7 @@ static void on_close(const struct mg_connection* connection, void* user) {
     view_server* server = user;
     visit* state = mg_get_user_connection_data(connection);
     if (state == NULL) return;
-    if (state->inbox.client != 0) view_clients_remove(server->clients, state->inbox.client);
+    view_clients_remove(server->clients, state->inbox.client);
     view_inbox_clear(&state->inbox);
     free(state);
 }
@@ -204,15 +204,18 @@ static int on_data(struct mg_connection* connection, int flags, char* data, size
     view_server* server = user;
     visit* state = mg_get_user_connection_data(connection);
     const int opcode = flags & OPCODE;
-    if (opcode == MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE) {
-        mg_websocket_write(connection, opcode, data, size < 2 ? 0 : 2);
+    if (opcode == MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE) { /* the answer is the last frame (RFC 6455, section 5.5.1) */
+        const bool refused = state == NULL || state->inbox.client == 0;
+        if (!refused && !view_clients_remove(server->clients, state->inbox.client))
+            mg_websocket_write(connection, opcode, data, size < 2 ? 0 : 2);
         return 0;
     }
     if (state == NULL || state->inbox.client == 0 || !view_clients_alive(server->clients, state->inbox.client))
         return 0;
     if (!state->accepted) return 1;
     const view_verdict verdict = view_inbox_take(&state->inbox, opcode, (flags & FINAL) != 0, data, size);
-    if (verdict == VIEW_TOO_BIG) write_goodbye(connection, VIEW_BYE_TOO_BIG, "a message has at most 1 MB");
+    if (verdict == VIEW_TOO_BIG)
+        view_clients_end(server->clients, state->inbox.client, VIEW_BYE_TOO_BIG, "a message has at most 1 MB");
     return verdict == VIEW_GO_ON;
 }
 
