@@ -6,6 +6,7 @@
 typedef struct pack_job {
     const ty_lattice* lattice;
     ty_packed_lattice* packed;
+    bool uncollided;
     float* light;
     uint8_t *blocked, *links; /* NULL: no blockers */
 } pack_job;
@@ -18,7 +19,9 @@ static void pack_light(const pack_job* job, size_t cell) {
     const ty_lattice* lattice = job->lattice;
     float* to = job->light + cell * (size_t)job->packed->floats;
     memset(to, 0, (size_t)job->packed->floats * sizeof *to);
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < 3 && job->uncollided; ++c)
+        for (int32_t t = 0; t < TY_UNCOLLIDED_TERMS; ++t) to[4 * c + t] = lattice->uncollided[c][t][cell];
+    for (int c = 0; c < 3 && !job->uncollided; ++c)
         for (int32_t t = 0; t < lattice->terms; ++t)
             to[t < 4 ? 4 * c + t : TY_PACKED_FLOATS + 5 * c + t - 4] = lattice->light[c][t][cell];
 }
@@ -46,10 +49,10 @@ static void pack_plane(void* user, int64_t z, int32_t worker) {
     }
 }
 
-static ty_result pack(ty_context* context, const ty_lattice* lattice, ty_packed_lattice* packed) {
+static ty_result pack(ty_context* context, const ty_lattice* lattice, bool uncollided, ty_packed_lattice* packed) {
     const ty_grid_box* box = &lattice->box;
     memcpy(packed->size, box->size, sizeof packed->size);
-    packed->floats = lattice->terms > 4 ? TY_PACKED_FLOATS_MAX : TY_PACKED_FLOATS;
+    packed->floats = lattice->terms > 4 && !uncollided ? TY_PACKED_FLOATS_MAX : TY_PACKED_FLOATS;
     packed->surface_depth_index = lattice->surface_depth_index;
     packed->surface_depths = lattice->surface_depths;
     packed->cell = lattice->cell;
@@ -57,7 +60,7 @@ static ty_result pack(ty_context* context, const ty_lattice* lattice, ty_packed_
     packed->lower = ty_vec_make((float)box->lower[0], (float)box->lower[1], (float)box->lower[2]);
     packed->upper = ty_vec_make((float)box->upper[0], (float)box->upper[1], (float)box->upper[2]);
     const size_t cells = cell_count(packed);
-    pack_job job = {.lattice = lattice, .packed = packed};
+    pack_job job = {.lattice = lattice, .packed = packed, .uncollided = uncollided};
     packed->light = job.light = ty_alloc_array(context, cells * (size_t)packed->floats, sizeof(float), false);
     if (job.light == NULL) return TY_ERROR_MEMORY;
     if (lattice->blocked) {
@@ -69,13 +72,13 @@ static ty_result pack(ty_context* context, const ty_lattice* lattice, ty_packed_
     return TY_OK;
 }
 
-ty_result ty_packed_lattices_create(ty_context* context, ty_lattice* const* lattices, int32_t count,
+ty_result ty_packed_lattices_create(ty_context* context, ty_lattice* const* lattices, int32_t count, bool uncollided,
                                     ty_packed_lattices* out) {
     *out = (ty_packed_lattices){0};
     ty_result result = TY_OK;
     while (out->count < count && result == TY_OK) {
         ty_packed_lattice* packed = &out->lattices[out->count];
-        result = pack(context, lattices[out->count++], packed);
+        result = pack(context, lattices[out->count++], uncollided, packed);
     }
     return result;
 }
