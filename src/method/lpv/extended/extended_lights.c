@@ -94,8 +94,9 @@ typedef struct sample_packet {
     const ty_extended_view* view;
     int32_t count, traced;
     ty_ray rays[TY_PACKET];
-    float light[TY_PACKET][3]; /* irradiance if the ray is unoccluded and media do not attenuate it */
-    float* irradiance;
+    float light[TY_PACKET][3]; /* contribution if the ray is unoccluded and media do not attenuate it */
+    float* sum;                /* irradiance, or fluence */
+    float (*flux)[3];          /* per channel; NULL: not wanted */
 } sample_packet;
 
 static void attenuate(const ty_extended_view* view, const ty_ray* ray, float light[3]) {
@@ -122,19 +123,21 @@ static void trace(sample_packet* packet) {
     for (int32_t i = 0; i < packet->count; ++i) {
         if (occluded[i]) continue;
         attenuate(packet->view, &packet->rays[i], packet->light[i]);
-        for (int c = 0; c < 3; ++c) packet->irradiance[c] += packet->light[i][c];
+        for (int c = 0; c < 3; ++c) packet->sum[c] += packet->light[i][c];
+        for (int c = 0; c < 3 && packet->flux != NULL; ++c)
+            for (int a = 0; a < 3; ++a) packet->flux[c][a] -= packet->light[i][c] * packet->rays[i].direction[a];
     }
     packet->count = 0;
 }
 
 /* Adds the sample of a light with weight 1 / (number of samples * probability of the light): the next-event estimate of
- * the irradiance is the mean of L cos / pdf. */
+ * the irradiance is the mean of L cos / pdf, that of the fluence in a medium the mean of L / pdf. */
 static void add_sample(sample_packet* packet, int32_t light, const ty_light_receiver* receiver, float u, float v,
                        float weight) {
     ty_light_sample sample;
     if (!ty_light_sample_from(&packet->view->scene->lights.lights[light], receiver->point, u, v, &sample)) return;
-    const float cosine = ty_dot(sample.wi, receiver->normal);
-    if (!(cosine > 0.0f) || !(ty_dot(sample.wi, receiver->facing) > 0.0f)) return;
+    const float cosine = packet->flux != NULL ? 1.0f : ty_dot(sample.wi, receiver->normal);
+    if (!(cosine > 0.0f) || !(packet->flux != NULL || ty_dot(sample.wi, receiver->facing) > 0.0f)) return;
     float* out = packet->light[packet->count];
     for (int c = 0; c < 3; ++c) out[c] = sample.radiance[c] * cosine * weight;
     if (!(out[0] + out[1] + out[2] > 0.0f && out[0] + out[1] + out[2] < TY_FLOAT_MAX)) return;
@@ -144,22 +147,34 @@ static void add_sample(sample_packet* packet, int32_t light, const ty_light_rece
     if (++packet->count == TY_PACKET) trace(packet);
 }
 
-int32_t ty_extended_irradiance(const ty_extended_view* view, const ty_light_receiver* receiver, int32_t place,
-                               float irradiance[3]) {
-    const ty_extended_lights* lights = view->lights;
-    const int32_t count = view->points->count;
+/* The points from `first` on. */
+static void add_points(sample_packet* packet, const ty_light_receiver* receiver, int32_t first, int32_t count) {
+    const ty_extended_lights* lights = packet->view->lights;
     const float weight = 1.0f / (float)count;
-    sample_packet packet = {.view = view, .irradiance = irradiance};
-    for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
-    for (int32_t i = 0; i < count; ++i) {
-        const float* at = view->points->at[(size_t)place * (size_t)count + (size_t)i];
+    for (int32_t i = first; i < first + count; ++i) {
+        const float* at = packet->view->points->at[i];
         for (int32_t e = 0; e < lights->environment_count; ++e)
-            add_sample(&packet, lights->environments[e], receiver, at[0], at[1], weight);
+            add_sample(packet, lights->environments[e], receiver, at[0], at[1], weight);
         float u = at[2], probability;
         const int32_t light =
             ty_light_tree_sample(lights->tree->nodes, receiver->point, receiver->normal, NULL, &u, &probability);
-        if (light >= 0) add_sample(&packet, light, receiver, at[3], at[4], weight / probability);
+        if (light >= 0) add_sample(packet, light, receiver, at[3], at[4], weight / probability);
     }
-    trace(&packet);
+    trace(packet);
+}
+
+int32_t ty_extended_irradiance(const ty_extended_view* view, const ty_light_receiver* receiver, int32_t place,
+                               float irradiance[3]) {
+    sample_packet packet = {.view = view, .sum = irradiance};
+    for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
+    add_points(&packet, receiver, place * view->points->count, view->points->count);
+    return packet.traced;
+}
+
+int32_t ty_extended_fluence(const ty_extended_view* view, ty_vec point, float fluence[3], float flux[3][3]) {
+    const ty_light_receiver receiver = {.point = point};
+    sample_packet packet = {.view = view, .sum = fluence, .flux = flux};
+    for (int c = 0; c < 3; ++c) fluence[c] = flux[c][0] = flux[c][1] = flux[c][2] = 0.0f;
+    add_points(&packet, &receiver, 0, TY_LIGHT_PATTERN * view->points->count);
     return packet.traced;
 }

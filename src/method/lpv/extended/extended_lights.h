@@ -59,5 +59,8 @@ typedef struct ty_light_receiver {
  * number of shadow rays. */
 int32_t ty_extended_irradiance(const ty_extended_view* view, const ty_light_receiver* receiver, int32_t place,
                                float irradiance[3]);
+/* Fluence and flux vector per channel at a point in media, W m^-2, by the points of all places. Returns the number of
+ * shadow rays. */
+int32_t ty_extended_fluence(const ty_extended_view* view, ty_vec point, float fluence[3], float flux[3][3]);
 
 #endif

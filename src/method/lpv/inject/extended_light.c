@@ -1,8 +1,6 @@
 /* Injection of light of area lights, emissive surfaces and environments, and of the media's own light. */
 #include "base/context.h"
 #include "base/parallel.h"
-#include "direct/lights/discretize.h"
-#include "direct/uncollided/uncollided.h"
 #include "method/lpv/extended/extended_lights.h"
 #include "method/lpv/inject/inject.h"
 #include "method/lpv/inject/splat.h"
@@ -84,73 +82,74 @@ ty_result ty_lpv_inject_extended_reflected(ty_lpv_job* job, ty_lattice* lattice,
 
 /* ---- light that media scatter ---- */
 
-/* Directions of an environment and points of an area light that stand for them in the lattice's cells; all emissive
- * triangles together have four times as many points. */
-enum { DIRECTIONS = 64, POINTS = 16 };
-
-/* Keeps the samples of lights with extent. */
-static void keep_extended(const ty_scene* scene, ty_discrete_light_set* samples) {
-    int32_t kept = 0;
-    for (int32_t i = 0; i < samples->count; ++i)
-        if (scene->view.lights.lights[samples->items[i].light].kind >= TY_KIND_AREA)
-            samples->items[kept++] = samples->items[i];
-    samples->count = kept;
-}
-
-static ty_result find_field(const ty_lpv_job* job, const ty_lattice* lattice, ty_light_field** field) {
-    const ty_discretize_def def = {.environment = DIRECTIONS, .surface = POINTS, .seed = job->def->seed};
-    ty_discrete_light_set samples;
-    ty_result result = ty_discretize_lights(job->scene, &def, &samples);
-    if (result == TY_OK) {
-        keep_extended(job->scene, &samples);
-        result = ty_light_field_create(lattice->medium, true, field);
-    }
-    if (result == TY_OK)
-        result = ty_uncollided_add(job->scene, lattice->medium, NULL, samples.items, samples.count, *field);
-    ty_discrete_light_set_destroy(job->context, &samples);
-    return result;
-}
-
 typedef struct cell_job {
     ty_lattice* lattice;
-    const ty_light_field* field; /* NULL: only the media's own light */
-    float band1;                 /* window of band 1 */
-    bool injects;                /* whether the light that media scatter enters the lattice */
-    double* scattered;           /* 3 a slab, W */
+    const ty_extended_view* view; /* NULL: only the media's own light */
+    ty_ray_counter* counter;
+    float band1;       /* window of band 1 */
+    bool injects;      /* whether the light that media scatter enters the lattice */
+    double* scattered; /* 3 a row, W */
     double* emitted;
 } cell_job;
 
-/* Terms of radiance with two moments: L_00 = phi Y_00, L_1m = sqrt(3 / (4 pi)) F, as (Y_1m) are (y, z, x). */
-static void find_terms(const ty_light_field* field, int32_t c, size_t cell, float terms[4]) {
-    terms[0] = TY_SH_0 * field->fluence[c][cell];
-    terms[1] = TY_SH_1 * field->flux[c][1][cell];
-    terms[2] = TY_SH_1 * field->flux[c][2][cell];
-    terms[3] = TY_SH_1 * field->flux[c][0][cell];
+static bool scatters_or_emits(const ty_grid_medium* medium, size_t cell) {
+    float sum = 0.0f;
+    for (int c = 0; c < 3; ++c)
+        sum += medium->scattering[c][cell] + (medium->emission[0] != NULL ? medium->emission[c][cell] : 0.0f);
+    return sum > 0.0f;
 }
 
-static void fill_slab(void* user, int64_t slab, int32_t worker) {
-    (void)worker;
-    const cell_job* job = user;
+/* Terms of radiance with two moments: L_00 = phi Y_00, L_1m = sqrt(3 / (4 pi)) F, as (Y_1m) are (y, z, x). */
+static void find_terms(const float fluence[3], float flux[3][3], float terms[3][4]) {
+    for (int c = 0; c < 3; ++c) {
+        terms[c][0] = TY_SH_0 * fluence[c];
+        terms[c][1] = TY_SH_1 * flux[c][1];
+        terms[c][2] = TY_SH_1 * flux[c][2];
+        terms[c][3] = TY_SH_1 * flux[c][0];
+    }
+}
+
+/* Injects the power that a cell scatters by direction, its volume times sigma_s times each term times its moment g^l of
+ * the phase function, and the power that it emits, its volume times j, isotropically. */
+static void inject(const cell_job* job, size_t cell, int64_t row, float terms[3][4]) {
     ty_lattice* lattice = job->lattice;
     const ty_grid_medium* medium = lattice->medium;
     const float volume = lattice->cell * lattice->cell * lattice->cell;
-    const size_t plane = (size_t)lattice->box.size[0] * (size_t)lattice->box.size[1];
-    for (size_t cell = (size_t)slab * plane; cell < ((size_t)slab + 1) * plane; ++cell)
-        for (int32_t c = 0; c < 3; ++c) {
-            float terms[4] = {0, 0, 0, 0};
-            if (job->field != NULL) find_terms(job->field, c, cell, terms);
-            for (int t = 0; t < 4 && lattice->uncollided[c][0] != NULL; ++t) lattice->uncollided[c][t][cell] = terms[t];
-            if (!job->injects) continue;
-            /* Power that the cell scatters by direction: volume * sigma_s times each term times its moment of the
-             * phase function, g^l; and the power that it emits, volume * j, isotropically. */
-            const float scattering = volume * medium->scattering[c][cell];
-            const float emitted = medium->emission[0] != NULL ? volume * medium->emission[c][cell] : 0.0f;
-            const float directed = scattering * medium->g[c][cell] * job->band1;
-            lattice->propagated_sh[c][0][cell] += scattering * terms[0] + TY_SH_0 * emitted;
-            for (int t = 1; t < 4; ++t) lattice->propagated_sh[c][t][cell] += directed * terms[t];
-            job->scattered[3 * slab + c] += (double)(scattering * terms[0]) / (double)TY_SH_0;
-            job->emitted[3 * slab + c] += (double)emitted;
+    for (int32_t c = 0; c < 3; ++c) {
+        const float scattering = volume * medium->scattering[c][cell];
+        const float emitted = medium->emission[0] != NULL ? volume * medium->emission[c][cell] : 0.0f;
+        const float directed = scattering * medium->g[c][cell] * job->band1;
+        lattice->propagated_sh[c][0][cell] += scattering * terms[c][0] + TY_SH_0 * emitted;
+        for (int t = 1; t < 4; ++t) lattice->propagated_sh[c][t][cell] += directed * terms[c][t];
+        job->scattered[3 * row + c] += (double)(scattering * terms[c][0]) / (double)TY_SH_0;
+        job->emitted[3 * row + c] += (double)emitted;
+    }
+}
+
+static void fill_row(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const cell_job* job = user;
+    ty_lattice* lattice = job->lattice;
+    const int32_t* size = lattice->box.size;
+    const double* lower = lattice->box.lower;
+    const double side = (double)lattice->cell, begun = ty_wall_seconds();
+    int64_t rays = 0;
+    for (int32_t x = 0; x < size[0]; ++x) {
+        const size_t cell = (size_t)row * (size_t)size[0] + (size_t)x;
+        float terms[3][4] = {{0}}, fluence[3], flux[3][3];
+        const ty_vec center = ty_vec_make((float)(lower[0] + side * (x + 0.5)),
+                                          (float)(lower[1] + side * ((double)(row % size[1]) + 0.5)),
+                                          (float)(lower[2] + side * ((double)(row / size[1]) + 0.5)));
+        if (!scatters_or_emits(lattice->medium, cell) && lattice->uncollided[0][0] == NULL) continue;
+        if (job->view != NULL) {
+            rays += ty_extended_fluence(job->view, center, fluence, flux);
+            find_terms(fluence, flux, terms);
         }
+        for (int c = 0; c < 3 && lattice->uncollided[0][0] != NULL; ++c)
+            for (int t = 0; t < 4; ++t) lattice->uncollided[c][t][cell] = terms[c][t];
+        if (job->injects) inject(job, cell, row, terms);
+    }
+    ty_ray_counter_add(job->counter, rays, ty_wall_seconds() - begun);
 }
 
 static ty_result allocate_uncollided(ty_lattice* lattice) {
@@ -162,26 +161,38 @@ static ty_result allocate_uncollided(ty_lattice* lattice) {
     return TY_OK;
 }
 
-ty_result ty_lpv_inject_in_media(ty_lpv_job* job, ty_lattice* lattice, double scattered[3], double emitted[3]) {
-    const bool extended = job->light->extended != NULL;
-    const size_t sums = 3 * (size_t)lattice->box.size[2];
-    ty_light_field* field = NULL;
-    if (lattice->medium == NULL || (!extended && lattice->medium->emission[0] == NULL)) return TY_OK;
-    cell_job cells = {
-        .lattice = lattice, .band1 = ty_lpv_window(job->def, 1), .injects = (job->def->parts & TY_LPV_SCATTERED) != 0};
-    cells.scattered = ty_alloc_array(job->context, sums, sizeof(double), true);
-    cells.emitted = ty_alloc_array(job->context, sums, sizeof(double), true);
-    ty_result result = cells.scattered != NULL && cells.emitted != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK && extended) result = find_field(job, lattice, &field);
-    if (result == TY_OK && extended && (job->def->parts & TY_LPV_SINGLE) != 0) result = allocate_uncollided(lattice);
-    cells.field = field;
-    if (result == TY_OK) ty_parallel_for(job->context, lattice->box.size[2], fill_slab, &cells);
-    for (size_t i = 0; i < sums && result == TY_OK; ++i) {
-        scattered[i % 3] += cells.scattered[i];
-        emitted[i % 3] += cells.emitted[i];
+/* Fills in all rows; the sums of power are in their order. */
+static ty_result fill_cells(const ty_lpv_job* job, cell_job* cells, double scattered[3], double emitted[3]) {
+    const int64_t rows = (int64_t)cells->lattice->box.size[1] * cells->lattice->box.size[2];
+    const size_t sums = 3 * (size_t)rows;
+    cells->scattered = ty_alloc_array(job->context, sums, sizeof(double), true);
+    cells->emitted = ty_alloc_array(job->context, sums, sizeof(double), true);
+    const bool taken = cells->scattered != NULL && cells->emitted != NULL;
+    if (taken) ty_parallel_flushed(job->context, rows, fill_row, cells);
+    for (size_t i = 0; i < sums && taken; ++i) {
+        scattered[i % 3] += cells->scattered[i];
+        emitted[i % 3] += cells->emitted[i];
     }
-    ty_light_field_destroy(field);
-    ty_free_array(job->context, cells.scattered, sums, sizeof(double));
-    ty_free_array(job->context, cells.emitted, sums, sizeof(double));
+    ty_free_array(job->context, cells->scattered, sums, sizeof(double));
+    ty_free_array(job->context, cells->emitted, sums, sizeof(double));
+    return taken ? TY_OK : TY_ERROR_MEMORY;
+}
+
+ty_result ty_lpv_inject_in_media(ty_lpv_job* job, ty_lattice* lattice, double scattered[3], double emitted[3]) {
+    const bool extended = job->light->extended != NULL, is_seen = (job->def->parts & TY_LPV_SINGLE) != 0;
+    cell_job cells = {.lattice = lattice,
+                      .counter = &job->counter,
+                      .band1 = ty_lpv_window(job->def, 1),
+                      .injects = (job->def->parts & TY_LPV_SCATTERED) != 0};
+    ty_light_points points = {.context = job->context};
+    if (lattice->medium == NULL || (!extended && lattice->medium->emission[0] == NULL)) return TY_OK;
+    /* A quarter of the points of all pixels of a pattern. */
+    ty_result result =
+        ty_light_points_create(job->context, (job->def->light_samples + 3) / 4, job->def->seed, 0, &points);
+    const ty_extended_view view = ty_extended_view_of(job->scene, job->light->extended, &points, job->light->medium);
+    if (extended) cells.view = &view;
+    if (result == TY_OK && extended && is_seen) result = allocate_uncollided(lattice);
+    if (result == TY_OK) result = fill_cells(job, &cells, scattered, emitted);
+    ty_light_points_destroy(&points);
     return result;
 }
