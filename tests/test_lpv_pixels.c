@@ -484,7 +484,7 @@ static void lookups_agree(void** state) {
         }
     }
     ty_packed_lattices look;
-    assert_int_equal(ty_packed_lattices_create(*state, lattices, 2, false, &look), TY_OK);
+    assert_int_equal(ty_packed_lattices_create(*state, lattices, 2, NULL, &look), TY_OK);
     const ty_lpv_light_view view = {lattices, 2};
     for (int i = 0; i < 20000; ++i) {
         const ty_vec point = ty_vec_make((float)uniform_in(&seed, -9.5, 9.5), (float)uniform_in(&seed, -9.5, 9.5),

@@ -116,7 +116,7 @@ typedef struct ty_lpv_def {
     void* progress_user;     ///< Passed on to `progress`; default NULL.
 
     int32_t light_samples; ///< Samples per pixel of each environment, and as many of area lights and emissive surfaces
-                           ///< together, 1..256; blocks of 4 x 4 pixels on one surface share theirs; default 16.
+                           ///< together, 1..256; blocks of 4 x 4 pixels on one surface share theirs; default 8.
 } ty_lpv_def;
 
 /// Sets the `bytes` bytes of a ty_lpv_def to the defaults, as ty_init_context_def() does.

@@ -46,7 +46,7 @@ static const ty_option options[] = {
      .doc = "Texels per cell, along a side, of the depth maps that find blockers."},
     {TY_OPTION_FIELD(ty_lpv_def, shadow_side), .type = TY_OPTION_INT, .min = 16, .max = 4096, .preset = 512,
      .unit = "texels", .doc = "Side of the shadow maps of single scattering."},
-    {TY_OPTION_FIELD(ty_lpv_def, light_samples), .type = TY_OPTION_INT, .min = 1, .max = 256, .preset = 16,
+    {TY_OPTION_FIELD(ty_lpv_def, light_samples), .type = TY_OPTION_INT, .min = 1, .max = 256, .preset = 8,
      .doc = "Samples per pixel of each environment, and as many of area lights and emissive surfaces together, which "
             "blocks of 4 x 4 pixels on one surface share."},
     {TY_OPTION_FIELD(ty_lpv_def, shadow_rays), .type = TY_OPTION_BOOL, .preset = 1,

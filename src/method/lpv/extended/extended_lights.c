@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "base/random.k.h"
+#include "base/sh.k.h"
 #include "direct/media/attenuation.k.h"
 #include "direct/media/transmittance.k.h"
 #include "direct/shadow/grid_depth.h"
@@ -94,9 +95,9 @@ typedef struct sample_packet {
     const ty_extended_view* view;
     int32_t count, traced;
     ty_ray rays[TY_PACKET];
-    float light[TY_PACKET][3]; /* contribution if the ray is unoccluded and media do not attenuate it */
-    float* sum;                /* irradiance, or fluence */
-    float (*flux)[3];          /* per channel; NULL: not wanted */
+    float light[TY_PACKET][3];       /* contribution if the ray is unoccluded and media do not attenuate it */
+    float* sum;                      /* irradiance */
+    float (*terms)[TY_SH_TERMS_MAX]; /* of radiance, per channel, in place of sum; NULL: a surface receives the light */
 } sample_packet;
 
 static void attenuate(const ty_extended_view* view, const ty_ray* ray, float light[3]) {
@@ -113,6 +114,14 @@ static void attenuate(const ty_extended_view* view, const ty_ray* ray, float lig
     for (int c = 0; c < 3; ++c) light[c] *= passing[c];
 }
 
+/* The terms of light that travels along a ray's opposite direction. */
+static void add_terms(sample_packet* packet, int32_t ray) {
+    float y[TY_SH_TERMS_MAX];
+    ty_sh_all(ty_scale(ty_vec_load(packet->rays[ray].direction), -1.0f), y);
+    for (int c = 0; c < 3; ++c)
+        for (int t = 0; t < TY_SH_TERMS_MAX; ++t) packet->terms[c][t] += packet->light[ray][c] * y[t];
+}
+
 static void trace(sample_packet* packet) {
     bool occluded[TY_PACKET] = {false};
     if (packet->count == 0) return;
@@ -123,21 +132,22 @@ static void trace(sample_packet* packet) {
     for (int32_t i = 0; i < packet->count; ++i) {
         if (occluded[i]) continue;
         attenuate(packet->view, &packet->rays[i], packet->light[i]);
-        for (int c = 0; c < 3; ++c) packet->sum[c] += packet->light[i][c];
-        for (int c = 0; c < 3 && packet->flux != NULL; ++c)
-            for (int a = 0; a < 3; ++a) packet->flux[c][a] -= packet->light[i][c] * packet->rays[i].direction[a];
+        if (packet->terms != NULL)
+            add_terms(packet, i);
+        else
+            for (int c = 0; c < 3; ++c) packet->sum[c] += packet->light[i][c];
     }
     packet->count = 0;
 }
 
 /* Adds the sample of a light with weight 1 / (number of samples * probability of the light): the next-event estimate of
- * the irradiance is the mean of L cos / pdf, that of the fluence in a medium the mean of L / pdf. */
+ * the irradiance is the mean of L cos / pdf, those of the terms of radiance in a medium the means of L Y / pdf. */
 static void add_sample(sample_packet* packet, int32_t light, const ty_light_receiver* receiver, float u, float v,
                        float weight) {
     ty_light_sample sample;
     if (!ty_light_sample_from(&packet->view->scene->lights.lights[light], receiver->point, u, v, &sample)) return;
-    const float cosine = packet->flux != NULL ? 1.0f : ty_dot(sample.wi, receiver->normal);
-    if (!(cosine > 0.0f) || !(packet->flux != NULL || ty_dot(sample.wi, receiver->facing) > 0.0f)) return;
+    const float cosine = packet->terms != NULL ? 1.0f : ty_dot(sample.wi, receiver->normal);
+    if (!(cosine > 0.0f) || !(packet->terms != NULL || ty_dot(sample.wi, receiver->facing) > 0.0f)) return;
     float* out = packet->light[packet->count];
     for (int c = 0; c < 3; ++c) out[c] = sample.radiance[c] * cosine * weight;
     if (!(out[0] + out[1] + out[2] > 0.0f && out[0] + out[1] + out[2] < TY_FLOAT_MAX)) return;
@@ -171,10 +181,10 @@ int32_t ty_extended_irradiance(const ty_extended_view* view, const ty_light_rece
     return packet.traced;
 }
 
-int32_t ty_extended_fluence(const ty_extended_view* view, ty_vec point, float fluence[3], float flux[3][3]) {
+int32_t ty_extended_radiance(const ty_extended_view* view, ty_vec point, float terms[3][TY_SH_TERMS_MAX]) {
     const ty_light_receiver receiver = {.point = point};
-    sample_packet packet = {.view = view, .sum = fluence, .flux = flux};
-    for (int c = 0; c < 3; ++c) fluence[c] = flux[c][0] = flux[c][1] = flux[c][2] = 0.0f;
+    sample_packet packet = {.view = view, .terms = terms};
+    memset(terms, 0, 3 * sizeof *terms);
     add_points(&packet, &receiver, 0, TY_LIGHT_PATTERN * view->points->count);
     return packet.traced;
 }

@@ -6,6 +6,7 @@
 #ifndef TY_METHOD_LPV_EXTENDED_LIGHTS_H
 #define TY_METHOD_LPV_EXTENDED_LIGHTS_H
 
+#include "base/sh.k.h"
 #include "direct/media/grid_medium.h"
 #include "scene/lights/light_tree.h"
 #include "scene/scene.h"
@@ -59,8 +60,8 @@ typedef struct ty_light_receiver {
  * number of shadow rays. */
 int32_t ty_extended_irradiance(const ty_extended_view* view, const ty_light_receiver* receiver, int32_t place,
                                float irradiance[3]);
-/* Fluence and flux vector per channel at a point in media, W m^-2, by the points of all places. Returns the number of
- * shadow rays. */
-int32_t ty_extended_fluence(const ty_extended_view* view, ty_vec point, float fluence[3], float flux[3][3]);
+/* Radiance at a point in media as spherical harmonics of the direction of travel, per channel, W m^-2 sr^-1, by the
+ * points of all places. Returns the number of shadow rays. */
+int32_t ty_extended_radiance(const ty_extended_view* view, ty_vec point, float terms[3][TY_SH_TERMS_MAX]);
 
 #endif

@@ -167,7 +167,8 @@ static ty_result begin_uncollided(const ty_lpv_image_job* job, ty_lpv_march_stat
         job->light.lattices[0]->uncollided[0][0] == NULL)
         return TY_OK;
     state->uncollided_march.lattices = &state->uncollided;
-    return ty_packed_lattices_create(state->context, job->light.lattices, job->light.count, true, &state->uncollided);
+    return ty_packed_lattices_create(state->context, job->light.lattices, job->light.count, &state->camera.origin,
+                                     &state->uncollided);
 }
 
 static ty_result begin_state(const ty_lpv_image_job* job, ty_lpv_march_state* state) {
@@ -201,7 +202,7 @@ static ty_result begin_state(const ty_lpv_image_job* job, ty_lpv_march_state* st
     ty_result result = TY_OK;
     if (has_lookups || (def->parts & TY_LPV_SURFACES) != 0)
         result =
-            ty_packed_lattices_create(state->context, job->light.lattices, job->light.count, false, &state->lattices);
+            ty_packed_lattices_create(state->context, job->light.lattices, job->light.count, NULL, &state->lattices);
     if (result == TY_OK) result = begin_uncollided(job, state);
     if (result == TY_OK) result = allocate_bands(state);
     if (result == TY_OK)

@@ -138,8 +138,8 @@ static void find_direct(ty_lpv_march_state* state, const ty_lpv_tile* tile, dire
 
 static bool is_alike(const ty_lpv_pixel* a, const ty_lpv_pixel* b) {
     const ty_vec off = ty_sub(b->position, a->position);
-    const float away = fabsf(ty_dot(off, a->facing)), most = within_plane * within_plane * ty_dot(off, off);
-    return a == b || (away * away <= most && ty_dot(a->normal, b->normal) >= alike_cosine);
+    const float away = fabsf(ty_dot(off, a->facing)), max = within_plane * within_plane * ty_dot(off, off);
+    return a == b || (away * away <= max && ty_dot(a->normal, b->normal) >= alike_cosine);
 }
 
 /* The first of the four pixels around one, along an axis of the tile. */

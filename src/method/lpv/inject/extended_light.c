@@ -99,19 +99,9 @@ static bool scatters_or_emits(const ty_grid_medium* medium, size_t cell) {
     return sum > 0.0f;
 }
 
-/* Terms of radiance with two moments: L_00 = phi Y_00, L_1m = sqrt(3 / (4 pi)) F, as (Y_1m) are (y, z, x). */
-static void find_terms(const float fluence[3], float flux[3][3], float terms[3][4]) {
-    for (int c = 0; c < 3; ++c) {
-        terms[c][0] = TY_SH_0 * fluence[c];
-        terms[c][1] = TY_SH_1 * flux[c][1];
-        terms[c][2] = TY_SH_1 * flux[c][2];
-        terms[c][3] = TY_SH_1 * flux[c][0];
-    }
-}
-
 /* Injects the power that a cell scatters by direction, its volume times sigma_s times each term times its moment g^l of
  * the phase function, and the power that it emits, its volume times j, isotropically. */
-static void inject(const cell_job* job, size_t cell, int64_t row, float terms[3][4]) {
+static void inject(const cell_job* job, size_t cell, int64_t row, float terms[3][TY_SH_TERMS_MAX]) {
     ty_lattice* lattice = job->lattice;
     const ty_grid_medium* medium = lattice->medium;
     const float volume = lattice->cell * lattice->cell * lattice->cell;
@@ -136,26 +126,26 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
     int64_t rays = 0;
     for (int32_t x = 0; x < size[0]; ++x) {
         const size_t cell = (size_t)row * (size_t)size[0] + (size_t)x;
-        float terms[3][4] = {{0}}, fluence[3], flux[3][3];
+        float terms[3][TY_SH_TERMS_MAX] = {{0}};
         const ty_vec center = ty_vec_make((float)(lower[0] + side * (x + 0.5)),
                                           (float)(lower[1] + side * ((double)(row % size[1]) + 0.5)),
                                           (float)(lower[2] + side * ((double)(row / size[1]) + 0.5)));
-        if (!scatters_or_emits(lattice->medium, cell) && lattice->uncollided[0][0] == NULL) continue;
-        if (job->view != NULL) {
-            rays += ty_extended_fluence(job->view, center, fluence, flux);
-            find_terms(fluence, flux, terms);
-        }
+        if (!scatters_or_emits(lattice->medium, cell)) continue;
+        if (job->view != NULL) rays += ty_extended_radiance(job->view, center, terms);
         for (int c = 0; c < 3 && lattice->uncollided[0][0] != NULL; ++c)
-            for (int t = 0; t < 4; ++t) lattice->uncollided[c][t][cell] = terms[c][t];
+            for (int t = 0; t < TY_SH_TERMS_MAX; ++t) lattice->uncollided[c][t][cell] = terms[c][t];
         if (job->injects) inject(job, cell, row, terms);
     }
     ty_ray_counter_add(job->counter, rays, ty_wall_seconds() - begun);
 }
 
 static ty_result allocate_uncollided(ty_lattice* lattice) {
+    const double bytes = 3.0 * TY_SH_TERMS_MAX * sizeof(float) * (double)lattice->cells;
+    const ty_result result = ty_check_memory(lattice->context, bytes, "the light of extended lights in a lattice");
+    if (result != TY_OK) return result;
     for (int c = 0; c < 3; ++c)
-        for (int t = 0; t < TY_UNCOLLIDED_TERMS; ++t) {
-            lattice->uncollided[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), false);
+        for (int t = 0; t < TY_SH_TERMS_MAX; ++t) {
+            lattice->uncollided[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), true);
             if (lattice->uncollided[c][t] == NULL) return TY_ERROR_MEMORY;
         }
     return TY_OK;
@@ -186,9 +176,9 @@ ty_result ty_lpv_inject_in_media(ty_lpv_job* job, ty_lattice* lattice, double sc
                       .injects = (job->def->parts & TY_LPV_SCATTERED) != 0};
     ty_light_points points = {.context = job->context};
     if (lattice->medium == NULL || (!extended && lattice->medium->emission[0] == NULL)) return TY_OK;
-    /* A quarter of the points of all pixels of a pattern. */
+    /* Half of the points of all pixels of a pattern. */
     ty_result result =
-        ty_light_points_create(job->context, (job->def->light_samples + 3) / 4, job->def->seed, 0, &points);
+        ty_light_points_create(job->context, (job->def->light_samples + 1) / 2, job->def->seed, 0, &points);
     const ty_extended_view view = ty_extended_view_of(job->scene, job->light->extended, &points, job->light->medium);
     if (extended) cells.view = &view;
     if (result == TY_OK && extended && is_seen) result = allocate_uncollided(lattice);

@@ -13,7 +13,6 @@
 #include <tyndall/lpv.h>
 
 enum { TY_LPV_LINKS = 26, TY_LPV_HALF_LINKS = 13 };
-enum { TY_UNCOLLIDED_TERMS = 4 };
 
 /* Surfaces inside a cell that lie in front of the cell's center, one mean plane per direction that they face (+x, -x,
  * +y ...): the mean normal, then the distance from the center to the plane, in cells. A zero normal marks no surface.
@@ -33,8 +32,8 @@ typedef struct ty_lattice {
      * not count. */
     float* propagated_sh[3][TY_SH_TERMS];
     float* light[3][TY_SH_TERMS]; /* propagated radiance, W m^-2 sr^-1 */
-    /* Two bands of the uncollided radiance of lights with extent, W m^-2 sr^-1; NULL: none. */
-    float* uncollided[3][TY_UNCOLLIDED_TERMS];
+    /* Uncollided radiance of lights with extent at the cells' centers, W m^-2 sr^-1; NULL: none. */
+    float* uncollided[3][TY_SH_TERMS_MAX];
     /* 1 - b of Eq. 2 (Billeter 2012) for light that enters a cell along link k: 0 is blocked, 255 is free. In mode
      * links it is symmetric, and the transmission of links that enter from outside is that of the links that leave. */
     uint8_t* transmission[TY_LPV_LINKS];
