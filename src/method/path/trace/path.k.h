@@ -425,7 +425,8 @@ TY_FN bool ty_path_survives(ty_path* path, float beta_before) {
      * 1 / n^2, whose sum over n is finite: walks through dense media that hardly absorb are long, and their weights
      * should stay small. */
     if (path->depth >= TY_PATH_ROULETTE_DEPTH) path->rr_throughput *= 1.0f - 2.0f / (float)path->depth;
-    if (path->rr_throughput >= 0.2f || ty_path_has_window(path)) return true;
+    const bool in_window = ty_path_has_window(path) && path->depth < TY_PATH_ROULETTE_DEPTH;
+    if (path->rr_throughput >= 0.2f || in_window) return true;
     const float chance = ty_maxf(path->rr_throughput * 2.5f, 0.02f);
     if (ty_rng_uniform(&path->random) >= chance) return false;
     for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
