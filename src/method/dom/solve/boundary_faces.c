@@ -3,6 +3,7 @@
  * reflect collided light. */
 #include "base/constants.h"
 #include "base/context.h"
+#include "direct/surfaces/cut_cells.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
 
@@ -126,12 +127,26 @@ static ty_result find_unlit(ty_dom_job* job) {
     return TY_OK;
 }
 
+static ty_result correct_cut_cells(const ty_dom_job* job) {
+    const ty_dom* light = job->light;
+    ty_cut_source cut = {.faces = job->boundary,
+                         .fine_box = light->fine_box,
+                         .lights = light->fluences,
+                         .light_count = light->fluence_count,
+                         .channels = ty_dom_channels(light),
+                         .terms = (size_t)(light->bands * light->bands),
+                         .cells = light->cells};
+    memcpy(cut.cell, job->coarse->cell, sizeof cut.cell);
+    memcpy(cut.source, job->source, sizeof cut.source);
+    return ty_cut_cells_correct(job->context, &cut);
+}
+
 static ty_result light_faces(ty_dom_job* job) {
     float *scaled = NULL, *irradiance = NULL;
     if (job->boundary == NULL) return TY_OK;
     const size_t count = (size_t)job->boundary->count, cells = job->coarse->cells;
     ty_result result = allocate_memory(job, &scaled, &irradiance);
-    if (result == TY_OK) result = ty_dom_correct_cut_cells(job);
+    if (result == TY_OK) result = correct_cut_cells(job);
     if (result == TY_OK) result = find_unlit(job);
     if (result == TY_OK) {
         side_irradiance sums;
