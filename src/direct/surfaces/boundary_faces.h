@@ -33,6 +33,9 @@ typedef struct ty_boundary_faces {
 ty_result ty_boundary_faces_find(const ty_scene* scene, const ty_grid_medium* medium, ty_boundary_faces** out);
 void ty_boundary_faces_destroy(ty_boundary_faces* faces);
 
+/* True for points within half a cell of a medium's box, whose surfaces are closed faces. */
+bool ty_boundary_contains(const ty_grid_medium* medium, ty_vec point);
+
 /* Corrects for stairs that shade each other where the real surface does not: with this albedo, and emission_factor
  * times its emission, a staircase looks from afar as the surface does. */
 void ty_staircase_albedo(const ty_boundary_side* side, float albedo, float* effective_albedo, float* emission_factor);

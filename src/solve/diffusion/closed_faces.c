@@ -14,9 +14,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Iterations at most; multigrid cycles of one while the flux is limited, and of the linear problem; reduction of its
- * residual. Iterations without a residual below GAIN times the smallest so far, after which D is no longer damped. */
-enum { ITERATIONS = 100, CYCLES = 2, LINEAR_CYCLES = 20, MAX_STAGNATION = 4 };
+/* Iterations at most; multigrid cycles of one while the flux is limited (fewer converge slowly where coarse cells reach
+ * through surfaces), and of the linear problem; reduction of its residual. Iterations without a residual below GAIN times the smallest so far, after which D is no longer damped. */
+enum { ITERATIONS = 100, CYCLES = 6, LINEAR_CYCLES = 20, MAX_STAGNATION = 4 };
 static const double REDUCTION = 1e-6, GAIN = 0.9;
 static const float DAMPING = 0.3f;
 

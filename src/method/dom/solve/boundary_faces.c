@@ -55,13 +55,7 @@ void ty_dom_free_boundary(ty_dom_job* job) {
 /* ---- uncollided light ---- */
 
 bool ty_dom_is_within_boundary(const ty_dom_job* job, ty_vec point) {
-    const float at[3] = {point.x, point.y, point.z};
-    const ty_grid_medium* medium = job->coarse;
-    bool inside = job->boundary != NULL;
-    for (int a = 0; a < 3; ++a)
-        inside = inside && (double)at[a] > medium->box.lower[a] - 0.5 * medium->cell[a] &&
-                 (double)at[a] < medium->box.upper[a] + 0.5 * medium->cell[a];
-    return inside;
+    return job->boundary != NULL && ty_boundary_contains(job->coarse, point);
 }
 
 /* Irradiance of each side, per channel: all of it, and the part in the forward lobe. */
