@@ -27,12 +27,12 @@ ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, flo
 
 /* Surfaces between coarse cells; removes the source that leaks through them from fine cells. */
 static ty_result light_surfaces(ty_fld_job* job) {
-    ty_result result = ty_lit_surfaces_find(job->scene, job->coarse, &job->surfaces);
+    ty_result result = ty_diffuse_surfaces_find(job->scene, job->coarse, &job->surfaces);
     if (result == TY_OK)
-        result = ty_lit_surfaces_light(job->scene, job->coarse, job->def->beam == TY_FLD_BEAM_REDUCED, &job->sources,
+        result = ty_diffuse_surfaces_light(job->scene, job->coarse, job->def->beam == TY_FLD_BEAM_REDUCED, &job->sources,
                                        &job->surfaces);
     if (result == TY_OK)
-        result = ty_lit_surfaces_correct_source(&job->surfaces, job->coarse, &job->fine->box, job->light->lights,
+        result = ty_diffuse_surfaces_correct_source(&job->surfaces, job->coarse, &job->fine->box, job->light->lights,
                                                 job->light->light_count, job->source);
     return result;
 }

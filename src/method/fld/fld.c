@@ -18,7 +18,7 @@ static void end_job(ty_fld_job* job) {
     if (job->coarse != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->coarse->cells, sizeof(float));
     ty_discrete_light_set_destroy(job->context, &job->sources);
-    ty_lit_surfaces_destroy(&job->surfaces);
+    ty_diffuse_surfaces_destroy(&job->surfaces);
     ty_grid_medium_destroy(job->coarse);
     ty_grid_medium_destroy(job->fine);
 }

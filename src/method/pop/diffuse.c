@@ -49,9 +49,9 @@ static ty_result light_surfaces(ty_pop_job* job) {
     if (result != TY_OK) return result;
     for (int32_t i = 0; i < light->light_count; ++i) sources.items[sources.count++] = light->lights[i].sample;
     for (int32_t i = 0; i < light->count; ++i) sources.items[sources.count++] = light->ordinates[i].ordinate;
-    result = ty_lit_surfaces_light(job->scene, job->medium, true, &sources, &job->surfaces);
+    result = ty_diffuse_surfaces_light(job->scene, job->medium, true, &sources, &job->surfaces);
     if (result == TY_OK)
-        result = ty_lit_surfaces_correct_source(&job->surfaces, job->medium, &light->fine_box, light->lights,
+        result = ty_diffuse_surfaces_correct_source(&job->surfaces, job->medium, &light->fine_box, light->lights,
                                                 light->light_count, job->source);
     ty_discrete_light_set_destroy(job->context, &sources);
     return result;

@@ -289,7 +289,7 @@ static ty_result propagate_with_residuum(ty_pop_job* job) {
 ty_result ty_pop_light_ordinates(ty_pop_job* job) {
     ty_pop* light = job->light;
     const bool split = job->def->mode == TY_POP_MODE_SPLIT;
-    ty_result result = split ? ty_lit_surfaces_find(job->scene, job->medium, &job->surfaces) : TY_OK;
+    ty_result result = split ? ty_diffuse_surfaces_find(job->scene, job->medium, &job->surfaces) : TY_OK;
     if (result == TY_OK) result = find_ordinates(job);
     if (result == TY_OK) result = ty_pop_merged_create(job->context, &job->medium->box, false, &light->merged);
     job->stats.converged = true;

@@ -15,7 +15,7 @@ static void end_job(ty_pop_job* job) {
     if (job->medium != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->medium->cells, sizeof(float));
     ty_pop_delta_source_destroy(job->context, &job->delta_source);
-    ty_lit_surfaces_destroy(&job->surfaces);
+    ty_diffuse_surfaces_destroy(&job->surfaces);
     ty_grid_medium_destroy(job->medium);
     ty_grid_medium_destroy(job->fine);
 }

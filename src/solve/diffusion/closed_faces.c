@@ -1,7 +1,7 @@
 /* Diffusion between surfaces. A surface closes faces of cells: none of the light passes through them, and each of a
- * face's sides returns light to its own cell. With J the net flux through the half cell to the surface, partial currents
- * J- = phi_f / 4 + J / 2 towards it and J+ = phi_f / 4 - J / 2 = a J- + M away from it, of albedo a and radiosity M
- * besides reflection, make Marshak's boundary condition
+ * face's sides returns light to its own cell. With J the net flux through the half cell to the surface, partial
+ * currents J- = phi_f / 4 + J / 2 towards it and J+ = phi_f / 4 - J / 2 = a J- + M away from it, of albedo a and
+ * radiosity M besides reflection, make Marshak's boundary condition
  *
  *     J = k phi_f - m,   k = (1 - a) / (2 (1 + a)),   m = 2 M / (1 + a)
  *
@@ -15,7 +15,8 @@
 #include <string.h>
 
 /* Iterations at most; multigrid cycles of one while the flux is limited (fewer converge slowly where coarse cells reach
- * through surfaces), and of the linear problem; reduction of its residual. Iterations without a residual below GAIN times the smallest so far, after which D is no longer damped. */
+ * through surfaces), and of the linear problem; reduction of its residual. Iterations without a residual below GAIN
+ * times the smallest so far, after which D is no longer damped. */
 enum { ITERATIONS = 100, CYCLES = 6, LINEAR_CYCLES = 20, MAX_STAGNATION = 4 };
 static const double REDUCTION = 1e-6, GAIN = 0.9;
 static const float DAMPING = 0.3f;
@@ -49,8 +50,9 @@ typedef struct side_flux {
 
 static side_flux flux_to_side(const ty_diffusion_faces* faces, int32_t side, double diffusivity, double edge) {
     const double s = (double)faces->staircase[side], through = 2 * diffusivity / edge;
-    const double k = side_conductance(faces, side) / s, m = side_source(faces, side) / s, share = through / (k + through);
-    return (side_flux){k * share, m * share};
+    const double k = side_conductance(faces, side) / s, m = side_source(faces, side) / s,
+                 fraction = through / (k + through);
+    return (side_flux){k * fraction, m * fraction};
 }
 
 double ty_diffusion_faces_source(const ty_diffusion_faces* faces, const double cell[3], int32_t side) {
@@ -109,8 +111,8 @@ static void diffuse_plane(void* user, int64_t z, int32_t worker) {
 
 static float damped(const closed_job* closed, ptrdiff_t at, ptrdiff_t dense) {
     const ty_cells* cells = &closed->job->cells;
-    return ty_damped_diffusivity(closed->job->diffusivity[at],
-                                 ty_maxf(cells->extinction[dense], cells->min_extinction), closed->damping);
+    return ty_damped_diffusivity(closed->job->diffusivity[at], ty_maxf(cells->extinction[dense], cells->min_extinction),
+                                 closed->damping);
 }
 
 /* Couplings of a cell, and f without the light that its sides send. */
@@ -203,8 +205,8 @@ static void iterate(closed_job* closed, double squares) {
     ty_diffusion_job* job = closed->job;
     const bool limited = closed->limiter != TY_LIMITER_NONE;
     ty_multigrid_coarsen(job, 0);
-    update_job update = {job, ty_multigrid_solve(job, 0, squares, squares * REDUCTION * REDUCTION,
-                                                 limited ? CYCLES : LINEAR_CYCLES)};
+    update_job update = {
+        job, ty_multigrid_solve(job, 0, squares, squares * REDUCTION * REDUCTION, limited ? CYCLES : LINEAR_CYCLES)};
     ty_solve_planes(job, &job->cells.box, update_plane, &update);
     ty_solve_count(job, &job->cells.box, 1);
 }

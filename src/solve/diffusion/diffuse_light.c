@@ -44,7 +44,7 @@ typedef struct solve_work {
     float* const* source; /* W m^-3 */
     bool reduced;
     const ty_diffuse_light* start; /* NULL: no initial guess */
-    ty_lit_surfaces* surfaces;     /* NULL: none */
+    ty_diffuse_surfaces* surfaces; /* NULL: none */
     float* unscattered[3];         /* with them, where light scatters forwards: sigma_t */
     float* extinction[3];          /* sigma_t (1 - albedo g), 1/m */
     float* absorption[3];
@@ -108,7 +108,7 @@ static void end_work(solve_work* work) {
     pthread_mutex_destroy(&work->lock);
 }
 
-static bool is_at_face(const ty_grid_box* box, const ty_lit_surfaces* surfaces, size_t cell) {
+static bool is_at_face(const ty_grid_box* box, const ty_diffuse_surfaces* surfaces, size_t cell) {
     if (surfaces != NULL && surfaces->faces->closed[cell] != 0) return true;
     for (int a = 0; a < 3; ++a) {
         const size_t size = (size_t)box->size[a], at = cell % size;
@@ -166,7 +166,7 @@ static bool is_multiple(const solve_work* work, int32_t channel, int32_t of, flo
     *factor = (float)(sums[0] / sums[1]);
     for (size_t i = 0; i < work->medium->cells; ++i)
         if (fabsf(a[i] - *factor * b[i]) > MAX_DIFFERENCE * ty_maxf(a[i], *factor * b[i])) return false;
-    return work->surfaces == NULL || ty_lit_surfaces_are_multiple(work->surfaces, channel, of, *factor);
+    return work->surfaces == NULL || ty_diffuse_surfaces_are_multiple(work->surfaces, channel, of, *factor);
 }
 
 static void scale_channel(solve_work* work, int32_t channel, int32_t of, float factor) {
@@ -208,6 +208,7 @@ static void add_side_flux(const int32_t size[3], float* const terms[TY_FIELD_TER
         }
 }
 
+/* Eq. 7 (Koerner 2014). */
 void ty_diffuse_terms_make(const int32_t size[3], float* const terms[TY_FIELD_TERMS], const ty_boundary_faces* faces,
                            const float* side_flux) {
     const size_t step[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
@@ -389,8 +390,8 @@ ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, c
 }
 
 ty_result ty_diffuse_light_solve_between(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
-                                         ty_lit_surfaces* surfaces, float* const source[3], ty_part_progress* progress,
-                                         ty_diffuse_light** out, ty_diffuse_stats* stats) {
+                                         ty_diffuse_surfaces* surfaces, float* const source[3],
+                                         ty_part_progress* progress, ty_diffuse_light** out, ty_diffuse_stats* stats) {
     solve_work work = {.context = medium->context,
                        .medium = medium,
                        .source = source,

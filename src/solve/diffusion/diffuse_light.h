@@ -5,7 +5,7 @@
 #include "base/progress.h"
 #include "direct/single/source_field.h"
 #include "solve/diffusion/diffusion.h"
-#include "solve/diffusion/lit_surfaces.h"
+#include "solve/diffusion/diffuse_surfaces.h"
 
 typedef struct ty_diffuse_light {
     ty_context* context;
@@ -26,7 +26,7 @@ typedef struct ty_diffuse_stats {
     int32_t iterations[3], cycles[3];
     double residual[3], work[3], emitted[3], absorbed[3], leaving[3]; /* as in ty_diffusion_stats */
     double surfaces_absorbed[3]; /* emitted: includes what surfaces send besides their reflection */
-    double bytes; /* memory of the solver, for all channels that are solved concurrently */
+    double bytes;                /* memory of the solver, for all channels that are solved concurrently */
 } ty_diffuse_stats;
 
 /* Diffuse light of a source (per channel, W m^-3; the media's emission is added to it) in a medium on the same cells.
@@ -39,8 +39,8 @@ ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, c
 /* The same between surfaces, whose faces become the light's: they send their radiosity into the media, and reflect and
  * absorb diffuse light. */
 ty_result ty_diffuse_light_solve_between(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
-                                         ty_lit_surfaces* surfaces, float* const source[3], ty_part_progress* progress,
-                                         ty_diffuse_light** out, ty_diffuse_stats* stats);
+                                         ty_diffuse_surfaces* surfaces, float* const source[3],
+                                         ty_part_progress* progress, ty_diffuse_light** out, ty_diffuse_stats* stats);
 /* The same without surfaces, with the light on other cells of the same box as the initial guess; start may be NULL. */
 ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffusion_def* solver, bool reduced,
                                   const ty_grid_medium* medium, float* const source[3], ty_part_progress* progress,

@@ -294,7 +294,7 @@ static ty_result solve(ty_diffusion_job* job) {
         return TY_OK;
     }
     set_phi(job);
-    const ty_result result = job->def->faces != NULL                       ? ty_solve_closed(job)
+    const ty_result result = job->def->faces != NULL                      ? ty_solve_closed(job)
                              : job->def->solver == TY_DIFFUSION_MULTIGRID ? ty_solve_picard(job)
                                                                           : ty_solve_sor(job);
     if (result == TY_OK || result == TY_CANCELLED) ty_solve_store(job);

@@ -67,7 +67,7 @@ typedef struct ty_diffusion_def {
                          streaming times phi. Default 1, as in the paper: light far from its sources. 0.5 is light
                          leaving surfaces of thick media for vacuum, and the outflow of Marshak boundaries: it does not
                          accumulate before them */
-    ty_boundary boundary[6]; /* lower x, upper x, lower y, ...; default Marshak with no incident flux */
+    ty_boundary boundary[6];         /* lower x, upper x, lower y, ...; default Marshak with no incident flux */
     const ty_diffusion_faces* faces; /* surfaces; NULL (default): none. With them the solver is
                                         TY_DIFFUSION_MULTIGRID */
     ty_diffusion_solver solver;
@@ -90,10 +90,10 @@ typedef struct ty_diffusion_out {
     float* fluence; /* phi, W m^-2, one per cell; required */
     float* flux[3]; /* each may be NULL. Net flux through faces towards +x, +y, +z, W m^-2: an array has one more entry
                        along its own axis than there are cells */
-    float* diffusivity; /* D, m, one per cell; may be NULL */
+    float* diffusivity;                 /* D, m, one per cell; may be NULL */
     float *side_flux, *side_irradiance; /* per side of def->faces: net flux through the face to the surface, and partial
                                            current towards it (its irradiance), W m^-2; may be NULL */
-    double* history;    /* rms(residual) / rms(source) before each iteration, and after the last; may be NULL */
+    double* history; /* rms(residual) / rms(source) before each iteration, and after the last; may be NULL */
     int32_t history_capacity;
 } ty_diffusion_out;
 

@@ -13,8 +13,7 @@ static double phi_at(const ty_diffusion_job* job, ptrdiff_t at) {
 /* True if a surface closes a face of the cell at x, y, z. */
 static bool is_closed(const ty_diffusion_job* job, const int32_t cell[3], int face) {
     const ty_diffusion_faces* faces = job->def->faces;
-    return faces != NULL &&
-           (faces->closed[ty_box_dense(&job->cells.box, cell[1], cell[2]) + cell[0]] >> face & 1) != 0;
+    return faces != NULL && (faces->closed[ty_box_dense(&job->cells.box, cell[1], cell[2]) + cell[0]] >> face & 1) != 0;
 }
 
 /* Net flux out of the box through the boundary face of a cell, W m^-2 in the solvers' units. */

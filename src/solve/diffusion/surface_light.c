@@ -17,7 +17,7 @@ static const double TOLERANCE = 3;
 
 typedef struct surface_job {
     const ty_diffusion_def* def;
-    const ty_lit_surfaces* surfaces;
+    const ty_diffuse_surfaces* surfaces;
     int32_t channel;
     ty_diffuse_light* light;
     float* source;                /* of collided light */
@@ -34,7 +34,7 @@ static size_t term_size(const ty_diffuse_light* light, int term) {
 static ty_result solve_absorbing(const surface_job* job, const float* extinction, const float* start, float* fluence,
                                  float* const flux[3], float* irradiance, ty_diffusion_stats* stats) {
     ty_diffusion_def def = *job->def;
-    const ty_diffusion_faces faces = ty_lit_surfaces_faces(job->surfaces, job->channel, true);
+    const ty_diffusion_faces faces = ty_diffuse_surfaces_faces(job->surfaces, job->channel, true);
     float* zeros = ty_alloc_array(job->light->context, job->light->cells, sizeof *zeros, true);
     if (zeros == NULL) return TY_ERROR_MEMORY;
     def.extinction = def.absorption = extinction;
@@ -71,7 +71,7 @@ static ty_result carry_surface_light(const surface_job* job, const float* unscat
     const double* cell = job->def->cell;
     float* none[3] = {NULL, NULL, NULL};
     *stats = (ty_diffusion_stats){.converged = true};
-    if (ty_lit_surfaces_are_dark(job->surfaces, job->channel)) return TY_OK;
+    if (ty_diffuse_surfaces_are_dark(job->surfaces, job->channel)) return TY_OK;
     ty_result result =
         solve_absorbing(job, job->def->extinction, NULL, job->terms[0], &job->terms[1], job->irradiance, stats);
     if (result != TY_OK) return result;
@@ -80,7 +80,8 @@ static ty_result carry_surface_light(const surface_job* job, const float* unscat
         surface_job straight = *job;
         straight.side_flux = NULL;
         if (fluence == NULL) return TY_ERROR_MEMORY;
-        result = solve_absorbing(&straight, unscattered, job->terms[0], fluence, none, job->unscattered_irradiance, NULL);
+        result =
+            solve_absorbing(&straight, unscattered, job->terms[0], fluence, none, job->unscattered_irradiance, NULL);
         ty_free_array(job->light->context, fluence, job->light->cells, sizeof *fluence);
     } else {
         memcpy(job->unscattered_irradiance, job->irradiance, bytes);
@@ -101,10 +102,9 @@ static void match_sides(const surface_job* job, const float* irradiance) {
     for (int64_t row = 0; row < rows; ++row)
         for (int32_t side = faces->first[row]; side < faces->first[row + 1]; ++side) {
             const float straight = ty_maxf(0, job->irradiance[side] - job->unscattered_irradiance[side]);
-            ty_side_match_irradiance(&faces->sides[side],
-                                     irradiance[side] + straight + job->surfaces->forward[job->channel][side],
-                                     (size_t)row * (size_t)faces->size[0] + (size_t)faces->x[side],
-                                     job->light->surface_terms[job->channel]);
+            ty_side_match_irradiance(
+                &faces->sides[side], irradiance[side] + straight + job->surfaces->forward[job->channel][side],
+                (size_t)row * (size_t)faces->size[0] + (size_t)faces->x[side], job->light->surface_terms[job->channel]);
         }
 }
 
@@ -112,7 +112,7 @@ static ty_result solve_collided(const surface_job* job, ty_diffusion_stats* stat
     ty_diffuse_light* light = job->light;
     float* const* terms = light->terms[job->channel];
     ty_diffusion_def def = *job->def;
-    const ty_diffusion_faces faces = ty_lit_surfaces_faces(job->surfaces, job->channel, false);
+    const ty_diffusion_faces faces = ty_diffuse_surfaces_faces(job->surfaces, job->channel, false);
     const size_t count = (size_t)faces.count;
     float* irradiance = ty_alloc_array(light->context, count, sizeof *irradiance, true);
     if (irradiance == NULL) return TY_ERROR_MEMORY;
@@ -137,7 +137,6 @@ static ty_result solve_collided(const surface_job* job, ty_diffusion_stats* stat
 
 static void add_stats(ty_diffusion_stats* stats, const ty_diffusion_stats* surfaces) {
     stats->converged = stats->converged && surfaces->converged;
-    stats->iterations += surfaces->iterations;
     stats->cycles += surfaces->cycles;
     stats->work += surfaces->work;
     stats->emitted += surfaces->surfaces_emitted;
@@ -147,7 +146,7 @@ static void add_stats(ty_diffusion_stats* stats, const ty_diffusion_stats* surfa
 }
 
 ty_result ty_surface_light_solve(const ty_diffusion_def* def, const float* unscattered,
-                                 const ty_lit_surfaces* surfaces, int32_t channel, ty_diffuse_light* light,
+                                 const ty_diffuse_surfaces* surfaces, int32_t channel, ty_diffuse_light* light,
                                  ty_diffusion_stats* stats) {
     ty_context* context = light->context;
     const size_t count = (size_t)surfaces->faces->count;

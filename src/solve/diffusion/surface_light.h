@@ -14,7 +14,7 @@ void ty_diffuse_terms_make(const int32_t size[3], float* const terms[TY_FIELD_TE
  * surfaces. unscattered: extinction of light that does not scatter at all; NULL: def->extinction. *stats: of both
  * solves together. Errors: TY_ERROR_MEMORY, TY_CANCELLED. */
 ty_result ty_surface_light_solve(const ty_diffusion_def* def, const float* unscattered,
-                                 const ty_lit_surfaces* surfaces, int32_t channel, ty_diffuse_light* light,
+                                 const ty_diffuse_surfaces* surfaces, int32_t channel, ty_diffuse_light* light,
                                  ty_diffusion_stats* stats);
 
 #endif

@@ -1,5 +1,5 @@
 /* Sides of closed faces with their radiosity, and the sources of cells beside them. */
-#include "solve/diffusion/lit_surfaces.h"
+#include "solve/diffusion/diffuse_surfaces.h"
 
 #include "base/context.h"
 
@@ -8,14 +8,14 @@
 
 static const float max_difference = 1e-6f; /* relative, of channels that are multiples of one */
 
-ty_result ty_lit_surfaces_find(const ty_scene* scene, const ty_grid_medium* medium, ty_lit_surfaces* out) {
-    *out = (ty_lit_surfaces){.context = medium->context, .cells = medium->cells};
+ty_result ty_diffuse_surfaces_find(const ty_scene* scene, const ty_grid_medium* medium, ty_diffuse_surfaces* out) {
+    *out = (ty_diffuse_surfaces){.context = medium->context, .cells = medium->cells};
     const ty_result result = ty_boundary_faces_find(scene, medium, &out->faces);
     if (out->faces != NULL) out->count = (size_t)out->faces->count;
     return result;
 }
 
-static ty_result allocate(ty_lit_surfaces* surfaces) {
+static ty_result allocate(ty_diffuse_surfaces* surfaces) {
     const size_t count = surfaces->count;
     ty_context* context = surfaces->context;
     bool complete = true;
@@ -25,15 +25,15 @@ static ty_result allocate(ty_lit_surfaces* surfaces) {
         surfaces->albedo[c] = ty_alloc_array(context, count, sizeof(float), false);
         surfaces->radiosity[c] = ty_alloc_array(context, count, sizeof(float), true);
         surfaces->forward[c] = ty_alloc_array(context, count, sizeof(float), true);
-        complete = complete && surfaces->albedo[c] != NULL && surfaces->radiosity[c] != NULL &&
-                   surfaces->forward[c] != NULL;
+        complete =
+            complete && surfaces->albedo[c] != NULL && surfaces->radiosity[c] != NULL && surfaces->forward[c] != NULL;
     }
     return complete && surfaces->staircase != NULL && surfaces->unlit != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
 /* Irradiance of uncollided light, in radiosity. */
 static ty_result find_irradiance(const ty_scene* scene, const ty_grid_medium* medium, bool reduced,
-                                 const ty_discrete_light_set* sources, ty_lit_surfaces* surfaces) {
+                                 const ty_discrete_light_set* sources, ty_diffuse_surfaces* surfaces) {
     float* extinction[3] = {NULL, NULL, NULL};
     ty_result result = TY_OK;
     for (int32_t p = 0; p < medium->planes && reduced; ++p) {
@@ -50,8 +50,8 @@ static ty_result find_irradiance(const ty_scene* scene, const ty_grid_medium* me
     return result;
 }
 
-ty_result ty_lit_surfaces_light(const ty_scene* scene, const ty_grid_medium* medium, bool reduced,
-                                const ty_discrete_light_set* sources, ty_lit_surfaces* surfaces) {
+ty_result ty_diffuse_surfaces_light(const ty_scene* scene, const ty_grid_medium* medium, bool reduced,
+                                    const ty_discrete_light_set* sources, ty_diffuse_surfaces* surfaces) {
     if (surfaces->faces == NULL) return TY_OK;
     ty_result result = allocate(surfaces);
     if (result == TY_OK)
@@ -68,9 +68,9 @@ ty_result ty_lit_surfaces_light(const ty_scene* scene, const ty_grid_medium* med
     return result;
 }
 
-ty_result ty_lit_surfaces_correct_source(const ty_lit_surfaces* surfaces, const ty_grid_medium* medium,
-                                         const ty_grid_box* fine_box, const ty_light_fluence* lights, int32_t count,
-                                         float* const source[3]) {
+ty_result ty_diffuse_surfaces_correct_source(const ty_diffuse_surfaces* surfaces, const ty_grid_medium* medium,
+                                             const ty_grid_box* fine_box, const ty_light_fluence* lights, int32_t count,
+                                             float* const source[3]) {
     if (surfaces->faces == NULL) return TY_OK;
     ty_cut_source cut = {.faces = surfaces->faces,
                          .fine_box = *fine_box,
@@ -88,7 +88,7 @@ ty_result ty_lit_surfaces_correct_source(const ty_lit_surfaces* surfaces, const 
     return result;
 }
 
-void ty_lit_surfaces_destroy(ty_lit_surfaces* surfaces) {
+void ty_diffuse_surfaces_destroy(ty_diffuse_surfaces* surfaces) {
     const size_t count = surfaces->count;
     ty_free_array(surfaces->context, surfaces->staircase, count, sizeof(float));
     ty_free_array(surfaces->context, surfaces->unlit, surfaces->cells, 1);
@@ -98,14 +98,14 @@ void ty_lit_surfaces_destroy(ty_lit_surfaces* surfaces) {
         ty_free_array(surfaces->context, surfaces->forward[c], count, sizeof(float));
     }
     ty_boundary_faces_destroy(surfaces->faces);
-    *surfaces = (ty_lit_surfaces){.faces = NULL};
+    *surfaces = (ty_diffuse_surfaces){.faces = NULL};
 }
 
 static bool are_equal(float a, float b) {
     return fabsf(a - b) <= max_difference * ty_maxf(a, b);
 }
 
-bool ty_lit_surfaces_are_multiple(const ty_lit_surfaces* surfaces, int32_t channel, int32_t of, float factor) {
+bool ty_diffuse_surfaces_are_multiple(const ty_diffuse_surfaces* surfaces, int32_t channel, int32_t of, float factor) {
     for (size_t i = 0; i < surfaces->count; ++i)
         if (!are_equal(surfaces->albedo[channel][i], surfaces->albedo[of][i]) ||
             !are_equal(surfaces->radiosity[channel][i], factor * surfaces->radiosity[of][i]) ||
@@ -114,13 +114,14 @@ bool ty_lit_surfaces_are_multiple(const ty_lit_surfaces* surfaces, int32_t chann
     return true;
 }
 
-bool ty_lit_surfaces_are_dark(const ty_lit_surfaces* surfaces, int32_t channel) {
+bool ty_diffuse_surfaces_are_dark(const ty_diffuse_surfaces* surfaces, int32_t channel) {
     for (size_t i = 0; i < surfaces->count; ++i)
         if (surfaces->radiosity[channel][i] > 0) return false;
     return true;
 }
 
-ty_diffusion_faces ty_lit_surfaces_faces(const ty_lit_surfaces* surfaces, int32_t channel, bool with_radiosity) {
+ty_diffusion_faces ty_diffuse_surfaces_faces(const ty_diffuse_surfaces* surfaces, int32_t channel,
+                                             bool with_radiosity) {
     const ty_boundary_faces* faces = surfaces->faces;
     return (ty_diffusion_faces){.count = faces->count,
                                 .first = faces->first,
