@@ -29,11 +29,11 @@ ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, flo
 static ty_result light_surfaces(ty_fld_job* job) {
     ty_result result = ty_diffuse_surfaces_find(job->scene, job->coarse, &job->surfaces);
     if (result == TY_OK)
-        result = ty_diffuse_surfaces_light(job->scene, job->coarse, job->def->beam == TY_FLD_BEAM_REDUCED, &job->sources,
-                                       &job->surfaces);
+        result = ty_diffuse_surfaces_light(job->scene, job->coarse, job->def->beam == TY_FLD_BEAM_REDUCED,
+                                           &job->sources, &job->surfaces);
     if (result == TY_OK)
         result = ty_diffuse_surfaces_correct_source(&job->surfaces, job->coarse, &job->fine->box, job->light->lights,
-                                                job->light->light_count, job->source);
+                                                    job->light->light_count, job->source);
     return result;
 }
 

@@ -52,7 +52,7 @@ static ty_result light_surfaces(ty_pop_job* job) {
     result = ty_diffuse_surfaces_light(job->scene, job->medium, true, &sources, &job->surfaces);
     if (result == TY_OK)
         result = ty_diffuse_surfaces_correct_source(&job->surfaces, job->medium, &light->fine_box, light->lights,
-                                                light->light_count, job->source);
+                                                    light->light_count, job->source);
     ty_discrete_light_set_destroy(job->context, &sources);
     return result;
 }
