@@ -15,7 +15,7 @@ extern "C" {
 /// Flags of ty_aov with which ty_path_render() gives ty_denoise_image() all that it can use.
 #define TY_DENOISE_AOVS                                                                                                \
     (TY_AOV_VARIANCE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH | TY_AOV_NORMAL | TY_AOV_ALBEDO | TY_AOV_SINGLE |           \
-     TY_AOV_MULTIPLE | TY_AOV_HALF)
+     TY_AOV_MULTIPLE | TY_AOV_SURFACE_ALBEDO | TY_AOV_HALF)
 
 /// The largest number of images in ty_denoise_def.features.
 #define TY_DENOISE_FEATURES_MAX 4
@@ -69,12 +69,12 @@ static inline ty_denoise_stats ty_default_denoise_stats(void) {
 }
 
 /// Removes noise from R, G, B of an image by first-order regression on its other channels. It needs the channels
-/// half.R, .G, .B (TY_AOV_HALF), and uses single, multiple, transmittance, depth, normal and albedo with their halves
-/// where they are there, and `samples.N` or the metadata `tyndall.spp`, of which there must be 2 or more. The result
-/// has the channels denoised.R, .G, .B and denoised_error.R, .G, .B, an estimate of the former's standard error with
-/// bias, and the frame of the image, which stays as it is. Values that are not finite count as 0. stats may be NULL.
-/// Errors: TY_ERROR_ARGUMENT (also images of other sizes, and previous without its channels), TY_ERROR_INPUT (missing
-/// channels of image), TY_ERROR_MEMORY, TY_CANCELLED.
+/// half.R, .G, .B (TY_AOV_HALF), and uses single, multiple, transmittance, depth, normal, albedo and surface_albedo
+/// with their halves where they are there, and `samples.N` or the metadata `tyndall.spp`, of which there must be 2 or
+/// more. The result has the channels denoised.R, .G, .B and denoised_error.R, .G, .B, an estimate of the former's
+/// standard error with bias, and the frame of the image, which stays as it is. Values that are not finite count as 0.
+/// stats may be NULL. Errors: TY_ERROR_ARGUMENT (also images of other sizes, and previous without its channels),
+/// TY_ERROR_INPUT (missing channels of image), TY_ERROR_MEMORY, TY_CANCELLED.
 TY_API ty_result ty_denoise_image(ty_context* context, const ty_image* image, const ty_denoise_def* def, ty_image** out,
                                   ty_denoise_stats* stats);
 

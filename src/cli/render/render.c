@@ -299,8 +299,9 @@ int cli_render(int count, char** arguments) {
         "takes it within one. One process at a time may use FILE.state.\n\n"
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
         "media\n"
-        "scattered once, and otherwise), albedo (fraction that media scatter), normal, variance (of the pixels),\n"
-        "samples, or all, and half (the even samples' mean of each). --denoise leaves R, G, B and --png as they are.\n"
+        "scattered once, and otherwise), albedo (fraction that media scatter), surface_albedo (of the first\n"
+        "surface, times transmittance), normal, variance (of the pixels), samples, or all, and half (the even samples' "
+        "mean of each). --denoise leaves R, G, B and --png as they are.\n"
         "Partial images always have samples, so that 'tyndall merge' knows what they weigh.",
         table,
         sizeof table / sizeof table[0],
