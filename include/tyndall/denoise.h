@@ -20,6 +20,13 @@ extern "C" {
 /// The largest number of images in ty_denoise_def.features.
 #define TY_DENOISE_FEATURES_MAX 4
 
+/// The programs that remove noise.
+typedef enum ty_denoiser {
+    TY_DENOISER_REGRESSION = 0, ///< Tyndall's own first-order regression.
+    TY_DENOISER_OIDN = 1        ///< Intel Open Image Denoise (https://www.openimagedenoise.org), versions 1 and 2: the
+                                ///< shared library of the machine, loaded at run time. Tyndall does not come with it.
+} ty_denoiser;
+
 /// The options of denoising. Create it with ty_default_denoise_def().
 typedef struct ty_denoise_def {
     uint32_t cookie; ///< Set by ty_default_denoise_def() and checked.
@@ -37,6 +44,8 @@ typedef struct ty_denoise_def {
                 ///< apart where the image has these channels.
     ty_progress_fn progress; ///< Default NULL.
     void* progress_user;     ///< Passed on to `progress`; default NULL.
+    ty_denoiser denoiser;    ///< Default TY_DENOISER_REGRESSION. TY_DENOISER_OIDN filters both halves with the image's
+                             ///< albedo and normals; it knows neither `features` nor `parts`, and no `charts`.
 } ty_denoise_def;
 
 /// Sets the `bytes` bytes of a ty_denoise_def to the defaults, as ty_init_context_def() does.
@@ -47,6 +56,10 @@ static inline ty_denoise_def ty_default_denoise_def(void) {
     ty_init_denoise_def(&def, sizeof def);
     return def;
 }
+
+/// TY_OK if ty_denoise_image() can use a denoiser on this machine. Errors: TY_ERROR_UNSUPPORTED (its library is absent,
+/// and the message says which), TY_ERROR_ARGUMENT.
+TY_API ty_result ty_denoiser_is_available(ty_context* context, ty_denoiser denoiser);
 
 /// Statistics of denoising. Create them with ty_default_denoise_stats().
 typedef struct ty_denoise_stats {
@@ -74,7 +87,8 @@ static inline ty_denoise_stats ty_default_denoise_stats(void) {
 /// more. The result has the channels denoised.R, .G, .B and denoised_error.R, .G, .B, an estimate of the former's
 /// standard error with bias, and the frame of the image, which stays as it is. Values that are not finite count as 0.
 /// stats may be NULL. Errors: TY_ERROR_ARGUMENT (also images of other sizes, and previous without its channels),
-/// TY_ERROR_INPUT (missing channels of image), TY_ERROR_MEMORY, TY_CANCELLED.
+/// TY_ERROR_INPUT (missing channels of image), TY_ERROR_MEMORY, TY_CANCELLED; of TY_DENOISER_OIDN TY_ERROR_UNSUPPORTED
+/// without its library, and TY_ERROR_INTERNAL with its message.
 TY_API ty_result ty_denoise_image(ty_context* context, const ty_image* image, const ty_denoise_def* def, ty_image** out,
                                   ty_denoise_stats* stats);
 
