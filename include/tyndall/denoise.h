@@ -66,7 +66,9 @@ typedef struct ty_denoise_stats {
     uint32_t cookie;  ///< Set by ty_default_denoise_stats() and checked.
     uint32_t bytes;   ///< Set by ty_default_denoise_stats() to the size of the structure.
     double seconds;   ///< Wall clock time, s.
-    double error;     ///< Estimated relative error of the denoised image: root mean square error over mean.
+    double error;     ///< Estimated relative error of the denoised image: root mean square error over mean. With
+                      ///< ty_denoise_def.previous that without the previous image: what moved may leave traces
+                      ///< that no estimate knows.
     double raw_error; ///< Estimated relative error of the image as it was, in the same way.
     int32_t parts;    ///< Number of parts that were denoised apart, 1 to 3.
     int32_t features; ///< Number of planes that light was regressed on.

@@ -44,7 +44,8 @@ ty_result cli_denoised_metadata(ty_image* image, const ty_denoise_stats* stats) 
 }
 
 void cli_print_denoised(const ty_denoise_stats* stats) {
-    printf("denoised: relative error %.3g%% by estimate, was %.3g%%, %d features, %.2g s\n", 100 * stats->error,
+    printf("denoised: relative error %.3g%% by estimate%s, was %.3g%%, %d features, %.2g s\n", 100 * stats->error,
+           stats->previous > 0 ? " without the previous image, whose traces it does not know" : "",
            100 * stats->raw_error, stats->features, stats->seconds);
 }
 
