@@ -111,11 +111,13 @@ class Browser:
         return answer["result"].get("value")
 
     def wait_for(self, expression):
+        """The value of an expression as soon as it is true."""
         deadline = time.monotonic() + WAIT
-        while not self.run(expression):
+        while not (value := self.run(expression)):
             if time.monotonic() > deadline:
                 raise TimeoutError(expression)
             time.sleep(0.02)
+        return value
 
     def open(self, address):
         self.call("Page.navigate", url=address)

@@ -109,8 +109,12 @@ static void expect_as_loaded(const ty_scene_editor* editor, const char* folder) 
     assert_string_equal(ty_scene_render_settings(edited).method, ty_scene_render_settings(loaded).method);
     assert_int_equal(ty_scene_render_settings(edited).spp, ty_scene_render_settings(loaded).spp);
     expect_same_images(edited, loaded, "path");
-    if (a.media > 0) expect_same_images(edited, loaded, "fld");
-    if (a.media > 0) expect_same_images(edited, loaded, "pop");
+    /* Bits are compared after every edit where that is fast; sanitizers see the two methods in turn. */
+    static unsigned compared;
+    const bool both = !UNDER_ADDRESS_SANITIZER;
+    ++compared;
+    if (a.media > 0 && (both || compared % 2 == 0)) expect_same_images(edited, loaded, "fld");
+    if (a.media > 0 && (both || compared % 2 == 1)) expect_same_images(edited, loaded, "pop");
     ty_scene_destroy(loaded);
 }
 
@@ -584,7 +588,8 @@ static void arrays_change_everywhere(void** state) {
     (void)state;
     static const char* const values[] = {"1", "2", "3", "4", "5"};
     char text[512], list[256];
-    for (unsigned before = 0; before < 32; before += in_full() ? 1 : 5) {
+    const unsigned step = in_full() ? 1 : UNDER_ADDRESS_SANITIZER ? 15 : 5;
+    for (unsigned before = 0; before < 32; before += step) {
         ty_scene_editor* editor = NULL;
         snprintf(text, sizeof text, "{ \"tyndall\": 1,\n  \"lights\": [");
         for (unsigned i = 0, n = 0; i < 5; ++i)

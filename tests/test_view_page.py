@@ -193,8 +193,8 @@ def check_remote(browser, row):
     revision = browser.run(f"{STATE}.frames[0].revision")
     move = f"(s => {{ s.value = Number(s.value) + 0.001; s.dispatchEvent(new Event('input')); }})({slider})"
     browser.run(f"window.moving = setInterval(() => {move}, 30); true")
-    browser.wait_for(f"{STATE}.frames[0].revision > {revision + 3} && !{center}.exact")
-    frame, found = browser.run(f"{STATE}.frames[0]"), browser.run(center)
+    moved = browser.wait_for(f"((frame, found) => frame.revision > {revision + 3} && !found.exact && {{frame, found}})({STATE}.frames[0], {center})")
+    frame, found = moved["frame"], moved["found"]
     assert not frame["final"] and frame["exposure"] > 0.3, frame
     assert 0.5 < found["luminance"] / exact < 2, (found, exact)
     browser.run("clearInterval(window.moving); true")

@@ -221,7 +221,7 @@ static void compare_marchers(ty_context* context, const scene_case* c, bool ligh
 }
 
 static void atrium(void** state) {
-    const scene_case c = {"builtin:atrium", NULL, {NULL}, 96, 54, 256, 0, 0, 0};
+    const scene_case c = {"builtin:atrium", NULL, {NULL}, 96, 54, fewer(256, 2), 0, 0, 0};
     compare_marchers(*state, &c, false);
 }
 
@@ -239,7 +239,7 @@ static void smoke_in_a_box(void** state) {
                "\"density\": {\"noise\": {\"kind\": \"fbm\", \"resolution\": 48, \"frequency\": 3}}}]"},
         60,
         60,
-        fewer(8192, 8),
+        fewer(8192, 32),
         0,
         0,
         0};
@@ -247,8 +247,15 @@ static void smoke_in_a_box(void** state) {
 }
 
 static void sponza(void** state) {
-    const scene_case c = {
-        "scenes/sponza_lamps.json", "scenes/sponza_atrium.glb", {"geometry[0].file=\"%s\""}, 96, 54, 256, 0, 0, 0};
+    const scene_case c = {"scenes/sponza_lamps.json",
+                          "scenes/sponza_atrium.glb",
+                          {"geometry[0].file=\"%s\""},
+                          96,
+                          54,
+                          fewer(256, 2),
+                          0,
+                          0,
+                          0};
     compare_marchers(*state, &c, false);
 }
 

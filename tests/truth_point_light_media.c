@@ -57,12 +57,14 @@ static void image_means_hold_for_every_seed(void** state) {
     for (int i = in_full() ? 0 : 1; i < 4; i += in_full() ? 1 : 2) {
         ty_scene* scene = lamp_in_ball(*state, cosines[i]);
         const seed_spread with = spread_over_seeds(*state, scene, true, seeds, 512);
-        const seed_spread without = spread_over_seeds(*state, scene, false, seeds, 512);
-        ty_scene_destroy(scene);
-        printf("lamp in a ball, g %.2f: mean %.5f, seeds within %.2f%% (without lamp directions %.5f, %.2f%%)\n",
-               cosines[i], with.mean, 100 * with.deviation, without.mean, 100 * without.deviation);
+        printf("lamp in a ball, g %.2f: mean %.5f, seeds within %.2f%%\n", cosines[i], with.mean, 100 * with.deviation);
         if (!(with.deviation < allowed[i]))
             fail_msg("g %g: image means of seeds deviate by %g", cosines[i], with.deviation);
+        const bool compares = in_full() || cosines[i] < 0.8; /* at 0.96 four seeds without them are 18 % apart */
+        const seed_spread without = compares ? spread_over_seeds(*state, scene, false, seeds, 512) : with;
+        ty_scene_destroy(scene);
+        if (!compares) continue;
+        printf("  without lamp directions: mean %.5f, seeds within %.2f%%\n", without.mean, 100 * without.deviation);
         const double noise =
             4 * sqrt((with.deviation * with.deviation + without.deviation * without.deviation) / seeds);
         if (!(fabs(without.mean / with.mean - 1) < noise + 0.02))

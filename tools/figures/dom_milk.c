@@ -7,8 +7,18 @@ enum { METHODS = 2, DOM = 0, FLD = 1, PICTURE_WIDTH = 300 };
 static const char* const samples = "render.spp=64";
 
 static const figure_scene scenes[] = {
-    {.title = "glass of whole milk", .scene = "milk_glass", .overrides = {samples}, .width = 160, .height = 120},
-    {.title = "ball of thin milk", .scene = "milk_ball", .overrides = {samples}, .width = 160, .height = 120},
+    {.title = "glass of whole milk",
+     .scene = "milk_glass",
+     .overrides = {samples},
+     .quick = "render.spp=4",
+     .width = 160,
+     .height = 120},
+    {.title = "ball of thin milk",
+     .scene = "milk_ball",
+     .overrides = {samples},
+     .quick = "render.spp=4",
+     .width = 160,
+     .height = 120},
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 

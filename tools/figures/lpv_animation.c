@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FRAMES = 12, SUN = 0, CAMERA = 1, WAYS = 2, PICTURE_WIDTH = 300, WIDTH = 256, HEIGHT = 144 };
+enum { FRAMES = 12, FRAMES_QUICK = 3, SUN = 0, CAMERA = 1, WAYS = 2, PICTURE_WIDTH = 300, WIDTH = 256, HEIGHT = 144 };
 
 static const char* const motion_names[WAYS] = {"the sun turns by a quarter of a degree a frame",
                                                "the camera, with its lattice, moves by an eighth of a cell a frame"};
@@ -117,25 +117,26 @@ static void add_series(plot_chart* chart, const char* name, const changes* all, 
 static ty_result run_motion(figure_run* run, int motion, frame* frames, plot_sheet* sheet, plot_chart* chart) {
     static const char *const rgb[3] = {"R", "G", "B"}, *const multiple[3] = {"multiple.R", "multiple.G", "multiple.B"};
     changes fluence[FRAMES - 1], fog[FRAMES - 1], images[FRAMES - 1];
+    const int count = run->options->quick ? FRAMES_QUICK : FRAMES, pairs = count - 1;
     ty_result result = TY_OK;
-    for (int f = 0; f < FRAMES && result == TY_OK; ++f) result = render_frame(run, motion, f, &frames[f]);
+    for (int f = 0; f < count && result == TY_OK; ++f) result = render_frame(run, motion, f, &frames[f]);
     if (result != TY_OK) return result;
-    for (int f = 1; f < FRAMES; ++f) {
+    for (int f = 1; f < count; ++f) {
         fluence[f - 1] = compare_values(3 * POINTS, frames[f - 1].fluence[0], frames[f].fluence[0]);
         fog[f - 1] = compare_images(frames[f - 1].image, frames[f].image, multiple);
         images[f - 1] = compare_images(frames[f - 1].image, frames[f].image, rgb);
     }
-    add_series(chart, "fluence of the lattice, mean", fluence, FRAMES - 1, false);
-    add_series(chart, "fluence of the lattice, largest", fluence, FRAMES - 1, true);
-    add_series(chart, "marched pixels, mean", fog, FRAMES - 1, false);
-    add_series(chart, "marched pixels, largest", fog, FRAMES - 1, true);
-    add_series(chart, "pixels, mean", images, FRAMES - 1, false);
-    add_series(chart, "pixels, largest", images, FRAMES - 1, true);
-    note_changes(run, motion, "fluence", fluence, FRAMES - 1);
-    note_changes(run, motion, "marched pixels", fog, FRAMES - 1);
-    note_changes(run, motion, "pixels", images, FRAMES - 1);
+    add_series(chart, "fluence of the lattice, mean", fluence, pairs, false);
+    add_series(chart, "fluence of the lattice, largest", fluence, pairs, true);
+    add_series(chart, "marched pixels, mean", fog, pairs, false);
+    add_series(chart, "marched pixels, largest", fog, pairs, true);
+    add_series(chart, "pixels, mean", images, pairs, false);
+    add_series(chart, "pixels, largest", images, pairs, true);
+    note_changes(run, motion, "fluence", fluence, pairs);
+    note_changes(run, motion, "marched pixels", fog, pairs);
+    note_changes(run, motion, "pixels", images, pairs);
     for (int i = 0; i < 2 && result == TY_OK; ++i)
-        result = plot_picture_of_image(run->session->context, frames[i * (FRAMES - 1)].image, 0,
+        result = plot_picture_of_image(run->session->context, frames[i * pairs].image, 0,
                                        &plot_sheet_cell(sheet, 0, 2 * motion + i)->picture);
     return result;
 }

@@ -13,8 +13,7 @@ static const char* const mode_names[MODES] = {"links", "published"};
 static const double depths[DEPTHS] = {0, 0.1, 1, 3, 10}; /* optical thickness of a cell */
 static const double cell = 0.5;                          /* m */
 
-/* A point light in fog, and a small tile lit by it. */
-/* parts: flags of TY_LPV_ALL. */
+/* A point light in fog, and a small tile lit by it. parts: flags of TY_LPV_ALL. */
 static ty_result solve(figure_run* run, const ty_scene* scene, int mode, uint32_t parts, int32_t iterations,
                        ty_lpv_stats* stats) {
     ty_lpv* light = NULL;
@@ -108,7 +107,7 @@ static void add_printed(figure_run* run, plot_chart* chart) {
 static ty_result fill_charts(figure_run* run, plot_chart* charts) {
     ty_result result = TY_OK;
     add_printed(run, &charts[2]);
-    for (int depth = 0; depth < DEPTHS && result == TY_OK; ++depth) {
+    for (int depth = 0; depth < DEPTHS && result == TY_OK; depth += run->options->quick ? DEPTHS - 1 : 1) {
         char override[48];
         const char* const overrides[1] = {override};
         ty_scene* scene = NULL;
