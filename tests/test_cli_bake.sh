@@ -99,6 +99,31 @@ test_plans() {
   absent dry
 }
 
+# rmse A B: the relative RMSE of one lightmap from another.
+rmse() {
+  "$tyndall" diff "$1" "$2" --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["all"]["relative_rmse"])'
+}
+
+# Denoised lightmaps stand beside those that are not, have less noise (measured: 0.23 of it) and as much light.
+test_denoised_maps() {
+  expect 0 bake level.json -o noisy --lightmaps --vertices --size 48x32 --spp 16 --denoise -q
+  expect 0 bake level.json -o smooth --lightmaps --vertices --size 48x32 --spp 1024 --seed 7 -q
+  present noisy/the_room_1.denoised.png
+  said noisy/bake.json '"denoised": "the_room_1.denoised.exr"'
+  unsaid smooth/bake.json 'denoised'
+  absent smooth/the_room_1.denoised.exr
+  raw=$(rmse noisy/the_room_1.exr smooth/the_room_1.exr)
+  denoised=$(rmse noisy/the_room_1.denoised.exr smooth/the_room_1.exr)
+  checks=$((checks + 1))
+  python3 -c "import sys; sys.exit(not $denoised < 0.4 * $raw)" || fail "denoised $denoised, raw $raw"
+  checks=$((checks + 1))
+  python3 -c "import sys; sys.exit(not 0 < $raw < 1)" || fail "raw $raw"
+  rm noisy/the_room_1.denoised.exr
+  expect 0 bake level.json -o noisy --lightmaps --vertices --size 48x32 --spp 16 --denoise --resume
+  present noisy/the_room_1.denoised.exr
+  usage_error 'two halves of the paths' bake level.json -o one --spp 1 --denoise
+}
+
 test_everything_at_once() {
   echo '[[0, 1, 0], [0, 0.5, 0.5]]' > points.json
   bake level.json -o all --lightmaps --vertices --size 48x32 --grid 2,3,4 --probes points.json --sh 5
@@ -234,6 +259,7 @@ make_level
 test_wrong_usage
 test_plans
 test_everything_at_once
+test_denoised_maps
 test_files_apart
 test_points_alone
 test_threads_and_seeds

@@ -55,6 +55,8 @@ test_command() {
   said out.txt 'values that differ: 0'
   expect 0 merge a.exr b.exr -o ab.exr -q
   expect 0 denoise ab.exr -o dab.exr --feature da.exr --previous da.exr -q
+  expect 0 denoise ab.exr -o dab.exr --previous da.exr
+  said out.txt 'by estimate without the previous image'
   expect 0 denoise a.exr -o one.exr -q --threads 1
   cmp -s one.exr da.exr || fail 'the number of threads changes the image'
   expect 0 render builtin:cornell_fog --method path -o r.exr --size 48x36 -q --spp 4 --seed 1 --aov all,half --resume

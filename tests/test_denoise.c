@@ -221,11 +221,17 @@ static void sequences_do_not_flicker(void** state) {
     for (uint64_t frame = 0; frame < 5; ++frame) {
         ty_image* noisy = noisy_image(*state, 0.5, 100 + frame);
         ty_denoise_def def = ty_default_denoise_def();
-        if (frame >= 3) plain[frame - 3] = denoised(*state, noisy, &def, NULL);
+        ty_denoise_stats alone = ty_default_denoise_stats(), stats = alone;
+        ty_image* without = denoised(*state, noisy, &def, &alone);
+        if (frame >= 3)
+            plain[frame - 3] = without;
+        else
+            ty_image_destroy(without);
         def.previous = previous;
-        ty_denoise_stats stats = ty_default_denoise_stats();
         ty_image* out = denoised(*state, noisy, &def, &stats);
         assert_true(error_of(out) < 0.5 * error_of(noisy));
+        /* The estimate is that without the image before. */
+        assert_true(stats.error == alone.error);
         weight = stats.previous;
         ty_image_destroy(before);
         before = previous;

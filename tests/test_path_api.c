@@ -93,7 +93,10 @@ static void channels_are_those_asked_for(void** state) {
                                       "multiple.R",
                                       "multiple.G",
                                       "multiple.B",
-                                      "samples.N"};
+                                      "samples.N",
+                                      "surface_albedo.R",
+                                      "surface_albedo.G",
+                                      "surface_albedo.B"};
     ty_scene* scene = foggy_scene(*state);
     ty_path_def def = small_def(3);
     def.aovs = TY_AOV_ALL;
@@ -118,8 +121,8 @@ static void channels_agree_with_one_another(void** state) {
     ty_path_def def = small_def(64);
     def.aovs = TY_AOV_ALL;
     ty_image* image = render(scene, &def, NULL);
-    const float* plane[23];
-    for (int c = 0; c < 23; ++c) plane[c] = ty_image_plane_const(image, c);
+    const float* plane[26];
+    for (int c = 0; c < 26; ++c) plane[c] = ty_image_plane_const(image, c);
     for (int i = 0; i < PIXELS; ++i) {
         for (int c = 0; c < 3; ++c) {
             const double radiance = (double)plane[c][i], single = (double)plane[16 + c][i];
@@ -127,6 +130,8 @@ static void channels_agree_with_one_another(void** state) {
             assert_true(single >= 0 && multiple >= 0 && single + multiple <= radiance * (1 + 1e-5));
             assert_true(plane[6 + c][i] >= 0 && plane[6 + c][i] <= 1.00001f);
             assert_true(plane[13 + c][i] >= 0 && plane[13 + c][i] <= 1.00001f);
+            assert_true(plane[23 + c][i] >= 0 && plane[23 + c][i] <= plane[6 + c][i]);
+            assert_true((plane[23 + c][i] > 0) == (plane[9][i] > 0));
         }
         const double x = (double)plane[10][i], y = (double)plane[11][i], z = (double)plane[12][i];
         const double length = sqrt(x * x + y * y + z * z);

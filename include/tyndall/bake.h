@@ -243,6 +243,13 @@ TY_API const ty_bake_receiver* ty_atlas_receivers(const ty_atlas* atlas, int64_t
 /// of the nearest one that counts, `padding` rows and columns far: bilinear lookups need 1, those in mip level m 2^m.
 /// Errors: TY_ERROR_MEMORY.
 TY_API ty_result ty_atlas_create_image(const ty_atlas* atlas, const ty_bake_light* light, ty_image** out);
+/// Removes noise from the light at the receivers of an atlas, for ty_atlas_create_image(), by regression on the texels'
+/// positions and normals within their chart (ty_denoise_image()). even and odd: two bakes of the receivers with
+/// different seeds and as many paths each; out: as many, and none of both. Irradiance is denoised layer by layer; its
+/// variance becomes the estimated square error, bias included. Vector irradiance and fluence are means of both bakes.
+/// Texels inside of walls, and those without samples, stay as they are. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+TY_API ty_result ty_atlas_denoise(const ty_atlas* atlas, const ty_bake_light* even, const ty_bake_light* odd,
+                                  ty_bake_light* out);
 
 #ifdef __cplusplus
 }

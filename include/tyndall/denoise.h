@@ -15,10 +15,17 @@ extern "C" {
 /// Flags of ty_aov with which ty_path_render() gives ty_denoise_image() all that it can use.
 #define TY_DENOISE_AOVS                                                                                                \
     (TY_AOV_VARIANCE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH | TY_AOV_NORMAL | TY_AOV_ALBEDO | TY_AOV_SINGLE |           \
-     TY_AOV_MULTIPLE | TY_AOV_HALF)
+     TY_AOV_MULTIPLE | TY_AOV_SURFACE_ALBEDO | TY_AOV_HALF)
 
 /// The largest number of images in ty_denoise_def.features.
 #define TY_DENOISE_FEATURES_MAX 4
+
+/// The programs that remove noise.
+typedef enum ty_denoiser {
+    TY_DENOISER_REGRESSION = 0, ///< Tyndall's own first-order regression.
+    TY_DENOISER_OIDN = 1        ///< Intel Open Image Denoise (https://www.openimagedenoise.org), versions 1 and 2: the
+                                ///< shared library of the machine, loaded at run time. Tyndall does not come with it.
+} ty_denoiser;
 
 /// The options of denoising. Create it with ty_default_denoise_def().
 typedef struct ty_denoise_def {
@@ -37,6 +44,8 @@ typedef struct ty_denoise_def {
                 ///< apart where the image has these channels.
     ty_progress_fn progress; ///< Default NULL.
     void* progress_user;     ///< Passed on to `progress`; default NULL.
+    ty_denoiser denoiser;    ///< Default TY_DENOISER_REGRESSION. TY_DENOISER_OIDN filters both halves with the image's
+                             ///< albedo and normals; it knows neither `features` nor `parts`, and no `charts`.
 } ty_denoise_def;
 
 /// Sets the `bytes` bytes of a ty_denoise_def to the defaults, as ty_init_context_def() does.
@@ -48,12 +57,18 @@ static inline ty_denoise_def ty_default_denoise_def(void) {
     return def;
 }
 
+/// TY_OK if ty_denoise_image() can use a denoiser on this machine. Errors: TY_ERROR_UNSUPPORTED (its library is absent,
+/// and the message says which), TY_ERROR_ARGUMENT.
+TY_API ty_result ty_denoiser_is_available(ty_context* context, ty_denoiser denoiser);
+
 /// Statistics of denoising. Create them with ty_default_denoise_stats().
 typedef struct ty_denoise_stats {
     uint32_t cookie;  ///< Set by ty_default_denoise_stats() and checked.
     uint32_t bytes;   ///< Set by ty_default_denoise_stats() to the size of the structure.
     double seconds;   ///< Wall clock time, s.
-    double error;     ///< Estimated relative error of the denoised image: root mean square error over mean.
+    double error;     ///< Estimated relative error of the denoised image: root mean square error over mean. With
+                      ///< ty_denoise_def.previous that without the previous image: what moved may leave traces
+                      ///< that no estimate knows.
     double raw_error; ///< Estimated relative error of the image as it was, in the same way.
     int32_t parts;    ///< Number of parts that were denoised apart, 1 to 3.
     int32_t features; ///< Number of planes that light was regressed on.
@@ -69,12 +84,13 @@ static inline ty_denoise_stats ty_default_denoise_stats(void) {
 }
 
 /// Removes noise from R, G, B of an image by first-order regression on its other channels. It needs the channels
-/// half.R, .G, .B (TY_AOV_HALF), and uses single, multiple, transmittance, depth, normal and albedo with their halves
-/// where they are there, and `samples.N` or the metadata `tyndall.spp`, of which there must be 2 or more. The result
-/// has the channels denoised.R, .G, .B and denoised_error.R, .G, .B, an estimate of the former's standard error with
-/// bias, and the frame of the image, which stays as it is. Values that are not finite count as 0. stats may be NULL.
-/// Errors: TY_ERROR_ARGUMENT (also images of other sizes, and previous without its channels), TY_ERROR_INPUT (missing
-/// channels of image), TY_ERROR_MEMORY, TY_CANCELLED.
+/// half.R, .G, .B (TY_AOV_HALF), and uses single, multiple, transmittance, depth, normal, albedo and surface_albedo
+/// with their halves where they are there, and `samples.N` or the metadata `tyndall.spp`, of which there must be 2 or
+/// more. The result has the channels denoised.R, .G, .B and denoised_error.R, .G, .B, an estimate of the former's
+/// standard error with bias, and the frame of the image, which stays as it is. Values that are not finite count as 0.
+/// stats may be NULL. Errors: TY_ERROR_ARGUMENT (also images of other sizes, and previous without its channels),
+/// TY_ERROR_INPUT (missing channels of image), TY_ERROR_MEMORY, TY_CANCELLED; of TY_DENOISER_OIDN TY_ERROR_UNSUPPORTED
+/// without its library, and TY_ERROR_INTERNAL with its message.
 TY_API ty_result ty_denoise_image(ty_context* context, const ty_image* image, const ty_denoise_def* def, ty_image** out,
                                   ty_denoise_stats* stats);
 

@@ -29,7 +29,10 @@ typedef enum ty_aov {
     TY_AOV_MULTIPLE = 64, ///< multiple.R, .G, .B: all other radiance that a medium scattered. The remainder of R, G, B
                           ///< never scattered in a medium: emission and surfaces.
     TY_AOV_SAMPLES = 128, ///< samples.N: number of samples; it varies over a partial result only.
-    TY_AOV_ALL = 255,     ///< All of the above.
+    TY_AOV_SURFACE_ALBEDO = 512, ///< surface_albedo.R, .G, .B: albedo of the first surface (of glossy ones their
+                                 ///< directional albedo towards the camera) times the transmittance of the media up to
+                                 ///< it; 0 without one.
+    TY_AOV_ALL = 255 | 512,      ///< All of the above.
     TY_AOV_HALF = 256 ///< half.R, .G, .B, and half.single.R and so on for each of the channels above but variance and
                       ///< samples that the image has: means over the even half of the samples, which is
                       ///< independent of the odd half. Their difference tells noise (ty_denoise_image()).

@@ -11,6 +11,7 @@ const ty_aov_group ty_aov_groups[TY_AOV_GROUPS] = {
     {TY_AOV_SINGLE, 3, {"single.R", "single.G", "single.B"}},
     {TY_AOV_MULTIPLE, 3, {"multiple.R", "multiple.G", "multiple.B"}},
     {TY_AOV_SAMPLES, 1, {"samples.N"}},
+    {TY_AOV_SURFACE_ALBEDO, 3, {"surface_albedo.R", "surface_albedo.G", "surface_albedo.B"}},
     {TY_AOV_HALF | TY_AOV_COLOR, 3, {"half.R", "half.G", "half.B"}},
     {TY_AOV_HALF | TY_AOV_TRANSMITTANCE, 3, {"half.transmittance.R", "half.transmittance.G", "half.transmittance.B"}},
     {TY_AOV_HALF | TY_AOV_DEPTH, 1, {"half.depth.Z"}},
@@ -18,6 +19,9 @@ const ty_aov_group ty_aov_groups[TY_AOV_GROUPS] = {
     {TY_AOV_HALF | TY_AOV_ALBEDO, 3, {"half.albedo.R", "half.albedo.G", "half.albedo.B"}},
     {TY_AOV_HALF | TY_AOV_SINGLE, 3, {"half.single.R", "half.single.G", "half.single.B"}},
     {TY_AOV_HALF | TY_AOV_MULTIPLE, 3, {"half.multiple.R", "half.multiple.G", "half.multiple.B"}},
+    {TY_AOV_HALF | TY_AOV_SURFACE_ALBEDO,
+     3,
+     {"half.surface_albedo.R", "half.surface_albedo.G", "half.surface_albedo.B"}},
 };
 
 bool ty_aov_is_requested(const ty_aov_group* group, uint32_t aovs) {

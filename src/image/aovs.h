@@ -4,7 +4,7 @@
 
 #include <tyndall/image.h>
 
-enum { TY_AOV_COLOR = 0, TY_AOV_GROUPS = 16, TY_AOV_CHANNELS_MAX = 42 };
+enum { TY_AOV_COLOR = 0, TY_AOV_GROUPS = 18, TY_AOV_CHANNELS_MAX = 48 };
 
 /* A group of channels, in the order of the image; aov: TY_AOV_..., all of which ask for it, or TY_AOV_COLOR. */
 typedef struct ty_aov_group {

@@ -45,6 +45,8 @@ int bench_lpv(const bench_session* bench);
 int bench_dom(const bench_session* bench);
 int bench_octaves(const bench_session* bench);
 int bench_denoise(const bench_session* bench);
+/* Its errors over many scenes, with --full. */
+int bench_denoise_errors(const bench_session* bench);
 int bench_impulse(const bench_session* bench);
 int bench_bake(const bench_session* bench);
 int bench_view(const bench_session* bench);

@@ -66,5 +66,6 @@ int bench_denoise(const bench_session* bench) {
         }
         ty_image_destroy(image);
     }
+    if (result == TY_OK && bench->options->full) return bench_denoise_errors(bench);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
 }

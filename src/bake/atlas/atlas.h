@@ -34,6 +34,11 @@ static inline size_t ty_atlas_texels(const ty_atlas* atlas) {
     return (size_t)atlas->width * (size_t)atlas->height;
 }
 
+/* False for texels without samples or inside of walls, of whose rays more than half hit back faces. */
+static inline bool ty_atlas_is_lit(const ty_bake_light* light) {
+    return light->samples > 0 && light->blocked <= 0.5f;
+}
+
 /* ---- raster ---- */
 
 /* The triangle that owns a texel. */

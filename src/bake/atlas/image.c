@@ -5,9 +5,6 @@
 
 #include <math.h>
 
-/* Fraction of rays hitting back faces above which a texel lies inside a wall. */
-static const float max_blocked = 0.5f;
-
 enum {
     SUM = 0,
     LAYERS = 3,
@@ -65,7 +62,7 @@ static void load_light(void* user, int64_t index, int32_t worker) {
         const int32_t texel = job->atlas->texels[i];
         float values[TY_ATLAS_PLANES];
         planes_from_light(light, values);
-        bool valid = light->samples > 0 && light->blocked <= max_blocked;
+        bool valid = ty_atlas_is_lit(light);
         for (int plane = 0; plane < TY_ATLAS_PLANES; ++plane) {
             const bool finite = isfinite(values[plane]);
             valid &= finite;

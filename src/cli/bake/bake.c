@@ -221,6 +221,8 @@ static int check_options(bake_options* options) {
         return cli_usage_error("bake", "--grid: '%s' is not three numbers of probes like 8,4,8", options->grid_text);
     if (options->grid_text != NULL && options->grid_spacing > 0)
         return cli_usage_error("bake", "--grid and --grid-spacing both say how many probes; give one");
+    if (options->denoise && options->spp_given && options->spp < 2)
+        return cli_usage_error("bake", "--denoise compares two halves of the paths, and there is one");
     if (options->sh != 3 && options->sh != 5)
         return cli_usage_error("bake", "--sh: %d is neither 3 nor 5", (int)options->sh);
     return CLI_GO;
@@ -250,6 +252,9 @@ int cli_bake(int count, char** arguments) {
         {"no-back-scattering", 0, CLI_FLAG, NULL,
          "impulse: leave out what surfaces behind a receiver send into the medium", &options.no_back_scattering, 0, 0,
          NULL},
+        {"denoise", 0, CLI_FLAG, NULL,
+         "also write lightmaps without noise, NAME.denoised.exr and .png, from two halves of the paths",
+         &options.denoise, 0, 0, NULL},
         {"lightmaps", 0, CLI_FLAG, NULL, "bake meshes by lightmap", &options.lightmaps, 0, 0, NULL},
         {"vertices", 0, CLI_FLAG, NULL, "bake meshes by vertex; with --lightmaps only those without UV2",
          &options.vertices, 0, 0, NULL},

@@ -6,6 +6,9 @@
 
 #include <tyndall/bake.h>
 
+/* In the names of denoised lightmaps, before the extension. */
+#define BAKE_DENOISED ".denoised"
+
 enum { BAKE_NAME_SIZE = 96, BAKE_PATH_SIZE = 4096, BAKE_KEY_SIZE = 2048, BAKE_ROW = 4096 };
 
 typedef struct bake_options {
@@ -14,7 +17,7 @@ typedef struct bake_options {
     int32_t spp, bounces, scatterings, cells, cell_paths, sh, padding, size[2], grid[3];
     double error, density, grid_spacing;
     const char* grid_text; /* the argument of --grid */
-    bool spp_given, no_back_scattering, lightmaps, vertices, resume, dry_run;
+    bool spp_given, no_back_scattering, lightmaps, vertices, denoise, resume, dry_run;
     cli_list overrides;
 } bake_options;
 
@@ -104,6 +107,13 @@ ty_result bake_unit_run(bake_run* run, bake_unit* unit);
 bool bake_report_progress(void* user, const ty_progress* progress);
 /* The probe positions of a grid, 3 floats each; the caller frees them. NULL: no memory. */
 float* bake_grid_points(const bake_grid* grid);
+
+/* ---- halves.c ---- */
+
+/* The def of the even (0) or the odd half (1) of the paths. */
+ty_bake_def bake_half_def(const ty_bake_def* def, int half);
+/* Means of both halves, by their samples. */
+void bake_join_halves(const ty_bake_light* even, const ty_bake_light* odd, int64_t count, ty_bake_light* out);
 
 /* ---- merge.c ---- */
 

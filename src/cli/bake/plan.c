@@ -10,6 +10,10 @@
 
 enum { POINTS_MAX = 1 << 28, IMAGE_SIDE_MAX = 65536 };
 
+/* Planes of a lightmap that denoising holds, at most: its own (5 x 6 + 29), 16 features, and the images of light and
+ * geometry. */
+enum { DENOISING_PLANES = 120 };
+
 /* ---- Names ---- */
 
 const char* bake_mesh_name(const ty_mesh_def* mesh) {
@@ -106,7 +110,11 @@ static ty_result plan_lightmap(bake_run* run, bake_unit* unit) {
         def.height = unit->size[1];
         unit->receivers = (int64_t)texels;
         /* The images of finished primitives stay in memory until the last primitive is done. */
-        unit->bytes = bytes + (unit->count - 1) * 29.0 * sizeof(float) * unit->size[0] * unit->size[1];
+        const double plane = (double)sizeof(float) * unit->size[0] * unit->size[1];
+        unit->bytes = bytes + (unit->count - 1) * 29 * plane;
+        /* Denoised images, light of both halves, and what denoising itself takes. */
+        if (run->options->denoise)
+            unit->bytes += (unit->count * 29 + DENOISING_PLANES) * plane + 2 * texels * sizeof(ty_bake_light);
     }
     run->plan.texels += (int64_t)unit->size[0] * unit->size[1];
     run->plan.lightmapped += unit->count;

@@ -153,6 +153,10 @@ static void put_file(json_writer* json, const bake_run* run, const bake_unit* un
     snprintf(name, sizeof name, "%s%s.%s", unit->name, number, unit->kind == BAKE_PROBES ? "json" : "exr");
     json_open_object(json, NULL);
     json_text(json, "file", name);
+    if (run->options->denoise && unit->kind == BAKE_LIGHTMAP) {
+        snprintf(name, sizeof name, "%s%s%s.exr", unit->name, number, BAKE_DENOISED);
+        json_text(json, "denoised", name);
+    }
     json_text(json, "kind", kinds[unit->kind]);
     if (unit->kind != BAKE_PROBES) json_int(json, "width", unit->size[0]);
     if (unit->kind != BAKE_PROBES) json_int(json, "height", unit->size[1]);

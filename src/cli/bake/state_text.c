@@ -62,6 +62,9 @@ static bool is_there(const bake_run* run, const bake_unit* unit) {
     for (int32_t i = 0; i < (unit->overlapping ? unit->count : 1); ++i) {
         bake_image_path(run, unit, unit->overlapping ? i : -1, extension, path);
         if (access(path, R_OK) != 0) return false;
+        if (!run->options->denoise || unit->kind != BAKE_LIGHTMAP) continue;
+        bake_image_path(run, unit, unit->overlapping ? i : -1, BAKE_DENOISED ".exr", path);
+        if (access(path, R_OK) != 0) return false;
     }
     return true;
 }

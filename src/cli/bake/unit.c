@@ -59,14 +59,15 @@ static double preview_exposure(const ty_image* image) {
     return sum > 0 ? fmin(fmax(log2(0.4 * lit / sum), -64), 64) : 0;
 }
 
-static ty_result write_image(const bake_run* run, const bake_unit* unit, int32_t primitive, ty_image* image) {
+static ty_result write_image(const bake_run* run, const bake_unit* unit, int32_t primitive, bool denoised,
+                             ty_image* image) {
     char path[BAKE_PATH_SIZE];
     ty_context* context = run->session->context;
-    bake_image_path(run, unit, primitive, ".exr", path);
+    bake_image_path(run, unit, primitive, denoised ? BAKE_DENOISED ".exr" : ".exr", path);
     ty_result result = set_metadata(run, unit, image);
     if (result == TY_OK) result = ty_image_write_exr(context, image, path);
     if (result != TY_OK || unit->kind == BAKE_VERTICES) return result;
-    bake_image_path(run, unit, primitive, ".png", path);
+    bake_image_path(run, unit, primitive, denoised ? BAKE_DENOISED ".png" : ".png", path);
     return ty_image_write_png(context, image, preview_exposure(image), TY_TONE_FILMIC, path);
 }
 
@@ -80,9 +81,8 @@ static void count_stats(bake_unit* unit, const ty_bake_stats* stats, double rece
 
 /* Irradiance at the receivers of a mesh; the caller frees it. The random sequence depends on the mesh alone, so that
  * results do not depend on the other meshes of a bake. */
-static ty_result gather(const bake_run* run, bake_unit* unit, int32_t mesh, const ty_bake_receiver* receivers,
-                        int64_t count, ty_bake_light* light) {
-    ty_bake_def def = run->def;
+static ty_result gather(const bake_run* run, bake_unit* unit, int32_t mesh, ty_bake_def def,
+                        const ty_bake_receiver* receivers, int64_t count, ty_bake_light* light) {
     ty_bake_stats stats = ty_default_bake_stats();
     def.seed += 0x9e3779b97f4a7c15u * ((uint64_t)mesh + 1);
     const ty_result result = ty_bake_surfaces(run->scene, &def, receivers, count, light, &stats);
@@ -90,7 +90,41 @@ static ty_result gather(const bake_run* run, bake_unit* unit, int32_t mesh, cons
     return result;
 }
 
-static ty_result bake_map(const bake_run* run, bake_unit* unit, int32_t mesh, int64_t* receivers, ty_image** out) {
+/* The image of the light at an atlas. */
+static ty_result bake_plain(const bake_run* run, bake_unit* unit, int32_t mesh, const ty_atlas* atlas, ty_image** out) {
+    int64_t count = 0;
+    const ty_bake_receiver* targets = ty_atlas_receivers(atlas, &count);
+    ty_bake_light* light = calloc((size_t)count + 1, sizeof *light);
+    ty_result result = light == NULL ? TY_ERROR_MEMORY : gather(run, unit, mesh, run->def, targets, count, light);
+    if (result == TY_OK) result = ty_atlas_create_image(atlas, light, out);
+    free(light);
+    return result;
+}
+
+/* The same, from two halves, and that of the light without noise. */
+static ty_result bake_denoised(const bake_run* run, bake_unit* unit, int32_t mesh, const ty_atlas* atlas,
+                               ty_image** out, ty_image** denoised) {
+    int64_t count = 0;
+    const ty_bake_receiver* targets = ty_atlas_receivers(atlas, &count);
+    const size_t places = (size_t)count + 1;
+    ty_bake_light* light = calloc(3 * places, sizeof *light);
+    ty_bake_light *even = light, *odd = light + places, *result_light = light + 2 * places;
+    ty_result result = light == NULL ? TY_ERROR_MEMORY : TY_OK;
+    for (int half = 0; half < 2 && result == TY_OK; ++half)
+        result = gather(run, unit, mesh, bake_half_def(&run->def, half), targets, count, half == 0 ? even : odd);
+    if (result == TY_OK) {
+        bake_join_halves(even, odd, count, result_light);
+        result = ty_atlas_create_image(atlas, result_light, out);
+    }
+    if (result == TY_OK) result = ty_atlas_denoise(atlas, even, odd, result_light);
+    if (result == TY_OK) result = ty_atlas_create_image(atlas, result_light, denoised);
+    free(light);
+    return result;
+}
+
+/* denoised: NULL if it is not asked for. */
+static ty_result bake_map(const bake_run* run, bake_unit* unit, int32_t mesh, int64_t* receivers, ty_image** out,
+                          ty_image** denoised) {
     ty_atlas_def def = ty_default_atlas_def();
     ty_mesh_def described;
     ty_atlas* atlas = NULL;
@@ -101,31 +135,32 @@ static ty_result bake_map(const bake_run* run, bake_unit* unit, int32_t mesh, in
     if (result == TY_OK) result = ty_atlas_create(run->scene, mesh, bake_mesh_name(&described), &def, &atlas);
     if (result != TY_OK) return result;
     int64_t count = 0;
-    const ty_bake_receiver* targets = ty_atlas_receivers(atlas, &count);
-    ty_bake_light* light = calloc((size_t)count + 1, sizeof *light);
-    result = light == NULL ? TY_ERROR_MEMORY : gather(run, unit, mesh, targets, count, light);
-    if (result == TY_OK) result = ty_atlas_create_image(atlas, light, out);
-    free(light);
+    ty_atlas_receivers(atlas, &count);
+    result = denoised != NULL ? bake_denoised(run, unit, mesh, atlas, out, denoised)
+                              : bake_plain(run, unit, mesh, atlas, out);
     ty_atlas_destroy(atlas);
     *receivers += count;
     return result;
 }
 
-static ty_result write_maps(const bake_run* run, bake_unit* unit, ty_image* const* images) {
+static ty_result write_maps(const bake_run* run, bake_unit* unit, bool denoised, ty_image* const* images) {
     ty_result result = bake_merge(images, unit->count, &unit->overlapping);
     for (int32_t i = 0; i < (unit->overlapping ? unit->count : 1) && result == TY_OK; ++i)
-        result = write_image(run, unit, unit->overlapping ? i : -1, images[i]);
+        result = write_image(run, unit, unit->overlapping ? i : -1, denoised, images[i]);
     return result;
 }
 
 static ty_result bake_lightmap(const bake_run* run, bake_unit* unit) {
     int64_t receivers = 0;
-    ty_image** images = calloc((size_t)unit->count, sizeof(ty_image*));
+    const bool denoise = run->options->denoise;
+    ty_image** images = calloc(2 * (size_t)unit->count, sizeof(ty_image*)); /* and then the denoised ones */
     ty_result result = images == NULL ? TY_ERROR_MEMORY : TY_OK;
     for (int32_t i = 0; i < unit->count && result == TY_OK; ++i)
-        result = bake_map(run, unit, unit->first + i, &receivers, &images[i]);
-    if (result == TY_OK) result = write_maps(run, unit, images);
-    for (int32_t i = 0; images != NULL && i < unit->count; ++i) ty_image_destroy(images[i]);
+        result =
+            bake_map(run, unit, unit->first + i, &receivers, &images[i], denoise ? &images[unit->count + i] : NULL);
+    if (result == TY_OK && denoise) result = write_maps(run, unit, true, images + unit->count);
+    if (result == TY_OK) result = write_maps(run, unit, false, images);
+    for (int32_t i = 0; images != NULL && i < 2 * unit->count; ++i) ty_image_destroy(images[i]);
     free(images);
     unit->mean_samples /= fmax((double)receivers, 1);
     return result;
@@ -140,7 +175,7 @@ static ty_result gather_vertices(const bake_run* run, bake_unit* unit, ty_bake_r
         ty_mesh_def def;
         result = ty_scene_get_mesh(run->scene, mesh, &def);
         if (result == TY_OK) result = ty_bake_vertices(run->scene, mesh, receivers);
-        if (result == TY_OK) result = gather(run, unit, mesh, receivers, def.vertex_count, light + at);
+        if (result == TY_OK) result = gather(run, unit, mesh, run->def, receivers, def.vertex_count, light + at);
         at += def.vertex_count;
     }
     unit->mean_samples /= fmax((double)at, 1);
@@ -157,7 +192,7 @@ static ty_result bake_vertices(const bake_run* run, bake_unit* unit) {
         result = ty_bake_create_light_image(run->session->context, light, unit->receivers, unit->size[0], &image);
     free(receivers);
     free(light);
-    if (result == TY_OK) result = write_image(run, unit, -1, image);
+    if (result == TY_OK) result = write_image(run, unit, -1, false, image);
     ty_image_destroy(image);
     return result;
 }
@@ -179,7 +214,7 @@ static ty_result write_grid(const bake_run* run, const bake_unit* unit, const ty
     ty_image* image = NULL;
     ty_result result = ty_bake_create_probe_image(run->session->context, probes, run->plan.grid.size,
                                                   run->options->sh * run->options->sh, &image);
-    if (result == TY_OK) result = write_image(run, unit, -1, image);
+    if (result == TY_OK) result = write_image(run, unit, -1, false, image);
     ty_image_destroy(image);
     return result;
 }

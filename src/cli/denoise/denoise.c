@@ -5,6 +5,7 @@
 typedef struct denoise_options {
     const char *output, *png, *previous;
     double exposure;
+    int denoiser;
     bool whole;
     cli_list features;
 } denoise_options;
@@ -47,6 +48,7 @@ static int denoise_images_of(cli_session* session, const denoise_options* option
     for (int i = 0; i < TY_DENOISE_FEATURES_MAX; ++i) def.features[i] = images->features[i];
     def.previous = images->previous;
     def.parts = !options->whole;
+    def.denoiser = (ty_denoiser)options->denoiser;
     def.progress = cli_progress_report;
     def.progress_user = &session->progress;
     ty_result result = cli_add_denoised(session, &def, NULL, NULL, &images->image, stats);
@@ -79,8 +81,10 @@ static int check_options(const denoise_options* options) {
 
 static int denoise_file(const cli_arguments* given, const denoise_options* options) {
     cli_session session;
-    const int status = cli_session_open(&session, "denoise", &given->common);
+    int status = cli_session_open(&session, "denoise", &given->common);
     if (status != CLI_GO) return status;
+    status = cli_check_denoiser(&session, options->denoiser);
+    if (status != CLI_GO) return cli_session_close(&session, status);
     denoise_images images = {.image = NULL};
     ty_denoise_stats stats = ty_default_denoise_stats();
     cli_end_on_interrupt(true);
@@ -104,6 +108,9 @@ int cli_denoise(int count, char** arguments) {
          0, NULL},
         {"whole", 0, CLI_FLAG, NULL, "denoise all light at once, not single, multiple and other light apart",
          &options.whole, 0, 0, NULL},
+        {"denoiser", 0, CLI_CHOICE, "regression|oidn",
+         "what removes the noise (default regression; oidn: Intel Open Image Denoise, where it is installed)",
+         &options.denoiser, 0, 0, NULL},
         {"png", 0, CLI_TEXT, "FILE", "also write a PNG of the denoised light", &options.png, 0, 0, NULL},
         {"exposure", 0, CLI_REAL, "STOPS", "exposure of the PNG (default 0)", &options.exposure, -64, 64, NULL},
     };

@@ -24,6 +24,11 @@ static ty_result add_layers(cli_session* session, const ty_image* denoised, bool
     return TY_OK;
 }
 
+int cli_check_denoiser(cli_session* session, int denoiser) {
+    if (ty_denoiser_is_available(session->context, (ty_denoiser)denoiser) == TY_OK) return CLI_GO;
+    return cli_fail(CLI_USAGE, "%s", ty_take_error(session->context));
+}
+
 ty_result cli_add_denoised(cli_session* session, const ty_denoise_def* def, bool (*keep)(void* user, const char* name),
                            void* user, ty_image** image, ty_denoise_stats* stats) {
     ty_image* denoised = NULL;
@@ -39,7 +44,8 @@ ty_result cli_denoised_metadata(ty_image* image, const ty_denoise_stats* stats) 
 }
 
 void cli_print_denoised(const ty_denoise_stats* stats) {
-    printf("denoised: relative error %.3g%% by estimate, was %.3g%%, %d features, %.2g s\n", 100 * stats->error,
+    printf("denoised: relative error %.3g%% by estimate%s, was %.3g%%, %d features, %.2g s\n", 100 * stats->error,
+           stats->previous > 0 ? " without the previous image, whose traces it does not know" : "",
            100 * stats->raw_error, stats->features, stats->seconds);
 }
 

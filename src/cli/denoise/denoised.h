@@ -4,6 +4,8 @@
 
 #include "cli/session/session.h"
 
+/* Says that a denoiser, of which 0 is the default, is absent here: CLI_GO, or CLI_USAGE after a message. */
+int cli_check_denoiser(cli_session* session, int denoiser);
 /* Denoises an image and adds the layers to it. Of its own channels those that `keep` accepts stay; NULL: all. Results
  * as of ty_denoise_image; after an error *image is as it was. */
 ty_result cli_add_denoised(cli_session* session, const ty_denoise_def* def, bool (*keep)(void* user, const char* name),

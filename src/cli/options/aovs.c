@@ -41,7 +41,8 @@ static const cli_aov_word path_words[] = {
     {"single", TY_AOV_SINGLE},     {"multiple", TY_AOV_MULTIPLE},
     {"albedo", TY_AOV_ALBEDO},     {"normal", TY_AOV_NORMAL},
     {"variance", TY_AOV_VARIANCE}, {"samples", TY_AOV_SAMPLES},
-    {"half", TY_AOV_HALF},         {"all", TY_AOV_ALL},
+    {"half", TY_AOV_HALF},         {"surface_albedo", TY_AOV_SURFACE_ALBEDO},
+    {"all", TY_AOV_ALL},
 };
 enum { PATH_WORDS = sizeof path_words / sizeof path_words[0] };
 

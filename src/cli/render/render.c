@@ -20,7 +20,8 @@ typedef struct render_options {
     uint32_t aovs;
     int32_t spp, size[2], crop[4];
     double time, error, exposure, checkpoint;
-    bool spp_given, exposure_given, checkpoint_given, resume, denoise;
+    int denoiser;
+    bool denoiser_given, spp_given, exposure_given, checkpoint_given, resume, denoise;
     cli_list overrides;
 } render_options;
 
@@ -116,6 +117,7 @@ static bool is_wanted(void* user, const char* name) {
 /* An image that was interrupted before it had the samples for it stays without the layers, after a warning. */
 static ty_result denoise(cli_session* session, render_options* options, cli_report* report, ty_image** image) {
     ty_denoise_def def = ty_default_denoise_def();
+    def.denoiser = (ty_denoiser)options->denoiser;
     def.progress = cli_progress_report;
     def.progress_user = &session->progress;
     report->denoised = ty_default_denoise_stats();
@@ -154,6 +156,7 @@ static int render_scene(cli_session* session, const ty_scene* scene, render_opti
     const cli_request request = make_request(options, session, &settings, checkpoint, tev);
     if (options->denoise && request.spp < 2)
         return cli_usage_error("render", "--denoise compares two halves of the samples, and there is one a pixel");
+    if (options->denoise && cli_check_denoiser(session, options->denoiser) != CLI_GO) return CLI_USAGE;
     const int possible = cli_check_request(session, scene, method, &request);
     if (possible != CLI_GO) return possible;
     report->method = method->name;
@@ -224,6 +227,8 @@ static int check_options(render_options* options) {
                                options->output);
     if (options->denoised_png != NULL && !options->denoise)
         return cli_usage_error("render", "--denoised-png shows what --denoise makes; give both");
+    if (options->denoiser_given && !options->denoise)
+        return cli_usage_error("render", "--denoiser says by what --denoise removes noise; give both");
     if (options->denoised_png != NULL && !cli_has_extension(options->denoised_png, ".png"))
         return cli_usage_error("render", "%s: the extension is not .png", options->denoised_png);
     if (options->checkpoint_given && !options->resume)
@@ -272,6 +277,9 @@ int cli_render(int count, char** arguments) {
         {"aov", 0, CLI_TEXT, "NAME,...", "also write these channels to the EXR (see above)", &options.aov, 0, 0, NULL},
         {"denoise", 0, CLI_FLAG, NULL, "add the layers denoised and denoised_error to the EXR (path, see above)",
          &options.denoise, 0, 0, NULL},
+        {"denoiser", 0, CLI_CHOICE, "regression|oidn",
+         "what removes the noise (default regression; oidn: Intel Open Image Denoise, where it is installed)",
+         &options.denoiser, 0, 0, &options.denoiser_given},
         {"denoised-png", 0, CLI_TEXT, "FILE", "with --denoise: also write a PNG of the denoised light",
          &options.denoised_png, 0, 0, NULL},
         {"resume", 0, CLI_FLAG, NULL, "go on from FILE.state if it is there, and keep it up to date", &options.resume,
@@ -299,8 +307,9 @@ int cli_render(int count, char** arguments) {
         "takes it within one. One process at a time may use FILE.state.\n\n"
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
         "media\n"
-        "scattered once, and otherwise), albedo (fraction that media scatter), normal, variance (of the pixels),\n"
-        "samples, or all, and half (the even samples' mean of each). --denoise leaves R, G, B and --png as they are.\n"
+        "scattered once, and otherwise), albedo (fraction that media scatter), surface_albedo (of the first\n"
+        "surface, times transmittance), normal, variance (of the pixels), samples, or all, and half (the even samples' "
+        "mean of each). --denoise leaves R, G, B and --png as they are.\n"
         "Partial images always have samples, so that 'tyndall merge' knows what they weigh.",
         table,
         sizeof table / sizeof table[0],

@@ -125,10 +125,11 @@ static ty_result create_result(const ty_denoise_job* job, ty_image** out) {
 }
 
 static ty_result run(ty_denoise_job* job, ty_image** out) {
+    const bool regression = job->def.denoiser == TY_DENOISER_REGRESSION;
     ty_result result = allocate(job);
-    if (result == TY_OK) result = ty_denoise_make_features(job);
+    if (result == TY_OK && regression) result = ty_denoise_make_features(job);
     if (result == TY_OK) result = ty_part_show(&job->progress, "denoise", 0.2);
-    if (result == TY_OK) result = denoise_parts(job);
+    if (result == TY_OK) result = regression ? denoise_parts(job) : ty_denoise_by_oidn(job);
     if (result != TY_OK) return result;
     ty_denoise_estimate_error(job);
     if (job->def.previous != NULL) ty_denoise_blend_previous(job);
@@ -144,6 +145,9 @@ static ty_result check_images(ty_denoise_job* job) {
                            previous ? "previous" : "features", (int)image->width, (int)image->height, (int)job->width,
                            (int)job->height);
     }
+    if (job->def.charts != NULL && job->def.denoiser == TY_DENOISER_OIDN)
+        return ty_fail(job->context, TY_ERROR_ARGUMENT,
+                       "denoise.charts: Open Image Denoise knows none; regression does");
     if (job->def.previous != NULL && !ty_denoise_has_previous(job))
         return ty_fail(job->context, TY_ERROR_ARGUMENT,
                        "denoise.previous: it has no denoised and denoised_error, which denoising adds to an image");

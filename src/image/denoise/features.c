@@ -19,6 +19,7 @@ static const struct {
     {{"depth.Z"}, 1},
     {{"transmittance.R", "transmittance.G", "transmittance.B"}, 3},
     {{"albedo.R", "albedo.G", "albedo.B"}, 3},
+    {{"surface_albedo.R", "surface_albedo.G", "surface_albedo.B"}, 3},
 };
 enum { GROUPS = sizeof groups / sizeof groups[0] };
 

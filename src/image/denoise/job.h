@@ -76,6 +76,9 @@ void ty_denoise_estimate_variance(ty_denoise_job* job);
 void ty_denoise_predict(ty_denoise_job* job);
 /* Chooses among candidates by their errors, and adds the light to that denoised. */
 void ty_denoise_choose(ty_denoise_job* job);
+/* Denoises both halves by Open Image Denoise. Errors: TY_ERROR_UNSUPPORTED without it, TY_ERROR_INTERNAL,
+ * TY_ERROR_MEMORY, TY_CANCELLED. */
+ty_result ty_denoise_by_oidn(ty_denoise_job* job);
 /* Estimates the errors of what was denoised, and the statistics of them. */
 void ty_denoise_estimate_error(ty_denoise_job* job);
 /* True if the image before has the channels that are needed of it. */

@@ -134,14 +134,9 @@ void ty_denoise_blend_previous(ty_denoise_job* job) {
         for (size_t i = 0; i < job->pixels; ++i) b.own[c][i] = 0.5f * (job->denoised[0][c][i] + job->denoised[1][c][i]);
     }
     ty_parallel_for(job->context, job->height, blend_row, &b);
-    double before = 0, after = 0, weight = 0;
+    double weight = 0;
     for (int c = 0; c < 3; ++c)
-        for (size_t i = 0; i < job->pixels; ++i) {
-            before += (double)job->error[c][i];
-            after += (double)job->scratch[1 + c][i];
-            job->error[c][i] = job->scratch[1 + c][i];
-        }
+        for (size_t i = 0; i < job->pixels; ++i) job->error[c][i] = job->scratch[1 + c][i];
     for (size_t i = 0; i < job->pixels; ++i) weight += (double)b.weight[i];
     job->stats.previous = weight / (double)job->pixels;
-    if (before > 0) job->stats.error *= sqrt(after / before);
 }

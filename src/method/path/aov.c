@@ -10,7 +10,8 @@ bool ty_aovs_need_classes(uint32_t aovs) {
 }
 
 bool ty_aovs_need_first_hit(uint32_t aovs) {
-    return (aovs & (uint32_t)(TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH | TY_AOV_NORMAL | TY_AOV_ALBEDO)) != 0;
+    return (aovs & (uint32_t)(TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH | TY_AOV_NORMAL | TY_AOV_ALBEDO |
+                              TY_AOV_SURFACE_ALBEDO)) != 0;
 }
 
 size_t ty_aovs_pixel_size(uint32_t aovs) {
@@ -48,6 +49,7 @@ static double mean_value(uint32_t aov, const ty_path_item* item, const ty_path_a
     case TY_AOV_DEPTH: return aov_sums->hits > 0 ? aov_sums->depth / aov_sums->hits : 0;
     case TY_AOV_NORMAL: return unit_normal(aov_sums, c);
     case TY_AOV_ALBEDO: return aov_sums->albedo[c] / n;
+    case TY_AOV_SURFACE_ALBEDO: return aov_sums->surface_albedo[c] / n;
     case TY_AOV_SINGLE: return aov_sums->single[c] / n;
     case TY_AOV_MULTIPLE: return aov_sums->multiple[c] / n;
     case TY_AOV_SAMPLES: return item->count;

@@ -67,6 +67,7 @@ static void add_first_hit(const ty_path* path, uint64_t number, uint32_t sample,
     }
     if (!hits) return;
     ty_surface_evaluate(&scene->surfaces[end.hit.surface], &end.hit, path->direction, &end.point);
+    for (int c = 0; c < 3; ++c) aov_sums->surface_albedo[c] += (double)(transmittance[c] * end.point.albedo[c]);
     aov_sums->normal[0] += (double)end.point.ns.x;
     aov_sums->normal[1] += (double)end.point.ns.y;
     aov_sums->normal[2] += (double)end.point.ns.z;

@@ -55,6 +55,7 @@ typedef struct ty_path_aov_sums {
     double uncollided[3]; /* light without scattering or reflection */
     double single[3], multiple[3];
     double transmittance[3], albedo[3], normal[3]; /* pixels only, see ty_path_def.aovs */
+    double surface_albedo[3];                      /* times transmittance */
     double depth, hits;                            /* sum of distances, m, and number of samples that hit a surface */
 } ty_path_aov_sums;
 
