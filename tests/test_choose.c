@@ -87,6 +87,7 @@ static void rules_choose_as_documented(void** state) {
         {{1, 1, 0.3f, SUN | LAMP, true, false}, "lpv", "surfaces all around"},
         {{1, 1, 0.3f, PANEL, true, false}, "dom", "glowing surfaces are all the light"},
         {{1, 1, 0.8f, PANEL, true, false}, "path", "scatters seldom"},
+        {{1, 1, 0.96f, LAMP, true, false}, "path", "scatters seldom"},
         {{1, 1, 0.3f, PANEL | LAMP, true, false}, "path", "scatters seldom"},
         {{1, 1, 0.3f, LAMP | SKY, true, false}, "path", "scatters seldom"},
         {{20, 1, 0.3f, PANEL, true, false}, "dom", "glowing surfaces"},

@@ -138,6 +138,20 @@ test_discrete() {
   unsaid made/dom-images.csv Disney
 }
 
+# Every method on two scenes of the matrix, against the stored means; refusals are cells of its tables.
+test_matrix() {
+  expect 0 figure matrix -o made --quick
+  figure_files matrix-methods
+  near matrix-methods '"point_terrain_emissive_moderate_g0.5_a0.5, dom",mean ratio,1' 1.0124 0.02
+  near matrix-methods '"spot_room_homogeneous_thin_g0.9_a0.9, dom",mean ratio,1' 0.970837 0.03
+  expect 0 render made/matrix/spot_room_homogeneous_thin_g0.9_a0.9.json --spp 1 --size 8x6 -o made/spot.exr
+  for title in Methods 'By kind of scene' Refusals Outliers 'Choices of auto' 'All scenes'; do
+    said made/matrix/tables.md "^### $title$"
+  done
+  said made/matrix/tables.md '^\| `path` \| 2 \| 0 \| 0 \|'
+  said made/matrix/tables.md '^\| spot_room_homogeneous_thin_g0.9_a0.9 \([0-9.]+\) \|( ([0-9.]+ / [0-9.]+ / [0-9.e-]+|refuses) \|)+$'
+}
+
 # plant NAME OLD NEW: another text in what a figure left.
 plant() {
   sed -i "0,/$2/s//$3/" "gate/$1.json"
@@ -237,6 +251,7 @@ test_diffusion
 test_ordinates
 test_propagation
 test_discrete
+test_matrix
 test_gate
 test_refusals
 test_summary

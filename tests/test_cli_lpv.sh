@@ -71,6 +71,7 @@ tolerance=0 render.lpv.tolerance
 tolerance=1 render.lpv.tolerance
 map_side=8 render.lpv.map_side
 samples=0 render.lpv.samples
+light_samples=257 render.lpv.light_samples
 block_side=17 render.lpv.block_side
 shadow_side=4097 render.lpv.shadow_side
 shadow_rays=1 render.lpv.shadow_rays
@@ -81,13 +82,18 @@ END
 }
 
 test_lights() {
-  usage_error 'lpv: lights\[0\] is an area light; directional, spot and point lights are all' \
-    render builtin:cornell_fog -o no.exr --method lpv
-  usage_error 'lpv: lights\[1\] is an environment; directional, spot and point lights are all' \
-    render fog.json -o no.exr --method lpv -D 'lights[1]={"type": "environment", "radiance": 1}'
-  usage_error 'lpv: all light comes from emissive surfaces' render fog.json -o no.exr --method lpv -D 'lights=[]' \
+  lpv builtin:cornell_fog area.exr
+  lpv fog.json sky.exr -D 'lights[1]={"type": "environment", "radiance": 1}'
+  lpv fog.json emitter.exr -D 'lights=[]' \
     -D 'geometry=[{"sphere": {"center": [0, 0, 0], "radius": 1}, "material": {"albedo": 0, "emission": 1}}]'
-  absent no.exr
+  lpv fog.json dark.exr -D 'lights=[]'
+  different emitter.exr dark.exr
+  lpv fog.json without.exr
+  different sky.exr without.exr
+  lpv builtin:cornell_fog rough.exr -D render.lpv.light_samples=1
+  different area.exr rough.exr
+  lpv fog.json glow.exr -D 'lights=[]' -D 'media[0].emission={"radiance": 1}'
+  different glow.exr dark.exr
 }
 
 test_channels() {

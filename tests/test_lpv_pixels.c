@@ -484,7 +484,7 @@ static void lookups_agree(void** state) {
         }
     }
     ty_packed_lattices look;
-    assert_int_equal(ty_packed_lattices_create(*state, lattices, 2, &look), TY_OK);
+    assert_int_equal(ty_packed_lattices_create(*state, lattices, 2, NULL, &look), TY_OK);
     const ty_lpv_light_view view = {lattices, 2};
     for (int i = 0; i < 20000; ++i) {
         const ty_vec point = ty_vec_make((float)uniform_in(&seed, -9.5, 9.5), (float)uniform_in(&seed, -9.5, 9.5),
@@ -586,21 +586,6 @@ static void progress_and_cancelling(void** state) {
     end_case(&at);
 }
 
-/* Said beforehand of a scene as by the solve, which needs it committed, too. */
-static void lights_are_checked(void** state) {
-    static const ty_light_kind kinds[] = {TY_LIGHT_DIRECTIONAL, TY_LIGHT_POINT, TY_LIGHT_ENVIRONMENT};
-    ty_scene* scene = make_scene(*state);
-    for (int i = 0; i < 3; ++i) {
-        ty_light_def light = ty_default_light_def();
-        light.kind = kinds[i];
-        assert_int_equal(ty_lpv_check_scene(scene), TY_OK);
-        assert_int_equal(ty_scene_add_light(scene, &light), TY_OK);
-    }
-    assert_int_equal(ty_lpv_check_scene(scene), TY_ERROR_ARGUMENT);
-    assert_error(*state, "lpv: lights[2] is an environment");
-    ty_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plane_in_sun),
@@ -615,7 +600,6 @@ int main(void) {
         cmocka_unit_test(closed_links),
         cmocka_unit_test(threads_and_samples),
         cmocka_unit_test(progress_and_cancelling),
-        cmocka_unit_test(lights_are_checked),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

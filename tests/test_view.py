@@ -253,7 +253,12 @@ def check_methods(client):
     assert client.status["message"] == "", client.status
     client.set("camera.position", [0, 0, 4])
     client.send("view", method="lpv")
-    client.wait(lambda: client.status["method"] == "lpv" and "lpv" in client.status["message"], "the refusal of a method")
+    client.wait(lambda: client.status["method"] == "lpv" and client.status["final"], "a sky by lpv")
+    assert client.status["message"] == "", client.status
+    media = client.welcome["document"]["media"]
+    client.set("media", [])
+    client.wait(lambda: client.status["method"] == "lpv" and "neither media" in client.status["message"], "the refusal of a method")
+    client.set("media", media)
     client.set("lights", lights)
     client.send("view", method="fld")
     client.wait(lambda: client.status["method"] == "fld" and client.status["message"] == "", "fld again")

@@ -94,8 +94,9 @@ typedef struct ty_lpv_def {
     int32_t map_side;   ///< Texels along a side of reflective shadow maps, 16..4096; default 256.
     int32_t samples;    ///< Largest number of samples on a ray from a light to a texel, 1..64; default 8.
     int32_t block_side; ///< Texels per cell, along a side, of the depth maps that find blockers, 1..16; default 3.
-    const ty_rsm* maps; ///< One map per light of the scene, in the order of their addition; NULL (default): maps
-                        ///< are traced. The maps must outlive the solved light.
+    const ty_rsm* maps; ///< One map per light of the scene, in the order of their addition; those of area lights and
+                        ///< environments are not read. NULL (default): maps are traced. The maps must outlive the
+                        ///< solved light.
     int32_t map_count;  ///< Number of `maps`; default 0.
 
     const ty_lpv_view_def* view; ///< The surfaces that the camera sees; NULL (default): traced.
@@ -113,6 +114,9 @@ typedef struct ty_lpv_def {
 
     ty_progress_fn progress; ///< Default NULL.
     void* progress_user;     ///< Passed on to `progress`; default NULL.
+
+    int32_t light_samples; ///< Samples per pixel of each environment, and as many of area lights and emissive surfaces
+                           ///< together, 1..256; blocks of 4 x 4 pixels on one surface share theirs; default 8.
 } ty_lpv_def;
 
 /// Sets the `bytes` bytes of a ty_lpv_def to the defaults, as ty_init_context_def() does.
@@ -157,6 +161,7 @@ typedef struct ty_lpv_stats {
     int64_t marched;    ///< Number of rays through media in images, with those that half of the resolution leaves open.
     double ray_seconds; ///< Mean time to trace a ray, over all threads, s.
     const char* isa;    ///< Instruction set of the kernels, as in ty_path_stats.
+    double emitted[3];  ///< Injected power that media emitted, W.
 } ty_lpv_stats;
 
 /// Statistics with all fields 0.
@@ -170,14 +175,9 @@ static inline ty_lpv_stats ty_default_lpv_stats(void) {
 /// the scene, which may be destroyed before it, but it does refer to the maps of its definition.
 typedef struct ty_lpv ty_lpv;
 
-/// Checks, before any work, that the method takes the lights of a scene: directional, point and spot lights.
-/// Errors: TY_ERROR_ARGUMENT (a light of another kind, named by its position in the list, or only emitting surfaces).
-TY_API ty_result ty_lpv_check_scene(const ty_scene* scene);
-
-/// Injects the light of a committed scene into a lattice and propagates it. The method takes the lights of
-/// ty_lpv_check_scene(); without media it is plain light propagation. stats may be NULL. `*out` is destroyed with
-/// ty_lpv_destroy(), and is NULL after an error.
-/// Errors: TY_ERROR_ARGUMENT (definition, maps, or as ty_lpv_check_scene()), TY_ERROR_MEMORY; TY_CANCELLED.
+/// Injects the light of a committed scene into a lattice and propagates it. Without media it is plain light
+/// propagation. stats may be NULL. `*out` is destroyed with ty_lpv_destroy(), and is NULL after an error.
+/// Errors: TY_ERROR_ARGUMENT (definition, maps, a scene without media and surfaces), TY_ERROR_MEMORY; TY_CANCELLED.
 TY_API ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_lpv** out, ty_lpv_stats* stats);
 /// Destroys the light; NULL is allowed.
 TY_API void ty_lpv_destroy(ty_lpv* light);

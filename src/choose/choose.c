@@ -53,13 +53,17 @@ static void name_lights(uint32_t lights, char* out, size_t size) {
     }
 }
 
+static bool media_emit(const ty_scene_features* features) {
+    return features->glows;
+}
+
 /* For example "media of optical thickness 40, g 0.85, lit by the sun". */
 static void describe(const ty_scene_features* features, char* out, size_t size) {
     char lights[80];
     name_lights(features->lights, lights, sizeof lights);
     snprintf(out, size, "%s media of optical thickness up to %.2g, g %.2g%s%s%s",
              features->heterogeneous ? "uneven" : "even", features->thickness, features->g,
-             lights[0] != '\0' ? ", lit by " : "", lights, features->glows ? ", that glow" : "");
+             lights[0] != '\0' ? ", lit by " : "", lights, media_emit(features) ? ", that glow" : "");
 }
 
 static void set(ty_choice* out, const char* method, const char* because) {
@@ -113,11 +117,18 @@ static const char* ordinates_reason(const ty_scene_features* features) {
     return features->surfaces > max_surfaces ? "glowing surfaces are all the light" : "few surfaces";
 }
 
+/* True if light comes from what lpv takes alone, into media whose emission and narrow phase functions it need not
+ * scatter. */
+static bool suits_lpv(const ty_scene_features* features) {
+    return features->enclosed > max_enclosed && (features->lights & ~(uint32_t)LPV_LIGHTS) == 0 &&
+           !media_emit(features) && features->g <= g_path_only;
+}
+
 static void choose_by_features(ty_choice* out) {
     const ty_scene_features* features = &out->features;
     if (features->opacity < min_opacity)
         snprintf(out->reason, sizeof out->reason, "no media are in view");
-    else if (features->enclosed > max_enclosed && (features->lights & ~(uint32_t)LPV_LIGHTS) == 0)
+    else if (suits_lpv(features))
         set(out, "lpv", "surfaces all around, which lamps or the sun light");
     else if (features->cell * (1 - features->g) > max_cell)
         set(out, "path", "too dense for the cells of faster methods");

@@ -1,5 +1,6 @@
 #define _GNU_SOURCE
 #include "bench/view_client.h"
+#include "bench/command.h"
 
 #include <civetweb.h>
 #include <jansson.h>
@@ -16,7 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { PATH_SIZE = 4096, HEADER = 64, RING = 256, ARGUMENTS_MAX = 32, SOCKETS_MAX = 256 };
+enum { HEADER = 64, RING = 256, ARGUMENTS_MAX = 32, SOCKETS_MAX = 256 };
 
 struct view_client {
     pid_t child;
@@ -106,28 +107,13 @@ static void on_close(const struct mg_connection* connection, void* user) {
 
 /* ---- the process ---- */
 
-/* The command beside this program, as in a build, or where an installation has it. */
-static void find_command(char out[PATH_SIZE]) {
-    static const char* const places[] = {"tyndall", "../../bin/tyndall", "../../../bin/tyndall"};
-    char own[PATH_SIZE - 64];
-    const ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
-    own[length > 0 ? length : 0] = '\0';
-    char* slash = strrchr(own, '/');
-    if (slash != NULL) *slash = '\0';
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
-        snprintf(out, PATH_SIZE, "%s/%s", own, places[i]);
-        if (access(out, X_OK) == 0) return;
-    }
-    snprintf(out, PATH_SIZE, "tyndall");
-}
-
 /* Starts the command; its first line, the page's address, goes to url. */
 static bool start(view_client* client, const char* const* arguments, char* url, int size) {
-    char path[PATH_SIZE];
+    char path[BENCH_COMMAND_SIZE];
     const char* list[ARGUMENTS_MAX] = {path, "view", "--no-open", "-q"};
     int count = 4, pipes[2];
     for (; *arguments != NULL && count < ARGUMENTS_MAX - 1; ++arguments) list[count++] = *arguments;
-    find_command(path);
+    bench_find_command(path);
     if (pipe(pipes) != 0) return false;
     client->child = fork();
     if (client->child == 0) {

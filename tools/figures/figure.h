@@ -134,7 +134,9 @@ void figure_place_sheet(figure_run* run, ty_result result, plot_sheet* sheet, co
     X(dom, images, DOM, "", "images beside those of other methods")                                                    \
     X(dom, milk, DOM, "", "milk in a glass and in a ball")                                                             \
     X(auto, choice, AUTO, "", "loss of its choices against the best in their time")                                    \
-    X(path, seeds, PATH, "", "means of images over seeds, lamps in media")
+    X(path, seeds, PATH, "", "means of images over seeds, lamps in media")                                             \
+    X(matrix, scenes, MATRIX, "", "scenes of every kind, by path")                                                     \
+    X(matrix, methods, MATRIX, "", "every method on scenes of every kind")
 
 #define FIGURE_DECLARE(method, subject, ...) ty_result figure_##method##_##subject(figure_run* run);
 FIGURES(FIGURE_DECLARE)

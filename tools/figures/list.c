@@ -18,6 +18,7 @@ const figure_paper figure_papers[FIGURE_PAPERS] = {
     [FIGURE_DOM] = {"Discrete ordinates", ""},
     [FIGURE_AUTO] = {"Method auto", ""},
     [FIGURE_PATH] = {"Path tracing", ""},
+    [FIGURE_MATRIX] = {"Methods by scenes", ""},
 };
 
 #define FIGURE_ENTRY(method, subject, paper, number, title)                                                            \

@@ -25,16 +25,21 @@ static void environment_color(double azimuth, double elevation, float color[3]) 
             memcpy(color, windows[i].color, 3 * sizeof *color);
 }
 
-ty_result figure_add_windows(ty_scene* scene) {
-    ty_image* image = NULL;
-    ty_result result = ty_image_create_rgb(ty_scene_context(scene), ROOM_WIDTH, ROOM_HEIGHT, &image);
-    if (result != TY_OK) return result;
-    for (int32_t y = 0; y < ROOM_HEIGHT; ++y)
+ty_result figure_create_windows(ty_context* context, ty_image** out) {
+    const ty_result result = ty_image_create_rgb(context, ROOM_WIDTH, ROOM_HEIGHT, out);
+    for (int32_t y = 0; y < ROOM_HEIGHT && result == TY_OK; ++y)
         for (int32_t x = 0; x < ROOM_WIDTH; ++x) {
             float color[3];
             environment_color(((x + 0.5) / ROOM_WIDTH - 0.5) * 360, (0.5 - (y + 0.5) / ROOM_HEIGHT) * 180, color);
-            for (int c = 0; c < 3; ++c) ty_image_plane(image, c)[y * ROOM_WIDTH + x] = color[c];
+            for (int c = 0; c < 3; ++c) ty_image_plane(*out, c)[y * ROOM_WIDTH + x] = color[c];
         }
+    return result;
+}
+
+ty_result figure_add_windows(ty_scene* scene) {
+    ty_image* image = NULL;
+    ty_result result = figure_create_windows(ty_scene_context(scene), &image);
+    if (result != TY_OK) return result;
     ty_light_def light = ty_default_light_def();
     light.kind = TY_LIGHT_ENVIRONMENT;
     light.image = image;

@@ -4,11 +4,12 @@
 
 #include "base/progress.h"
 #include "direct/shadow/shadow_hierarchy.h"
+#include "method/lpv/extended/extended_lights.h"
 #include "method/lpv/lattice/lattice.h"
 #include "option/option.h"
 #include "scene/surfaces/ray_counter.h"
 
-/* A light and its maps. */
+/* A directional, point or spot light and its maps. */
 typedef struct ty_lpv_light {
     const ty_light_view* light;
     const ty_rsm* rsm;                /* reflective shadow map for injection */
@@ -21,9 +22,11 @@ struct ty_lpv {
     ty_context* context;
     ty_lattice* lattices[TY_LPV_CASCADES_MAX]; /* finest first */
     int32_t count;
-    ty_lpv_light* sources; /* one per light of the scene */
+    ty_lpv_light* sources; /* one per directional, point and spot light of the scene */
     int32_t source_count;
-    ty_grid_medium* medium; /* fine cells; NULL: vacuum */
+    size_t source_capacity;
+    ty_extended_lights* extended; /* the other lights; NULL: none */
+    ty_grid_medium* medium;       /* fine cells; NULL: vacuum */
 };
 
 typedef struct ty_lpv_job {

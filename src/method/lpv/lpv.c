@@ -19,6 +19,14 @@ static bool scatters(const ty_lpv_job* job) {
     return (job->def->parts & TY_LPV_SCATTERING) != 0 && ty_scene_get_view(job->scene)->medium_count > 0;
 }
 
+/* The number of lights before those of emissive meshes. */
+static int32_t untriangulated_lights(const ty_lpv_job* job) {
+    const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
+    int32_t count = 0;
+    while (count < lights->count && lights->lights[count].kind != TY_KIND_TRIANGLE) ++count;
+    return count;
+}
+
 /* Creates the lattices and the media on their cells. */
 static ty_result place(ty_lpv_job* job) {
     ty_grid_box boxes[TY_LPV_CASCADES_MAX];
@@ -33,7 +41,7 @@ static ty_result place(ty_lpv_job* job) {
         if (scatters(job)) result = ty_grid_medium_create(job->scene, &boxes[i], &light->lattices[i]->medium);
         if (result == TY_OK && job->def->mode == TY_LPV_MODE_LINKS)
             result = ty_lattice_find_extinction_floor(light->lattices[i], ty_scene_get_view(job->scene)->lights.lights,
-                                                      (int32_t)job->scene->light_count);
+                                                      untriangulated_lights(job));
         for (int a = 0; a < 3; ++a) job->stats.size[i][a] = boxes[i].size[a];
         job->stats.cell[i] = (double)light->lattices[i]->cell;
     }
@@ -56,6 +64,21 @@ static ty_result inject(ty_lpv_job* job, ty_lattice* lattice, inject_fn function
     for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i)
         result = function(lattice, job->def, &job->light->sources[i], medium, power);
     *seconds += ty_wall_seconds() - begun;
+    return result;
+}
+
+static ty_result inject_extended_reflected(ty_lpv_job* job, ty_lattice* lattice, const ty_surfel_list* surfels,
+                                           double power[3]) {
+    const double begun = ty_wall_seconds();
+    const ty_result result = ty_lpv_inject_extended_reflected(job, lattice, surfels, power);
+    job->stats.reflected_seconds += ty_wall_seconds() - begun;
+    return result;
+}
+
+static ty_result inject_in_media(ty_lpv_job* job, ty_lattice* lattice, double scattered[3], double emitted[3]) {
+    const double begun = ty_wall_seconds();
+    const ty_result result = ty_lpv_inject_in_media(job, lattice, scattered, emitted);
+    job->stats.scattered_seconds += ty_wall_seconds() - begun;
     return result;
 }
 
@@ -98,13 +121,19 @@ static ty_result propagate(ty_lpv_job* job, int32_t index, double until) {
     double narrower[3] = {0, 0, 0}, ignored[3] = {0, 0, 0};
     double* reflected = widest ? job->stats.reflected : narrower;
     double* scattered = widest ? job->stats.scattered : ignored;
+    double* emitted = widest ? job->stats.emitted : ignored;
+    ty_surfel_list surfels = {.items = NULL};
     ty_result result = ty_part_next(&job->progress, "light in the lattice", until);
-    if (result == TY_OK) result = ty_lpv_find_blockers(job, lattice);
+    if (result == TY_OK) result = ty_lpv_find_blockers(job, lattice, &surfels);
     if (result == TY_OK && (job->def->parts & TY_LPV_REFLECTED) != 0)
         result = inject(job, lattice, ty_lattice_inject_reflected, reflected, &job->stats.reflected_seconds);
+    if (result == TY_OK && (job->def->parts & TY_LPV_REFLECTED) != 0 && job->light->extended != NULL)
+        result = inject_extended_reflected(job, lattice, &surfels, reflected);
+    ty_surfel_list_free(job->context, &surfels);
     if (result == TY_OK && published) result = copy_propagated_sh(lattice, own_cell_sh);
     if (result == TY_OK && (job->def->parts & TY_LPV_SCATTERED) != 0 && scatters(job))
         result = inject(job, lattice, ty_lattice_inject_scattered, scattered, &job->stats.scattered_seconds);
+    if (result == TY_OK && scatters(job)) result = inject_in_media(job, lattice, scattered, emitted);
     ty_lattice_power power = {.iterations = 0};
     if (result == TY_OK)
         result = ty_lattice_propagate(lattice, job->def, published ? own_cell_sh : NULL,
@@ -119,6 +148,7 @@ static ty_result run_parts(ty_lpv_job* job, double fraction) {
     ty_result result = ty_part_next(&job->progress, "media", fraction * medium_until);
     if (result == TY_OK) result = place(job);
     if (result == TY_OK) result = ty_part_next(&job->progress, "maps", fraction * map_until);
+    if (result == TY_OK) result = ty_extended_lights_create(job->scene, &job->light->extended);
     if (result == TY_OK) result = ty_lpv_find_maps(job);
     for (int32_t i = job->light->count - 1; i >= 0 && result == TY_OK; --i)
         result = propagate(job, i, fraction * (1 - (1 - inject_until) * i / job->light->count));
@@ -130,8 +160,7 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double frac
                        ty_lpv_stats* stats) {
     ty_context* context = ty_scene_context(scene);
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
-    ty_result result = ty_lpv_check_scene(scene);
-    if (result == TY_OK) result = ty_lpv_check_maps(scene, def);
+    ty_result result = ty_lpv_check_maps(scene, def);
     if (result != TY_OK) return result;
     ty_interiors_warn(scene, "lpv", TY_LPV_OF_INTERIORS);
     ty_lpv_job job = {.context = context, .scene = scene, .def = def};
@@ -169,6 +198,7 @@ void ty_lpv_destroy(ty_lpv* light) {
     if (light == NULL) return;
     for (int32_t i = 0; i < light->count; ++i) ty_lattice_destroy(light->lattices[i]);
     ty_lpv_free_maps(light);
+    ty_extended_lights_destroy(light->extended);
     ty_grid_medium_destroy(light->medium);
     ty_free_array(light->context, light, 1, sizeof *light);
 }
@@ -194,6 +224,7 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
     const ty_lpv_image_job job = {.scene = scene,
                                   .def = &sized,
                                   .light = {light->lattices, light->count},
+                                  .extended = light->extended,
                                   .medium = light->medium,
                                   .airlight = airlight,
                                   .shadow_maps = maps,

@@ -18,6 +18,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_lpv_stats, iterations), TY_STAT_INT},
     {TY_STAT_FIELD(ty_lpv_stats, reflected), TY_STAT_NUMBER, .count = 3},
     {TY_STAT_FIELD(ty_lpv_stats, scattered), TY_STAT_NUMBER, .count = 3},
+    {TY_STAT_FIELD(ty_lpv_stats, emitted), TY_STAT_NUMBER, .count = 3},
     {TY_STAT_FIELD(ty_lpv_stats, absorbed), TY_STAT_NUMBER, .count = 3},
     {TY_STAT_FIELD(ty_lpv_stats, blocked), TY_STAT_NUMBER, .count = 3},
     {TY_STAT_FIELD(ty_lpv_stats, escaped), TY_STAT_NUMBER, .count = 3},
@@ -74,6 +75,7 @@ static void coarsen(ty_lpv_def* def, ty_solve_quality quality) {
     ty_lower_option(&def->map_side, ty_coarse_bound(quality, 128));
     ty_lower_option(&def->shadow_side, ty_coarse_bound(quality, 256));
     ty_lower_option(&def->samples, 4);
+    ty_lower_option(&def->light_samples, 4);
     def->tolerance = fmax(def->tolerance, 0.03);
 }
 
@@ -123,7 +125,6 @@ const ty_method ty_method_lpv = {.name = "lpv",
                                  .aovs = TY_MARCH_AOVS | TY_AOV_NORMAL | TY_AOV_SAMPLES,
                                  .stats = stats,
                                  .stat_count = sizeof stats / sizeof stats[0],
-                                 .check = ty_lpv_check_scene,
                                  .render = render,
                                  .solve = solve,
                                  .view = view,

@@ -1,4 +1,4 @@
-/* Options of light propagation volumes, and checks of scenes and shadow maps. */
+/* Options of light propagation volumes, and checks of shadow maps. */
 #include "base/context.h"
 #include "image/march.h"
 #include "method/lpv/job.h"
@@ -46,6 +46,9 @@ static const ty_option options[] = {
      .doc = "Texels per cell, along a side, of the depth maps that find blockers."},
     {TY_OPTION_FIELD(ty_lpv_def, shadow_side), .type = TY_OPTION_INT, .min = 16, .max = 4096, .preset = 512,
      .unit = "texels", .doc = "Side of the shadow maps of single scattering."},
+    {TY_OPTION_FIELD(ty_lpv_def, light_samples), .type = TY_OPTION_INT, .min = 1, .max = 256, .preset = 8,
+     .doc = "Samples per pixel of each environment, and as many of area lights and emissive surfaces together, which "
+            "blocks of 4 x 4 pixels on one surface share."},
     {TY_OPTION_FIELD(ty_lpv_def, shadow_rays), .type = TY_OPTION_BOOL, .preset = 1,
      .doc = "Traces rays from surfaces near edges of shadows; else the maps alone decide."},
     {TY_OPTION_KEY(ty_lpv_def, half_resolution_march, "half"), .type = TY_OPTION_BOOL, .preset = 1,
@@ -86,32 +89,17 @@ ty_result ty_lpv_take_def(ty_context* context, const ty_lpv_def** def, ty_lpv_kn
     return result == TY_OK ? check_image(context, &own->def) : result;
 }
 
-static const char* name_of_kind(ty_light_kind kind) {
-    return kind == TY_LIGHT_AREA ? "an area light" : "an environment";
-}
-
-ty_result ty_lpv_check_scene(const ty_scene* scene) {
-    for (size_t i = 0; i < scene->light_count; ++i) {
-        const ty_light_kind kind = scene->lights[i].kind;
-        if (kind == TY_LIGHT_AREA || kind == TY_LIGHT_ENVIRONMENT)
-            return ty_fail(scene->context, TY_ERROR_ARGUMENT,
-                           "lpv: lights[%zu] is %s; directional, spot and point lights are all that it takes", i,
-                           name_of_kind(kind));
-    }
-    if (scene->light_count == 0 && ty_scene_get_info(scene).emitters > 0)
-        return ty_fail(
-            scene->context, TY_ERROR_ARGUMENT,
-            "lpv: all light comes from emissive surfaces; only directional, spot and point lights are supported");
-    return TY_OK;
-}
-
 ty_result ty_lpv_check_maps(const ty_scene* scene, const ty_lpv_def* def) {
     if (def->maps == NULL) return TY_OK;
     if (def->map_count < 0 || (size_t)def->map_count != scene->light_count)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "lpv.maps: %d maps for %zu lights", def->map_count,
                        scene->light_count);
-    for (int32_t i = 0; i < def->map_count; ++i) {
-        const ty_result result = ty_rsm_check(scene->context, &scene->view.lights.lights[i], &def->maps[i], i);
+    for (int32_t i = 0, committed = 0; i < def->map_count; ++i) {
+        const ty_light_kind kind = scene->lights[i].kind;
+        if (kind == TY_LIGHT_AREA) continue; /* committed after all others */
+        const ty_light_view* light = &scene->view.lights.lights[committed++];
+        const ty_result result =
+            kind == TY_LIGHT_ENVIRONMENT ? TY_OK : ty_rsm_check(scene->context, light, &def->maps[i], i);
         if (result != TY_OK) return result;
     }
     return TY_OK;

@@ -63,9 +63,10 @@ static void ray_march_pixel(ty_lpv_march_state* state, int32_t x, int32_t y, ty_
     ty_ray_march_result ray_march;
     state->kernels->ray_march(&state->ray_march, &media_ray, 1, &ray_march);
     *out = ty_lpv_media_radiance_of(&ray_march, media_ray.far);
-    if (state->job->airlight != NULL && (state->job->def->parts & TY_LPV_SINGLE) != 0)
-        ty_airlight_ray(state->job->airlight, media_ray.origin, media_ray.direction, media_ray.far, media_ray.offset,
-                        out->single, NULL);
+    if (state->job->airlight == NULL || (state->job->def->parts & TY_LPV_SINGLE) == 0) return;
+    ty_airlight_ray(state->job->airlight, media_ray.origin, media_ray.direction, media_ray.far, media_ray.offset,
+                    out->single, NULL);
+    ty_lpv_add_uncollided(state, &media_ray, 1, &out->single);
 }
 
 /* Single scattering is computed anew for a pixel where it differs between the rays around it by more than this fraction
@@ -98,6 +99,7 @@ static void single_scattering_pixel(ty_lpv_march_state* state, int32_t x, int32_
                         media_ray.offset, single, NULL);
         for (int c = 0; c < 3; ++c) out->single[c] += weight * single[c];
     }
+    ty_lpv_add_uncollided(state, &media_ray, 1, &out->single);
 }
 
 /* Computes single scattering anew if the rays around a pixel disagree; returns whether they did. */

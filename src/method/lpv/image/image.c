@@ -90,11 +90,19 @@ static int32_t composable(const ty_lpv_march_state* state, int32_t rows) {
     return rows == state->height || state->pixels_per_ray == 1 ? rows : rows - 1;
 }
 
+/* The points of this sample on lights with extent. */
+static ty_result place_light_points(ty_lpv_march_state* state) {
+    const ty_lpv_def* def = state->job->def;
+    ty_light_points_destroy(&state->light_points);
+    if (state->job->extended == NULL) return TY_OK;
+    return ty_light_points_create(state->context, def->light_samples, def->seed, state->sample, &state->light_points);
+}
+
 /* Renders all bands of one sample; until: as in ty_part_next. */
 static ty_result add_sample(ty_lpv_march_state* state, double until) {
     static const double surfaces_share = 0.9; /* of the work of a band */
     const double from = state->progress.from + state->progress.share, per_row = (until - from) / state->height;
-    ty_result result = TY_OK;
+    ty_result result = place_light_points(state);
     for (int32_t top = 0, composed = 0; top < state->height && result == TY_OK; top += TY_BAND) {
         const int32_t bottom = top + TY_BAND < state->height ? top + TY_BAND : state->height;
         const int32_t next = composable(state, bottom);
@@ -152,6 +160,17 @@ static ty_result allocate_bands(ty_lpv_march_state* state) {
     return state->media_samples != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
+static ty_result begin_uncollided(const ty_lpv_image_job* job, ty_lpv_march_state* state) {
+    state->uncollided_march = state->ray_march;
+    state->uncollided_march.lattices = NULL;
+    if (!state->has_media || (job->def->parts & TY_LPV_SINGLE) == 0 || job->light.count == 0 ||
+        job->light.lattices[0]->uncollided[0][0] == NULL)
+        return TY_OK;
+    state->uncollided_march.lattices = &state->uncollided;
+    return ty_packed_lattices_create(state->context, job->light.lattices, job->light.count, &state->camera.origin,
+                                     &state->uncollided);
+}
+
 static ty_result begin_state(const ty_lpv_image_job* job, ty_lpv_march_state* state) {
     const ty_lpv_def* def = job->def;
     const ty_camera_def camera = ty_scene_camera(job->scene);
@@ -182,7 +201,9 @@ static ty_result begin_state(const ty_lpv_image_job* job, ty_lpv_march_state* st
     ty_lpv_find_upsample_weights(state);
     ty_result result = TY_OK;
     if (has_lookups || (def->parts & TY_LPV_SURFACES) != 0)
-        result = ty_packed_lattices_create(state->context, job->light.lattices, job->light.count, &state->lattices);
+        result =
+            ty_packed_lattices_create(state->context, job->light.lattices, job->light.count, NULL, &state->lattices);
+    if (result == TY_OK) result = begin_uncollided(job, state);
     if (result == TY_OK) result = allocate_bands(state);
     if (result == TY_OK)
         result = ty_lpv_output_planes_create(state->context, state->width, state->height, def->aovs, &state->planes);
@@ -191,6 +212,8 @@ static ty_result begin_state(const ty_lpv_image_job* job, ty_lpv_march_state* st
 
 static void end_state(ty_lpv_march_state* state) {
     ty_packed_lattices_destroy(state->context, &state->lattices);
+    ty_packed_lattices_destroy(state->context, &state->uncollided);
+    ty_light_points_destroy(&state->light_points);
     ty_free_array(state->context, state->distance, band_pixels(state), sizeof(float));
     ty_free_array(state->context, state->surface, band_pixels(state), 3 * sizeof(float));
     ty_free_array(state->context, state->media_samples, band_rays(state), sizeof *state->media_samples);

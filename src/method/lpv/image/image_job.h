@@ -2,6 +2,7 @@
 #ifndef TY_METHOD_LPV_IMAGE_JOB_H
 #define TY_METHOD_LPV_IMAGE_JOB_H
 
+#include "method/lpv/extended/extended_lights.h"
 #include "method/lpv/image/airlight.h"
 #include "method/lpv/lattice/irradiance.h"
 
@@ -11,7 +12,8 @@ typedef struct ty_lpv_image_job {
     ty_lpv_light_view light;                       /* propagated light */
     const ty_grid_medium* medium;                  /* fine cells; NULL: vacuum */
     const ty_airlight* airlight;                   /* single scattering; NULL: vacuum */
-    const ty_shadow_hierarchy* const* shadow_maps; /* one per light of ty_light_set */
+    const ty_extended_lights* extended;            /* lights without shadow maps; NULL: none */
+    const ty_shadow_hierarchy* const* shadow_maps; /* one per directional, point and spot light */
     int32_t shadow_map_count;
 } ty_lpv_image_job;
 

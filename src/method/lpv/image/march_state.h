@@ -50,6 +50,9 @@ typedef struct ty_lpv_march_state {
     ty_camera_view camera;
     ty_packed_lattices lattices;
     ty_ray_march_request ray_march;
+    ty_packed_lattices uncollided;         /* light of job->extended in media */
+    ty_ray_march_request uncollided_march; /* lattices NULL: none, or no single scattering */
+    ty_light_points light_points;          /* of this sample, for job->extended */
     bool has_media;
     int32_t width, height;
     int32_t pixels_per_ray; /* pixels along a side that share one ray through the media */

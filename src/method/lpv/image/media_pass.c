@@ -62,6 +62,29 @@ void ty_lpv_ray_march_tile(ty_lpv_march_state* state, int32_t x, int32_t y, int3
     atomic_fetch_add(&state->marched, (int64_t)(right - x) * (bottom - y));
 }
 
+void ty_lpv_add_uncollided(const ty_lpv_march_state* state, const ty_media_ray* rays, int32_t count,
+                           float (*single)[3]) {
+    ty_ray_march_result ray_march[TY_TILE];
+    if (state->uncollided_march.lattices == NULL) return;
+    state->kernels->ray_march(&state->uncollided_march, rays, count, ray_march);
+    for (int32_t i = 0; i < count; ++i)
+        for (int c = 0; c < 3; ++c) single[i][c] += ray_march[i].multiple[c];
+}
+
+static void add_uncollided_tile(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t right, int32_t bottom) {
+    ty_media_ray media_rays[TY_TILE];
+    float single[TY_TILE][3];
+    for (int32_t row = y; row < bottom && x < right; ++row) {
+        ty_lpv_media_sample* media_samples = ty_lpv_media_sample_at(state, 0, row);
+        for (int32_t i = x; i < right; ++i) {
+            media_rays[i - x] = media_ray_at(state, i, row);
+            memcpy(single[i - x], media_samples[i].radiance.single, sizeof single[0]);
+        }
+        ty_lpv_add_uncollided(state, media_rays, right - x, single);
+        for (int32_t i = x; i < right; ++i) memcpy(media_samples[i].radiance.single, single[i - x], sizeof single[0]);
+    }
+}
+
 void ty_lpv_single_scattering_tile(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t right, int32_t bottom) {
     ty_eye_ray rays[TY_TILE_PIXELS];
     float single[TY_TILE_PIXELS][3];
@@ -77,4 +100,5 @@ void ty_lpv_single_scattering_tile(ty_lpv_march_state* state, int32_t x, int32_t
     for (int32_t row = y; row < bottom; ++row)
         for (int32_t i = x; i < right; ++i)
             memcpy(ty_lpv_media_sample_at(state, i, row)->radiance.single, single[next++], sizeof single[0]);
+    if (state->uncollided_march.lattices != NULL) add_uncollided_tile(state, x, y, right, bottom);
 }

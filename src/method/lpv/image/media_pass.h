@@ -16,6 +16,9 @@ float ty_lpv_step_offset(const ty_lpv_march_state* state, int32_t x, int32_t y);
 
 /* Multiple scattering of a tile of rays. */
 void ty_lpv_ray_march_tile(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t right, int32_t bottom);
+/* Adds single scattering of the light of lights with extent on at most TY_TILE rays. */
+void ty_lpv_add_uncollided(const ty_lpv_march_state* state, const ty_media_ray* rays, int32_t count,
+                           float (*single)[3]);
 /* Single scattering of a tile of rays, after ty_lpv_ray_march_tile. */
 void ty_lpv_single_scattering_tile(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t right, int32_t bottom);
 

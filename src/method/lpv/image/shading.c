@@ -85,7 +85,7 @@ static bool reflect_light(const ty_lpv_march_state* state, int32_t index, const 
 
 static void add_light(ty_lpv_march_state* state, int32_t index, ty_lpv_tile* tile) {
     const ty_shadow_hierarchy* map = state->job->shadow_maps[index];
-    const ty_light_view* view = &state->scene->lights.lights[index];
+    const ty_light_view* view = &map->light;
     shadow_packet packet = {.count = 0};
     for (int32_t i = 0; i < tile->count; ++i) {
         ty_lpv_pixel* pixel = &tile->pixels[i];
@@ -102,6 +102,70 @@ static void add_light(ty_lpv_march_state* state, int32_t index, ty_lpv_tile* til
         for (int c = 0; c < 3; ++c) pixel->radiance[c] += fraction * light[c];
     }
     trace_shadows(state, &packet);
+}
+
+/* ---- direct light of lights with extent ---- */
+
+/* Neighbours share direct light if they are this close to one plane, as a fraction of their distance from each other,
+ * and the cosine between their normals is at least this. */
+static const float within_plane = 0.1f, alike_cosine = 0.95f;
+
+/* The pixels of a tile by their place in it, and the irradiance that each found for itself. */
+typedef struct direct_tile {
+    const ty_lpv_pixel* pixels[TY_TILE][TY_TILE]; /* NULL: no surface */
+    float irradiance[TY_TILE][TY_TILE][3];
+} direct_tile;
+
+static void find_direct(ty_lpv_march_state* state, const ty_lpv_tile* tile, direct_tile* direct) {
+    const ty_extended_view view =
+        ty_extended_view_of(state->job->scene, state->job->extended, &state->light_points, state->job->medium);
+    const int64_t begun = ty_lpv_clock_now();
+    int64_t rays = 0;
+    memset(direct->pixels, 0, sizeof direct->pixels);
+    for (int32_t i = 0; i < tile->count; ++i) {
+        const ty_lpv_pixel* pixel = &tile->pixels[i];
+        if (isinf(pixel->distance)) continue;
+        const ty_light_receiver receiver = {ty_mad(pixel->position, pixel->facing, pixel->margin), pixel->facing,
+                                            pixel->normal};
+        const int32_t x = pixel->x % TY_TILE, y = pixel->y % TY_TILE;
+        const int32_t place = y % TY_LIGHT_PATTERN_SIDE * TY_LIGHT_PATTERN_SIDE + x % TY_LIGHT_PATTERN_SIDE;
+        direct->pixels[y][x] = pixel;
+        rays += ty_extended_irradiance(&view, &receiver, place, direct->irradiance[y][x]);
+    }
+    ty_lpv_clock_add(&state->clocks, TY_CLOCK_RAYS, begun);
+    atomic_fetch_add(&state->rays, rays);
+}
+
+static bool is_alike(const ty_lpv_pixel* a, const ty_lpv_pixel* b) {
+    const ty_vec off = ty_sub(b->position, a->position);
+    const float away = fabsf(ty_dot(off, a->facing)), max = within_plane * within_plane * ty_dot(off, off);
+    return a == b || (away * away <= max && ty_dot(a->normal, b->normal) >= alike_cosine);
+}
+
+/* The first of the four pixels around one, along an axis of the tile. */
+static int32_t window_begin(int32_t at) {
+    const int32_t first = at - TY_LIGHT_PATTERN_SIDE / 2, last = TY_TILE - TY_LIGHT_PATTERN_SIDE;
+    return first < 0 ? 0 : first < last ? first : last;
+}
+
+/* Reflects the mean over the pixels around each that see the same surface, which together have all places of the
+ * pattern. */
+static void add_extended(ty_lpv_march_state* state, ty_lpv_tile* tile) {
+    direct_tile direct;
+    find_direct(state, tile, &direct);
+    for (int32_t i = 0; i < tile->count; ++i) {
+        ty_lpv_pixel* pixel = &tile->pixels[i];
+        if (isinf(pixel->distance)) continue;
+        const int32_t left = window_begin(pixel->x % TY_TILE), top = window_begin(pixel->y % TY_TILE);
+        float sum[3] = {0, 0, 0}, count = 0;
+        for (int32_t k = 0; k < TY_LIGHT_PATTERN; ++k) {
+            const int32_t x = left + k % TY_LIGHT_PATTERN_SIDE, y = top + k / TY_LIGHT_PATTERN_SIDE;
+            if (direct.pixels[y][x] == NULL || !is_alike(pixel, direct.pixels[y][x])) continue;
+            for (int c = 0; c < 3; ++c) sum[c] += direct.irradiance[y][x][c];
+            count += 1.0f;
+        }
+        for (int c = 0; c < 3; ++c) pixel->radiance[c] += pixel->albedo[c] * (1.0f / TY_PI) * sum[c] / count;
+    }
 }
 
 /* ---- light of the lattices ---- */
@@ -181,6 +245,7 @@ static void add_lattice(ty_lpv_march_state* state, ty_lpv_tile* tile) {
 
 void ty_lpv_shade_surfaces(ty_lpv_march_state* state, ty_lpv_tile* tile) {
     for (int32_t i = 0; i < state->job->shadow_map_count; ++i) add_light(state, i, tile);
+    if (state->job->extended != NULL) add_extended(state, tile);
     if ((state->job->def->parts & TY_LPV_SURFACES) != 0 && state->lattices.count > 0) add_lattice(state, tile);
     for (int32_t i = 0; i < tile->count; ++i) {
         const ty_lpv_pixel* pixel = &tile->pixels[i];

@@ -5,12 +5,9 @@
 #include "direct/shadow/rsm.h"
 #include "method/lpv/job.h"
 
-/* Traces the maps of all lights, or takes the caller's. */
+/* Traces the maps of all directional, point and spot lights, or takes the caller's. */
 ty_result ty_lpv_find_maps(ty_lpv_job* job);
 void ty_lpv_free_maps(ty_lpv* light);
-/* Finds the blockers of a lattice from the scene's surfaces, or if it has none, from a caller's maps and view. */
-ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice);
-
 /* A surface sample with its area: from rays through all layers along three axes, or from the maps of the lights and the
  * camera. */
 typedef struct ty_surfel {
@@ -18,6 +15,17 @@ typedef struct ty_surfel {
     float area;              /* m^2 */
     float albedo[3];
 } ty_surfel;
+
+/* A list that owns its surfels. */
+typedef struct ty_surfel_list {
+    ty_surfel* items;
+    size_t count, capacity;
+} ty_surfel_list;
+void ty_surfel_list_free(ty_context* context, ty_surfel_list* list);
+
+/* Finds the blockers of a lattice from the scene's surfaces, or if it has none, from a caller's maps and view. The
+ * caller frees the surfels, also after an error. */
+ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice, ty_surfel_list* surfels);
 
 /* Surfels of all layers of the scene's surfaces within a box, extended by half a cell for the links that leave it,
  * along three axes with `side` x `side` rays per cell. The areas of all three axes together count each surface once.
@@ -47,5 +55,13 @@ ty_result ty_lattice_inject_reflected(ty_lattice* lattice, const ty_lpv_def* def
  * TY_ERROR_MEMORY. */
 ty_result ty_lattice_inject_scattered(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_light* light,
                                       const ty_grid_medium* medium, double power[3]);
+
+/* Injects the light of job->light->extended that surfels reflect, as ty_lattice_inject_reflected. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_lpv_inject_extended_reflected(ty_lpv_job* job, ty_lattice* lattice, const ty_surfel_list* surfels,
+                                           double power[3]);
+/* Injects the light of job->light->extended that media scatter for the first time, and the light that media emit, and
+ * stores lattice->uncollided where images need it. Adds the powers, W per channel. Errors: TY_ERROR_MEMORY. */
+ty_result ty_lpv_inject_in_media(ty_lpv_job* job, ty_lattice* lattice, double scattered[3], double emitted[3]);
 
 #endif

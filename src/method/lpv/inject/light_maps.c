@@ -14,14 +14,18 @@ static int32_t side_of(const ty_light_view* light, int32_t side) {
     return light->kind == TY_KIND_POINT ? side * 2 / 5 + 1 : side;
 }
 
-static ty_result find_map(ty_lpv_job* job, int32_t index) {
-    ty_lpv_light* maps = &job->light->sources[index];
+static bool has_map(ty_light_kind kind) {
+    return kind == TY_LIGHT_DIRECTIONAL || kind == TY_LIGHT_POINT || kind == TY_LIGHT_SPOT;
+}
+
+/* index: of the light among the committed ones; map: the caller's, or NULL. */
+static ty_result find_map(ty_lpv_job* job, int32_t index, const ty_rsm* map, ty_lpv_light* maps) {
     const double begun = ty_wall_seconds();
     double traced = begun;
     ty_result result = TY_OK;
     maps->light = &ty_scene_get_view(job->scene)->lights.lights[index];
-    if (job->def->maps != NULL) {
-        maps->rsm = maps->shadow_map = &job->def->maps[index];
+    if (map != NULL) {
+        maps->rsm = maps->shadow_map = map;
     } else {
         const int32_t side = side_of(maps->light, job->def->map_side);
         const int32_t shadow_map = side_of(maps->light, job->def->shadow_side);
@@ -40,12 +44,21 @@ static ty_result find_map(ty_lpv_job* job, int32_t index) {
 }
 
 ty_result ty_lpv_find_maps(ty_lpv_job* job) {
-    const size_t count = job->scene->light_count;
-    job->light->sources = ty_alloc_array(job->context, count, sizeof *job->light->sources, true);
-    if (job->light->sources == NULL) return TY_ERROR_MEMORY;
-    job->light->source_count = (int32_t)count;
+    const ty_scene* scene = job->scene;
+    const size_t count = scene->light_count;
+    ty_lpv* light = job->light;
+    light->sources = ty_alloc_array(job->context, count, sizeof *light->sources, true);
+    light->source_capacity = count;
+    if (light->sources == NULL) return TY_ERROR_MEMORY;
     ty_result result = TY_OK;
-    for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i) result = find_map(job, i);
+    int32_t committed = 0; /* area lights are committed after all others */
+    for (size_t i = 0; i < count && result == TY_OK; ++i) {
+        const ty_light_kind kind = scene->lights[i].kind;
+        if (has_map(kind))
+            result = find_map(job, committed, job->def->maps != NULL ? &job->def->maps[i] : NULL,
+                              &light->sources[light->source_count++]);
+        committed += kind != TY_LIGHT_AREA;
+    }
     return result;
 }
 
@@ -55,5 +68,5 @@ void ty_lpv_free_maps(ty_lpv* light) {
         ty_rsm_destroy(light->context, light->sources[i].own_rsm);
         ty_rsm_destroy(light->context, light->sources[i].own_shadow_map);
     }
-    ty_free_array(light->context, light->sources, (size_t)light->source_count, sizeof *light->sources);
+    ty_free_array(light->context, light->sources, light->source_capacity, sizeof *light->sources);
 }

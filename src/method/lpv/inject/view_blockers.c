@@ -6,14 +6,8 @@
 
 #include <math.h>
 
-/* A list of surfels. */
-typedef struct surfel_list {
-    ty_surfel* items;
-    size_t count, capacity;
-} surfel_list;
-
 /* across: the cross section that the point represents; facing: cosine between the ray and the normal. */
-static void add_point(surfel_list* list, ty_vec position, ty_vec normal, float across, float facing,
+static void add_point(ty_surfel_list* list, ty_vec position, ty_vec normal, float across, float facing,
                       const float albedo[3]) {
     ty_surfel* surfel = &list->items[list->count++];
     surfel->position = position;
@@ -22,7 +16,7 @@ static void add_point(surfel_list* list, ty_vec position, ty_vec normal, float a
     for (int c = 0; c < 3; ++c) surfel->albedo[c] = albedo[c];
 }
 
-static void add_texel(const ty_lpv_light* source, int32_t face, int32_t x, int32_t y, surfel_list* list) {
+static void add_texel(const ty_lpv_light* source, int32_t face, int32_t x, int32_t y, ty_surfel_list* list) {
     const ty_rsm* rsm = source->rsm;
     const size_t at = ((size_t)face * (size_t)rsm->side + (size_t)y) * (size_t)rsm->side + (size_t)x;
     ty_vec origin, direction;
@@ -38,7 +32,7 @@ static size_t map_texels(const ty_rsm* rsm) {
     return (size_t)rsm->faces * (size_t)rsm->side * (size_t)rsm->side;
 }
 
-static void add_map(const ty_lpv_light* source, surfel_list* list) {
+static void add_map(const ty_lpv_light* source, ty_surfel_list* list) {
     const ty_rsm* rsm = source->rsm;
     for (int32_t face = 0; face < rsm->faces; ++face)
         for (int32_t y = 0; y < rsm->side; ++y)
@@ -51,7 +45,7 @@ static void view_size(const ty_lpv_job* job, int32_t size[2]) {
     size[1] = job->def->width > 0 ? job->def->height : camera.resolution[1];
 }
 
-static void add_view(const ty_lpv_job* job, surfel_list* list) {
+static void add_view(const ty_lpv_job* job, ty_surfel_list* list) {
     const ty_lpv_view_def* view = job->def->view;
     const ty_camera_def camera = ty_scene_camera(job->scene);
     int32_t size[2];
@@ -72,7 +66,7 @@ static void add_view(const ty_lpv_job* job, surfel_list* list) {
 
 /* Surfels from a caller's maps and view. A surface that several of them see counts several times, which overestimates
  * the blocking of partly cut links. */
-static ty_result list_view_surfels(ty_lpv_job* job, surfel_list* list) {
+static ty_result list_view_surfels(ty_lpv_job* job, ty_surfel_list* list) {
     const ty_lpv* light = job->light;
     for (int32_t i = 0; i < light->source_count; ++i)
         if (light->sources[i].rsm->normal != NULL) list->capacity += map_texels(light->sources[i].rsm);
@@ -89,17 +83,20 @@ static ty_result list_view_surfels(ty_lpv_job* job, surfel_list* list) {
     return TY_OK;
 }
 
-ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice) {
+void ty_surfel_list_free(ty_context* context, ty_surfel_list* list) {
+    ty_free_array(context, list->items, list->capacity, sizeof *list->items);
+    *list = (ty_surfel_list){.items = NULL};
+}
+
+ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice, ty_surfel_list* surfels) {
     const double begun = ty_wall_seconds();
     const bool own = ty_scene_get_view(job->scene)->mesh != NULL;
-    surfel_list list = {.count = 0};
-    ty_result result = own ? ty_surfels_trace(job->scene, &lattice->box, job->def->block_side, &list.items, &list.count,
-                                              &list.capacity, &job->counter)
-                           : list_view_surfels(job, &list);
-    if (result == TY_OK) result = ty_lattice_find_blockers(lattice, job->def->mode, list.items, list.count);
+    ty_result result = own ? ty_surfels_trace(job->scene, &lattice->box, job->def->block_side, &surfels->items,
+                                              &surfels->count, &surfels->capacity, &job->counter)
+                           : list_view_surfels(job, surfels);
+    if (result == TY_OK) result = ty_lattice_find_blockers(lattice, job->def->mode, surfels->items, surfels->count);
     if (result == TY_OK && own && job->def->mode == TY_LPV_MODE_LINKS)
         result = ty_lattice_find_crossings(lattice, job->scene, &job->counter);
-    ty_free_array(job->context, list.items, list.capacity, sizeof *list.items);
     job->stats.blocker_seconds += ty_wall_seconds() - begun;
     return result;
 }

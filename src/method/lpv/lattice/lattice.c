@@ -59,6 +59,7 @@ void ty_lattice_destroy(ty_lattice* lattice) {
     for (int c = 0; c < 3; ++c) {
         give_planes(lattice, lattice->propagated_sh[c], lattice->terms);
         give_planes(lattice, lattice->light[c], lattice->terms);
+        give_planes(lattice, lattice->uncollided[c], TY_SH_TERMS_MAX);
     }
     give_planes(lattice, lattice->albedo, 3);
     ty_free_array(lattice->context, lattice->surface_depth_index, lattice->cells, sizeof *lattice->surface_depth_index);

@@ -32,6 +32,8 @@ typedef struct ty_lattice {
      * not count. */
     float* propagated_sh[3][TY_SH_TERMS];
     float* light[3][TY_SH_TERMS]; /* propagated radiance, W m^-2 sr^-1 */
+    /* Uncollided radiance of lights with extent at the cells' centers, W m^-2 sr^-1; NULL: none. */
+    float* uncollided[3][TY_SH_TERMS_MAX];
     /* 1 - b of Eq. 2 (Billeter 2012) for light that enters a cell along link k: 0 is blocked, 255 is free. In mode
      * links it is symmetric, and the transmission of links that enter from outside is that of the links that leave. */
     uint8_t* transmission[TY_LPV_LINKS];

@@ -1,0 +1,100 @@
+/* `tyndall render` as a process of its own, whose crash or endless loop harms no other. */
+#define _GNU_SOURCE
+#include "figures/matrix.h"
+#include "bench/command.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { ARGUMENTS_MAX = 32 };
+
+const int32_t matrix_seconds_max = 60;
+
+void matrix_image_path(const char* folder, char out[MATRIX_PATH_SIZE]) {
+    snprintf(out, MATRIX_PATH_SIZE, "%s/image.exr", folder);
+}
+
+/* In the child: messages go to a pipe, and the processor time is bounded. */
+static void become(const char* path, const char* const* list, int messages) {
+    const int nothing = open("/dev/null", O_RDWR);
+    const struct rlimit seconds = {(rlim_t)matrix_seconds_max, (rlim_t)matrix_seconds_max + 5};
+    setrlimit(RLIMIT_CPU, &seconds);
+    dup2(nothing, STDIN_FILENO);
+    dup2(nothing, STDOUT_FILENO);
+    dup2(messages, STDERR_FILENO);
+    execvp(path, (char* const*)(uintptr_t)list);
+    _exit(127);
+}
+
+/* Reads all of a pipe; the first line is kept. */
+static void read_words(int from, char words[MATRIX_WORDS_SIZE]) {
+    static const char program[] = "tyndall: ";
+    FILE* file = fdopen(from, "r");
+    char line[1024] = "";
+    words[0] = '\0';
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        if (words[0] != '\0') continue;
+        const size_t skipped = strncmp(line, program, sizeof program - 1) == 0 ? sizeof program - 1 : 0;
+        line[strcspn(line, "\n")] = '\0';
+        snprintf(words, MATRIX_WORDS_SIZE, "%.*s", MATRIX_WORDS_SIZE - 1, line + skipped);
+    }
+    if (file != NULL)
+        fclose(file);
+    else
+        close(from);
+}
+
+static double seconds_of(const struct timeval* time) {
+    return (double)time->tv_sec + 1e-6 * (double)time->tv_usec;
+}
+
+ty_result matrix_run_tyndall(const char* folder, const char* scene, const char* const* arguments, matrix_process* out) {
+    char path[BENCH_COMMAND_SIZE], image[MATRIX_PATH_SIZE];
+    const char* list[ARGUMENTS_MAX] = {path, "render", scene, "-o", image, "-q", "--threads", "1"};
+    int count = 8, pipes[2], status = 0;
+    struct rusage used;
+    for (; *arguments != NULL && count < ARGUMENTS_MAX - 1; ++arguments) list[count++] = *arguments;
+    bench_find_command(path);
+    matrix_image_path(folder, image);
+    unlink(image);
+    if (pipe(pipes) != 0) return TY_ERROR_MEMORY;
+    const pid_t child = fork();
+    if (child == 0) {
+        close(pipes[0]);
+        become(path, list, pipes[1]);
+    }
+    close(pipes[1]);
+    read_words(pipes[0], out->words);
+    if (child < 0 || wait4(child, &status, 0, &used) != child) return TY_ERROR_MEMORY;
+    out->status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    out->signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+    out->seconds = seconds_of(&used.ru_utime) + seconds_of(&used.ru_stime);
+    return figure_check_interrupt();
+}
+
+bool matrix_block_means(const ty_image* image, double means[MATRIX_BLOCKS], double variances[MATRIX_BLOCKS]) {
+    static const char* const names[3] = {"variance.R", "variance.G", "variance.B"};
+    const double weight = 1.0 / (3 * MATRIX_BLOCK * MATRIX_BLOCK);
+    const float* planes[3];
+    bool finite = ty_image_rgb_planes(image, planes);
+    memset(means, 0, MATRIX_BLOCKS * sizeof *means);
+    if (variances != NULL) memset(variances, 0, MATRIX_BLOCKS * sizeof *variances);
+    for (int c = 0; c < 3 && finite; ++c) {
+        const float* spread =
+            variances == NULL ? NULL : ty_image_plane_const(image, ty_image_find_channel(image, names[c]));
+        for (int y = 0; y < MATRIX_HEIGHT; ++y)
+            for (int x = 0; x < MATRIX_WIDTH; ++x) {
+                const int i = y * MATRIX_WIDTH + x;
+                const int block = y / MATRIX_BLOCK * (MATRIX_WIDTH / MATRIX_BLOCK) + x / MATRIX_BLOCK;
+                finite = finite && isfinite(planes[c][i]);
+                means[block] += weight * (double)planes[c][i];
+                if (spread != NULL) variances[block] += weight * (double)spread[i] / (MATRIX_BLOCK * MATRIX_BLOCK);
+            }
+    }
+    return finite;
+}
