@@ -225,6 +225,32 @@ static void states_resume_to_the_same_bits(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* A closed white room, and fog that does not absorb: only the roulette of long walks ends paths. */
+static void paths_end_in_white_rooms(void** state) {
+    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
+    ty_scene* scene = make_scene(*state);
+    const ty_medium_def fog = box_medium(lower, upper, 0.5f, 0);
+    ty_light_def lamp = ty_default_light_def();
+    lamp.kind = TY_LIGHT_POINT;
+    set3(lamp.position, 0, 0.3, 0);
+    ty_shape_def room = ty_default_shape_def();
+    room.kind = TY_SHAPE_BOX;
+    set3(room.origin, -1.001, -1.001, -1.001);
+    set3(room.u, 1.001, 1.001, 1.001);
+    set3f(room.albedo, 1, 1, 1);
+    assert_int_equal(ty_scene_add_medium(scene, &fog), TY_OK);
+    assert_int_equal(ty_scene_add_light(scene, &lamp), TY_OK);
+    assert_int_equal(ty_scene_add_shape(scene, &room), TY_OK);
+    assert_int_equal(ty_scene_commit(scene), TY_OK);
+    double ray[6] = {0.5, 0.5, 0.5, 1, 1, 1}, radiance[3];
+    ty_path_def def = ty_default_path_def();
+    def.spp = 4;
+    def.guide = TY_PATH_GUIDE_DOM;
+    assert_int_equal(ty_path_radiance(scene, &def, ray, 1, radiance, NULL), TY_OK);
+    assert_true(radiance[0] > 0);
+    ty_scene_destroy(scene);
+}
+
 /* Scenes without media, and media that only attenuate, have no guide and the bits of none. */
 static void without_media_there_is_none(void** state) {
     ty_scene *clear = lit_scene(*state, false), *foggy = lit_scene(*state, true);
@@ -244,11 +270,9 @@ static void without_media_there_is_none(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_guide_leaves_the_mean),
-        cmocka_unit_test(any_guide_leaves_the_mean_of_grids),
-        cmocka_unit_test(furnaces_stay_even),
-        cmocka_unit_test(threads_change_no_bits),
-        cmocka_unit_test(states_resume_to_the_same_bits),
+        cmocka_unit_test(any_guide_leaves_the_mean),   cmocka_unit_test(any_guide_leaves_the_mean_of_grids),
+        cmocka_unit_test(furnaces_stay_even),          cmocka_unit_test(paths_end_in_white_rooms),
+        cmocka_unit_test(threads_change_no_bits),      cmocka_unit_test(states_resume_to_the_same_bits),
         cmocka_unit_test(without_media_there_is_none),
     };
     return cmocka_run_group_tests_name("path guide", tests, start_context, stop_context);

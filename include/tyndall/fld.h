@@ -130,6 +130,10 @@ typedef struct ty_fld_stats {
     double march_seconds;      ///< Time of the image, s.
     double memory_bytes;       ///< Memory of the solve, with all channels that are solved side by side.
     const char* isa;           ///< Instruction set of the kernels, as in ty_path_stats.
+
+    double
+        absorbed_by_surfaces[3]; ///< Power that surfaces absorbed, W; `emitted` includes what they send into media
+                                 ///< besides their reflection of diffuse light, as far as it scatters or is absorbed.
 } ty_fld_stats;
 
 /// Statistics with all fields 0.

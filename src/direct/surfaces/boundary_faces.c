@@ -190,6 +190,15 @@ void ty_boundary_faces_destroy(ty_boundary_faces* faces) {
     ty_free_array(context, faces, 1, sizeof *faces);
 }
 
+bool ty_boundary_contains(const ty_grid_medium* medium, ty_vec point) {
+    const float at[3] = {point.x, point.y, point.z};
+    bool inside = true;
+    for (int a = 0; a < 3; ++a)
+        inside = inside && (double)at[a] > medium->box.lower[a] - 0.5 * medium->cell[a] &&
+                 (double)at[a] < medium->box.upper[a] + 0.5 * medium->cell[a];
+    return inside;
+}
+
 /* The fraction 1 - 1 / staircase_factor of the light that a stair sends meets other stairs of its surface. */
 void ty_staircase_albedo(const ty_boundary_side* side, float albedo, float* effective_albedo, float* emission_factor) {
     const float occluded_fraction = 1 - 1 / side->staircase_factor;

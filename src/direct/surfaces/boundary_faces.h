@@ -33,9 +33,16 @@ typedef struct ty_boundary_faces {
 ty_result ty_boundary_faces_find(const ty_scene* scene, const ty_grid_medium* medium, ty_boundary_faces** out);
 void ty_boundary_faces_destroy(ty_boundary_faces* faces);
 
+/* True for points within half a cell of a medium's box, whose surfaces are closed faces. */
+bool ty_boundary_contains(const ty_grid_medium* medium, ty_vec point);
+
 /* Corrects for stairs that shade each other where the real surface does not: with this albedo, and emission_factor
  * times its emission, a staircase looks from afar as the surface does. */
 void ty_staircase_albedo(const ty_boundary_side* side, float albedo, float* effective_albedo, float* emission_factor);
+
+/* Adjusts the flux of a cell at a side, in the terms of a source field (isotropic, x, y, z), so that they give the
+ * irradiance on it, W m^-2. */
+void ty_side_match_irradiance(const ty_boundary_side* side, float irradiance, size_t cell, float* const terms[4]);
 
 /* Adds the shadowed irradiance of uncollided light to irradiance[c], W m^-2, one number per side. extinction: scaled,
  * as many planes as the medium has. forward (NULL: not computed): the part that the medium's own extinction would

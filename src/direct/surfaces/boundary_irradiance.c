@@ -101,6 +101,15 @@ void ty_boundary_irradiance_add(const ty_scene* scene, const ty_boundary_faces* 
     ty_parallel_flushed(faces->context, (faces->count + TY_PACKET - 1) / TY_PACKET, light_packet, (void*)&job);
 }
 
+void ty_side_match_irradiance(const ty_boundary_side* side, float irradiance, size_t cell, float* const terms[4]) {
+    const float normal[3] = {side->normal.x, side->normal.y, side->normal.z};
+    float along = 0;
+    for (int a = 0; a < 3; ++a) along += terms[1 + a][cell] * normal[a];
+    /* The first two moments give the irradiance pi (phi_0 - 2/3 phi_n), phi_n along the normal. */
+    const float difference = 1.5f * (terms[0][cell] - irradiance / TY_PI) - along;
+    for (int a = 0; a < 3; ++a) terms[1 + a][cell] += difference * normal[a];
+}
+
 /* ---- unlit cells ---- */
 
 typedef struct flood {

@@ -25,6 +25,18 @@ ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, flo
     return result;
 }
 
+/* Surfaces between coarse cells; removes the source that leaks through them from fine cells. */
+static ty_result light_surfaces(ty_fld_job* job) {
+    ty_result result = ty_diffuse_surfaces_find(job->scene, job->coarse, &job->surfaces);
+    if (result == TY_OK)
+        result = ty_diffuse_surfaces_light(job->scene, job->coarse, job->def->beam == TY_FLD_BEAM_REDUCED,
+                                           &job->sources, &job->surfaces);
+    if (result == TY_OK)
+        result = ty_diffuse_surfaces_correct_source(&job->surfaces, job->coarse, &job->fine->box, job->light->lights,
+                                                    job->light->light_count, job->source);
+    return result;
+}
+
 /* q_ri of Eq. 6 (Koerner 2014). */
 ty_result ty_fld_direct_light(ty_fld_job* job) {
     const ty_discretize_def def = {
@@ -41,5 +53,6 @@ ty_result ty_fld_direct_light(ty_fld_job* job) {
         result = ty_light_groups_solve(job->scene, fine, extinction, &job->sources, TY_FLD_DEDICATED_FIELDS_MAX,
                                        &job->progress, job->light->beam, job->light->lights, &job->light->light_count);
     for (int32_t p = 0; p < fine->planes; ++p) ty_free_array(job->context, extinction[p], fine->cells, sizeof(float));
-    return result == TY_OK ? ty_fld_find_sources(job, job->coarse, job->source) : result;
+    if (result == TY_OK) result = ty_fld_find_sources(job, job->coarse, job->source);
+    return result == TY_OK ? light_surfaces(job) : result;
 }

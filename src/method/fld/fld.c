@@ -2,6 +2,7 @@
 #include "method/fld/job.h"
 
 #include "base/context.h"
+#include "method/diffuse_view.h"
 #include "method/volume_method.h"
 #include "scene/scene.h"
 #include "solve/diffusion/diffusion.h"
@@ -17,6 +18,7 @@ static void end_job(ty_fld_job* job) {
     if (job->coarse != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->coarse->cells, sizeof(float));
     ty_discrete_light_set_destroy(job->context, &job->sources);
+    ty_diffuse_surfaces_destroy(&job->surfaces);
     ty_grid_medium_destroy(job->coarse);
     ty_grid_medium_destroy(job->fine);
 }
@@ -68,16 +70,25 @@ void ty_fld_destroy(ty_fld* light) {
 
 static ty_result view(ty_volume_call* call, ty_image** out) {
     const ty_fld* light = call->light;
-    const ty_source_field field = ty_diffuse_light_field(light->diffuse, ty_scene_get_view(call->scene)->mesh != NULL);
+    ty_diffuse_view fields;
+    const ty_result made = ty_diffuse_view_make(light->diffuse, call->scene, NULL, &fields);
+    if (made != TY_OK) {
+        ty_diffuse_view_free(&fields);
+        return made;
+    }
     ty_march_def march = ty_volume_march_def(call);
     march.light_box = light->direct_box;
     march.lights = light->lights;
     march.light_count = light->light_count;
     march.reduced = light->reduced;
-    march.field = &field;
+    march.field = &fields.media;
+    march.surface_field = &fields.surfaces;
+    march.cuts = fields.cuts;
     march.bilateral_sigma = 0;
     march.preserve_means = true;
-    return ty_march(call->scene, &march, out, NULL);
+    const ty_result result = ty_march(call->scene, &march, out, NULL);
+    ty_diffuse_view_free(&fields);
+    return result;
 }
 
 /* ---- calls ---- */

@@ -31,7 +31,8 @@ typedef struct ty_fld_job {
     ty_grid_medium* fine;   /* cells of direct light */
     ty_grid_medium* coarse; /* cells of diffusion */
     ty_discrete_light_set sources;
-    float* source[3]; /* q and j on coarse cells, W m^-3 */
+    float* source[3];             /* q and j on coarse cells, W m^-3 */
+    ty_diffuse_surfaces surfaces; /* between coarse cells */
     ty_fld* light;
     ty_fld_stats stats;
 } ty_fld_job;

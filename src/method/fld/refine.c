@@ -8,7 +8,8 @@
 /* Cells per coarse cell along a side; number of sweeps (more gain little) and their omega. */
 enum { FINER = 2, SWEEPS = 6 };
 static const double OMEGA = 1.5;
-/* Ratio of direct light cells to diffusion cells up to which refinement does not pay. */
+/* Ratio of direct light cells to diffusion cells up to which refinement does not pay. Surfaces are between cells of
+ * diffusion alone. */
 static const double FINE_ENOUGH = 3;
 
 static ty_result relax(ty_fld_job* job, const ty_grid_medium* medium, float* const source[3]) {
@@ -27,7 +28,7 @@ static ty_result relax(ty_fld_job* job, const ty_grid_medium* medium, float* con
 }
 
 ty_result ty_fld_refine(ty_fld_job* job) {
-    if (job->def->ratio <= FINE_ENOUGH) return TY_OK;
+    if (job->def->ratio <= FINE_ENOUGH || job->light->diffuse->faces != NULL) return TY_OK;
     int32_t size[3];
     for (int a = 0; a < 3; ++a) {
         const int32_t limit = job->fine->box.size[a], finer = FINER * job->coarse->box.size[a];

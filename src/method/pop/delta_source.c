@@ -183,4 +183,8 @@ void ty_pop_delta_source_add_fluence(const ty_pop_delta_source* delta_source, ty
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
             add(delta_source->arrays[c][1 + t], t == 0 ? TY_INV_4PI : 3 * TY_INV_4PI, delta_source->cells,
                 light->terms[c][t]);
+    for (int c = 0; c < 3; ++c)
+        for (int t = 0; t < TY_FIELD_TERMS && light->faces != NULL; ++t)
+            add(delta_source->arrays[c][1 + t], t == 0 ? TY_INV_4PI : 3 * TY_INV_4PI, delta_source->cells,
+                light->surface_terms[c][t]);
 }

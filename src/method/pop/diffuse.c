@@ -39,6 +39,24 @@ static double default_max_flux(const ty_pop* light) {
     return ty_interior_light_max_flux(&sum, max_flux_outside);
 }
 
+/* Lights the surfaces between merged cells by all lights, and removes the source that leaks through them. */
+static ty_result light_surfaces(ty_pop_job* job) {
+    const ty_pop* light = job->light;
+    ty_discrete_light_set sources;
+    if (job->surfaces.faces == NULL) return TY_OK;
+    ty_result result =
+        ty_discrete_light_set_create(job->context, "pop", (int64_t)light->light_count + light->count, &sources);
+    if (result != TY_OK) return result;
+    for (int32_t i = 0; i < light->light_count; ++i) sources.items[sources.count++] = light->lights[i].sample;
+    for (int32_t i = 0; i < light->count; ++i) sources.items[sources.count++] = light->ordinates[i].ordinate;
+    result = ty_diffuse_surfaces_light(job->scene, job->medium, true, &sources, &job->surfaces);
+    if (result == TY_OK)
+        result = ty_diffuse_surfaces_correct_source(&job->surfaces, job->medium, &light->fine_box, light->lights,
+                                                    light->light_count, job->source);
+    ty_discrete_light_set_destroy(job->context, &sources);
+    return result;
+}
+
 ty_result ty_pop_diffuse(ty_pop_job* job) {
     ty_diffusion_def def = ty_default_diffusion_def();
     ty_diffuse_stats stats = {.converged = false};
@@ -46,8 +64,10 @@ ty_result ty_pop_diffuse(ty_pop_job* job) {
     def.streaming = job->def->max_flux_fraction > 0 ? job->def->max_flux_fraction : default_max_flux(job->light);
     def.tolerance = job->def->tolerance;
     add_source(job);
-    const ty_result result =
-        ty_diffuse_light_solve(&def, true, job->medium, job->source, &job->progress, &job->light->diffuse, &stats);
+    ty_result result = light_surfaces(job);
+    if (result == TY_OK)
+        result = ty_diffuse_light_solve_between(&def, true, job->medium, &job->surfaces, job->source, &job->progress,
+                                                &job->light->diffuse, &stats);
     if (result == TY_OK) ty_pop_delta_source_add_fluence(&job->delta_source, job->light->diffuse);
     job->stats.residuum_seconds = ty_wall_seconds() - begun;
     job->stats.converged = stats.converged;

@@ -16,6 +16,7 @@ typedef struct ty_pop_job {
     ty_grid_medium* medium;           /* merged cells */
     float* source[3];                 /* diffusion source on merged cells, W m^-3 */
     ty_pop_delta_source delta_source; /* of fine-grid beams with lobes; without cells if there are none */
+    ty_diffuse_surfaces surfaces;     /* split mode: between merged cells */
     double initial_light;             /* published modes: initial light */
     float importance[TY_POP_IMPORTANCE_WIDTH * TY_POP_IMPORTANCE_HEIGHT];
     ty_pop* light;

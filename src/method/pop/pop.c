@@ -1,5 +1,6 @@
 /* Entry points of the method: solve, view, render, importance. */
 #include "base/context.h"
+#include "method/diffuse_view.h"
 #include "method/pop/job.h"
 #include "method/volume_method.h"
 
@@ -14,6 +15,7 @@ static void end_job(ty_pop_job* job) {
     if (job->medium != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->medium->cells, sizeof(float));
     ty_pop_delta_source_destroy(job->context, &job->delta_source);
+    ty_diffuse_surfaces_destroy(&job->surfaces);
     ty_grid_medium_destroy(job->medium);
     ty_grid_medium_destroy(job->fine);
 }
@@ -84,11 +86,13 @@ void ty_pop_destroy(ty_pop* light) {
 /* Source fields of one image. */
 typedef struct fields {
     ty_source_field outgoing, surfaces;
+    ty_diffuse_view between;         /* between surfaces, from which these fields are; else empty */
     float* terms[3][TY_FIELD_TERMS]; /* of the outgoing radiance */
     float* incident[3];              /* published modes: mean radiance for surfaces */
 } fields;
 
 static void free_fields(const ty_pop* light, fields* f) {
+    if (f->between.context != NULL) ty_diffuse_view_free(&f->between);
     for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
             ty_free_array(light->context, f->terms[c][t], light->cells, sizeof(float));
@@ -139,7 +143,17 @@ static ty_result make_incident(const ty_pop* light, fields* f) {
     return TY_OK;
 }
 
-static ty_result make_fields(const ty_pop* light, bool surfaces, fields* f) {
+static ty_result make_between(const ty_pop* light, const ty_scene* scene, fields* f) {
+    const ty_result result = ty_diffuse_view_make(
+        light->diffuse, scene, light->count > 0 ? light->merged.accumulated_radiance : NULL, &f->between);
+    f->outgoing = f->between.media;
+    f->surfaces = f->between.surfaces;
+    return result;
+}
+
+static ty_result make_fields(const ty_pop* light, const ty_scene* scene, fields* f) {
+    const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
+    if (light->diffuse != NULL && light->diffuse->faces != NULL) return make_between(light, scene, f);
     if (light->diffuse != NULL) f->surfaces = ty_diffuse_light_field(light->diffuse, true);
     if (light->count == 0 && light->diffuse != NULL) {
         f->outgoing = ty_diffuse_light_field(light->diffuse, surfaces);
@@ -161,7 +175,8 @@ static ty_result march(const ty_pop* light, ty_volume_call* call, ty_image** out
     march.preserve_means = split;
     march.field = &f.outgoing;
     march.surface_field = &f.surfaces;
-    ty_result result = make_fields(light, ty_scene_get_view(call->scene)->mesh != NULL, &f);
+    ty_result result = make_fields(light, call->scene, &f);
+    march.cuts = f.between.cuts;
     if (result == TY_OK) result = ty_march(call->scene, &march, out, NULL);
     free_fields(light, &f);
     return result;

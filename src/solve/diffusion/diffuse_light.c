@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "base/kernel.h"
 #include "scene/media/phase.k.h"
+#include "solve/diffusion/surface_light.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -43,6 +44,8 @@ typedef struct solve_work {
     float* const* source; /* W m^-3 */
     bool reduced;
     const ty_diffuse_light* start; /* NULL: no initial guess */
+    ty_diffuse_surfaces* surfaces; /* NULL: none */
+    float* unscattered[3];         /* with them, where light scatters forwards: sigma_t */
     float* extinction[3];          /* sigma_t (1 - albedo g), 1/m */
     float* absorption[3];
     int32_t concurrent; /* number of concurrent solves */
@@ -73,6 +76,9 @@ static ty_result begin_work(solve_work* work) {
         work->extinction[p] = ty_alloc_array(work->context, medium->cells, sizeof(float), false);
         work->absorption[p] = ty_alloc_array(work->context, medium->cells, sizeof(float), false);
         complete = work->extinction[p] != NULL && work->absorption[p] != NULL;
+        if (work->surfaces == NULL || !work->reduced || work->light->isotropic) continue;
+        work->unscattered[p] = ty_alloc_array(work->context, medium->cells, sizeof(float), false);
+        complete = complete && work->unscattered[p] != NULL;
     }
     return complete ? TY_OK : TY_ERROR_MEMORY;
 }
@@ -81,7 +87,10 @@ static ty_result begin_work(solve_work* work) {
 static ty_result allocate_memory(solve_work* work) {
     work->concurrent = count_concurrent(work);
     if (work->concurrent > work->count) work->concurrent = work->count;
-    work->memory_size = ty_diffusion_memory(&work->def);
+    ty_diffusion_def def = work->def;
+    const ty_diffusion_faces faces = {.count = 0};
+    if (work->surfaces != NULL) def.faces = &faces;
+    work->memory_size = ty_diffusion_memory(&def);
     for (int32_t i = 0; i < work->concurrent; ++i) {
         work->memory[i] = ty_alloc_array(work->context, work->memory_size, 1, false);
         if (work->memory[i] == NULL) return TY_ERROR_MEMORY;
@@ -93,12 +102,14 @@ static void end_work(solve_work* work) {
     for (int32_t p = 0; p < work->medium->planes; ++p) {
         ty_free_array(work->context, work->extinction[p], work->medium->cells, sizeof(float));
         ty_free_array(work->context, work->absorption[p], work->medium->cells, sizeof(float));
+        ty_free_array(work->context, work->unscattered[p], work->medium->cells, sizeof(float));
     }
     for (int i = 0; i < 3; ++i) ty_free_array(work->context, work->memory[i], work->memory_size, 1);
     pthread_mutex_destroy(&work->lock);
 }
 
-static bool is_at_face(const ty_grid_box* box, size_t cell) {
+static bool is_at_face(const ty_grid_box* box, const ty_diffuse_surfaces* surfaces, size_t cell) {
+    if (surfaces != NULL && surfaces->faces->closed[cell] != 0) return true;
     for (int a = 0; a < 3; ++a) {
         const size_t size = (size_t)box->size[a], at = cell % size;
         if (at == 0 || at + 1 == size) return true;
@@ -115,11 +126,12 @@ static void limit_thickness(const solve_work* work, int32_t plane, int32_t first
     const float max_inside = (float)(MAX_THICKNESS_INSIDE / side),
                 max_at_faces = (float)(MAX_THICKNESS_AT_FACES / side);
     for (size_t i = 0; i < medium->cells; ++i) {
-        const float max_extinction = is_at_face(&medium->box, i) ? max_at_faces : max_inside;
+        const float max_extinction = is_at_face(&medium->box, work->surfaces, i) ? max_at_faces : max_inside;
         const float extinction = work->extinction[plane][i],
                     scale = extinction > max_extinction ? max_extinction / extinction : 1.0f;
         work->extinction[plane][i] = extinction * scale;
         work->absorption[plane][i] *= scale;
+        if (work->unscattered[plane] != NULL) work->unscattered[plane][i] = medium->extinction[plane][i] * scale;
         for (int32_t c = first; c < end && medium->emission[c] != NULL; ++c)
             work->source[c][i] += medium->emission[c][i] * scale;
     }
@@ -154,17 +166,22 @@ static bool is_multiple(const solve_work* work, int32_t channel, int32_t of, flo
     *factor = (float)(sums[0] / sums[1]);
     for (size_t i = 0; i < work->medium->cells; ++i)
         if (fabsf(a[i] - *factor * b[i]) > MAX_DIFFERENCE * ty_maxf(a[i], *factor * b[i])) return false;
-    return true;
+    return work->surfaces == NULL || ty_diffuse_surfaces_are_multiple(work->surfaces, channel, of, *factor);
 }
 
 static void scale_channel(solve_work* work, int32_t channel, int32_t of, float factor) {
     ty_diffuse_stats* stats = work->stats;
     const ty_diffuse_light* light = work->light;
     for (int t = 0; t < TY_FIELD_TERMS; ++t)
-        for (size_t i = 0; i < light->cells; ++i) light->terms[channel][t][i] = factor * light->terms[of][t][i];
+        for (size_t i = 0; i < light->cells; ++i) {
+            light->terms[channel][t][i] = factor * light->terms[of][t][i];
+            if (light->surface_terms[of][t] != NULL)
+                light->surface_terms[channel][t][i] = factor * light->surface_terms[of][t][i];
+        }
     stats->emitted[channel] = (double)factor * stats->emitted[of];
     stats->absorbed[channel] = (double)factor * stats->absorbed[of];
     stats->leaving[channel] = (double)factor * stats->leaving[of];
+    stats->surfaces_absorbed[channel] = (double)factor * stats->surfaces_absorbed[of];
     stats->residual[channel] = stats->residual[of];
 }
 
@@ -180,22 +197,33 @@ static void limit_flux(float* const terms[TY_FIELD_TERMS], size_t cells) {
     }
 }
 
-/* Diffuse radiance (phi + 3 E . omega) / (4 pi), Eq. 7 (Koerner 2014), from fluence and face fluxes, in place: a cell
- * has the mean flux of its two faces along each axis. */
-static void make_terms(const solve_work* work, int32_t channel) {
-    const int32_t* size = work->medium->box.size;
-    float* const* terms = work->light->terms[channel];
+/* Adds the flux of closed faces, which are none of the face fluxes. */
+static void add_side_flux(const int32_t size[3], float* const terms[TY_FIELD_TERMS], const ty_boundary_faces* faces,
+                          const float* side_flux) {
+    const int64_t rows = (int64_t)size[1] * size[2];
+    for (int64_t row = 0; row < rows; ++row)
+        for (int32_t side = faces->first[row]; side < faces->first[row + 1]; ++side) {
+            const float outwards = (faces->face[side] & 1) != 0 ? 1.5f * TY_INV_4PI : -1.5f * TY_INV_4PI;
+            terms[1 + faces->face[side] / 2][row * size[0] + faces->x[side]] += outwards * side_flux[side];
+        }
+}
+
+/* Eq. 7 (Koerner 2014). */
+void ty_diffuse_terms_make(const int32_t size[3], float* const terms[TY_FIELD_TERMS], const ty_boundary_faces* faces,
+                           const float* side_flux) {
     const size_t step[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
-    for (size_t i = 0; i < work->light->cells; ++i) terms[0][i] *= TY_INV_4PI;
+    const size_t cells = step[2] * (size_t)size[2];
+    for (size_t i = 0; i < cells; ++i) terms[0][i] *= TY_INV_4PI;
     for (int a = 0; a < 3; ++a) {
         /* A face array is one longer along its own axis, so that no face is overwritten before it is read. */
         const size_t slab = step[a] * (size_t)size[a];
-        for (size_t i = 0; i < work->light->cells; ++i) {
+        for (size_t i = 0; i < cells; ++i) {
             const size_t face = i + i / slab * step[a];
             terms[1 + a][i] = 1.5f * TY_INV_4PI * (terms[1 + a][face] + terms[1 + a][face + step[a]]);
         }
     }
-    limit_flux(terms, work->light->cells);
+    if (faces != NULL) add_side_flux(size, terms, faces, side_flux);
+    limit_flux(terms, cells);
 }
 
 /* Reports the progress of all channels together; one cancellation cancels all channels. */
@@ -231,9 +259,14 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
         ty_diffuse_light_prolong(work->start, solve->channel, work->medium->box.size, terms[0]);
         def.start = terms[0];
     }
+    if (work->surfaces != NULL) {
+        solve->result = ty_surface_light_solve(&def, work->unscattered[plane], work->surfaces, solve->channel,
+                                               work->light, &solve->stats);
+        return;
+    }
     const ty_diffusion_out out = {.fluence = terms[0], .flux = {terms[1], terms[2], terms[3]}};
     solve->result = ty_diffusion_solve(work->context, &def, &out, &solve->stats);
-    if (solve->result == TY_OK) make_terms(work, solve->channel);
+    if (solve->result == TY_OK) ty_diffuse_terms_make(work->medium->box.size, terms, NULL, NULL);
 }
 
 static void note_solve(ty_diffuse_stats* stats, const channel_solve* solve) {
@@ -247,6 +280,7 @@ static void note_solve(ty_diffuse_stats* stats, const channel_solve* solve) {
     stats->emitted[channel] = solved->emitted;
     stats->absorbed[channel] = solved->absorbed;
     stats->leaving[channel] = solved->leaving;
+    stats->surfaces_absorbed[channel] = solved->surfaces_absorbed;
 }
 
 /* Solves the channels from `first` concurrently; a single solve uses all threads. */
@@ -301,7 +335,8 @@ static size_t term_size(const ty_diffuse_light* light, int term) {
     return light->cells + light->cells / (size_t)light->box.size[term - 1];
 }
 
-static ty_result create_light(ty_context* context, const ty_grid_medium* medium, ty_diffuse_light** out) {
+static ty_result create_light(ty_context* context, const ty_grid_medium* medium, bool surfaces,
+                              ty_diffuse_light** out) {
     ty_diffuse_light* light = ty_alloc_array(context, 1, sizeof *light, true);
     *out = light;
     if (light == NULL) return TY_ERROR_MEMORY;
@@ -313,6 +348,9 @@ static ty_result create_light(ty_context* context, const ty_grid_medium* medium,
         for (int t = 0; t < TY_FIELD_TERMS; ++t) {
             light->terms[c][t] = ty_alloc_array(context, term_size(light, t), sizeof(float), true);
             if (light->terms[c][t] == NULL) return TY_ERROR_MEMORY;
+            if (!surfaces) continue;
+            light->surface_terms[c][t] = ty_alloc_array(context, light->cells, sizeof(float), true);
+            if (light->surface_terms[c][t] == NULL) return TY_ERROR_MEMORY;
         }
     }
     return TY_OK;
@@ -321,15 +359,53 @@ static ty_result create_light(ty_context* context, const ty_grid_medium* medium,
 void ty_diffuse_light_destroy(ty_diffuse_light* light) {
     if (light == NULL) return;
     for (int c = 0; c < 3; ++c)
-        for (int t = 0; t < TY_FIELD_TERMS; ++t)
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) {
             ty_free_array(light->context, light->terms[c][t], term_size(light, t), sizeof(float));
+            ty_free_array(light->context, light->surface_terms[c][t], light->cells, sizeof(float));
+        }
+    ty_boundary_faces_destroy(light->faces);
     ty_free_array(light->context, light, 1, sizeof *light);
+}
+
+/* Runs a request, of which the results are not yet set. */
+static ty_result run(solve_work* work, ty_diffuse_light** out) {
+    pthread_mutex_init(&work->lock, NULL);
+    ty_result result = create_light(work->context, work->medium, work->surfaces != NULL, &work->light);
+    if (result == TY_OK) result = begin_work(work);
+    if (result == TY_OK) {
+        compute_coefficients(work);
+        result = solve_channels(work);
+    }
+    work->stats->bytes = (double)work->memory_size * work->concurrent;
+    end_work(work);
+    *out = result == TY_OK ? work->light : NULL;
+    if (result != TY_OK) ty_diffuse_light_destroy(work->light);
+    return result;
 }
 
 ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
                                  float* const source[3], ty_part_progress* progress, ty_diffuse_light** out,
                                  ty_diffuse_stats* stats) {
     return ty_diffuse_light_refine(NULL, solver, reduced, medium, source, progress, out, stats);
+}
+
+ty_result ty_diffuse_light_solve_between(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
+                                         ty_diffuse_surfaces* surfaces, float* const source[3],
+                                         ty_part_progress* progress, ty_diffuse_light** out, ty_diffuse_stats* stats) {
+    solve_work work = {.context = medium->context,
+                       .medium = medium,
+                       .source = source,
+                       .reduced = reduced,
+                       .surfaces = surfaces->faces != NULL ? surfaces : NULL,
+                       .def = *solver,
+                       .progress = progress,
+                       .stats = stats};
+    if (work.surfaces != NULL) work.def.solver = TY_DIFFUSION_MULTIGRID;
+    const ty_result result = run(&work, out);
+    if (result != TY_OK) return result;
+    (*out)->faces = surfaces->faces;
+    surfaces->faces = NULL;
+    return TY_OK;
 }
 
 ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffusion_def* solver, bool reduced,
@@ -343,18 +419,7 @@ ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffus
                        .def = *solver,
                        .progress = progress,
                        .stats = stats};
-    pthread_mutex_init(&work.lock, NULL);
-    ty_result result = create_light(medium->context, medium, &work.light);
-    if (result == TY_OK) result = begin_work(&work);
-    if (result == TY_OK) {
-        compute_coefficients(&work);
-        result = solve_channels(&work);
-    }
-    stats->bytes = (double)work.memory_size * work.concurrent;
-    end_work(&work);
-    *out = result == TY_OK ? work.light : NULL;
-    if (result != TY_OK) ty_diffuse_light_destroy(work.light);
-    return result;
+    return run(&work, out);
 }
 
 ty_source_field ty_diffuse_light_field(const ty_diffuse_light* light, bool directed) {
@@ -363,6 +428,15 @@ ty_source_field ty_diffuse_light_field(const ty_diffuse_light* light, bool direc
     for (int c = 0; c < 3; ++c) {
         field.color[c] = light->color[c];
         for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->terms[c][t];
+    }
+    return field;
+}
+
+ty_source_field ty_diffuse_light_surface_field(const ty_diffuse_light* light) {
+    ty_source_field field = {.box = light->box, .term_count = TY_FIELD_TERMS, .shared = light->shared};
+    for (int c = 0; c < 3; ++c) {
+        field.color[c] = light->color[c];
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->surface_terms[c][t];
     }
     return field;
 }

@@ -5,6 +5,7 @@
 #include "base/progress.h"
 #include "direct/single/source_field.h"
 #include "solve/diffusion/diffusion.h"
+#include "solve/diffusion/diffuse_surfaces.h"
 
 typedef struct ty_diffuse_light {
     ty_context* context;
@@ -14,6 +15,9 @@ typedef struct ty_diffuse_light {
     float* terms[3][TY_FIELD_TERMS]; /* as in ty_source_field */
     bool shared;                     /* all channels are the first one's, times color */
     float color[3];
+    ty_boundary_faces* faces;                /* surfaces between the cells, owned; NULL: none */
+    float* surface_terms[3][TY_FIELD_TERMS]; /* with them: light that reaches surfaces and is no unscattered light of
+                                                surfaces */
 } ty_diffuse_light;
 
 /* Per channel. */
@@ -21,7 +25,8 @@ typedef struct ty_diffuse_stats {
     bool converged; /* all channels */
     int32_t iterations[3], cycles[3];
     double residual[3], work[3], emitted[3], absorbed[3], leaving[3]; /* as in ty_diffusion_stats */
-    double bytes; /* memory of the solver, for all channels that are solved concurrently */
+    double surfaces_absorbed[3]; /* emitted: includes what surfaces send besides their reflection */
+    double bytes;                /* memory of the solver, for all channels that are solved concurrently */
 } ty_diffuse_stats;
 
 /* Diffuse light of a source (per channel, W m^-3; the media's emission is added to it) in a medium on the same cells.
@@ -31,7 +36,12 @@ typedef struct ty_diffuse_stats {
 ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
                                  float* const source[3], ty_part_progress* progress, ty_diffuse_light** out,
                                  ty_diffuse_stats* stats);
-/* The same with the light on other cells of the same box as the initial guess; start may be NULL. */
+/* The same between surfaces, whose faces become the light's: they send their radiosity into the media, and reflect and
+ * absorb diffuse light. */
+ty_result ty_diffuse_light_solve_between(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
+                                         ty_diffuse_surfaces* surfaces, float* const source[3],
+                                         ty_part_progress* progress, ty_diffuse_light** out, ty_diffuse_stats* stats);
+/* The same without surfaces, with the light on other cells of the same box as the initial guess; start may be NULL. */
 ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffusion_def* solver, bool reduced,
                                   const ty_grid_medium* medium, float* const source[3], ty_part_progress* progress,
                                   ty_diffuse_light** out, ty_diffuse_stats* stats);
@@ -42,5 +52,7 @@ void ty_diffuse_light_destroy(ty_diffuse_light* light);
 /* View of the light as a field; arrays remain the light's. directed: include the P1 terms even in isotropic media (for
  * surfaces). */
 ty_source_field ty_diffuse_light_field(const ty_diffuse_light* light, bool directed);
+/* The light that surfaces receive, of a light with faces. */
+ty_source_field ty_diffuse_light_surface_field(const ty_diffuse_light* light);
 
 #endif

@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "solve/diffusion/closed_faces.h"
 #include "solve/diffusion/result.h"
 
 #include <math.h>
@@ -107,6 +108,8 @@ static ty_result check(ty_context* context, const ty_diffusion_def* def, const t
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: relaxation: %g is outside (0, 2)", def->relaxation);
     if (!(def->tolerance > 0 && def->tolerance < 1))
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: tolerance: %g is outside (0, 1)", def->tolerance);
+    if (def->faces != NULL && def->solver != TY_DIFFUSION_MULTIGRID)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: solver: surfaces need multigrid");
     if (!(def->min_extinction >= 0) || def->iterations < 0 || def->min_iterations < 0)
         return ty_fail(context, TY_ERROR_ARGUMENT,
                        "diffusion: min_extinction, iterations and min_iterations are at least 0");
@@ -136,13 +139,34 @@ static double source_square(const ty_diffusion_def* def, const ty_box* box, int3
     return source * source;
 }
 
+/* Light of the sides in a row's cell x, W m^-3; *side: the next one of the row. */
+static double sides_source(const ty_diffusion_def* def, int32_t x, int32_t end, int32_t* side) {
+    double source = 0;
+    for (; *side < end && def->faces->x[*side] == x; ++*side)
+        source += ty_diffusion_faces_source(def->faces, def->cell, *side);
+    return source;
+}
+
+static double surfaces_square(const ty_diffusion_def* def, const ty_box* box, int32_t y, int32_t z) {
+    const ptrdiff_t row = ty_box_dense(box, y, z) / box->size[0];
+    int32_t side = def->faces->first[row];
+    double sum = 0;
+    for (int32_t x = 0; x < box->size[0]; ++x) {
+        const double source = sides_source(def, x, def->faces->first[row + 1], &side);
+        sum += source * source;
+    }
+    return sum;
+}
+
 static void square_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const ty_diffusion_job* job = user;
     const ty_box* box = &job->cells.box;
     double sum = 0;
-    for (int32_t y = 0; y < box->size[1]; ++y)
+    for (int32_t y = 0; y < box->size[1]; ++y) {
         for (int32_t x = 0; x < box->size[0]; ++x) sum += source_square(job->def, box, x, y, (int32_t)index);
+        if (job->def->faces != NULL) sum += surfaces_square(job->def, box, y, (int32_t)index);
+    }
     job->sums[index].a = sum;
 }
 
@@ -266,11 +290,13 @@ static ty_result solve(ty_diffusion_job* job) {
     ty_solve_set_cells(job, rms > 0 ? rms : 1);
     if (!(rms > 0)) {
         job->stats->converged = true;
-        memset(job->out->fluence, 0, sizeof(float) * (size_t)ty_box_cells(&job->cells.box));
+        ty_solve_store_dark(job);
         return TY_OK;
     }
     set_phi(job);
-    const ty_result result = job->def->solver == TY_DIFFUSION_MULTIGRID ? ty_solve_picard(job) : ty_solve_sor(job);
+    const ty_result result = job->def->faces != NULL                      ? ty_solve_closed(job)
+                             : job->def->solver == TY_DIFFUSION_MULTIGRID ? ty_solve_picard(job)
+                                                                          : ty_solve_sor(job);
     if (result == TY_OK || result == TY_CANCELLED) ty_solve_store(job);
     return result;
 }

@@ -35,6 +35,16 @@ typedef struct ty_boundary {
     const float* value; /* one per face of the side, the lower axis fastest; NULL: 0 */
 } ty_boundary;
 
+/* Surfaces between cells: faces that they close, one side per cell (closed_faces.c). Laid out as ty_boundary_faces. */
+typedef struct ty_diffusion_faces {
+    int32_t count;
+    const int32_t *first, *x;
+    const uint8_t *face, *closed;
+    const float* albedo;    /* per side, 0..1 */
+    const float* radiosity; /* besides reflection, W m^-2; NULL: 0 */
+    const float* staircase; /* total area of the faces over that of the slanted surface, at least 1 */
+} ty_diffusion_faces;
+
 typedef enum ty_diffusion_solver {
     TY_DIFFUSION_MULTIGRID = 0, /* Picard iterations by multigrid, with FAS corrections from coarser levels */
     TY_DIFFUSION_SOR = 1,       /* Algorithm 1 (Koerner 2014), in double precision */
@@ -57,7 +67,9 @@ typedef struct ty_diffusion_def {
                          streaming times phi. Default 1, as in the paper: light far from its sources. 0.5 is light
                          leaving surfaces of thick media for vacuum, and the outflow of Marshak boundaries: it does not
                          accumulate before them */
-    ty_boundary boundary[6]; /* lower x, upper x, lower y, ...; default Marshak with no incident flux */
+    ty_boundary boundary[6];         /* lower x, upper x, lower y, ...; default Marshak with no incident flux */
+    const ty_diffusion_faces* faces; /* surfaces; NULL (default): none. With them the solver is
+                                        TY_DIFFUSION_MULTIGRID */
     ty_diffusion_solver solver;
     double relaxation;      /* omega of SOR, 0..2 exclusive; default 1.85 */
     double tolerance;       /* bound of rms(residual) / rms(source), where the source includes the incident flux of
@@ -78,8 +90,10 @@ typedef struct ty_diffusion_out {
     float* fluence; /* phi, W m^-2, one per cell; required */
     float* flux[3]; /* each may be NULL. Net flux through faces towards +x, +y, +z, W m^-2: an array has one more entry
                        along its own axis than there are cells */
-    float* diffusivity; /* D, m, one per cell; may be NULL */
-    double* history;    /* rms(residual) / rms(source) before each iteration, and after the last; may be NULL */
+    float* diffusivity;                 /* D, m, one per cell; may be NULL */
+    float *side_flux, *side_irradiance; /* per side of def->faces: net flux through the face to the surface, and partial
+                                           current towards it (its irradiance), W m^-2; may be NULL */
+    double* history; /* rms(residual) / rms(source) before each iteration, and after the last; may be NULL */
     int32_t history_capacity;
 } ty_diffusion_out;
 
@@ -91,7 +105,8 @@ typedef struct ty_diffusion_stats {
     double residual;       /* last value of the history */
     double work; /* passes over all cells, in units of one relaxation; coarser grids count by their number of cells */
     double seconds;
-    double emitted, absorbed, leaving; /* W: by the source, by the medium, and net through the box's faces */
+    double emitted, absorbed, leaving; /* W: by the source, by the medium, and net through the box's open faces */
+    double surfaces_emitted, surfaces_absorbed; /* W: besides what they reflect */
 } ty_diffusion_stats;
 
 /* Bytes required by a def with this size and solver. */

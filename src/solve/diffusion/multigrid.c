@@ -54,6 +54,8 @@ void ty_multigrid_lay_out(ty_diffusion_job* job, ty_arena* arena) {
     memcpy(cell, job->def->cell, sizeof cell);
     job->levels[0] = (ty_level){.box = job->cells.box, .children = {1, 1, 1}};
     allocate_level(&job->levels[0], arena);
+    for (int axis = 0; axis < 3 && job->def->faces != NULL; ++axis)
+        job->levels[0].g[axis] = ty_solve_take_box(arena, &job->cells.box, sizeof(float));
     job->level_count = 1;
     while (job->level_count < TY_LEVELS_MAX) {
         ty_level* next = &job->levels[job->level_count];

@@ -1,16 +1,26 @@
 #include "solve/diffusion/result.h"
 
 #include "solve/diffusion/cells.k.h"
+#include "solve/diffusion/closed_faces.h"
+
+#include <string.h>
 
 static double phi_at(const ty_diffusion_job* job, ptrdiff_t at) {
     return job->def->solver == TY_DIFFUSION_SOR_FLOAT ? (double)((const float*)job->phi)[at]
                                                       : ((const double*)job->phi)[at];
 }
 
+/* True if a surface closes a face of the cell at x, y, z. */
+static bool is_closed(const ty_diffusion_job* job, const int32_t cell[3], int face) {
+    const ty_diffusion_faces* faces = job->def->faces;
+    return faces != NULL && (faces->closed[ty_box_dense(&job->cells.box, cell[1], cell[2]) + cell[0]] >> face & 1) != 0;
+}
+
 /* Net flux out of the box through the boundary face of a cell, W m^-2 in the solvers' units. */
 static double flux_out(const ty_diffusion_job* job, int side, const int32_t cell[3], ptrdiff_t at) {
     const ty_side* s = &job->cells.sides[side];
     const int axis = side / 2;
+    if (is_closed(job, cell, side)) return 0;
     const ptrdiff_t face = s->step * cell[axis == 2 ? 1 : 2] + cell[axis == 0 ? 1 : 0];
     const double w = (double)ty_cell_boundary(s->a, s->b, job->diffusivity[at]);
     return w * job->def->cell[axis] * (phi_at(job, at) - (double)s->value[face]);
@@ -21,8 +31,11 @@ static double flux_below(const ty_diffusion_job* job, int axis, const int32_t ce
     const ty_box* box = &job->cells.box;
     const ptrdiff_t steps[3] = {1, box->row, box->plane};
     const ptrdiff_t below = at - steps[axis];
+    int32_t cell_below[3] = {cell[0], cell[1], cell[2]};
+    --cell_below[axis];
     if (cell[axis] == 0) return -flux_out(job, 2 * axis, cell, at);
-    if (cell[axis] == box->size[axis]) return flux_out(job, 2 * axis + 1, cell, below);
+    if (cell[axis] == box->size[axis]) return flux_out(job, 2 * axis + 1, cell_below, below);
+    if (is_closed(job, cell, 2 * axis)) return 0;
     const double mean = 0.5 * ((double)job->diffusivity[at] + (double)job->diffusivity[below]);
     return mean / job->def->cell[axis] * (phi_at(job, below) - phi_at(job, at));
 }
@@ -97,4 +110,15 @@ void ty_solve_store(ty_diffusion_job* job) {
     job->stats->emitted = sums.a * volume;
     job->stats->absorbed = sums.b * volume;
     job->stats->leaving = sums.c;
+    if (job->def->faces != NULL) ty_solve_store_closed(job);
+}
+
+void ty_solve_store_dark(const ty_diffusion_job* job) {
+    const ty_diffusion_out* out = job->out;
+    const ty_diffusion_faces* faces = job->def->faces;
+    memset(out->fluence, 0, sizeof(float) * (size_t)ty_box_cells(&job->cells.box));
+    if (faces == NULL) return;
+    const size_t bytes = sizeof(float) * (size_t)faces->count;
+    if (out->side_flux != NULL) memset(out->side_flux, 0, bytes);
+    if (out->side_irradiance != NULL) memset(out->side_irradiance, 0, bytes);
 }

@@ -3,6 +3,7 @@
  * reflect collided light. */
 #include "base/constants.h"
 #include "base/context.h"
+#include "direct/surfaces/cut_cells.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
 
@@ -54,13 +55,7 @@ void ty_dom_free_boundary(ty_dom_job* job) {
 /* ---- uncollided light ---- */
 
 bool ty_dom_is_within_boundary(const ty_dom_job* job, ty_vec point) {
-    const float at[3] = {point.x, point.y, point.z};
-    const ty_grid_medium* medium = job->coarse;
-    bool inside = job->boundary != NULL;
-    for (int a = 0; a < 3; ++a)
-        inside = inside && (double)at[a] > medium->box.lower[a] - 0.5 * medium->cell[a] &&
-                 (double)at[a] < medium->box.upper[a] + 0.5 * medium->cell[a];
-    return inside;
+    return job->boundary != NULL && ty_boundary_contains(job->coarse, point);
 }
 
 /* Irradiance of each side, per channel: all of it, and the part in the forward lobe. */
@@ -126,12 +121,26 @@ static ty_result find_unlit(ty_dom_job* job) {
     return TY_OK;
 }
 
+static ty_result correct_cut_cells(const ty_dom_job* job) {
+    const ty_dom* light = job->light;
+    ty_cut_source cut = {.faces = job->boundary,
+                         .fine_box = light->fine_box,
+                         .lights = light->fluences,
+                         .light_count = light->fluence_count,
+                         .channels = ty_dom_channels(light),
+                         .terms = (size_t)(light->bands * light->bands),
+                         .cells = light->cells};
+    memcpy(cut.cell, job->coarse->cell, sizeof cut.cell);
+    memcpy(cut.source, job->source, sizeof cut.source);
+    return ty_cut_cells_correct(job->context, &cut);
+}
+
 static ty_result light_faces(ty_dom_job* job) {
     float *scaled = NULL, *irradiance = NULL;
     if (job->boundary == NULL) return TY_OK;
     const size_t count = (size_t)job->boundary->count, cells = job->coarse->cells;
     ty_result result = allocate_memory(job, &scaled, &irradiance);
-    if (result == TY_OK) result = ty_dom_correct_cut_cells(job);
+    if (result == TY_OK) result = correct_cut_cells(job);
     if (result == TY_OK) result = find_unlit(job);
     if (result == TY_OK) {
         side_irradiance sums;

@@ -34,8 +34,6 @@ ty_result ty_dom_find_incident_radiance(ty_dom_job* job);
 bool ty_dom_is_within_boundary(const ty_dom_job* job, ty_vec point);
 /* The radiance of boundary faces lit by uncollided light; removes the source q_lm of unlit cells. */
 ty_result ty_dom_light_boundary(ty_dom_job* job);
-/* Moves the part of a cell's source that is behind a surface to the cell there. Errors: TY_ERROR_MEMORY. */
-ty_result ty_dom_correct_cut_cells(ty_dom_job* job);
 bool ty_dom_boundary_is_dark(const ty_dom_job* job, int32_t channel);
 
 /* Power balance, W, of light from surfaces until its first collision; light that scatters is not part of it. */

@@ -1,6 +1,7 @@
 /* Images: radiance that cells scatter towards an eye. */
 #include "base/context.h"
 #include "base/sh.k.h"
+#include "image/hidden_cells.h"
 #include "method/dom/solution.h"
 #include "method/dom/sources/environment.h"
 #include "method/dom/sources/sources.h"
@@ -89,7 +90,7 @@ static ty_result make_collided(const ty_dom* light, const double eye[3], fields*
     ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], collided_row, &job);
     if (light->has_lobes && light->fit.bands == 0) ty_dom_correct_lobes(light, eye, f->collided_radiance);
     for (int32_t c = 0; c < ty_dom_channels(light); ++c)
-        ty_dom_fill_hidden(light, f->cuts, f->hidden, f->collided_radiance[c]);
+        ty_hidden_cells_fill(light->context, &light->box, f->cuts, f->hidden, f->collided_radiance[c]);
     return TY_OK;
 }
 
@@ -113,7 +114,8 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
         }
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
         ty_dom_match_wall_irradiance(light, c, f->incident[c]);
-        for (int t = 0; t < TY_FIELD_TERMS; ++t) ty_dom_fill_hidden(light, NULL, f->hidden, f->incident[c][t]);
+        for (int t = 0; t < TY_FIELD_TERMS; ++t)
+            ty_hidden_cells_fill(light->context, &light->box, NULL, f->hidden, f->incident[c][t]);
     }
     return TY_OK;
 }
@@ -217,7 +219,8 @@ static ty_result make_fields(ty_volume_call* call, const double eye[3], fields* 
     const int32_t* fine = light->fine_box.size;
     f->fine_cells = (size_t)fine[0] * (size_t)fine[1] * (size_t)fine[2];
     ty_result result = ty_cuts_find(light->context, light->boundary, &light->box, &f->cuts);
-    if (result == TY_OK) result = ty_dom_find_hidden(light, call->scene, eye, &f->hidden);
+    if (result == TY_OK && light->unlit != NULL)
+        result = ty_hidden_cells_find(light->context, call->scene, &light->box, eye, &f->hidden);
     if (result == TY_OK) result = make_collided(light, eye, f);
     if (result == TY_OK && surfaces) result = make_incident(light, f);
     if (result == TY_OK) result = make_lights(light, eye, &call->progress, f);

@@ -22,15 +22,11 @@ static float irradiance_of(const ty_dom* light, int32_t channel, size_t cell, ty
 static void match_side(const ty_dom* light, int32_t channel, int32_t side, size_t cell,
                        float* const terms[TY_FIELD_TERMS]) {
     const ty_boundary_side* boundary_side = &light->boundary->sides[side];
-    const float normal[3] = {boundary_side->normal.x, boundary_side->normal.y, boundary_side->normal.z};
-    float along = 0, target = light->wall_irradiance[channel][side];
+    float target = light->wall_irradiance[channel][side];
     if (boundary_side->staircase_factor > min_slant)
         target = irradiance_of(light, channel, cell, boundary_side->normal);
     target += light->wall_forward[channel][side];
-    for (int a = 0; a < 3; ++a) along += terms[1 + a][cell] * normal[a];
-    /* The first two moments give the irradiance pi (phi_0 - 2/3 phi_n), phi_n along the normal. */
-    const float difference = 1.5f * (terms[0][cell] - target / TY_PI) - along;
-    for (int a = 0; a < 3; ++a) terms[1 + a][cell] += difference * normal[a];
+    ty_side_match_irradiance(boundary_side, target, cell, terms);
 }
 
 void ty_dom_match_wall_irradiance(const ty_dom* light, int32_t channel, float* const terms[TY_FIELD_TERMS]) {

@@ -421,9 +421,12 @@ TY_FN bool ty_path_survives(ty_path* path, float beta_before) {
     path->rr_throughput *= ty_minf(1.0f, now / beta_before);
     /* Guiding weights can lower beta and later vertices can restore it, by at most the ratio of the phase functions. */
     path->rr_throughput = ty_minf(path->rr_throughput, 1e6f * now);
-    /* A closed scene without absorption would otherwise never end a path. */
-    if (path->depth >= TY_PATH_ROULETTE_DEPTH) path->rr_throughput *= 0.99f;
-    if (path->rr_throughput >= 0.2f || ty_path_has_window(path)) return true;
+    /* A closed scene without absorption would otherwise never end a path. The probability to reach depth n falls as
+     * 1 / n^2, whose sum over n is finite: walks through dense media that hardly absorb are long, and their weights
+     * should stay small. */
+    if (path->depth >= TY_PATH_ROULETTE_DEPTH) path->rr_throughput *= 1.0f - 2.0f / (float)path->depth;
+    const bool in_window = ty_path_has_window(path) && path->depth < TY_PATH_ROULETTE_DEPTH;
+    if (path->rr_throughput >= 0.2f || in_window) return true;
     const float chance = ty_maxf(path->rr_throughput * 2.5f, 0.02f);
     if (ty_rng_uniform(&path->random) >= chance) return false;
     for (int c = 0; c < 3; ++c) path->beta[c] /= chance;

@@ -1,8 +1,9 @@
 /* Corrections for cells that a surface cuts. Such a cell belongs to the side of its center. The first-collision source
  * in the rest of it is moved to the cell on the other side of the surface; the source between a surface and the box's
  * own face is outside of all cells and removed. */
+#include "direct/surfaces/cut_cells.h"
+
 #include "base/context.h"
-#include "method/dom/solve/solve.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,28 +16,28 @@ static const double FINE_OFFSET = 2;
 #define MIN_FACING 0.9f
 
 typedef struct cut_job {
-    ty_dom_job* job;
+    const ty_cut_source* in;
     float* fine; /* uncollided fluence of fine cells, summed over channels */
 } cut_job;
 
-static void sum_lights(const ty_dom* light, size_t cells, float* sum) {
+static void sum_lights(const ty_cut_source* in, size_t cells, float* sum) {
     memset(sum, 0, cells * sizeof *sum);
-    for (int32_t l = 0; l < light->fluence_count; ++l)
+    for (int32_t l = 0; l < in->light_count; ++l)
         for (int c = 0; c < 3; ++c) {
             float factor;
-            const float* plane = ty_light_fluence_plane(&light->fluences[l], c, &factor);
+            const float* plane = ty_light_fluence_plane(&in->lights[l], c, &factor);
             for (size_t i = 0; i < cells; ++i) sum[i] += factor * plane[i];
         }
 }
 
 /* Fine fluence FINE_OFFSET cells from the center of a cell along omega (unit), away from the surface. */
 static float fluence_at(const cut_job* cut, const int32_t cell[3], ty_vec omega) {
-    const ty_dom* light = cut->job->light;
+    const ty_cut_source* in = cut->in;
     const float off[3] = {omega.x, omega.y, omega.z};
     size_t at = 0;
     for (int a = 2; a >= 0; --a) {
-        const int32_t size = light->fine_box.size[a];
-        const double position = (cell[a] + 0.5) * size / light->box.size[a] + FINE_OFFSET * (double)off[a];
+        const int32_t size = in->fine_box.size[a];
+        const double position = (cell[a] + 0.5) * size / in->faces->size[a] + FINE_OFFSET * (double)off[a];
         at = at * (size_t)size + (size_t)fmin(fmax(position, 0), size - 1);
     }
     return cut->fine[at];
@@ -64,12 +65,12 @@ static float fraction_behind_plane(const double normal[3], int axis, double dept
 
 /* The fraction of a cell behind a side's surface. A surface with several sides in the cell is divided among them by the
  * components of its normal. */
-static float fraction_behind_side(const ty_dom_job* job, int32_t side) {
-    const ty_boundary_side* boundary_side = &job->boundary->sides[side];
-    const double* edge = job->coarse->cell;
+static float fraction_behind_side(const ty_cut_source* in, int32_t side) {
+    const ty_boundary_side* boundary_side = &in->faces->sides[side];
+    const double* edge = in->cell;
     const double normal[3] = {(double)boundary_side->normal.x * edge[0], (double)boundary_side->normal.y * edge[1],
                               (double)boundary_side->normal.z * edge[2]};
-    const int axis = job->boundary->face[side] / 2;
+    const int axis = in->faces->face[side] / 2;
     const double sum = fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]);
     if (!(fabs(normal[axis]) > 0.05 * sum)) return 0;
     return (float)(fabs(normal[axis]) / sum) * fraction_behind_plane(normal, axis, (double)boundary_side->depth);
@@ -77,30 +78,28 @@ static float fraction_behind_side(const ty_dom_job* job, int32_t side) {
 
 /* Adds a fraction of a cell's source to the cell behind a face. */
 static void move_source(const cut_job* cut, size_t at, size_t next, float fraction) {
-    const ty_dom* light = cut->job->light;
-    const size_t terms = (size_t)(light->bands * light->bands);
-    for (int32_t c = 0; c < ty_dom_channels(light); ++c)
-        for (size_t t = 0; t < terms; ++t) {
-            float* source = cut->job->source[c] + t * light->cells;
+    const ty_cut_source* in = cut->in;
+    for (int32_t c = 0; c < in->channels; ++c)
+        for (size_t t = 0; t < in->terms; ++t) {
+            float* source = in->source[c] + t * in->cells;
             source[next] += fraction * source[at];
         }
 }
 
 static void scale_source(const cut_job* cut, size_t at, float fraction) {
-    const ty_dom* light = cut->job->light;
-    const size_t terms = (size_t)(light->bands * light->bands);
-    for (int32_t c = 0; c < ty_dom_channels(light); ++c)
-        for (size_t t = 0; t < terms; ++t) cut->job->source[c][t * light->cells + at] *= fraction;
+    const ty_cut_source* in = cut->in;
+    for (int32_t c = 0; c < in->channels; ++c)
+        for (size_t t = 0; t < in->terms; ++t) in->source[c][t * in->cells + at] *= fraction;
 }
 
 /* Fluence of the fine cell at a distance from the side's face of the box, on the line through the center of the side's
  * cell. */
 static float fine_fluence_from_face(const cut_job* cut, const int32_t cell[3], int face, int32_t off) {
-    const ty_dom* light = cut->job->light;
+    const ty_cut_source* in = cut->in;
     size_t at = 0;
     for (int a = 2; a >= 0; --a) {
-        const int32_t size = light->fine_box.size[a];
-        int32_t position = (int32_t)((cell[a] + 0.5) * size / light->box.size[a]);
+        const int32_t size = in->fine_box.size[a];
+        int32_t position = (int32_t)((cell[a] + 0.5) * size / in->faces->size[a]);
         if (a == face / 2) {
             const int32_t within = off < size ? off : size - 1;
             position = (face & 1) != 0 ? size - 1 - within : within;
@@ -114,12 +113,12 @@ static float fine_fluence_from_face(const cut_job* cut, const int32_t cell[3], i
  * at the surface, bounded by the outermost fine cell so that a light near the surface does not count. Fine cells next
  * to the surface mix both sides. */
 static float fraction_outside(const cut_job* cut, const int32_t cell[3], int32_t side) {
-    const ty_dom* light = cut->job->light;
-    const ty_vec normal = cut->job->boundary->sides[side].normal;
-    const int face = cut->job->boundary->face[side];
+    const ty_cut_source* in = cut->in;
+    const ty_vec normal = in->faces->sides[side].normal;
+    const int face = cut->in->faces->face[side];
     const float facing = fabsf(face / 2 == 0 ? normal.x : face / 2 == 1 ? normal.y : normal.z);
-    const float across = (float)light->fine_box.size[face / 2] / (float)light->box.size[face / 2];
-    const float layer = (0.5f - cut->job->boundary->sides[side].depth) * across;
+    const float across = (float)in->fine_box.size[face / 2] / (float)in->faces->size[face / 2];
+    const float layer = (0.5f - cut->in->faces->sides[side].depth) * across;
     if (!(layer > MIN_LAYER && facing > MIN_FACING)) return 0;
     const int32_t mixed = (int32_t)ceilf(layer) + 1;
     float all = 0, before = 0;
@@ -132,20 +131,20 @@ static float fraction_outside(const cut_job* cut, const int32_t cell[3], int32_t
 }
 
 static bool is_outside(const cut_job* cut, const int32_t cell[3], int32_t face) {
-    return cell[face / 2] == ((face & 1) != 0 ? cut->job->boundary->size[face / 2] - 1 : 0);
+    return cell[face / 2] == ((face & 1) != 0 ? cut->in->faces->size[face / 2] - 1 : 0);
 }
 
 /* Removes the source outside of the box's surfaces from a cell with the sides [first, end). */
 static void remove_outside(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
     float remaining = 1;
     for (int32_t side = first; side < end; ++side)
-        if (is_outside(cut, cell, cut->job->boundary->face[side])) remaining *= 1 - fraction_outside(cut, cell, side);
+        if (is_outside(cut, cell, cut->in->faces->face[side])) remaining *= 1 - fraction_outside(cut, cell, side);
     if (remaining < 1) scale_source(cut, at, remaining);
 }
 
 /* Moves the source behind the sides [first, end) of a cell to the cells there. */
 static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
-    const ty_boundary_faces* faces = cut->job->boundary;
+    const ty_boundary_faces* faces = cut->in->faces;
     const int32_t* size = faces->size;
     const ptrdiff_t steps[3] = {1, size[0], (ptrdiff_t)size[0] * size[1]};
     float light[6], all = 0, rest = 1;
@@ -156,7 +155,7 @@ static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32
         next[axis] += sign;
         light[side - first] = 0;
         if (next[axis] < 0 || next[axis] >= size[axis]) continue;
-        const float behind = fraction_behind_side(cut->job, side);
+        const float behind = fraction_behind_side(cut->in, side);
         const ty_vec normal = faces->sides[side].normal;
         light[side - first] = behind * fluence_at(cut, next, ty_scale(normal, -1));
         normal_sum = ty_add(normal_sum, normal);
@@ -178,7 +177,7 @@ static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32
 }
 
 static void cut_cells(const cut_job* cut) {
-    const ty_boundary_faces* faces = cut->job->boundary;
+    const ty_boundary_faces* faces = cut->in->faces;
     const int64_t rows = (int64_t)faces->size[1] * faces->size[2];
     for (int64_t row = 0; row < rows; ++row)
         for (int32_t side = faces->first[row], end; side < faces->first[row + 1]; side = end) {
@@ -190,13 +189,13 @@ static void cut_cells(const cut_job* cut) {
         }
 }
 
-ty_result ty_dom_correct_cut_cells(ty_dom_job* job) {
-    const ty_dom* light = job->light;
-    const size_t cells = job->fine->cells;
-    cut_job cut = {.job = job, .fine = ty_alloc_array(job->context, cells, sizeof(float), false)};
+ty_result ty_cut_cells_correct(ty_context* context, const ty_cut_source* source) {
+    const int32_t* size = source->fine_box.size;
+    const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    cut_job cut = {.in = source, .fine = ty_alloc_array(context, cells, sizeof(float), false)};
     if (cut.fine == NULL) return TY_ERROR_MEMORY;
-    sum_lights(light, cells, cut.fine);
+    sum_lights(source, cells, cut.fine);
     cut_cells(&cut);
-    ty_free_array(job->context, cut.fine, cells, sizeof(float));
+    ty_free_array(context, cut.fine, cells, sizeof(float));
     return TY_OK;
 }

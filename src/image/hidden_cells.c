@@ -1,8 +1,9 @@
 /* Light of cells behind surfaces. They take the light of the cell in front, so that neither the far side of a wall nor
  * the inside of a solid bleeds through. */
+#include "image/hidden_cells.h"
+
 #include "base/context.h"
 #include "base/parallel.h"
-#include "method/dom/view/view.h"
 #include "scene/scene.h"
 
 /* Number of layers of cells behind a surface that interpolation reads: the second one by mean-preserving upsampling. */
@@ -15,7 +16,8 @@ enum { VISIBLE = 0, HIDDEN = 1, FIRST_LAYER = 2 };
 static const double offset[3] = {1e-3, 0.7e-3, 0.4e-3};
 
 typedef struct hidden_job {
-    const ty_dom* light;
+    ty_context* context;
+    const ty_grid_box* box;
     const ty_accel* mesh;
     const double* eye;
     const ty_cuts* cuts;      /* NULL: none */
@@ -30,7 +32,7 @@ static size_t cell_at(const int32_t size[3], const int32_t at[3]) {
 }
 
 static ty_ray ray_to(const hidden_job* job, const int32_t cell[3]) {
-    const ty_grid_box* box = &job->light->box;
+    const ty_grid_box* box = job->box;
     ty_ray ray;
     double omega[3], square = 0;
     for (int a = 0; a < 3; ++a) {
@@ -50,7 +52,7 @@ static ty_ray ray_to(const hidden_job* job, const int32_t cell[3]) {
 static void find_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const hidden_job* job = user;
-    const int32_t* size = job->light->box.size;
+    const int32_t* size = job->box->size;
     for (int32_t begin = 0; begin < size[0]; begin += TY_PACKET) {
         const int32_t count = size[0] - begin < TY_PACKET ? size[0] - begin : TY_PACKET;
         ty_ray rays[TY_PACKET];
@@ -72,7 +74,7 @@ static bool is_before(uint8_t hidden, int32_t layer) {
 /* Sum of inverse square distances of neighbours before `layer` that no surface separates; *mean: their weighted mean of
  * a plane (NULL: none). */
 static float sum_about(const hidden_job* job, const int32_t at[3], int32_t layer, const float* plane, float* mean) {
-    const int32_t* size = job->light->box.size;
+    const int32_t* size = job->box->size;
     float sum = 0, total = 0;
     for (int32_t i = 0; i < 27; ++i) {
         const int32_t off[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
@@ -101,39 +103,47 @@ static void fill(const hidden_job* job, const int32_t at[3], size_t cell) {
 static void visit_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const hidden_job* job = user;
-    const int32_t* size = job->light->box.size;
+    const int32_t* size = job->box->size;
     int32_t at[3] = {0, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
     for (; at[0] < size[0]; ++at[0]) job->visit(job, at, cell_at(size, at));
 }
 
 /* ---- all ---- */
 
-static int64_t rows_of(const ty_dom* light) {
-    return (int64_t)light->box.size[1] * light->box.size[2];
+static int64_t rows_of(const hidden_job* job) {
+    return (int64_t)job->box->size[1] * job->box->size[2];
 }
 
-ty_result ty_dom_find_hidden(const ty_dom* light, const ty_scene* scene, const double eye[3], uint8_t** hidden) {
+static size_t cell_count(const ty_grid_box* box) {
+    return (size_t)box->size[0] * (size_t)box->size[1] * (size_t)box->size[2];
+}
+
+ty_result ty_hidden_cells_find(ty_context* context, const ty_scene* scene, const ty_grid_box* box, const double eye[3],
+                               uint8_t** hidden) {
     const ty_accel* mesh = ty_scene_get_view(scene)->mesh;
+    const size_t cells = cell_count(box);
     *hidden = NULL;
-    if (mesh == NULL || light->unlit == NULL) return TY_OK;
-    hidden_job job = {.light = light, .mesh = mesh, .eye = eye, .visit = mark};
-    job.hidden = *hidden = ty_alloc_array(light->context, light->cells, 1, false);
-    job.marked = ty_alloc_array(light->context, light->cells, 1, false);
+    if (mesh == NULL) return TY_OK;
+    hidden_job job = {.context = context, .box = box, .mesh = mesh, .eye = eye, .visit = mark};
+    job.hidden = *hidden = ty_alloc_array(context, cells, 1, false);
+    job.marked = ty_alloc_array(context, cells, 1, false);
     if (job.hidden != NULL && job.marked != NULL) {
-        ty_parallel_flushed(light->context, rows_of(light), find_row, &job);
+        ty_parallel_flushed(context, rows_of(&job), find_row, &job);
         for (job.layer = FIRST_LAYER; job.layer < FIRST_LAYER + LAYERS; ++job.layer) {
-            ty_parallel_flushed(light->context, rows_of(light), visit_row, &job);
-            memcpy(job.hidden, job.marked, light->cells);
+            ty_parallel_flushed(context, rows_of(&job), visit_row, &job);
+            memcpy(job.hidden, job.marked, cells);
         }
     }
     const bool whole = job.hidden != NULL && job.marked != NULL;
-    ty_free_array(light->context, job.marked, light->cells, 1);
+    ty_free_array(context, job.marked, cells, 1);
     return whole ? TY_OK : TY_ERROR_MEMORY;
 }
 
-void ty_dom_fill_hidden(const ty_dom* light, const ty_cuts* cuts, const uint8_t* hidden, float* plane) {
-    hidden_job job = {.light = light, .cuts = cuts, .hidden = (uint8_t*)hidden, .plane = plane, .visit = fill};
+void ty_hidden_cells_fill(ty_context* context, const ty_grid_box* box, const ty_cuts* cuts, const uint8_t* hidden,
+                          float* plane) {
+    hidden_job job = {
+        .context = context, .box = box, .cuts = cuts, .hidden = (uint8_t*)hidden, .plane = plane, .visit = fill};
     if (hidden == NULL) return;
     for (job.layer = FIRST_LAYER; job.layer < FIRST_LAYER + LAYERS; ++job.layer)
-        ty_parallel_flushed(light->context, rows_of(light), visit_row, &job);
+        ty_parallel_flushed(context, rows_of(&job), visit_row, &job);
 }
