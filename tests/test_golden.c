@@ -197,8 +197,8 @@ typedef struct golden {
 static const golden table[] = {
     {"path", hash_path, {0x3501547bd5d0ac53, 0xd1da618d25197ecd, 0xd1da618d25197ecd}},
     {"screen", hash_screen, {0x8f6b85b66741a6dd, 0x4762fb6f13246ca6, 0x3bb1bdcb3ddf4f6c}},
-    {"fld", hash_fld, {0x9b2d4c47badc288c, 0xcea581ab6c95e13d, 0xcea581ab6c95e13d}},
-    {"pop", hash_pop, {0x34c441425f962e3d, 0x3d87d44c87997d61, 0x3d87d44c87997d61}},
+    {"fld", hash_fld, {0xe389a7bfbbada375, 0x52d038afc10ae3f6, 0x52d038afc10ae3f6}},
+    {"pop", hash_pop, {0x65bdb96bbd85ab07, 0x7e3b816f1c6df8a4, 0x7e3b816f1c6df8a4}},
     {"dom", hash_dom, {0x07f4a01685fa79bf, 0xa085d5797792be0c, 0x9cf5397998e62256}},
     {"octaves", hash_octaves, {0x5e077b56d501c87d, 0xa52b80a3862da1bd, 0xa52b80a3862da1bd}},
     {"lpv", hash_lpv, {0x8e3b7c9c033d9a61, 0xaf7eedad0f7c3bfe, 0xaf7eedad0f7c3bfe}},
