@@ -21,6 +21,9 @@ static const bake_unit units[UNITS] = {
     {.kind = BAKE_PROBES, .receivers = 100000},
 };
 
+/* Lightmaps have denoised images, too. */
+static const bake_options options = {.denoise = true};
+
 /* The first lightmap has all files, the second its own alone, the third those of its primitives; the points have none.
  */
 static bool has_file(ptrdiff_t unit, int32_t primitive) {
@@ -53,7 +56,7 @@ static void check_run(const bake_run* run, bool taken) {
 }
 
 static bake_state_kind take(const char* text, bake_unit taken[UNITS]) {
-    bake_run run = {.plan = {.units = taken, .count = UNITS}};
+    bake_run run = {.options = &options, .plan = {.units = taken, .count = UNITS}};
     memcpy(taken, units, sizeof units);
     const bake_state_kind kind = bake_take_state(&run, key, text);
     check_run(&run, kind == BAKE_STATE_TAKEN);
@@ -61,7 +64,7 @@ static bake_state_kind take(const char* text, bake_unit taken[UNITS]) {
 }
 
 static char* print(bake_unit taken[UNITS]) {
-    const bake_run run = {.plan = {.units = taken, .count = UNITS}};
+    const bake_run run = {.options = &options, .plan = {.units = taken, .count = UNITS}};
     char* text = NULL;
     size_t size = 0;
     FILE* file = open_memstream(&text, &size);
