@@ -103,17 +103,21 @@ static void balls_light_floors(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* In a closed room all of a ball's power, pi L times its surface, meets the walls, which reflect half of it first. */
-static void rooms_reflect_what_is_emitted(void** state) {
-    ty_scene* scene = make_scene(*state);
-    const ty_lpv_def def = small_def();
-    ty_lpv_stats stats = ty_default_lpv_stats();
+static void add_room(ty_scene* scene) {
     ty_shape_def room = ty_default_shape_def();
     room.kind = TY_SHAPE_BOX;
     set3(room.origin, -2, -2, -2);
     set3(room.u, 2, 2, 2);
     set3f(room.albedo, 0.5f, 0.5f, 0.5f);
-    check_result(*state, ty_scene_add_shape(scene, &room));
+    check_result(ty_scene_context(scene), ty_scene_add_shape(scene, &room));
+}
+
+/* In a closed room all of a ball's power, pi L times its surface, meets the walls, which reflect half of it first. */
+static void rooms_reflect_what_is_emitted(void** state) {
+    ty_scene* scene = make_scene(*state);
+    const ty_lpv_def def = small_def();
+    ty_lpv_stats stats = ty_default_lpv_stats();
+    add_room(scene);
     look(scene, 0, 0, 1.9, 0, 0, 0);
     add_ball(scene, 0.3, 0.4, 0.2, 0.5, 0, 1);
     ty_image_destroy(image_of(scene, &def, &stats));
@@ -131,12 +135,7 @@ static void walls_keep_skies_out(void** state) {
     const ty_light_def sky = sky_light(100, 100, 100);
     const double lower[3] = {-3, -3, -3}, upper[3] = {3, 3, 3};
     const ty_medium_def fog = box_medium(lower, upper, 0.3f, 0.01f);
-    ty_shape_def room = ty_default_shape_def();
-    room.kind = TY_SHAPE_BOX;
-    set3(room.origin, -2, -2, -2);
-    set3(room.u, 2, 2, 2);
-    set3f(room.albedo, 0.5f, 0.5f, 0.5f);
-    check_result(*state, ty_scene_add_shape(scene, &room));
+    add_room(scene);
     check_result(*state, ty_scene_add_light(scene, &sky));
     check_result(*state, ty_scene_add_medium(scene, &fog));
     look(scene, 0, 0, 1.5, 0, 0, 0);

@@ -33,18 +33,6 @@ static const double ratio_margin = 0.015, rmse_margin = 0.08;
  */
 static const double fog_measured[3] = {1.174, 0.930, 0.929}, fog_margin = 0.015;
 
-/* Mean of a block's R, G and B. */
-static double block_light(const ty_image* image, int x, int y) {
-    const float* planes[3];
-    double sum = 0;
-    assert_true(ty_image_rgb_planes(image, planes));
-    for (int i = 0; i < BLOCK * BLOCK; ++i) {
-        const size_t at = (size_t)(y + i / BLOCK) * (size_t)ty_image_width(image) + (size_t)(x + i % BLOCK);
-        for (int c = 0; c < 3; ++c) sum += (double)planes[c][at];
-    }
-    return sum / (3 * BLOCK * BLOCK);
-}
-
 static nearness compare(const ty_image* image, const ty_image* truth, const ty_image* direct) {
     double sum[2] = {0}, true_sum[2] = {0}, square[2] = {0};
     int count[2] = {0};

@@ -11,17 +11,6 @@ typedef struct nearness {
 static const nearness box_measured = {1.022, 0.184}, hall_measured = {0.945, 0.095}, court_measured = {0.988, 0.051};
 static const double ratio_margin = 0.02, rmse_margin = 0.15;
 
-static double block_light(const ty_image* image, int x, int y) {
-    const float* planes[3];
-    double sum = 0;
-    assert_true(ty_image_rgb_planes(image, planes));
-    for (int i = 0; i < BLOCK * BLOCK; ++i) {
-        const size_t at = (size_t)(y + i / BLOCK) * (size_t)ty_image_width(image) + (size_t)(x + i % BLOCK);
-        for (int c = 0; c < 3; ++c) sum += (double)planes[c][at];
-    }
-    return sum / (3 * BLOCK * BLOCK);
-}
-
 static void check_scene(ty_context* context, const scene_case* c, const nearness* expected) {
     ty_scene* scene = read_case(context, c);
     ty_image *truth = path_image(scene, c, 0), *image = NULL;

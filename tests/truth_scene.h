@@ -63,4 +63,16 @@ static inline ty_image* surfaces_of(const ty_scene* scene, const scene_case* c) 
     return image;
 }
 
+/* Mean of a block's R, G and B. */
+static inline double block_light(const ty_image* image, int x, int y) {
+    const float* planes[3];
+    double sum = 0;
+    assert_true(ty_image_rgb_planes(image, planes));
+    for (int i = 0; i < BLOCK * BLOCK; ++i) {
+        const size_t at = (size_t)(y + i / BLOCK) * (size_t)ty_image_width(image) + (size_t)(x + i % BLOCK);
+        for (int c = 0; c < 3; ++c) sum += (double)planes[c][at];
+    }
+    return sum / (3 * BLOCK * BLOCK);
+}
+
 #endif
