@@ -212,8 +212,8 @@ test_two_processes() {
 }
 
 # state_age LIMIT WALL WORK: of the WORK processor seconds of each thread until the kill, WALL seconds after the start, the state
-# on disk lacks at most LIMIT. Its last whole record tells at byte 128 after how many processor seconds it was written, of all
-# threads; a record's size is at byte 24.
+# on disk lacks at most LIMIT. Its last whole record tells at bytes 128 and 136 after how many seconds of time and of
+# processors, of all threads, it was written; a record's size is at byte 24.
 state_age() {
   checks=$((checks + 1))
   python3 - out.exr.state "$@" "$(nproc)" << 'END' || fail "a kill after $2 s lost more than $1 s of work"
@@ -224,14 +224,16 @@ except FileNotFoundError:
     state = b""
 limit, wall, work, threads = (float(a) for a in sys.argv[2:])
 at, elapsed, processor = 0, 0.0, 0.0
-while at + 152 <= len(state):
+while at + 160 <= len(state):
     size, = struct.unpack_from("<Q", state, at + 24)
     if at + size > len(state):
         break
-    elapsed, processor = struct.unpack_from("<dd", state, at + 120)
+    elapsed, processor = struct.unpack_from("<dd", state, at + 128)
     at += size
 lost = work - processor / threads
 print(f"killed after {wall} s: {lost:.2f} s of work lost, {wall - elapsed:.2f} s of time")
+if at > 0 and not (0 < elapsed <= wall and elapsed / 2 < processor <= threads * wall + 1):
+    sys.exit(f"a record after {elapsed} s, {processor} s of processors: these bytes are others")
 sys.exit(lost > limit)
 END
 }
