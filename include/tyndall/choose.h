@@ -1,8 +1,8 @@
 /// @file choose.h
 /// The choice of a method for a scene.
 ///
-/// The choice follows rules over a few features of the camera's view. docs/method/auto.md lists the rules, and the cost
-/// of their wrong choices. Apache-2.0.
+/// The choice is the method of the least expected cost, error times the root of time, by a few features of the scene as
+/// its camera sees it. docs/method/auto.md explains the model, and what its wrong choices cost. Apache-2.0.
 #ifndef TYNDALL_CHOOSE_H
 #define TYNDALL_CHOOSE_H
 
@@ -29,6 +29,9 @@ typedef struct ty_choose_def {
     uint32_t bytes;  ///< Set by ty_default_choose_def() to the size of the structure, and checked.
     uint32_t asks;   ///< Flags of ty_ask; default 0.
     uint32_t aovs;   ///< Flags of ty_aov, the requested channels; default 0.
+    int32_t width;   ///< Image width, pixels; 0 (default): that of the camera. Set with `height`.
+    int32_t height;  ///< Image height, pixels; 0 (default): that of the camera.
+    int32_t spp;     ///< Samples per pixel, of path and of surfaces; 0 (default): those of the scene.
 } ty_choose_def;
 
 /// Features of the camera's view, found by a few hundred rays from the camera and as many from the media in its view. A
@@ -48,13 +51,23 @@ typedef struct ty_scene_features {
     bool glows;         ///< True: media emit light.
     bool inside;        ///< True: the camera is in a medium.
     uint32_t lights;    ///< 1 << ty_light_kind for each kind of light; emitting surfaces count as area lights.
+    int32_t light_count; ///< Number of lights; an environment counts as one, each emitting triangle as one.
+    double span;         ///< Optical thickness of the media's box, mean of its three axes through the middle and of the channels.
+    double noise;        ///< Standard deviation of a pixel by one path, root mean square over the mean of the picture.
+    double multiple;     ///< Fraction of the light in view that media scattered, and that scattered or was reflected more than once.
+    double vertices;     ///< Mean number of scatterings and reflections of a path.
+    double unscattered;      ///< Fraction of the light in view that no medium scattered or emitted.
+    double surface_noise;    ///< As `noise`, of the light that no medium scattered, over the mean of the whole picture.
+    double surface_vertices; ///< As `vertices`, of paths that do not scatter in media.
 } ty_scene_features;
 
 /// A chosen method.
 typedef struct ty_choice {
-    const char* method;         ///< "path", "lpv" or "dom".
+    const char* method;         ///< The name of a method that takes the scene.
     char reason[256];           ///< The reason as one sentence without its full stop, such as "uneven media ...".
     ty_scene_features features; ///< The features of the view.
+    double error;               ///< Expected relative RMSE of means over 4 x 4 pixels; of `path` for all its samples.
+    double seconds;             ///< Expected processor time of one thread, s, on the machine of docs/method/auto.md.
 } ty_choice;
 
 /// Sets the `bytes` bytes of a ty_choose_def to the defaults, as ty_init_context_def() does.

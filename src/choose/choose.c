@@ -1,24 +1,16 @@
-/* Choice of the method for a scene: rules in the order of docs/method/auto.md. */
+/* Choice of the method for a scene: the least expected cost of error and time (docs/method/auto.md). */
 #include "base/context.h"
 #include "choose/features.h"
+#include "choose/predict.h"
 #include "image/march.h"
+#include "method/method.h"
 #include "scene/scene.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Thresholds of the rules on scene features, measured by `tyndall figure auto-choice`. */
-static const double min_opacity = 2e-3; /* opacity below which media are negligible */
-static const double max_enclosed =
-    0.5; /* fraction of the scattered light; above it, surfaces and media light each other */
-static const double max_surfaces =
-    0.3; /* fraction of the frame; above it, path tracing's treatment of surfaces matters */
-static const double few_scatterings = 4;  /* number of scatterings below which paths are cheap */
-static const double max_cell = 10;        /* cell size in reduced mean free paths */
-static const double g_directional = 0.65; /* g from which cells resolve the directions of light from surfaces poorly */
-static const double g_path_only = 0.94;   /* g from which only path tracing resolves the directions of light */
-
-enum { LPV_LIGHTS = 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT };
+/* Opacity of the view below which media are negligible: paths of surfaces are then all that any method traces. */
+static const double min_opacity = 2e-3;
 
 void ty_init_choose_def(void* def, size_t bytes) {
     const ty_choose_def own = {0};
@@ -66,14 +58,7 @@ static void describe(const ty_scene_features* features, char* out, size_t size) 
              lights[0] != '\0' ? ", lit by " : "", lights, media_emit(features) ? ", that glow" : "");
 }
 
-static void set(ty_choice* out, const char* method, const char* because) {
-    char media[160];
-    out->method = method;
-    describe(&out->features, media, sizeof media);
-    snprintf(out->reason, sizeof out->reason, "%s; %s", media, because);
-}
-
-/* ---- rules ---- */
+/* ---- requests ---- */
 
 typedef struct request {
     uint32_t ask;
@@ -97,47 +82,61 @@ static bool asks_path(const ty_choose_def* def, ty_choice* out) {
     return true;
 }
 
-/* Estimated number of scatterings before absorption or escape, by the reduced optical thickness. */
-static double scatterings(const ty_scene_features* features) {
-    const double reduced = features->thickness * (1 - features->g);
-    return 1 / (1 / (1 + reduced) + 1 - features->albedo);
+/* ---- the least cost ---- */
+
+/* False if the method refuses the scene or a channel, or leaves out media in dielectrics. */
+static bool takes(const ty_method* method, const ty_scene* scene, const ty_choose_def* def) {
+    if (method == NULL || (def->aovs & ~method->aovs) != 0) return false;
+    if (method->enclose == NULL && ty_method_of_interiors(method, scene) != NULL) return false;
+    if (method->check == NULL || method->check(scene) == TY_OK) return true;
+    ty_take_error(ty_scene_context(scene));
+    return false;
 }
 
-/* True if surfaces cover much of the frame and paths are cheap; the faster methods trace paths for surfaces as well.
- * If area lights are the only light, paths are noisier than cells, which gather that light from all directions at
- * once. */
-static bool suits_paths(const ty_scene_features* features) {
-    const bool lit_by_surfaces = features->lights == 1 << TY_LIGHT_AREA && features->g < g_directional;
-    return features->surfaces > max_surfaces && scatterings(features) < few_scatterings && !lit_by_surfaces;
+static ty_picture_size size_of(const ty_scene* scene, const ty_choose_def* def) {
+    const ty_camera_def camera = ty_scene_camera(scene);
+    const int32_t spp = def->spp > 0 ? def->spp : ty_scene_render_settings(scene).spp;
+    const double width = def->width > 0 ? def->width : camera.resolution[0];
+    const double height = def->height > 0 ? def->height : camera.resolution[1];
+    return (ty_picture_size){width * height, spp};
 }
 
-static const char* ordinates_reason(const ty_scene_features* features) {
-    if (!(features->surfaces > 0)) return "no surfaces";
-    if (!(scatterings(features) < few_scatterings)) return "light scatters more than paths are cheap for";
-    return features->surfaces > max_surfaces ? "glowing surfaces are all the light" : "few surfaces";
+/* The method of the least expected cost, and in words the one that comes next. */
+static void choose_by_cost(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
+    const ty_picture_size size = size_of(scene, def);
+    const char* next = NULL;
+    double least = INFINITY, second = INFINITY;
+    for (int32_t i = 0; i < ty_fitted_model.count; ++i) {
+        const ty_method_model* model = &ty_fitted_model.methods[i];
+        const ty_method* method = ty_method_find(model->name);
+        if (i > 0 && !takes(method, scene, def)) continue;
+        const ty_expectation expected = ty_expect(model, &out->features, &size);
+        const double cost = ty_cost_of(&expected);
+        if (cost < least) {
+            second = least;
+            next = i > 0 ? out->method : NULL;
+            least = cost;
+            out->method = method->name;
+            out->error = expected.error;
+            out->seconds = expected.seconds;
+        } else if (cost < second) {
+            second = cost;
+            next = method->name;
+        }
+    }
+    describe(&out->features, out->reason, sizeof out->reason);
+    if (next == NULL) return;
+    const size_t used = strlen(out->reason);
+    snprintf(out->reason + used, sizeof out->reason - used, "; %s comes next, with %.2g times the error in the same time",
+             next, second / least);
 }
 
-/* True if light comes from what lpv takes alone, into media whose emission and narrow phase functions it need not
- * scatter. */
-static bool suits_lpv(const ty_scene_features* features) {
-    return features->enclosed > max_enclosed && (features->lights & ~(uint32_t)LPV_LIGHTS) == 0 &&
-           !media_emit(features) && features->g <= g_path_only;
-}
-
-static void choose_by_features(ty_choice* out) {
-    const ty_scene_features* features = &out->features;
-    if (features->opacity < min_opacity)
-        snprintf(out->reason, sizeof out->reason, "no media are in view");
-    else if (suits_lpv(features))
-        set(out, "lpv", "surfaces all around, which lamps or the sun light");
-    else if (features->cell * (1 - features->g) > max_cell)
-        set(out, "path", "too dense for the cells of faster methods");
-    else if (suits_paths(features))
-        set(out, "path", "much of the frame is surfaces, and light scatters seldom");
-    else if (features->g > g_path_only && scatterings(features) < few_scatterings)
-        set(out, "path", "light goes nearly straight on");
-    else
-        set(out, "dom", ordinates_reason(features));
+/* Path alone, with what is expected of it. */
+static void choose_path(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
+    const ty_picture_size size = size_of(scene, def);
+    const ty_expectation expected = ty_expect(&ty_fitted_model.methods[0], &out->features, &size);
+    out->error = expected.error;
+    out->seconds = expected.seconds;
 }
 
 ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
@@ -148,7 +147,14 @@ ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_c
     ty_choice choice = {.method = "path"};
     if (result == TY_OK) result = ty_scene_features_find(scene, &choice.features);
     if (result != TY_OK) return result;
-    if (!asks_path(&own, &choice)) choose_by_features(&choice);
+    if (asks_path(&own, &choice)) {
+        choose_path(scene, &own, &choice);
+    } else if (choice.features.opacity < min_opacity) {
+        choose_path(scene, &own, &choice);
+        snprintf(choice.reason, sizeof choice.reason, "no media are in view");
+    } else {
+        choose_by_cost(scene, &own, &choice);
+    }
     *out = choice;
     return TY_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/float_mode.h"
+#include "choose/pilot.h"
 #include "direct/media/grid_medium.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
@@ -181,6 +182,7 @@ static void list_media(const ty_scene_view* view, ty_vec camera, ty_scene_featur
 static void list_lights(const ty_scene* scene, ty_scene_features* out) {
     for (size_t i = 0; i < scene->light_count; ++i)
         if (mean(scene->lights[i].color) > 0) out->lights |= 1u << scene->lights[i].kind;
+    out->light_count = scene->view.lights.count;
     for (int32_t i = 0; i < scene->view.lights.count; ++i) {
         const int32_t kind = scene->view.lights.lights[i].kind;
         if (kind > TY_KIND_SPOT && kind != TY_KIND_ENVIRONMENT) out->lights |= 1u << TY_LIGHT_AREA;
@@ -212,6 +214,19 @@ static ty_result trace_view_rays(features_job* job, const ty_scene* scene, view_
     return result;
 }
 
+/* Mean optical thickness of the box along its axes, on the lines through its middle. */
+static double find_span(features_job* job, const ty_grid_box* box) {
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+        double from[3];
+        for (int b = 0; b < 3; ++b) from[b] = 0.5 * (box->lower[b] + box->upper[b]);
+        from[a] = box->lower[a];
+        const ty_ray ray = {{(float)from[0], (float)from[1], (float)from[2]}, {a == 0, a == 1, a == 2}, TY_FLOAT_MAX};
+        sum += march_ray(job, &ray, (float)(box->upper[a] - box->lower[a])).depth / 3;
+    }
+    return sum;
+}
+
 ty_result ty_scene_features_find(const ty_scene* scene, ty_scene_features* out) {
     ty_context* context = ty_scene_context(scene);
     features_job job = {.view = ty_scene_get_view(scene), .random = ty_sampler_begin(NULL, 0, 0, 0)};
@@ -230,6 +245,8 @@ ty_result ty_scene_features_find(const ty_scene* scene, ty_scene_features* out) 
     view_ray* rays = ty_alloc_array(context, RAYS, sizeof *rays, true);
     if (rays == NULL) return TY_ERROR_MEMORY;
     if (result == TY_OK) result = trace_view_rays(&job, scene, rays, out);
+    if (result == TY_OK && job.view->medium_count > 0) out->span = find_span(&job, &box);
+    if (result == TY_OK) result = ty_pilot_trace(scene, out);
     if (result == TY_OK && job.view->mesh != NULL) result = find_enclosed(&job, scene, rays, (float)side, out);
     ty_free_array(context, rays, RAYS, sizeof *rays);
     return result;

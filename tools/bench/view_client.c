@@ -22,6 +22,8 @@ enum { HEADER = 64, RING = 256, ARGUMENTS_MAX = 32, SOCKETS_MAX = 256 };
 struct view_client {
     pid_t child;
     struct mg_connection* connection;
+    int port;
+    char token[64];
     pthread_mutex_t mutex;
     pthread_cond_t changed;
     view_arrival arrivals[RING]; /* the last frames of the method */
@@ -145,10 +147,9 @@ static void send_at_once(int port) {
 
 static bool connect_to(view_client* client, const char* url) {
     char path[256], origin[64], error[256];
-    int port = 0;
-    char token[64] = "";
-    if (sscanf(url, "http://127.0.0.1:%d/?token=%63s", &port, token) != 2) return false;
-    snprintf(path, sizeof path, "/live?token=%s", token);
+    if (sscanf(url, "http://127.0.0.1:%d/?token=%63s", &client->port, client->token) != 2) return false;
+    const int port = client->port;
+    snprintf(path, sizeof path, "/live?token=%s", client->token);
     snprintf(origin, sizeof origin, "http://127.0.0.1:%d", port);
     client->connection =
         mg_connect_websocket_client("127.0.0.1", port, 0, error, sizeof error, path, origin, on_data, on_close, client);
@@ -236,6 +237,23 @@ bool view_client_wait(view_client* client, uint32_t after, uint32_t revision, bo
         found = find(client, after, revision, final, out);
     pthread_mutex_unlock(&client->mutex);
     return found;
+}
+
+bool view_client_fetch_image(const view_client* client, const char* path) {
+    char error[256], bytes[4096];
+    struct mg_connection* connection =
+        mg_download("127.0.0.1", client->port, 0, error, sizeof error,
+                    "GET /image.exr?token=%s&channel=method HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nConnection: close\r\n\r\n",
+                    client->token, client->port);
+    if (connection == NULL) return false;
+    bool written = mg_get_response_info(connection)->status_code == 200;
+    FILE* file = written ? fopen(path, "wb") : NULL;
+    int count = 0;
+    while (file != NULL && (count = mg_read(connection, bytes, sizeof bytes)) > 0)
+        fwrite(bytes, 1, (size_t)count, file);
+    mg_close_connection(connection);
+    written = file != NULL && count == 0 && ferror(file) == 0;
+    return file != NULL && fclose(file) == 0 && written;
 }
 
 uint32_t view_client_frames(view_client* client) {

@@ -28,6 +28,8 @@ bool view_client_send(view_client* client, const char* text);
  * false after timeout s, or if the connection is lost or the server refused a message. */
 bool view_client_wait(view_client* client, uint32_t after, uint32_t revision, bool final, double timeout,
                       view_arrival* out);
+/* Writes the method's last full image as OpenEXR. */
+bool view_client_fetch_image(const view_client* client, const char* path);
 /* Frames of the method so far. */
 uint32_t view_client_frames(view_client* client);
 /* The scene's revision in the last message. */

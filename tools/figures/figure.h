@@ -134,6 +134,7 @@ void figure_place_sheet(figure_run* run, ty_result result, plot_sheet* sheet, co
     X(dom, images, DOM, "", "images beside those of other methods")                                                    \
     X(dom, milk, DOM, "", "milk in a glass and in a ball")                                                             \
     X(auto, choice, AUTO, "", "loss of its choices against the best in their time")                                    \
+    X(auto, model, AUTO, "", "the model that it chooses by, and its loss on scenes left out")                          \
     X(path, seeds, PATH, "", "means of images over seeds, lamps in media")                                             \
     X(matrix, scenes, MATRIX, "", "scenes of every kind, by path")                                                     \
     X(matrix, methods, MATRIX, "", "every method on scenes of every kind")

@@ -2,8 +2,8 @@
 #include "figures/matrix.h"
 #include "method/registry.h"
 
+#include <jansson.h>
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,13 +20,12 @@ static void compare(const matrix_row* row, const double means[MATRIX_BLOCKS], ma
 
 static ty_result take_image(figure_run* run, const char* folder, const matrix_row* row, matrix_cell* out) {
     char path[MATRIX_PATH_SIZE];
-    double means[MATRIX_BLOCKS];
     ty_image* image = NULL;
     matrix_image_path(folder, path);
     ty_result result = ty_image_read(run->session->context, path, &image);
     if (result != TY_OK) return result;
-    if (matrix_block_means(image, means, NULL)) {
-        compare(row, means, out);
+    if (matrix_block_means(image, out->means, NULL)) {
+        compare(row, out->means, out);
     } else {
         out->state = MATRIX_FAILED;
         snprintf(out->words, sizeof out->words, "pixels are not finite");
@@ -36,17 +35,27 @@ static ty_result take_image(figure_run* run, const char* folder, const matrix_ro
     return result;
 }
 
-static void take_failure(const matrix_process* process, matrix_cell* out) {
-    out->state = process->signal == SIGXCPU || process->signal == SIGKILL ? MATRIX_TOO_LONG
-                 : process->status < 0                                    ? MATRIX_CRASHED
-                 : process->status == CLI_USAGE                           ? MATRIX_REFUSED
-                                                                          : MATRIX_FAILED;
-    if (out->state == MATRIX_TOO_LONG)
-        snprintf(out->words, sizeof out->words, "more than %d s of processor time", matrix_seconds_max);
-    else if (out->state == MATRIX_CRASHED)
-        snprintf(out->words, sizeof out->words, "ended by signal %d", process->signal);
-    else
-        memcpy(out->words, process->words, sizeof out->words);
+/* Processor times of the parts of a rendering. Stages of the view are per pixel, all others of a method are its solve. */
+static void take_parts(const char* folder, bool path, matrix_cell* out) {
+    static const char* const views[] = {"view_seconds",   "surface_seconds", "march_seconds",
+                                        "single_seconds", "compose_seconds", "filtering_seconds"};
+    char name[MATRIX_PATH_SIZE];
+    matrix_stats_path(folder, name);
+    json_t* root = json_load_file(name, 0, NULL);
+    const double spp = json_number_value(json_object_get(root, "spp"));
+    const double traced = fmin(json_number_value(json_object_get(root, "render_cpu_seconds")), out->seconds);
+    double seconds = 0, view = 0;
+    const char* key;
+    json_t* method;
+    json_object_foreach(root, key, method) {
+        for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i)
+            view += json_number_value(json_object_get(method, views[i]));
+    }
+    seconds = json_number_value(json_object_get(root, "render_seconds"));
+    out->surface = path ? out->seconds : traced;
+    out->deviation = json_number_value(json_object_get(root, "error")) * sqrt(spp);
+    out->view = path ? 0 : (out->seconds - traced) * fmin(view / fmax(seconds - traced, 1e-9), 1);
+    json_decref(root);
 }
 
 static ty_result fill_cell(figure_run* run, const char* folder, const matrix_table* table, const matrix_row* row,
@@ -58,11 +67,14 @@ static ty_result fill_cell(figure_run* run, const char* folder, const matrix_tab
     matrix_scene_path(folder, row, scene);
     snprintf(samples, sizeof samples, "%d", table->samples);
     *out = (matrix_cell){.state = MATRIX_RENDERED, .ratio = NAN, .rmse = NAN};
-    const ty_result result = matrix_run_tyndall(folder, scene, arguments, &process);
+    const ty_result result = matrix_render(folder, scene, arguments, &process);
     out->seconds = fmax(process.seconds - loading, 0);
     if (result != TY_OK) return result;
-    if (process.status == 0) return take_image(run, folder, row, out);
-    take_failure(&process, out);
+    if (process.status == 0) {
+        take_parts(folder, strcmp(method, "path") == 0, out);
+        return take_image(run, folder, row, out);
+    }
+    matrix_take_failure(&process, out);
     return TY_OK;
 }
 
@@ -72,7 +84,7 @@ static ty_result measure_loading(const char* folder, const matrix_row* row, doub
     char scene[MATRIX_PATH_SIZE];
     matrix_process process;
     matrix_scene_path(folder, row, scene);
-    const ty_result result = matrix_run_tyndall(folder, scene, arguments, &process);
+    const ty_result result = matrix_render(folder, scene, arguments, &process);
     *seconds = process.seconds;
     return result;
 }
@@ -96,6 +108,8 @@ static ty_result fill_row(figure_run* run, const char* folder, const matrix_tabl
         result = fill_cell(run, folder, table, row, table->methods[m], loading, &row->cells[m]);
         if (result == TY_OK) note(run, row, table->methods[m], &row->cells[m]);
     }
+    if (result == TY_OK) result = matrix_bake(run, folder, row);
+    if (result == TY_OK) result = matrix_view(run, folder, table, row);
     return result;
 }
 
@@ -144,6 +158,8 @@ ty_result figure_matrix_methods(figure_run* run) {
     if (result == TY_OK) result = fill(run, folder, &table);
     snprintf(path, sizeof path, "%s/tables.md", folder);
     if (result == TY_OK) result = matrix_write_tables(run->session->context, &table, path);
+    snprintf(path, sizeof path, "%s/measured.txt", folder);
+    if (result == TY_OK) result = matrix_write_measured(run->session->context, &table, path);
     if (result == TY_OK) show(run, &table);
     matrix_close(&table);
     figure_caption(

@@ -5,6 +5,7 @@
 
 #include <fcntl.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -17,6 +18,10 @@ const int32_t matrix_seconds_max = 60;
 
 void matrix_image_path(const char* folder, char out[MATRIX_PATH_SIZE]) {
     snprintf(out, MATRIX_PATH_SIZE, "%s/image.exr", folder);
+}
+
+void matrix_stats_path(const char* folder, char out[MATRIX_PATH_SIZE]) {
+    snprintf(out, MATRIX_PATH_SIZE, "%s/stats.json", folder);
 }
 
 /* In the child: messages go to a pipe, and the processor time is bounded. */
@@ -53,15 +58,13 @@ static double seconds_of(const struct timeval* time) {
     return (double)time->tv_sec + 1e-6 * (double)time->tv_usec;
 }
 
-ty_result matrix_run_tyndall(const char* folder, const char* scene, const char* const* arguments, matrix_process* out) {
-    char path[BENCH_COMMAND_SIZE], image[MATRIX_PATH_SIZE];
-    const char* list[ARGUMENTS_MAX] = {path, "render", scene, "-o", image, "-q", "--threads", "1"};
-    int count = 8, pipes[2], status = 0;
+ty_result matrix_run_tyndall(const char* const* arguments, matrix_process* out) {
+    char path[BENCH_COMMAND_SIZE];
+    const char* list[ARGUMENTS_MAX] = {path};
+    int count = 1, pipes[2], status = 0;
     struct rusage used;
     for (; *arguments != NULL && count < ARGUMENTS_MAX - 1; ++arguments) list[count++] = *arguments;
     bench_find_command(path);
-    matrix_image_path(folder, image);
-    unlink(image);
     if (pipe(pipes) != 0) return TY_ERROR_MEMORY;
     const pid_t child = fork();
     if (child == 0) {
@@ -75,6 +78,31 @@ ty_result matrix_run_tyndall(const char* folder, const char* scene, const char* 
     out->signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     out->seconds = seconds_of(&used.ru_utime) + seconds_of(&used.ru_stime);
     return figure_check_interrupt();
+}
+
+ty_result matrix_render(const char* folder, const char* scene, const char* const* arguments, matrix_process* out) {
+    char image[MATRIX_PATH_SIZE], stats[MATRIX_PATH_SIZE];
+    const char* list[ARGUMENTS_MAX] = {"render", scene, "-o", image, "-q", "--threads", "1", "--stats", stats};
+    int count = 9;
+    for (; *arguments != NULL && count < ARGUMENTS_MAX - 1; ++arguments) list[count++] = *arguments;
+    matrix_image_path(folder, image);
+    matrix_stats_path(folder, stats);
+    unlink(image);
+    unlink(stats);
+    return matrix_run_tyndall(list, out);
+}
+
+void matrix_take_failure(const matrix_process* process, matrix_cell* out) {
+    out->state = process->signal == SIGXCPU || process->signal == SIGKILL ? MATRIX_TOO_LONG
+                 : process->status < 0                                    ? MATRIX_CRASHED
+                 : process->status == CLI_USAGE                           ? MATRIX_REFUSED
+                                                                          : MATRIX_FAILED;
+    if (out->state == MATRIX_TOO_LONG)
+        snprintf(out->words, sizeof out->words, "more than %d s of processor time", matrix_seconds_max);
+    else if (out->state == MATRIX_CRASHED)
+        snprintf(out->words, sizeof out->words, "ended by signal %d", process->signal);
+    else
+        memcpy(out->words, process->words, sizeof out->words);
 }
 
 bool matrix_block_means(const ty_image* image, double means[MATRIX_BLOCKS], double variances[MATRIX_BLOCKS]) {

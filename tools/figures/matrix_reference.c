@@ -85,7 +85,7 @@ static ty_result measure(figure_run* run, const char* folder, const char* scene,
     ty_image* image = NULL;
     snprintf(samples, sizeof samples, "%d", run->options->samples);
     matrix_image_path(folder, path);
-    ty_result result = matrix_run_tyndall(folder, scene, arguments, &process);
+    ty_result result = matrix_render(folder, scene, arguments, &process);
     if (result == TY_OK && process.status != 0) {
         cli_fail(CLI_FAILED, "%s: path gives no reference: %s", scene, process.words);
         return TY_ERROR_INPUT;

@@ -52,6 +52,7 @@ ty_result matrix_open(figure_run* run, char folder[FIGURE_PATH_SIZE], matrix_tab
     table->row_count = run->options->quick ? QUICK_SCENES : MATRIX_SCENES;
     matrix_cover(scenes);
     ty_result result = write_map(run, folder);
+    if (result == TY_OK) result = matrix_write_floors(run, folder);
     for (int32_t i = 0; i < table->row_count && result == TY_OK; ++i) {
         matrix_row* row = &table->rows[i];
         row->scene = scenes[run->options->quick ? i * QUICK_STRIDE : i];
@@ -78,7 +79,7 @@ static ty_result show_scene(figure_run* run, const char* folder, matrix_row* row
     ty_image* image = NULL;
     matrix_scene_path(folder, row, path);
     ty_result result = matrix_find_reference(run, folder, row);
-    if (result == TY_OK) result = matrix_run_tyndall(folder, path, arguments, &process);
+    if (result == TY_OK) result = matrix_render(folder, path, arguments, &process);
     matrix_image_path(folder, path);
     if (result == TY_OK) result = ty_image_read(run->session->context, path, &image);
     if (result == TY_OK)

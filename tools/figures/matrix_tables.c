@@ -143,6 +143,62 @@ static void print_refusals(FILE* file, const matrix_table* table) {
     if (count == 0) fputs("| none | | | |\n", file);
 }
 
+/* ---- bakes and views ---- */
+
+/* The i-th of the columns: bakes, then the view. */
+static const matrix_cell* use_at(const matrix_row* row, int32_t i) {
+    return i < MATRIX_BAKES ? &row->bakes[i] : &row->view;
+}
+
+static void print_use(FILE* file, const matrix_table* table, int32_t use, const char* name) {
+    double errors[MATRIX_SCENES];
+    double worst = 0;
+    int32_t made = 0, left_out = 0, failed = 0, within[2] = {0, 0};
+    for (int32_t i = 0; i < table->row_count; ++i) {
+        const matrix_cell* cell = use_at(&table->rows[i], use);
+        left_out += cell->state == MATRIX_LEFT_OUT;
+        failed += cell->state != MATRIX_LEFT_OUT && cell->state != MATRIX_RENDERED;
+        if (cell->state != MATRIX_RENDERED) continue;
+        errors[made++] = cell->rmse;
+        worst = fmax(worst, cell->rmse);
+        within[0] += is_within(cell, 0.03, 0.06);
+        within[1] += is_within(cell, 0.1, 0.15);
+    }
+    fprintf(file, "| %s | %d | %d | %d | %d | %d | %.3f | %.3g |\n", name, made, left_out, failed, within[0], within[1],
+            take_median(errors, made), worst);
+}
+
+static void print_uses(FILE* file, const matrix_table* table) {
+    fputs("| | compared | left out | failed | within 3 % and .06 | within 10 % and .15 | median RMSE | largest |\n"
+          "|---|---|---|---|---|---|---|---|\n",
+          file);
+    for (int32_t i = 0; i < MATRIX_BAKES; ++i) {
+        char name[40];
+        snprintf(name, sizeof name, "bake by `%s`", matrix_bakes[i]);
+        print_use(file, table, i, name);
+    }
+    print_use(file, table, MATRIX_BAKES, "view");
+    fputs("\n| scene (noise of irradiance by path, %) |", file);
+    for (int32_t i = 0; i < MATRIX_BAKES; ++i) fprintf(file, " bake by `%s` |", matrix_bakes[i]);
+    fputs(" view |\n|---|", file);
+    for (int32_t i = 0; i <= MATRIX_BAKES; ++i) fputs("---|", file);
+    fputc('\n', file);
+    for (int32_t i = 0; i < table->row_count; ++i) {
+        const matrix_row* row = &table->rows[i];
+        fprintf(file, "| %s (%.1f) |", row->name, 100 * row->bake_noise);
+        for (int32_t k = 0; k <= MATRIX_BAKES; ++k) {
+            const matrix_cell* cell = use_at(row, k);
+            const char* method = k == MATRIX_BAKES && row->view_method != NULL ? row->view_method : "";
+            const char* gap = method[0] != '\0' ? ": " : "";
+            if (cell->state == MATRIX_RENDERED)
+                fprintf(file, " %s%s%.3f / %.3f |", method, gap, cell->ratio, cell->rmse);
+            else
+                fprintf(file, " %s%s%s |", method, gap, cell->words);
+        }
+        fputc('\n', file);
+    }
+}
+
 static void print_all(FILE* file, const matrix_table* table) {
     static const char* const states[] = {"", "refuses", "fails", "crashes", "too long"};
     print_methods(file, table, "scene (noise of the reference, %)");
@@ -160,28 +216,6 @@ static void print_all(FILE* file, const matrix_table* table) {
     }
 }
 
-/* The choices of auto: all losses in numbers, and those above 1.5 by name. */
-static void print_choices(FILE* file, const matrix_table* table) {
-    double logarithms = 0;
-    int32_t count = 0, wrong = 0;
-    fputs("| scene | choice | its RMSE | its time, s | best then | its RMSE | loss |\n|---|---|---|---|---|---|---|\n",
-          file);
-    for (int32_t i = 0; i < table->row_count; ++i) {
-        const matrix_row* row = &table->rows[i];
-        matrix_verdict verdict;
-        if (!matrix_judge_choice(table, row, &verdict)) continue;
-        const double loss = verdict.error / verdict.best_error;
-        logarithms += log(loss);
-        ++count;
-        if (loss <= 1.5) continue;
-        ++wrong;
-        fprintf(file, "| %s | `%s` | %.3f | %.2g | `%s` | %.3f | %.2f |\n", row->name, row->choice, verdict.error,
-                verdict.seconds, verdict.best, verdict.best_error, loss);
-    }
-    fprintf(file, "\n%d of %d losses are above 1.5; the geometric mean of all is %.2f.\n", wrong, count,
-            exp(logarithms / fmax(count, 1)));
-}
-
 static ty_result print_tables(ty_context* context, FILE* file, const void* user) {
     const matrix_table* table = user;
     (void)context;
@@ -194,8 +228,8 @@ static ty_result print_tables(ty_context* context, FILE* file, const void* user)
     print_refusals(file, table);
     fputs("\n### Outliers\n\nMean ratios below 2/3 or above 3/2, and failures.\n\n", file);
     print_outliers(file, table);
-    fputs("\n### Choices of auto\n\nScenes whose loss is above 1.5.\n\n", file);
-    print_choices(file, table);
+    fputs("\n### Baking and viewing\n\nMean ratio / relative RMSE.\n\n", file);
+    print_uses(file, table);
     fputs("\n### All scenes\n\nMean ratio / relative RMSE / processor time in s.\n\n", file);
     print_all(file, table);
     return TY_OK;
