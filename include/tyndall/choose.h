@@ -32,10 +32,15 @@ typedef struct ty_choose_def {
     int32_t width;   ///< Image width, pixels; 0 (default): that of the camera. Set with `height`.
     int32_t height;  ///< Image height, pixels; 0 (default): that of the camera.
     int32_t spp;     ///< Samples per pixel, of path and of surfaces; 0 (default): those of the scene.
+    bool trials; ///< True (default): methods are tried by coarse solves, which takes some tenths of a second. False:
+                 ///< they are judged by the other features, which is several times as fast and wrong more often.
 } ty_choose_def;
 
-/// Features of the camera's view, found by a few hundred rays from the camera and as many from the media in its view. A
-/// feature is 0 where there is nothing to measure it on.
+/// Largest number of methods that ty_choose_method() chooses among.
+enum { TY_TRIALS_MAX = 8 };
+
+/// Features of the camera's view, found by a few hundred rays from the camera and as many from the media in its view, a
+/// few thousand paths, and coarse solves. A feature is 0 where there is nothing to measure it on.
 typedef struct ty_scene_features {
     double media;     ///< Fraction of the frame with media.
     double thickness; ///< Largest optical thickness along a ray; mean of the channels.
@@ -47,18 +52,22 @@ typedef struct ty_scene_features {
     double surfaces; ///< Fraction of the frame with surfaces.
     double enclosed; ///< Fraction of the directions around scattering points that meet a surface within the length of
                      ///< the media's box.
-    bool heterogeneous; ///< True: media are heterogeneous.
-    bool glows;         ///< True: media emit light.
-    bool inside;        ///< True: the camera is in a medium.
-    uint32_t lights;    ///< 1 << ty_light_kind for each kind of light; emitting surfaces count as area lights.
-    int32_t light_count; ///< Number of lights; an environment counts as one, each emitting triangle as one.
-    double span;         ///< Optical thickness of the media's box, mean of its three axes through the middle and of the channels.
-    double noise;        ///< Standard deviation of a pixel by one path, root mean square over the mean of the picture.
-    double multiple;     ///< Fraction of the light in view that media scattered, and that scattered or was reflected more than once.
-    double vertices;     ///< Mean number of scatterings and reflections of a path.
-    double unscattered;      ///< Fraction of the light in view that no medium scattered or emitted.
-    double surface_noise;    ///< As `noise`, of the light that no medium scattered, over the mean of the whole picture.
-    double surface_vertices; ///< As `vertices`, of paths that do not scatter in media.
+    bool heterogeneous;   ///< True: media are heterogeneous.
+    bool glows;           ///< True: media emit light.
+    bool inside;          ///< True: the camera is in a medium.
+    uint32_t lights;      ///< 1 << ty_light_kind for each kind of light; emitting surfaces count as area lights.
+    int32_t light_count;  ///< Number of lights; an environment counts as one, and each emitting triangle.
+    double span;          ///< Optical thickness of the media's box: mean of its three axes, and of the channels.
+    double noise;         ///< Standard deviation of a pixel by one path, root mean square over the mean of the picture.
+    double vertices;      ///< Mean number of scatterings and reflections of a path.
+    double multiple;      ///< Fraction of the light in view that media scattered, and that was scattered or reflected
+                          ///< more than once.
+    double unscattered;   ///< Fraction of the light in view that no medium scattered or emitted.
+    double surface_noise; ///< `noise` of that light, over the mean of the whole picture.
+    double surface_vertices; ///< `vertices` of paths that do not scatter in media.
+    double trial_noise;      ///< Noise that `trials` have, relative to the mean of the picture; 0: nothing was tried.
+    double trials[TY_TRIALS_MAX]; ///< Relative RMSE of means over a twelfth of the picture by coarse solves, against
+                                  ///< paths, in the order of ty_choice_method_name(); 0: not tried.
 } ty_scene_features;
 
 /// A chosen method.
@@ -78,6 +87,9 @@ static inline ty_choose_def ty_default_choose_def(void) {
     ty_init_choose_def(&def, sizeof def);
     return def;
 }
+
+/// The name of a method that ty_choose_method() chooses among; NULL past the last one.
+TY_API const char* ty_choice_method_name(int32_t index);
 
 /// Chooses a method for a committed scene as its camera sees it. The chosen method accepts the scene. The choice
 /// depends on the scene and the definition alone. Errors: TY_ERROR_ARGUMENT (definition, scene not committed),

@@ -2,6 +2,7 @@
 #include "base/context.h"
 #include "choose/features.h"
 #include "choose/predict.h"
+#include "choose/trial.h"
 #include "image/march.h"
 #include "method/method.h"
 #include "scene/scene.h"
@@ -11,9 +12,11 @@
 
 /* Opacity of the view below which media are negligible: paths of surfaces are then all that any method traces. */
 static const double min_opacity = 2e-3;
+/* Interactions of the pilot's paths, which take about a tenth of a second, with trials and without. */
+static const double tried_interactions = 400e3, untried_interactions = 0;
 
 void ty_init_choose_def(void* def, size_t bytes) {
-    const ty_choose_def own = {0};
+    const ty_choose_def own = {.trials = true};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -101,40 +104,62 @@ static ty_picture_size size_of(const ty_scene* scene, const ty_choose_def* def) 
     return (ty_picture_size){width * height, spp};
 }
 
+const char* ty_choice_method_name(int32_t index) {
+    return index >= 0 && index < ty_fitted_model.count ? ty_fitted_model.methods[index].name : NULL;
+}
+
+/* Traces the pilot and tries the methods that take the scene. */
+static ty_result measure(const ty_scene* scene, const ty_choose_def* def, bool alone, ty_scene_features* out) {
+    const bool tried = def->trials && !alone;
+    ty_pilot pilot;
+    const ty_result result = ty_pilot_trace(scene, tried ? tried_interactions : untried_interactions, &pilot, out);
+    if (result == TY_OK && tried) {
+        out->trial_noise = ty_trial_noise(&pilot);
+        for (int32_t i = 1; i < ty_fitted_model.count; ++i) {
+            const ty_method* method = ty_method_find(ty_fitted_model.methods[i].name);
+            if (takes(method, scene, def)) out->trials[i] = ty_trial(scene, method, &pilot);
+        }
+    }
+    ty_pilot_free(&pilot);
+    return result;
+}
+
 /* The method of the least expected cost, and in words the one that comes next. */
 static void choose_by_cost(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
     const ty_picture_size size = size_of(scene, def);
     const char* next = NULL;
     double least = INFINITY, second = INFINITY;
     for (int32_t i = 0; i < ty_fitted_model.count; ++i) {
-        const ty_method_model* model = &ty_fitted_model.methods[i];
-        const ty_method* method = ty_method_find(model->name);
-        if (i > 0 && !takes(method, scene, def)) continue;
-        const ty_expectation expected = ty_expect(model, &out->features, &size);
+        const char* name = ty_fitted_model.methods[i].name;
+        if (i > 0 && !takes(ty_method_find(name), scene, def)) continue;
+        const ty_expectation expected = ty_expect(&ty_fitted_model, i, &out->features, &size);
         const double cost = ty_cost_of(&expected);
         if (cost < least) {
             second = least;
             next = i > 0 ? out->method : NULL;
             least = cost;
-            out->method = method->name;
+            out->method = name;
             out->error = expected.error;
             out->seconds = expected.seconds;
         } else if (cost < second) {
             second = cost;
-            next = method->name;
+            next = name;
         }
     }
     describe(&out->features, out->reason, sizeof out->reason);
     if (next == NULL) return;
-    const size_t used = strlen(out->reason);
-    snprintf(out->reason + used, sizeof out->reason - used, "; %s comes next, with %.2g times the error in the same time",
-             next, second / least);
+    char more[80];
+    if (second < 1.05 * least)
+        snprintf(more, sizeof more, "; %s is expected to cost the same", next);
+    else
+        snprintf(more, sizeof more, "; %s comes next, at %.2g times the cost", next, second / least);
+    append(out->reason, sizeof out->reason, more);
 }
 
 /* Path alone, with what is expected of it. */
 static void choose_path(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
     const ty_picture_size size = size_of(scene, def);
-    const ty_expectation expected = ty_expect(&ty_fitted_model.methods[0], &out->features, &size);
+    const ty_expectation expected = ty_expect(&ty_fitted_model, 0, &out->features, &size);
     out->error = expected.error;
     out->seconds = expected.seconds;
 }
@@ -147,14 +172,17 @@ ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_c
     ty_choice choice = {.method = "path"};
     if (result == TY_OK) result = ty_scene_features_find(scene, &choice.features);
     if (result != TY_OK) return result;
-    if (asks_path(&own, &choice)) {
-        choose_path(scene, &own, &choice);
-    } else if (choice.features.opacity < min_opacity) {
-        choose_path(scene, &own, &choice);
+    bool alone = asks_path(&own, &choice);
+    if (!alone && choice.features.opacity < min_opacity) {
         snprintf(choice.reason, sizeof choice.reason, "no media are in view");
-    } else {
-        choose_by_cost(scene, &own, &choice);
+        alone = true;
     }
+    result = measure(scene, &own, alone, &choice.features);
+    if (result != TY_OK) return result;
+    if (alone)
+        choose_path(scene, &own, &choice);
+    else
+        choose_by_cost(scene, &own, &choice);
     *out = choice;
     return TY_OK;
 }

@@ -4,7 +4,6 @@
 
 #include "base/context.h"
 #include "base/float_mode.h"
-#include "choose/pilot.h"
 #include "direct/media/grid_medium.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
@@ -246,7 +245,6 @@ ty_result ty_scene_features_find(const ty_scene* scene, ty_scene_features* out) 
     if (rays == NULL) return TY_ERROR_MEMORY;
     if (result == TY_OK) result = trace_view_rays(&job, scene, rays, out);
     if (result == TY_OK && job.view->medium_count > 0) out->span = find_span(&job, &box);
-    if (result == TY_OK) result = ty_pilot_trace(scene, out);
     if (result == TY_OK && job.view->mesh != NULL) result = find_enclosed(&job, scene, rays, (float)side, out);
     ty_free_array(context, rays, RAYS, sizeof *rays);
     return result;

@@ -1,9 +1,10 @@
 #include "choose/predict.h"
 
-#include <math.h>
-#include <string.h>
+#include "method/method.h"
 
-const double ty_error_unseen = 0.01, ty_seconds_unfelt = 1;
+#include <math.h>
+
+const double ty_error_unseen = 0.02, ty_seconds_unfelt = 1;
 
 /* Pixels along the sides of the blocks whose means are compared. */
 static const double block = 4;
@@ -18,7 +19,7 @@ static double scatterings(const ty_scene_features* features) {
     return 1 / (1 / (1 + features->thickness) + 1 - fmin(features->albedo, 1));
 }
 
-void ty_terms_of(const ty_scene_features* features, double out[TY_TERMS]) {
+void ty_terms_of(const ty_scene_features* features, int32_t method, double out[TY_TERMS]) {
     const uint32_t placed = 1u << TY_LIGHT_POINT | 1u << TY_LIGHT_SPOT | 1u << TY_LIGHT_AREA;
     out[TY_TERM_ONE] = 1;
     out[TY_TERM_NOISE] = log_above(1e-3, features->noise);
@@ -36,6 +37,8 @@ void ty_terms_of(const ty_scene_features* features, double out[TY_TERMS]) {
     out[TY_TERM_HETEROGENEOUS] = features->heterogeneous ? 1 : 0;
     out[TY_TERM_SPAN] = log(1 + features->span);
     out[TY_TERM_LIGHTS] = log(1.0 + features->light_count);
+    out[TY_TERM_TRIAL] = log_above(4e-3, features->trials[method]);
+    out[TY_TERM_TRIAL_NOISE] = log_above(4e-3, features->trial_noise);
 }
 
 static double fitted(const ty_method_model* method, ty_fit fit, const double terms[TY_TERMS]) {
@@ -44,18 +47,21 @@ static double fitted(const ty_method_model* method, ty_fit fit, const double ter
     return exp(sum);
 }
 
-ty_expectation ty_expect(const ty_method_model* method, const ty_scene_features* features,
+ty_expectation ty_expect(const ty_choice_model* model, int32_t method, const ty_scene_features* features,
                          const ty_picture_size* size) {
+    const ty_method_model* of = &model->methods[method];
+    const double paths = size->pixels * size->samples, root = block * sqrt(size->samples);
     double terms[TY_TERMS];
-    ty_terms_of(features, terms);
-    const double error = fitted(method, TY_FIT_ERROR, terms), paths = size->pixels * size->samples;
-    if (strcmp(method->name, "path") == 0)
-        return (ty_expectation){error / (block * sqrt(size->samples)), paths * fitted(method, TY_FIT_VIEW, terms)};
-    const bool traces = features->surfaces > 0 && strcmp(method->name, "lpv") != 0;
-    const double noise = traces ? features->surface_noise / (block * sqrt(size->samples)) : 0;
-    return (ty_expectation){sqrt(error * error + noise * noise),
-                            fitted(method, TY_FIT_SOLVE, terms) + size->pixels * fitted(method, TY_FIT_VIEW, terms) +
-                                (traces ? paths * fitted(method, TY_FIT_SURFACE, terms) : 0)};
+    ty_terms_of(features, method, terms);
+    if (method == 0)
+        return (ty_expectation){fitted(of, TY_FIT_ERROR, terms) / root, paths * fitted(of, TY_FIT_VIEW, terms)};
+    const bool tried = features->trials[method] > 0;
+    const double error = fitted(of, tried ? TY_FIT_ERROR : TY_FIT_UNTRIED, terms);
+    const bool traces = features->surface_vertices > 0 && ty_method_find(of->name)->takes_surfaces;
+    const double noise = traces ? features->surface_noise / root : 0;
+    return (ty_expectation){hypot(error, noise), fitted(of, TY_FIT_SOLVE, terms) +
+                                                     size->pixels * fitted(of, TY_FIT_VIEW, terms) +
+                                                     (traces ? paths * fitted(of, TY_FIT_SURFACE, terms) : 0)};
 }
 
 double ty_cost_of(const ty_expectation* of) {

@@ -23,6 +23,8 @@ typedef enum ty_term {
     TY_TERM_HETEROGENEOUS,    /* 1 with heterogeneous media */
     TY_TERM_SPAN,             /* log of 1 + `span` */
     TY_TERM_LIGHTS,           /* log of 1 + `light_count` */
+    TY_TERM_TRIAL,            /* log of the method's `trials` */
+    TY_TERM_TRIAL_NOISE,      /* log of `trial_noise` */
     TY_TERMS
 } ty_term;
 
@@ -32,6 +34,7 @@ typedef enum ty_fit {
     TY_FIT_SOLVE,   /* s, of what is done once; path: unused */
     TY_FIT_VIEW,    /* s per pixel; path: s per path */
     TY_FIT_SURFACE, /* s per path of surfaces, the same for all methods with takes_surfaces */
+    TY_FIT_UNTRIED, /* TY_FIT_ERROR without trials; path: unused */
     TY_FITS
 } ty_fit;
 
@@ -62,8 +65,9 @@ typedef struct ty_expectation {
 /* Errors and times below which a picture is as good as another: 1 % is hardly seen, and 0.1 s hardly waited for. */
 extern const double ty_error_unseen, ty_seconds_unfelt;
 
-void ty_terms_of(const ty_scene_features* features, double out[TY_TERMS]);
-ty_expectation ty_expect(const ty_method_model* method, const ty_scene_features* features,
+/* Terms of the method of a number. */
+void ty_terms_of(const ty_scene_features* features, int32_t method, double out[TY_TERMS]);
+ty_expectation ty_expect(const ty_choice_model* model, int32_t method, const ty_scene_features* features,
                          const ty_picture_size* size);
 /* Error times the root of time, with the values above added to each: what noise of path costs whatever its number of
  * samples, so that a method costs less than path where path would have more error in its time. */

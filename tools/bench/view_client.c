@@ -241,10 +241,10 @@ bool view_client_wait(view_client* client, uint32_t after, uint32_t revision, bo
 
 bool view_client_fetch_image(const view_client* client, const char* path) {
     char error[256], bytes[4096];
-    struct mg_connection* connection =
-        mg_download("127.0.0.1", client->port, 0, error, sizeof error,
-                    "GET /image.exr?token=%s&channel=method HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nConnection: close\r\n\r\n",
-                    client->token, client->port);
+    struct mg_connection* connection = mg_download(
+        "127.0.0.1", client->port, 0, error, sizeof error,
+        "GET /image.exr?token=%s&channel=method HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nConnection: close\r\n\r\n",
+        client->token, client->port);
     if (connection == NULL) return false;
     bool written = mg_get_response_info(connection)->status_code == 200;
     FILE* file = written ? fopen(path, "wb") : NULL;

@@ -18,22 +18,43 @@ static const double ridge = 1;
 #define DOWN REGRESSION_DECREASING
 #define ANY REGRESSION_ANY
 
-/* Signs that physics knows: errors of methods grow with the part of the light that scattered several times, with forward
- * scattering, and with thick cells; times with the numbers of interactions and of lights. */
+/* Signs that physics knows: errors of methods grow with the part of the light that scattered several times, with
+ * forward scattering, and with thick cells; times with the numbers of interactions and of lights. */
 static const regression_sign path_signs[TY_FITS][TY_TERMS] = {
     [TY_FIT_ERROR] = {[TY_TERM_NOISE] = UP, [TY_TERM_FORWARD] = UP, [TY_TERM_PLACED_LIGHT] = UP},
-    [TY_FIT_VIEW] = {[TY_TERM_VERTICES] = UP, [TY_TERM_HETEROGENEOUS] = UP, [TY_TERM_SURFACES] = UP,
-                     [TY_TERM_ENVIRONMENT] = ANY},
+    [TY_FIT_VIEW] =
+        {[TY_TERM_VERTICES] = UP, [TY_TERM_HETEROGENEOUS] = UP, [TY_TERM_SURFACES] = UP, [TY_TERM_ENVIRONMENT] = ANY},
     [TY_FIT_SURFACE] = {[TY_TERM_SURFACE_VERTICES] = UP, [TY_TERM_HETEROGENEOUS] = UP, [TY_TERM_ENVIRONMENT] = ANY},
 };
 static const regression_sign method_signs[TY_FITS][TY_TERMS] = {
-    [TY_FIT_ERROR] = {[TY_TERM_MULTIPLE] = UP, [TY_TERM_FORWARD] = UP, [TY_TERM_CELL] = UP, [TY_TERM_PLACED_LIGHT] = UP,
-                      [TY_TERM_NOISE] = UP, [TY_TERM_ENCLOSED] = ANY, [TY_TERM_ENVIRONMENT] = DOWN},
-    [TY_FIT_SOLVE] = {[TY_TERM_LIGHTS] = UP, [TY_TERM_ENVIRONMENT] = ANY, [TY_TERM_SURFACES] = ANY,
-                      [TY_TERM_ENCLOSED] = ANY, [TY_TERM_HETEROGENEOUS] = ANY, [TY_TERM_FORWARD] = ANY,
+    [TY_FIT_ERROR] = {[TY_TERM_MULTIPLE] = UP,
+                      [TY_TERM_FORWARD] = UP,
+                      [TY_TERM_CELL] = UP,
+                      [TY_TERM_PLACED_LIGHT] = UP,
+                      [TY_TERM_NOISE] = UP,
+                      [TY_TERM_ENCLOSED] = ANY,
+                      [TY_TERM_ENVIRONMENT] = DOWN,
+                      [TY_TERM_TRIAL] = UP,
+                      [TY_TERM_TRIAL_NOISE] = DOWN},
+    [TY_FIT_UNTRIED] = {[TY_TERM_MULTIPLE] = UP,
+                        [TY_TERM_FORWARD] = UP,
+                        [TY_TERM_CELL] = UP,
+                        [TY_TERM_PLACED_LIGHT] = UP,
+                        [TY_TERM_NOISE] = UP,
+                        [TY_TERM_ENCLOSED] = ANY,
+                        [TY_TERM_ENVIRONMENT] = DOWN},
+    [TY_FIT_SOLVE] = {[TY_TERM_LIGHTS] = UP,
+                      [TY_TERM_ENVIRONMENT] = ANY,
+                      [TY_TERM_SURFACES] = ANY,
+                      [TY_TERM_ENCLOSED] = ANY,
+                      [TY_TERM_HETEROGENEOUS] = ANY,
+                      [TY_TERM_FORWARD] = ANY,
                       [TY_TERM_SPAN] = ANY},
-    [TY_FIT_VIEW] = {[TY_TERM_LIGHTS] = UP, [TY_TERM_ENVIRONMENT] = ANY, [TY_TERM_SURFACES] = ANY,
-                     [TY_TERM_HETEROGENEOUS] = UP, [TY_TERM_CELL] = ANY},
+    [TY_FIT_VIEW] = {[TY_TERM_LIGHTS] = UP,
+                     [TY_TERM_ENVIRONMENT] = ANY,
+                     [TY_TERM_SURFACES] = ANY,
+                     [TY_TERM_HETEROGENEOUS] = UP,
+                     [TY_TERM_CELL] = ANY},
 };
 
 /* ---- fitting ---- */
@@ -44,8 +65,9 @@ static void fit_one(const auto_row* rows, int32_t count, int32_t left_out, int32
            *weights = calloc((size_t)count, sizeof *weights);
     for (int32_t i = 0; terms != NULL && values != NULL && weights != NULL && i < count; ++i) {
         const auto_measured* measured = &rows[i].methods[method];
-        const double quantities[TY_FITS] = {measured->error, measured->solve, measured->view, measured->surface};
-        memcpy(terms + (size_t)i * TY_TERMS, rows[i].terms, sizeof rows[i].terms);
+        const double quantities[TY_FITS] = {measured->error, measured->solve, measured->view, measured->surface,
+                                            measured->error};
+        memcpy(terms + (size_t)i * TY_TERMS, rows[i].terms[method], sizeof rows[i].terms[method]);
         weights[i] = i != left_out && quantities[which] > 0 ? 1 : 0;
         values[i] = weights[i] > 0 ? log(quantities[which]) : 0;
     }
@@ -61,7 +83,7 @@ void auto_model_fit(const auto_row* rows, int32_t count, int32_t left_out, ty_me
         out[m] = (ty_method_model){.name = auto_methods[m]};
         for (int f = 0; f < TY_FITS; ++f) {
             const bool surfaces = f == TY_FIT_SURFACE;
-            if (m == 0 ? f == TY_FIT_SOLVE || surfaces : surfaces) continue;
+            if (surfaces || (m == 0 && (f == TY_FIT_SOLVE || f == TY_FIT_UNTRIED))) continue;
             fit_one(rows, count, left_out, m, f, m == 0 ? path_signs[f] : method_signs[f], out[m].terms[f]);
         }
     }
@@ -81,11 +103,12 @@ ty_expectation auto_measured_at(const auto_row* row, int32_t method, const ty_pi
                             of->solve + size->pixels * of->view + paths * of->surface};
 }
 
-auto_judged auto_model_judge(const auto_row* row, const ty_choice_model* model, const ty_picture_size* size) {
+auto_judged auto_model_judge(const auto_row* row, const ty_scene_features* features, const ty_choice_model* model,
+                             const ty_picture_size* size) {
     auto_judged out = {.best = -1, .chosen = -1};
     for (int32_t m = 0; m < AUTO_METHODS; ++m) {
         if (!row->methods[m].rendered) continue;
-        const ty_expectation expected = ty_expect(&model->methods[m], &row->features, size);
+        const ty_expectation expected = ty_expect(model, m, features, size);
         const ty_expectation measured = auto_measured_at(row, m, size);
         if (out.chosen < 0 || ty_cost_of(&expected) < ty_cost_of(&out.expected)) {
             out.chosen = m;

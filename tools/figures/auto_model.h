@@ -22,8 +22,8 @@ typedef struct auto_measured {
 
 typedef struct auto_row {
     char name[MATRIX_NAME_SIZE];
-    ty_scene_features features;
-    double terms[TY_TERMS];
+    ty_scene_features features, untried; /* untried: without trials */
+    double terms[AUTO_METHODS][TY_TERMS];
     auto_measured methods[AUTO_METHODS];
 } auto_row;
 
@@ -37,6 +37,8 @@ typedef struct auto_judged {
 /* Fits all rows but `left_out` (-1: all). */
 void auto_model_fit(const auto_row* rows, int32_t count, int32_t left_out, ty_method_model out[AUTO_METHODS]);
 ty_expectation auto_measured_at(const auto_row* row, int32_t method, const ty_picture_size* size);
-auto_judged auto_model_judge(const auto_row* row, const ty_choice_model* model, const ty_picture_size* size);
+/* features: those of the row, or without trials. */
+auto_judged auto_model_judge(const auto_row* row, const ty_scene_features* features, const ty_choice_model* model,
+                             const ty_picture_size* size);
 
 #endif

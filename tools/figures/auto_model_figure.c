@@ -15,7 +15,7 @@ typedef struct study {
     auto_row rows[AUTO_ROWS_MAX];
     int32_t count;
     ty_method_model methods[AUTO_METHODS];
-    auto_judged held_out[AUTO_ROWS_MAX][SIZES], fitted[AUTO_ROWS_MAX][SIZES];
+    auto_judged held_out[AUTO_ROWS_MAX][SIZES], untried[AUTO_ROWS_MAX][SIZES], fitted[AUTO_ROWS_MAX][SIZES];
 } study;
 
 /* ---- measurements ---- */
@@ -43,15 +43,30 @@ static bool take_method(const matrix_row* row, int32_t method, const ty_scene_fe
     return true;
 }
 
+/* Features with trials and without. */
+static ty_result take_features(figure_run* run, const char* path, auto_row* out) {
+    ty_choose_def def = ty_default_choose_def();
+    ty_scene* scene = NULL;
+    ty_choice choice;
+    ty_result result = ty_scene_load(run->session->context, path, NULL, 0, &scene);
+    if (result == TY_OK) result = ty_choose_method(scene, &def, &choice);
+    if (result == TY_OK) out->features = choice.features;
+    def.trials = false;
+    if (result == TY_OK) result = ty_choose_method(scene, &def, &choice);
+    if (result == TY_OK) out->untried = choice.features;
+    ty_scene_destroy(scene);
+    return result;
+}
+
 static ty_result take_row(figure_run* run, const char* folder, matrix_row* row, auto_row* out) {
     char path[MATRIX_PATH_SIZE];
     matrix_scene_path(folder, row, path);
+    *out = (auto_row){.name = ""};
     ty_result result = matrix_find_reference(run, folder, row);
-    if (result == TY_OK) result = matrix_choose(run, path, row);
+    if (result == TY_OK) result = take_features(run, path, out);
     if (result != TY_OK) return result;
-    *out = (auto_row){.features = row->features};
     memcpy(out->name, row->name, sizeof row->name);
-    ty_terms_of(&out->features, out->terms);
+    for (int32_t m = 0; m < AUTO_METHODS; ++m) ty_terms_of(&out->features, m, out->terms[m]);
     for (int32_t m = 0; m < AUTO_METHODS; ++m)
         if (!take_method(row, m, &out->features, &out->methods[m])) {
             cli_fail(CLI_FAILED, "%s, %s: nothing is stored; 'make matrix' measures it", row->name, auto_methods[m]);
@@ -68,8 +83,10 @@ static void judge(study* of) {
         const ty_choice_model others = {AUTO_METHODS, methods}, all = {AUTO_METHODS, of->methods};
         auto_model_fit(of->rows, of->count, i, methods);
         for (int s = 0; s < SIZES; ++s) {
-            of->held_out[i][s] = auto_model_judge(&of->rows[i], &others, &sizes[s]);
-            of->fitted[i][s] = auto_model_judge(&of->rows[i], &all, &sizes[s]);
+            const auto_row* row = &of->rows[i];
+            of->held_out[i][s] = auto_model_judge(row, &row->features, &others, &sizes[s]);
+            of->untried[i][s] = auto_model_judge(row, &row->untried, &others, &sizes[s]);
+            of->fitted[i][s] = auto_model_judge(row, &row->features, &all, &sizes[s]);
         }
     }
 }
@@ -98,8 +115,10 @@ static summary summarize(const auto_judged judged[][SIZES], int32_t count, int s
     double losses = 0, errors = 0, times = 0;
     for (int32_t i = 0; i < count; ++i) {
         const auto_judged* one = &judged[i][size];
-        const double error = log(hypot(one->expected.error, ty_error_unseen) / hypot(one->measured.error, ty_error_unseen));
-        const double time = log((one->expected.seconds + ty_seconds_unfelt) / (one->measured.seconds + ty_seconds_unfelt));
+        const double error =
+            log(hypot(one->expected.error, ty_error_unseen) / hypot(one->measured.error, ty_error_unseen));
+        const double time =
+            log((one->expected.seconds + ty_seconds_unfelt) / (one->measured.seconds + ty_seconds_unfelt));
         losses += log(one->loss) / count;
         errors += error * error / count;
         times += time * time / count;
@@ -122,11 +141,12 @@ static ty_result print_model(ty_context* context, FILE* file, const void* user) 
           "#include \"choose/predict.h\"\n\nstatic const ty_method_model methods[] = {\n",
           file);
     for (int32_t m = 0; m < AUTO_METHODS; ++m) {
-        static const char* const fits[TY_FITS] = {"TY_FIT_ERROR", "TY_FIT_SOLVE", "TY_FIT_VIEW", "TY_FIT_SURFACE"};
-        static const char* const terms[TY_TERMS] = {"ONE",     "NOISE",           "VERTICES",     "SURFACE_NOISE",
-                                                    "SURFACE_VERTICES", "MULTIPLE", "FORWARD",    "CELL",
-                                                    "SCATTERINGS",      "ENCLOSED", "SURFACES",   "PLACED_LIGHT",
-                                                    "ENVIRONMENT",      "HETEROGENEOUS", "SPAN", "LIGHTS"};
+        static const char* const fits[TY_FITS] = {"TY_FIT_ERROR", "TY_FIT_SOLVE", "TY_FIT_VIEW", "TY_FIT_SURFACE",
+                                                  "TY_FIT_UNTRIED"};
+        static const char* const terms[TY_TERMS] = {
+            "ONE",  "NOISE",       "VERTICES", "SURFACE_NOISE", "SURFACE_VERTICES", "MULTIPLE",    "FORWARD",
+            "CELL", "SCATTERINGS", "ENCLOSED", "SURFACES",      "PLACED_LIGHT",     "ENVIRONMENT", "HETEROGENEOUS",
+            "SPAN", "LIGHTS",      "TRIAL",    "TRIAL_NOISE"};
         fprintf(file, "    {\"%s\",\n     {", auto_methods[m]);
         for (int f = 0; f < TY_FITS; ++f) {
             bool first = true;
@@ -145,16 +165,18 @@ static ty_result print_model(ty_context* context, FILE* file, const void* user) 
 }
 
 static void print_summary(FILE* file, const study* of) {
-    fputs("| picture | held out: mean loss | largest | above 1.5 | the best chosen | fitted: mean loss | error, factor | "
-          "time, factor |",
+    fputs("| picture | mean loss | largest | above 1.5 | the best chosen | without trials: mean loss | not held out: "
+          "mean "
+          "loss | error, factor | time, factor |",
           file);
     for (int32_t m = 0; m < AUTO_METHODS; ++m) fprintf(file, " always `%s` |", auto_methods[m]);
-    fputs("\n|---|---|---|---|---|---|---|---|", file);
+    fputs("\n|---|---|---|---|---|---|---|---|---|", file);
     for (int32_t m = 0; m < AUTO_METHODS; ++m) fputs("---|", file);
     for (int s = 0; s < SIZES; ++s) {
         const summary out = summarize(of->held_out, of->count, s), in = summarize(of->fitted, of->count, s);
-        fprintf(file, "\n| %s | %.3f | %.2f | %d | %d of %d | %.3f | %.2f | %.2f |", size_names[s], out.loss, out.worst,
-                out.wrong, out.best, of->count, in.loss, out.error_factor, out.time_factor);
+        fprintf(file, "\n| %s | %.3f | %.2f | %d | %d of %d | %.3f | %.3f | %.2f | %.2f |", size_names[s], out.loss,
+                out.worst, out.wrong, out.best, of->count, summarize(of->untried, of->count, s).loss, in.loss,
+                out.error_factor, out.time_factor);
         for (int32_t m = 0; m < AUTO_METHODS; ++m) fprintf(file, " %.2f |", loss_of(of, m, s));
     }
     fputs("\n", file);
@@ -165,7 +187,8 @@ static ty_result print_tables(ty_context* context, FILE* file, const void* user)
     (void)context;
     print_summary(file, of);
     fprintf(file,
-            "\nScenes whose loss is above 1.2, held out, %s:\n\n| scene | choice | expected error | time, s | measured error "
+            "\nScenes whose loss is above 1.2, held out, %s:\n\n| scene | choice | expected error | time, s | measured "
+            "error "
             "| time, s | best | its error | time, s | loss |\n|---|---|---|---|---|---|---|---|---|---|\n",
             size_names[LISTED]);
     for (int32_t i = 0; i < of->count; ++i) {
@@ -191,7 +214,8 @@ static ty_result write_files(figure_run* run, const study* of) {
 static void show(figure_run* run, const study* of) {
     plot_table table;
     if (plot_create_table(1 + SIZES, 5, 1, &table) != TY_OK) return;
-    static const char* const heads[5] = {"picture", "held out: mean loss", "largest", "the best chosen", "fitted: mean loss"};
+    static const char* const heads[5] = {"picture", "mean loss", "largest", "the best chosen",
+                                         "not held out: mean loss"};
     for (int c = 0; c < 5; ++c) plot_set_cell(&table, 0, c, "%s", heads[c]);
     for (int s = 0; s < SIZES; ++s) {
         const summary out = summarize(of->held_out, of->count, s), in = summarize(of->fitted, of->count, s);
@@ -200,9 +224,11 @@ static void show(figure_run* run, const study* of) {
         plot_set_cell(&table, 1 + s, 2, "%.2f", out.worst);
         plot_set_cell(&table, 1 + s, 3, "%d of %d", out.best, of->count);
         plot_set_cell(&table, 1 + s, 4, "%.3f", in.loss);
-        figure_notes(run, size_names[s], {"mean loss held out, geometric", "1", out.loss}, {"largest loss", "1", out.worst},
-                     {"mean loss fitted, geometric", "1", in.loss}, {"expected error, factor", "1", out.error_factor},
-                     {"expected time, factor", "1", out.time_factor});
+        figure_notes(
+            run, size_names[s], {"mean loss held out, geometric", "1", out.loss}, {"largest loss", "1", out.worst},
+            {"mean loss without trials, geometric", "1", summarize(of->untried, of->count, s).loss},
+            {"mean loss not held out, geometric", "1", in.loss}, {"expected error, factor", "1", out.error_factor},
+            {"expected time, factor", "1", out.time_factor});
     }
     plot_page_table(&run->page, &table);
     plot_free_table(&table);
@@ -214,8 +240,11 @@ ty_result figure_auto_model(figure_run* run) {
     study* of = calloc(1, sizeof *of);
     if (of == NULL) return TY_ERROR_MEMORY;
     ty_result result = matrix_open(run, folder, &table);
-    for (int32_t i = 0; i < table.row_count && result == TY_OK; ++i)
-        result = take_row(run, folder, &table.rows[i], &of->rows[of->count++]);
+    for (int32_t i = 0; i < table.row_count && result == TY_OK; ++i) {
+        auto_row* row = &of->rows[of->count];
+        result = take_row(run, folder, &table.rows[i], row);
+        of->count += row->features.trial_noise > 0; /* without media there is nothing to choose */
+    }
     matrix_close(&table);
     if (result == TY_OK) {
         auto_model_fit(of->rows, of->count, -1, of->methods);
@@ -223,10 +252,11 @@ ty_result figure_auto_model(figure_run* run) {
         result = write_files(run, of);
     }
     if (result == TY_OK) show(run, of);
-    figure_caption(run,
-                   "Method auto: loss of its choices on the %d scenes of the matrix, each by a model fitted to the others. "
-                   "Loss: error times the root of time, over that of the best method.",
-                   of->count);
+    figure_caption(
+        run,
+        "Method auto: loss of its choices on the %d scenes of the matrix, each by a model fitted to the others. "
+        "Loss: error times the root of time, over that of the best method.",
+        of->count);
     free(of);
     return result;
 }

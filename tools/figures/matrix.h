@@ -23,9 +23,9 @@ typedef struct matrix_reference {
 
 typedef enum matrix_state {
     MATRIX_RENDERED,
-    MATRIX_REFUSED, /* exit status 2: the method does not take the scene */
-    MATRIX_FAILED,  /* another exit status, or pixels that are not finite */
-    MATRIX_CRASHED, /* ended by a signal */
+    MATRIX_REFUSED,  /* exit status 2: the method does not take the scene */
+    MATRIX_FAILED,   /* another exit status, or pixels that are not finite */
+    MATRIX_CRASHED,  /* ended by a signal */
     MATRIX_TOO_LONG, /* ended after matrix_seconds_max of processor time */
     MATRIX_LEFT_OUT  /* it was not tried, for the reason that the words tell */
 } matrix_state;
@@ -113,7 +113,8 @@ extern const char* const matrix_bakes[MATRIX_BAKES];
 ty_result matrix_write_floors(figure_run* run, const char* folder);
 /* Bakes the floor of a row's scene. Errors: TY_ERROR_MEMORY, TY_ERROR_FILE, TY_CANCELLED. */
 ty_result matrix_bake(figure_run* run, const char* folder, matrix_row* row);
-/* Compares the viewer's final picture with that of `tyndall render`, whose cell is filled in. Errors: as matrix_bake. */
+/* Compares the viewer's final picture with that of `tyndall render`, whose cell is filled in. Errors: as matrix_bake.
+ */
 ty_result matrix_view(figure_run* run, const char* folder, const matrix_table* table, matrix_row* row);
 
 enum { MATRIX_USE_SIZE = 16 };

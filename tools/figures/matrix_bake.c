@@ -12,7 +12,7 @@ enum { LINES = 9, RECEIVERS_MAX = (LINES + 2) * (LINES + 2) };
 /* The floors of the surroundings, which are their first surfaces: vertices at equal distances, and at the corners of
  * a plain that reaches farther. */
 typedef struct floor_mesh {
-    const char* name; /* of the file without its .obj */
+    const char* name;          /* of the file without its .obj */
     double lower[2], upper[2]; /* x, z */
     double beyond;             /* half of the plain's side; 0: none */
     const char* albedo;
@@ -94,31 +94,20 @@ static ty_result bake(figure_run* run, const char* folder, const matrix_row* row
     const floor_mesh* mesh = &floors[row->scene.values[MATRIX_SURROUNDINGS]];
     const bool reference = strcmp(method, "path") == 0;
     char scene[MATRIX_PATH_SIZE], target[MATRIX_PATH_SIZE], change[256];
-    const char* const arguments[] = {"bake",
-                                     scene,
-                                     "-o",
-                                     target,
-                                     "-q",
-                                     "--threads",
-                                     "1",
-                                     "--vertices",
-                                     "--method",
-                                     method,
-                                     "--spp",
-                                     quick       ? "16"
-                                     : reference ? "4096"
-                                                 : "256",
-                                     "--error",
-                                     reference ? "0.03" : "0.01",
-                                     "--cache",
-                                     quick ? "8" : "16",
-                                     "-D",
-                                     change,
+    const char* const arguments[] = {"bake",     scene,
+                                     "-o",       target,
+                                     "-q",       "--threads",
+                                     "1",        "--vertices",
+                                     "--method", method,
+                                     "--spp",    quick ? "16" : reference ? "4096" : "256",
+                                     "--error",  reference ? "0.03" : "0.01",
+                                     "--cache",  quick ? "8" : "16",
+                                     "-D",       change,
                                      NULL};
     matrix_scene_path(folder, row, scene);
     snprintf(target, sizeof target, "%s/baked", folder);
-    snprintf(change, sizeof change,
-             "geometry[0]={\"file\": \"%s.obj\", \"material\": {\"albedo\": %s}}", mesh->name, mesh->albedo);
+    snprintf(change, sizeof change, "geometry[0]={\"file\": \"%s.obj\", \"material\": {\"albedo\": %s}}", mesh->name,
+             mesh->albedo);
     ty_result result = matrix_run_tyndall(arguments, process);
     if (result == TY_OK && process->status == 0) result = read_result(run, folder, mesh->name, out);
     return result;

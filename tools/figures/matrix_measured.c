@@ -41,10 +41,11 @@ static ty_result print_measured(ty_context* context, FILE* file, const void* use
     const matrix_table* table = user;
     char name[MATRIX_USE_SIZE];
     (void)context;
-    fputs("# The matrix as measured (make matrix): scene, method or use, what became of it, mean ratio, relative RMSE, "
-          "processor\n# time in s, the parts of it that the view and the paths of surfaces take, the standard deviation "
-          "of a pixel by one\n# such path over their mean.\n",
-          file);
+    fputs(
+        "# The matrix as measured (make matrix): scene, method or use, what became of it, mean ratio, relative RMSE, "
+        "processor\n# time in s, the parts of it that the view and the paths of surfaces take, the standard deviation "
+        "of a pixel by one\n# such path over their mean.\n",
+        file);
     for (int32_t i = 0; i < table->row_count; ++i)
         for (int32_t u = 0; u < matrix_use_count(table); ++u) {
             const matrix_cell* cell = matrix_use(table, i, u, name);

@@ -35,7 +35,8 @@ static ty_result take_image(figure_run* run, const char* folder, const matrix_ro
     return result;
 }
 
-/* Processor times of the parts of a rendering. Stages of the view are per pixel, all others of a method are its solve. */
+/* Processor times of the parts of a rendering. Stages of the view are per pixel, all others of a method are its solve.
+ */
 static void take_parts(const char* folder, bool path, matrix_cell* out) {
     static const char* const views[] = {"view_seconds",   "surface_seconds", "march_seconds",
                                         "single_seconds", "compose_seconds", "filtering_seconds"};

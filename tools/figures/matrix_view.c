@@ -61,8 +61,8 @@ ty_result matrix_view(figure_run* run, const char* folder, const matrix_table* t
     matrix_scene_path(folder, row, scene);
     matrix_image_path(folder, image_path);
     snprintf(samples, sizeof samples, "render.spp=%d", table->samples);
-    const char* const arguments[] = {scene, "--method", row->view_method, "--no-compare", "--threads",
-                                     "1",   "-D",       samples,          NULL};
+    const char* const arguments[] = {scene,   "--method", row->view_method, "--no-compare", "--threads", "1", "-D",
+                                     samples, NULL};
     view_client* client = view_client_open(arguments);
     if (client == NULL) {
         fail(out, "the viewer does not start");

@@ -72,7 +72,8 @@ static int32_t find_wrong(const design* of, const regression_sign* signs, const 
     double largest = 0;
     for (int32_t k = 1; k < of->count; ++k) {
         const regression_sign sign = signs[of->used[k]];
-        const bool wrong = sign == REGRESSION_INCREASING ? scaled[k] < 0 : sign == REGRESSION_DECREASING && scaled[k] > 0;
+        const bool wrong =
+            sign == REGRESSION_INCREASING ? scaled[k] < 0 : sign == REGRESSION_DECREASING && scaled[k] > 0;
         if (!wrong || fabs(scaled[k]) <= largest) continue;
         worst = k;
         largest = fabs(scaled[k]);

@@ -95,10 +95,24 @@ int cli_report_stages(const cli_report* report, cli_stage out[CLI_STAGES_MAX]) {
 
 /* ---- Reports ---- */
 
+/* Two digits at most, because no more are known. */
+void cli_expectation_text(const cli_report* report, char* out, size_t size) {
+    const double percent = 100 * report->expected_error;
+    snprintf(out, size, "about %.*f %%, %.*g s", percent < 1 ? 1 : 0, percent, report->expected_seconds < 10 ? 1 : 2,
+             report->expected_seconds);
+}
+
 void cli_report_stats(json_writer* json, const void* user) {
     const cli_report* report = user;
     json_text(json, "method", report->method);
-    if (report->choice[0] != '\0') json_text(json, "choice", report->choice);
+    if (report->choice[0] != '\0') {
+        json_text(json, "choice", report->choice);
+        json_number(json, "choice_seconds", report->choice_seconds);
+    }
+    if (report->expected_seconds > 0) {
+        json_number(json, "expected_error", report->expected_error);
+        json_number(json, "expected_seconds", report->expected_seconds);
+    }
     json_text(json, "scene", report->scene);
     json_int(json, "scene_bytes", (int64_t)report->scene_bytes);
     json_int(json, "width", report->width);
@@ -147,6 +161,10 @@ ty_result cli_report_metadata(ty_image* image, const cli_report* report) {
         result = ty_image_set_number(image, numbers[i].key, numbers[i].value);
     if (result == TY_OK && report->choice[0] != '\0')
         result = ty_image_set_text(image, "tyndall.choice", report->choice);
+    if (result == TY_OK && report->expected_seconds > 0)
+        result = ty_image_set_number(image, "tyndall.expected_error", report->expected_error);
+    if (result == TY_OK && report->expected_seconds > 0)
+        result = ty_image_set_number(image, "tyndall.expected_seconds", report->expected_seconds);
     if (result == TY_OK && report->fov_y > 0) result = ty_image_set_number(image, cli_fov_key, report->fov_y);
     return result;
 }

@@ -11,7 +11,9 @@ typedef struct cli_report {
     char scene[17]; /* hash */
     size_t scene_bytes;
     const char* method;
-    char choice[256];     /* reason of method auto's choice; "": no choice was made */
+    char choice[256];                        /* reason of method auto's choice; "": no choice was made */
+    double expected_error, expected_seconds; /* of that choice, on so many threads; 0: none */
+    double choice_seconds;                   /* that the choice took */
     const ty_method* ran; /* the method that rendered; NULL: none, or path tracing outside a method */
     ty_method_run run;
     uint64_t seed;
@@ -21,6 +23,9 @@ typedef struct cli_report {
     bool resumed, complete;
     ty_denoise_stats denoised; /* cookie 0: it was not denoised */
 } cli_report;
+
+/* What is expected of a choice: "about 2 %, 0.3 s". */
+void cli_expectation_text(const cli_report* report, char* out, size_t size);
 
 enum { CLI_STAGES_MAX = 24 };
 

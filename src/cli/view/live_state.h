@@ -94,7 +94,9 @@ struct view_live {
     bool running;
     const ty_scene* scene;
     const ty_method* method;
-    bool automatic; /* the method is chosen anew when lights, media or surfaces change */
+    bool automatic;                          /* the method is chosen anew when lights, media or surfaces change */
+    bool choice_due;                         /* once nothing moves any more */
+    double expected_error, expected_seconds; /* of the choice; 0: none */
     bool compare, paused;
     int32_t width, height;
     double exposure;
@@ -157,6 +159,8 @@ int view_open_photo(view_live* live, const view_live_def* def);
 bool view_live_step(view_live* live);
 /* The same for a scene. */
 bool view_step_scene(view_live* live);
+/* Makes a choice of method auto that a drag put off. */
+void view_choose_again(view_live* live);
 /* The same by `render`: makes an image with the sides of the frame divided, and its stats. */
 typedef ty_result (*view_render_fn)(view_live* live, int32_t divisor, ty_image** out, ty_method_run* run);
 bool view_step_render(view_live* live, view_render_fn render);

@@ -17,14 +17,31 @@ enum { SIDE_MAX_X = 960, SIDE_MAX_Y = 540 };
 
 /* ---- the method ---- */
 
+/* Without trials, which take longer than an image may. */
 static const ty_method* choose(view_live* live) {
-    const ty_choose_def def = ty_default_choose_def();
+    ty_choose_def def = ty_default_choose_def();
     ty_choice choice;
+    def.trials = false;
+    def.width = live->width;
+    def.height = live->height;
+    live->choice_due = false;
+    live->expected_error = live->expected_seconds = 0;
     if (ty_choose_method(live->scene, &def, &choice) != TY_OK) {
         ty_take_error(live->context);
         return &ty_method_path;
     }
+    live->expected_error = choice.error;
+    live->expected_seconds = choice.seconds / ty_context_threads(live->context);
     return ty_method_find(choice.method);
+}
+
+static void take_method(view_live* live, const ty_method* method) {
+    live->method = method;
+    live->shown = VIEW_SHOWN_NOTHING;
+    live->failed = false;
+    view_coarse_forget(live);
+    live->has_difference = false;
+    live->message[0] = '\0';
 }
 
 static bool set_method(view_live* live, const char* name) {
@@ -32,13 +49,17 @@ static bool set_method(view_live* live, const char* name) {
     const ty_method* method = automatic ? choose(live) : ty_method_find(name);
     if (method == NULL) return false;
     live->automatic = automatic;
-    live->method = method;
-    live->shown = VIEW_SHOWN_NOTHING;
-    live->failed = false;
-    view_coarse_forget(live);
-    live->has_difference = false;
-    live->message[0] = '\0';
+    take_method(live, method);
     return true;
+}
+
+void view_choose_again(view_live* live) {
+    if (!live->choice_due || live->moved > 0) return;
+    const ty_method* method = live->automatic ? choose(live) : live->method;
+    live->choice_due = false;
+    if (method == live->method) return;
+    take_method(live, method);
+    view_tell_scene(live, NULL);
 }
 
 /* ---- edits ---- */
@@ -60,10 +81,13 @@ static void take(view_live* live, uint32_t edited) {
     if (light || (live->light_method != NULL && live->light_method->follows_camera != NULL &&
                   live->light_method->follows_camera(live->scene)))
         view_live_drop_light(live);
-    if (live->automatic && light) {
-        const ty_method* method = choose(live);
-        if (method != live->method) set_method(live, "auto");
+    if (!live->automatic || !light) return;
+    if (live->moved > 0) {
+        live->choice_due = true;
+        return;
     }
+    const ty_method* method = choose(live);
+    if (method != live->method) take_method(live, method);
 }
 
 static const char* text(const view_live* live) {
@@ -85,6 +109,11 @@ static json_t* camera_object(const view_live* live) {
 
 static void describe_view(const view_live* live, json_t* view) {
     json_object_set_new(view, "camera", camera_object(live));
+    const bool expected = live->automatic && live->expected_seconds > 0;
+    json_object_set_new(view, "expected",
+                        expected ? json_pack("{s:o, s:o}", "error", view_number(live->expected_error), "seconds",
+                                             view_number(live->expected_seconds))
+                                 : json_null());
 }
 
 static json_t* methods_array(json_t* schema) {

@@ -353,6 +353,7 @@ static bool is_due_to_path(view_live* live) {
 }
 
 bool view_step_scene(view_live* live) {
+    view_choose_again(live);
     if (live->method == &ty_method_path) return step_path(live);
     if (is_due_to_path(live) && step_reference(live)) return true;
     const bool worked =

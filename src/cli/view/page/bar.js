@@ -107,6 +107,9 @@ const refresh = () => {
   check(find("#methods"), button => button.dataset.method === method);
   for (const button of find("#methods").children)
     button.classList.toggle("chosen", method === "auto" && button.dataset.method === methodShown());
+  const { expected } = state.view, automatic = find('#methods [data-method="auto"]');
+  if (automatic !== null) automatic.title = "the method that suits the view (O)" + (method === "auto" && expected
+    ? `: ${methodShown()}, about ${(100 * expected.error).toPrecision(2)} %, ${expected.seconds.toPrecision(2)} s` : "");
   check(find("#modes"), button => button.dataset.mode === state.display.mode);
   find("#compare").setAttribute("aria-pressed", compare);
   find("#pause").setAttribute("aria-pressed", paused);
