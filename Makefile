@@ -1,5 +1,5 @@
 # The few things one wants without knowing the build. Everything below is CMake (CMakePresets.json).
-.PHONY: all demo test validate docs figures matrix performance fuzz tsan tidy format format-check package clean
+.PHONY: all demo test validate docs figures matrix auto-model performance fuzz tsan tidy format format-check package clean
 .DEFAULT_GOAL := all
 
 sources = $(shell find include src tools tests examples -name '*.[ch]' -o -name '*.cpp')
@@ -50,15 +50,26 @@ figures:
 	@build/release/bin/tyndall figure all -o out/figures --keep $(FIGURES)
 	@scripts/insert_between_marks.sh docs/figures.md "measured figures" out/figures/summary.md
 
-# Every method on the scenes of the matrix, into docs/matrix.md. MATRIX="--spp 65536" makes the stored means of path
-# anew, too, and goes on where that was interrupted; then copy out/matrix/matrix_reference.txt to tools/scenes.
+# Every method on the scenes of the matrix, into docs/matrix.md and the stored table of measurements. MATRIX="--spp 65536"
+# makes the stored means of path anew, too, and goes on where that was interrupted; then copy
+# out/matrix/matrix_reference.txt to tools/scenes.
 MATRIX =
 matrix:
 	@scripts/setup.sh
 	@scripts/build.sh release tyndall_cli tyndall_figure
 	@mkdir -p out
-	@build/release/bin/tyndall figure matrix -o out/matrix $(MATRIX)
+	@build/release/bin/tyndall figure matrix-methods -o out/matrix $(MATRIX)
 	@scripts/insert_between_marks.sh docs/matrix.md "measured matrix" out/matrix/matrix/tables.md
+	@cp out/matrix/matrix/measured.txt tools/scenes/matrix_measured.txt
+
+# The model of method auto, fitted to that table, and its figures in docs/method/auto.md.
+auto-model:
+	@scripts/setup.sh
+	@scripts/build.sh release tyndall_cli tyndall_figure
+	@mkdir -p out
+	@build/release/bin/tyndall figure auto-model -o out/auto
+	@cp out/auto/model_table.c src/choose/model_table.c
+	@scripts/insert_between_marks.sh docs/method/auto.md "measured auto" out/auto/model_tables.md
 
 # All benches, into docs/performance.json and docs/performance.md, beside what that file held before.
 PERFORMANCE = --rounds 3 --runs 1 --spp 16

@@ -140,15 +140,17 @@ test_discrete() {
 
 # Every method on two scenes of the matrix, against the stored means; refusals are cells of its tables.
 test_matrix() {
-  expect 0 figure matrix -o made --quick
+  expect 0 figure matrix-methods -o made --quick
   figure_files matrix-methods
   near matrix-methods '"point_terrain_emissive_moderate_g0.5_a0.5, dom",mean ratio,1' 1.0124 0.02
   near matrix-methods '"spot_room_homogeneous_thin_g0.9_a0.9, dom",mean ratio,1' 0.970837 0.03
   expect 0 render made/matrix/spot_room_homogeneous_thin_g0.9_a0.9.json --spp 1 --size 8x6 -o made/spot.exr
-  for title in Methods 'By kind of scene' Refusals Outliers 'Choices of auto' 'All scenes'; do
+  for title in Methods 'By kind of scene' Refusals Outliers 'Baking and viewing' 'All scenes'; do
     said made/matrix/tables.md "^### $title$"
   done
   said made/matrix/tables.md '^\| `path` \| 2 \| 0 \| 0 \|'
+  said made/matrix/tables.md '^\| view \| 2 \| 0 \| 0 \| 2 \|'
+  said made/matrix/measured.txt '^spot_room_homogeneous_thin_g0.9_a0.9 bake_cache rendered( [0-9.e-]+){6}$'
   said made/matrix/tables.md '^\| spot_room_homogeneous_thin_g0.9_a0.9 \([0-9.]+\) \|( ([0-9.]+ / [0-9.]+ / [0-9.e-]+|refuses) \|)+$'
 }
 

@@ -138,7 +138,7 @@ static ty_result print_model(ty_context* context, FILE* file, const void* user) 
     const study* of = user;
     (void)context;
     fputs("/* Coefficients of the expected errors and times of methods, made by `make auto-model`. */\n"
-          "#include \"choose/predict.h\"\n\nstatic const ty_method_model methods[] = {\n",
+          "#include \"choose/predict.h\"\n\n/* clang-format off */\nstatic const ty_method_model methods[] = {\n",
           file);
     for (int32_t m = 0; m < AUTO_METHODS; ++m) {
         static const char* const fits[TY_FITS] = {"TY_FIT_ERROR", "TY_FIT_SOLVE", "TY_FIT_VIEW", "TY_FIT_SURFACE",
@@ -160,7 +160,7 @@ static ty_result print_model(ty_context* context, FILE* file, const void* user) 
         }
         fputs("}},\n", file);
     }
-    fputs("};\n\nconst ty_choice_model ty_fitted_model = {sizeof methods / sizeof methods[0], methods};\n", file);
+    fputs("};\n/* clang-format on */\n\nconst ty_choice_model ty_fitted_model = {sizeof methods / sizeof methods[0], methods};\n", file);
     return TY_OK;
 }
 

@@ -97,6 +97,8 @@ double matrix_exposure(const matrix_row* row);
  * table in any case. Errors: TY_ERROR_FILE, TY_ERROR_MEMORY. */
 ty_result matrix_open(figure_run* run, char folder[FIGURE_PATH_SIZE], matrix_table* table);
 void matrix_close(matrix_table* table);
+/* Renders, bakes and views all rows by all methods of the registry. Errors: those of the functions below. */
+ty_result matrix_fill(figure_run* run, const char* folder, matrix_table* table);
 /* The file of a row's scene. */
 void matrix_scene_path(const char* folder, const matrix_row* row, char out[MATRIX_PATH_SIZE]);
 

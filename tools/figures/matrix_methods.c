@@ -138,8 +138,12 @@ static void show(figure_run* run, matrix_table* table) {
     figure_place_sheet(run, TY_OK, &sheet, NULL);
 }
 
-static ty_result fill(figure_run* run, const char* folder, matrix_table* table) {
+ty_result matrix_fill(figure_run* run, const char* folder, matrix_table* table) {
     ty_result result = TY_OK;
+    while (ty_methods[table->method_count] != NULL && table->method_count < MATRIX_METHODS_MAX) {
+        table->methods[table->method_count] = ty_methods[table->method_count]->name;
+        ++table->method_count;
+    }
     for (int32_t i = 0; i < table->row_count && result == TY_OK; ++i) {
         cli_progress_step(&run->session->progress, table->rows[i].name, i, table->row_count,
                           cli_wall_seconds() - run->session->started);
@@ -152,11 +156,7 @@ ty_result figure_matrix_methods(figure_run* run) {
     char folder[FIGURE_PATH_SIZE], path[MATRIX_PATH_SIZE];
     matrix_table table = {0};
     ty_result result = matrix_open(run, folder, &table);
-    while (ty_methods[table.method_count] != NULL && table.method_count < MATRIX_METHODS_MAX) {
-        table.methods[table.method_count] = ty_methods[table.method_count]->name;
-        ++table.method_count;
-    }
-    if (result == TY_OK) result = fill(run, folder, &table);
+    if (result == TY_OK) result = matrix_fill(run, folder, &table);
     snprintf(path, sizeof path, "%s/tables.md", folder);
     if (result == TY_OK) result = matrix_write_tables(run->session->context, &table, path);
     snprintf(path, sizeof path, "%s/measured.txt", folder);
