@@ -109,8 +109,8 @@ const char* ty_choice_method_name(int32_t index) {
 }
 
 /* Traces the pilot and tries the methods that take the scene. */
-static ty_result measure(const ty_scene* scene, const ty_choose_def* def, bool alone, ty_scene_features* out) {
-    const bool tried = def->trials && !alone;
+static ty_result measure(const ty_scene* scene, const ty_choose_def* def, bool path_only, ty_scene_features* out) {
+    const bool tried = def->trials && !path_only;
     ty_pilot pilot;
     const ty_result result = ty_pilot_trace(scene, tried ? tried_interactions : untried_interactions, &pilot, out);
     if (result == TY_OK && tried) {
@@ -128,16 +128,16 @@ static ty_result measure(const ty_scene* scene, const ty_choose_def* def, bool a
 static void choose_by_cost(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
     const ty_picture_size size = size_of(scene, def);
     const char* next = NULL;
-    double least = INFINITY, second = INFINITY;
+    double cost_min = INFINITY, second = INFINITY;
     for (int32_t i = 0; i < ty_fitted_model.count; ++i) {
         const char* name = ty_fitted_model.methods[i].name;
         if (i > 0 && !takes(ty_method_find(name), scene, def)) continue;
         const ty_expectation expected = ty_expect(&ty_fitted_model, i, &out->features, &size);
         const double cost = ty_cost_of(&expected);
-        if (cost < least) {
-            second = least;
+        if (cost < cost_min) {
+            second = cost_min;
             next = i > 0 ? out->method : NULL;
-            least = cost;
+            cost_min = cost;
             out->method = name;
             out->error = expected.error;
             out->seconds = expected.seconds;
@@ -149,10 +149,10 @@ static void choose_by_cost(const ty_scene* scene, const ty_choose_def* def, ty_c
     describe(&out->features, out->reason, sizeof out->reason);
     if (next == NULL) return;
     char more[80];
-    if (second < 1.05 * least)
+    if (second < 1.05 * cost_min)
         snprintf(more, sizeof more, "; %s is expected to cost the same", next);
     else
-        snprintf(more, sizeof more, "; %s comes next, at %.2g times the cost", next, second / least);
+        snprintf(more, sizeof more, "; %s comes next, at %.2g times the cost", next, second / cost_min);
     append(out->reason, sizeof out->reason, more);
 }
 
@@ -172,14 +172,14 @@ ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_c
     ty_choice choice = {.method = "path"};
     if (result == TY_OK) result = ty_scene_features_find(scene, &choice.features);
     if (result != TY_OK) return result;
-    bool alone = asks_path(&own, &choice);
-    if (!alone && choice.features.opacity < min_opacity) {
+    bool path_only = asks_path(&own, &choice);
+    if (!path_only && choice.features.opacity < min_opacity) {
         snprintf(choice.reason, sizeof choice.reason, "no media are in view");
-        alone = true;
+        path_only = true;
     }
-    result = measure(scene, &own, alone, &choice.features);
+    result = measure(scene, &own, path_only, &choice.features);
     if (result != TY_OK) return result;
-    if (alone)
+    if (path_only)
         choose_path(scene, &own, &choice);
     else
         choose_by_cost(scene, &own, &choice);

@@ -244,7 +244,12 @@ ty_result ty_scene_features_find(const ty_scene* scene, ty_scene_features* out) 
     view_ray* rays = ty_alloc_array(context, RAYS, sizeof *rays, true);
     if (rays == NULL) return TY_ERROR_MEMORY;
     if (result == TY_OK) result = trace_view_rays(&job, scene, rays, out);
-    if (result == TY_OK && job.view->medium_count > 0) out->span = find_span(&job, &box);
+    if (result == TY_OK && job.view->medium_count > 0) {
+        out->span = find_span(&job, &box);
+        int32_t size[3];
+        ty_grid_box_cut(&box, ty_grid_box_longest(scene, 0), size);
+        out->voxels = (double)size[0] * size[1] * size[2];
+    }
     if (result == TY_OK && job.view->mesh != NULL) result = find_enclosed(&job, scene, rays, (float)side, out);
     ty_free_array(context, rays, RAYS, sizeof *rays);
     return result;

@@ -10,8 +10,8 @@ const double ty_error_unseen = 0.02, ty_seconds_unfelt = 1;
 static const double block = 4;
 
 /* Features are cut to where the logarithms of the regression are of use. */
-static double log_above(double least, double value) {
-    return log(fmax(least, value));
+static double log_above(double bound, double value) {
+    return log(fmax(bound, value));
 }
 
 /* Estimated number of scatterings before absorption or escape. */
@@ -37,6 +37,7 @@ void ty_terms_of(const ty_scene_features* features, int32_t method, double out[T
     out[TY_TERM_HETEROGENEOUS] = features->heterogeneous ? 1 : 0;
     out[TY_TERM_SPAN] = log(1 + features->span);
     out[TY_TERM_LIGHTS] = log(1.0 + features->light_count);
+    out[TY_TERM_VOXELS] = log_above(1e-3, features->voxels / (64.0 * 64 * 64));
     out[TY_TERM_TRIAL] = log_above(4e-3, features->trials[method]);
     out[TY_TERM_TRIAL_NOISE] = log_above(4e-3, features->trial_noise);
 }
@@ -57,11 +58,19 @@ ty_expectation ty_expect(const ty_choice_model* model, int32_t method, const ty_
         return (ty_expectation){fitted(of, TY_FIT_ERROR, terms) / root, paths * fitted(of, TY_FIT_VIEW, terms)};
     const bool tried = features->trials[method] > 0;
     const double error = fitted(of, tried ? TY_FIT_ERROR : TY_FIT_UNTRIED, terms);
-    const bool traces = features->surface_vertices > 0 && ty_method_find(of->name)->takes_surfaces;
+    const double fine = fitted(of, TY_FIT_FINE, terms);
+    const bool takes_surfaces = ty_method_find(of->name)->takes_surfaces;
+    const bool traces = features->surface_vertices > 0 && takes_surfaces;
     const double noise = traces ? features->surface_noise / root : 0;
-    return (ty_expectation){hypot(error, noise), fitted(of, TY_FIT_SOLVE, terms) +
-                                                     size->pixels * fitted(of, TY_FIT_VIEW, terms) +
-                                                     (traces ? paths * fitted(of, TY_FIT_SURFACE, terms) : 0)};
+    return (ty_expectation){hypot(hypot(error, fine), noise),
+                            fitted(of, TY_FIT_SOLVE, terms) + size->pixels * fitted(of, TY_FIT_VIEW, terms) +
+                                (traces ? paths * fitted(of, TY_FIT_SURFACE, terms) : 0)};
+}
+
+double ty_expect_fine(const ty_choice_model* model, int32_t method, const ty_scene_features* features) {
+    double terms[TY_TERMS];
+    ty_terms_of(features, method, terms);
+    return fitted(&model->methods[method], TY_FIT_FINE, terms);
 }
 
 double ty_cost_of(const ty_expectation* of) {

@@ -23,6 +23,7 @@ typedef enum ty_term {
     TY_TERM_HETEROGENEOUS,    /* 1 with heterogeneous media */
     TY_TERM_SPAN,             /* log of 1 + `span` */
     TY_TERM_LIGHTS,           /* log of 1 + `light_count` */
+    TY_TERM_VOXELS,           /* log of `voxels` over 64^3 */
     TY_TERM_TRIAL,            /* log of the method's `trials` */
     TY_TERM_TRIAL_NOISE,      /* log of `trial_noise` */
     TY_TERMS
@@ -34,6 +35,7 @@ typedef enum ty_fit {
     TY_FIT_SOLVE,   /* s, of what is done once; path: unused */
     TY_FIT_VIEW,    /* s per pixel; path: s per path */
     TY_FIT_SURFACE, /* s per path of surfaces, the same for all methods with takes_surfaces */
+    TY_FIT_FINE,    /* error of structure below a twelfth of the picture; path: unused */
     TY_FIT_UNTRIED, /* TY_FIT_ERROR without trials; path: unused */
     TY_FITS
 } ty_fit;
@@ -69,6 +71,8 @@ extern const double ty_error_unseen, ty_seconds_unfelt;
 void ty_terms_of(const ty_scene_features* features, int32_t method, double out[TY_TERMS]);
 ty_expectation ty_expect(const ty_choice_model* model, int32_t method, const ty_scene_features* features,
                          const ty_picture_size* size);
+/* The part of an error that is TY_FIT_FINE. */
+double ty_expect_fine(const ty_choice_model* model, int32_t method, const ty_scene_features* features);
 /* Error times the root of time, with the values above added to each: what noise of path costs whatever its number of
  * samples, so that a method costs less than path where path would have more error in its time. */
 double ty_cost_of(const ty_expectation* of);

@@ -36,6 +36,7 @@ static const regression_sign method_signs[TY_FITS][TY_TERMS] = {
                       [TY_TERM_ENVIRONMENT] = DOWN,
                       [TY_TERM_TRIAL] = UP,
                       [TY_TERM_TRIAL_NOISE] = DOWN},
+    [TY_FIT_FINE] = {[TY_TERM_SURFACES] = UP, [TY_TERM_NOISE] = UP},
     [TY_FIT_UNTRIED] = {[TY_TERM_MULTIPLE] = UP,
                         [TY_TERM_FORWARD] = UP,
                         [TY_TERM_CELL] = UP,
@@ -43,7 +44,8 @@ static const regression_sign method_signs[TY_FITS][TY_TERMS] = {
                         [TY_TERM_NOISE] = UP,
                         [TY_TERM_ENCLOSED] = ANY,
                         [TY_TERM_ENVIRONMENT] = DOWN},
-    [TY_FIT_SOLVE] = {[TY_TERM_LIGHTS] = UP,
+    [TY_FIT_SOLVE] = {[TY_TERM_VOXELS] = UP,
+                      [TY_TERM_LIGHTS] = UP,
                       [TY_TERM_ENVIRONMENT] = ANY,
                       [TY_TERM_SURFACES] = ANY,
                       [TY_TERM_ENCLOSED] = ANY,
@@ -65,8 +67,8 @@ static void fit_one(const auto_row* rows, int32_t count, int32_t left_out, int32
            *weights = calloc((size_t)count, sizeof *weights);
     for (int32_t i = 0; terms != NULL && values != NULL && weights != NULL && i < count; ++i) {
         const auto_measured* measured = &rows[i].methods[method];
-        const double quantities[TY_FITS] = {measured->error, measured->solve, measured->view, measured->surface,
-                                            measured->error};
+        const double quantities[TY_FITS] = {measured->error,   measured->solve, measured->view,
+                                            measured->surface, measured->fine,  measured->error};
         memcpy(terms + (size_t)i * TY_TERMS, rows[i].terms[method], sizeof rows[i].terms[method]);
         weights[i] = i != left_out && quantities[which] > 0 ? 1 : 0;
         values[i] = weights[i] > 0 ? log(quantities[which]) : 0;
@@ -83,7 +85,7 @@ void auto_model_fit(const auto_row* rows, int32_t count, int32_t left_out, ty_me
         out[m] = (ty_method_model){.name = auto_methods[m]};
         for (int f = 0; f < TY_FITS; ++f) {
             const bool surfaces = f == TY_FIT_SURFACE;
-            if (surfaces || (m == 0 && (f == TY_FIT_SOLVE || f == TY_FIT_UNTRIED))) continue;
+            if (surfaces || (m == 0 && (f == TY_FIT_SOLVE || f == TY_FIT_FINE || f == TY_FIT_UNTRIED))) continue;
             fit_one(rows, count, left_out, m, f, m == 0 ? path_signs[f] : method_signs[f], out[m].terms[f]);
         }
     }
@@ -98,8 +100,10 @@ void auto_model_fit(const auto_row* rows, int32_t count, int32_t left_out, ty_me
 ty_expectation auto_measured_at(const auto_row* row, int32_t method, const ty_picture_size* size) {
     const auto_measured* of = &row->methods[method];
     const double root = 4 * sqrt(size->samples), paths = size->pixels * size->samples;
+    const bool large = size->pixels == AUTO_LARGE_PIXELS && size->samples == MATRIX_SAMPLES;
+    if (large && of->large.seconds > 0) return of->large;
     if (method == 0) return (ty_expectation){of->error / root, paths * of->view};
-    return (ty_expectation){hypot(of->error, of->noise / root),
+    return (ty_expectation){hypot(hypot(of->error, of->fine_fitted), of->noise / root),
                             of->solve + size->pixels * of->view + paths * of->surface};
 }
 
@@ -108,9 +112,10 @@ auto_judged auto_model_judge(const auto_row* row, const ty_scene_features* featu
     auto_judged out = {.best = -1, .chosen = -1};
     for (int32_t m = 0; m < AUTO_METHODS; ++m) {
         if (!row->methods[m].rendered) continue;
-        const ty_expectation expected = ty_expect(model, m, features, size);
+        const ty_expectation expected =
+            m < model->count ? ty_expect(model, m, features, size) : (ty_expectation){INFINITY, INFINITY};
         const ty_expectation measured = auto_measured_at(row, m, size);
-        if (out.chosen < 0 || ty_cost_of(&expected) < ty_cost_of(&out.expected)) {
+        if (m < model->count && (out.chosen < 0 || ty_cost_of(&expected) < ty_cost_of(&out.expected))) {
             out.chosen = m;
             out.expected = expected;
             out.measured = measured;

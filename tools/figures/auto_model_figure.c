@@ -1,5 +1,6 @@
 /* Fits the model of method auto to the matrix, and tells what its choices cost on scenes that were left out. */
 #include "figures/auto_model.h"
+#include "figures/view.h"
 #include "cli/text/text_file.h"
 
 #include <math.h>
@@ -8,7 +9,7 @@
 
 enum { SIZES = 3, LISTED = 1 };
 
-static const ty_picture_size sizes[SIZES] = {{48.0 * 36, 32}, {160.0 * 120, 32}, {640.0 * 480, 64}};
+static const ty_picture_size sizes[SIZES] = {{48.0 * 36, 32}, {AUTO_LARGE_PIXELS, 32}, {640.0 * 480, 64}};
 static const char* const size_names[SIZES] = {"48 x 36, 32 samples", "160 x 120, 32 samples", "640 x 480, 64 samples"};
 
 typedef struct study {
@@ -22,7 +23,7 @@ typedef struct study {
 
 static bool take_method(const matrix_row* row, int32_t method, const ty_scene_features* features, auto_measured* out) {
     const double pixels = (double)MATRIX_WIDTH * MATRIX_HEIGHT, paths = pixels * MATRIX_SAMPLES;
-    const double least = 1e-9; /* s, of a view of a pixel that is too short to be measured */
+    const double view_min = 1e-9; /* s, of a view of a pixel that is too short to be measured */
     matrix_cell cell;
     *out = (auto_measured){.rendered = false};
     if (!matrix_find_measured(row->name, auto_methods[method], &cell)) return false;
@@ -31,14 +32,22 @@ static bool take_method(const matrix_row* row, int32_t method, const ty_scene_fe
     if (method == 0) {
         /* The reference has many more paths than the picture. */
         out->error = row->noise * MATRIX_BLOCK * sqrt(row->reference.samples);
-        out->view = fmax(cell.seconds / paths, least);
+        out->view = fmax(cell.seconds / paths, view_min);
+        /* Its error by the reference's noise, which is less noisy itself than a difference of two noisy pictures. */
+        if (matrix_find_fine(row->name, auto_methods[method], &out->large))
+            out->large.error = out->error / (FIGURE_BLOCK * sqrt(MATRIX_SAMPLES));
         return true;
     }
     out->noise = cell.deviation * features->unscattered;
     const double of_blocks = out->noise / (MATRIX_BLOCK * sqrt(MATRIX_SAMPLES));
     out->error = fmax(sqrt(fmax(cell.rmse * cell.rmse - of_blocks * of_blocks, 0)), 0.3 * ty_error_unseen);
-    out->view = fmax(cell.view / pixels, least);
+    out->view = fmax(cell.view / pixels, view_min);
     out->surface = cell.surface / paths;
+    if (matrix_find_fine(row->name, auto_methods[method], &out->large)) {
+        const double noise = out->noise / (FIGURE_BLOCK * sqrt(MATRIX_SAMPLES)), large = out->large.error;
+        out->fine =
+            sqrt(fmax(large * large - out->error * out->error - noise * noise, ty_error_unseen * ty_error_unseen));
+    }
     out->solve = fmax(cell.seconds - cell.view - cell.surface, 1e-3);
     return true;
 }
@@ -77,10 +86,21 @@ static ty_result take_row(figure_run* run, const char* folder, matrix_row* row, 
 
 /* ---- judging ---- */
 
+/* Errors of structure of scenes that have none measured are those of the fit. */
+static void take_fine(study* of) {
+    const ty_choice_model model = {AUTO_METHODS, of->methods}; /* those left out, too */
+    for (int32_t i = 0; i < of->count; ++i)
+        for (int32_t m = 1; m < AUTO_METHODS; ++m) {
+            auto_measured* measured = &of->rows[i].methods[m];
+            measured->fine_fitted =
+                measured->fine > 0 ? measured->fine : ty_expect_fine(&model, m, &of->rows[i].features);
+        }
+}
+
 static void judge(study* of) {
     for (int32_t i = 0; i < of->count; ++i) {
         ty_method_model methods[AUTO_METHODS];
-        const ty_choice_model others = {AUTO_METHODS, methods}, all = {AUTO_METHODS, of->methods};
+        const ty_choice_model others = {AUTO_CANDIDATES, methods}, all = {AUTO_CANDIDATES, of->methods};
         auto_model_fit(of->rows, of->count, i, methods);
         for (int s = 0; s < SIZES; ++s) {
             const auto_row* row = &of->rows[i];
@@ -92,11 +112,12 @@ static void judge(study* of) {
 }
 
 /* Geometric mean of the losses of one method for all scenes. */
-static double loss_of(const study* of, int32_t method, int size) {
+static double loss_of(const study* of, int32_t method, int size, bool large) {
     double sum = 0;
     int32_t count = 0;
     for (int32_t i = 0; i < of->count; ++i) {
         if (!of->rows[i].methods[method].rendered) continue;
+        if (large && !(of->rows[i].methods[0].large.seconds > 0)) continue;
         const ty_expectation measured = auto_measured_at(&of->rows[i], method, &sizes[size]);
         sum += log(ty_cost_of(&measured) / ty_cost_of(&of->held_out[i][size].best_measured));
         ++count;
@@ -107,28 +128,33 @@ static double loss_of(const study* of, int32_t method, int size) {
 /* Statistics of all scenes at one size. */
 typedef struct summary {
     double loss, worst, error_factor, time_factor; /* factors: root mean square, of expected over measured */
-    int32_t best, wrong;                           /* choices that are the best; losses above 1.5 */
+    int32_t count, best, wrong;                    /* choices that are the best; losses above 1.5 */
 } summary;
 
-static summary summarize(const auto_judged judged[][SIZES], int32_t count, int size) {
+/* measured: scenes alone that were measured at the larger size. */
+static summary summarize(const study* of, const auto_judged judged[][SIZES], int size, bool measured) {
     summary out = {.worst = 1};
     double losses = 0, errors = 0, times = 0;
-    for (int32_t i = 0; i < count; ++i) {
+    int32_t count = 0;
+    for (int32_t i = 0; i < of->count; ++i) {
         const auto_judged* one = &judged[i][size];
+        if (measured && !(of->rows[i].methods[0].large.seconds > 0)) continue;
+        ++count;
         const double error =
             log(hypot(one->expected.error, ty_error_unseen) / hypot(one->measured.error, ty_error_unseen));
         const double time =
             log((one->expected.seconds + ty_seconds_unfelt) / (one->measured.seconds + ty_seconds_unfelt));
-        losses += log(one->loss) / count;
-        errors += error * error / count;
-        times += time * time / count;
+        losses += log(one->loss);
+        errors += error * error;
+        times += time * time;
         out.worst = fmax(out.worst, one->loss);
         out.best += one->chosen == one->best;
         out.wrong += one->loss > 1.5;
     }
-    out.loss = exp(losses);
-    out.error_factor = exp(sqrt(errors));
-    out.time_factor = exp(sqrt(times));
+    out.count = count;
+    out.loss = exp(losses / fmax(count, 1));
+    out.error_factor = exp(sqrt(errors / fmax(count, 1)));
+    out.time_factor = exp(sqrt(times / fmax(count, 1)));
     return out;
 }
 
@@ -140,13 +166,13 @@ static ty_result print_model(ty_context* context, FILE* file, const void* user) 
     fputs("/* Coefficients of the expected errors and times of methods, made by `make auto-model`. */\n"
           "#include \"choose/predict.h\"\n\n/* clang-format off */\nstatic const ty_method_model methods[] = {\n",
           file);
-    for (int32_t m = 0; m < AUTO_METHODS; ++m) {
-        static const char* const fits[TY_FITS] = {"TY_FIT_ERROR", "TY_FIT_SOLVE", "TY_FIT_VIEW", "TY_FIT_SURFACE",
-                                                  "TY_FIT_UNTRIED"};
+    for (int32_t m = 0; m < AUTO_CANDIDATES; ++m) {
+        static const char* const fits[TY_FITS] = {"TY_FIT_ERROR",   "TY_FIT_SOLVE", "TY_FIT_VIEW",
+                                                  "TY_FIT_SURFACE", "TY_FIT_FINE",  "TY_FIT_UNTRIED"};
         static const char* const terms[TY_TERMS] = {
             "ONE",  "NOISE",       "VERTICES", "SURFACE_NOISE", "SURFACE_VERTICES", "MULTIPLE",    "FORWARD",
             "CELL", "SCATTERINGS", "ENCLOSED", "SURFACES",      "PLACED_LIGHT",     "ENVIRONMENT", "HETEROGENEOUS",
-            "SPAN", "LIGHTS",      "TRIAL",    "TRIAL_NOISE"};
+            "SPAN", "LIGHTS",      "VOXELS",   "TRIAL",         "TRIAL_NOISE"};
         fprintf(file, "    {\"%s\",\n     {", auto_methods[m]);
         for (int f = 0; f < TY_FITS; ++f) {
             bool first = true;
@@ -160,8 +186,18 @@ static ty_result print_model(ty_context* context, FILE* file, const void* user) 
         }
         fputs("}},\n", file);
     }
-    fputs("};\n/* clang-format on */\n\nconst ty_choice_model ty_fitted_model = {sizeof methods / sizeof methods[0], methods};\n", file);
+    fputs("};\n/* clang-format on */\n\nconst ty_choice_model ty_fitted_model = {sizeof methods / sizeof methods[0], "
+          "methods};\n",
+          file);
     return TY_OK;
+}
+
+static void print_losses(FILE* file, const study* of, int size, bool measured) {
+    const summary out = summarize(of, of->held_out, size, measured), in = summarize(of, of->fitted, size, measured);
+    fprintf(file, "\n| %s%s | %.3f | %.2f | %d | %d of %d | %.3f | %.3f | %.2f | %.2f |", size_names[size],
+            measured ? ", scenes measured at that size" : "", out.loss, out.worst, out.wrong, out.best, out.count,
+            summarize(of, of->untried, size, measured).loss, in.loss, out.error_factor, out.time_factor);
+    for (int32_t m = 0; m < AUTO_METHODS; ++m) fprintf(file, " %.2f |", loss_of(of, m, size, measured));
 }
 
 static void print_summary(FILE* file, const study* of) {
@@ -172,13 +208,8 @@ static void print_summary(FILE* file, const study* of) {
     for (int32_t m = 0; m < AUTO_METHODS; ++m) fprintf(file, " always `%s` |", auto_methods[m]);
     fputs("\n|---|---|---|---|---|---|---|---|---|", file);
     for (int32_t m = 0; m < AUTO_METHODS; ++m) fputs("---|", file);
-    for (int s = 0; s < SIZES; ++s) {
-        const summary out = summarize(of->held_out, of->count, s), in = summarize(of->fitted, of->count, s);
-        fprintf(file, "\n| %s | %.3f | %.2f | %d | %d of %d | %.3f | %.3f | %.2f | %.2f |", size_names[s], out.loss,
-                out.worst, out.wrong, out.best, of->count, summarize(of->untried, of->count, s).loss, in.loss,
-                out.error_factor, out.time_factor);
-        for (int32_t m = 0; m < AUTO_METHODS; ++m) fprintf(file, " %.2f |", loss_of(of, m, s));
-    }
+    for (int s = 0; s < SIZES; ++s) print_losses(file, of, s, false);
+    print_losses(file, of, LISTED, true);
     fputs("\n", file);
 }
 
@@ -218,7 +249,7 @@ static void show(figure_run* run, const study* of) {
                                          "not held out: mean loss"};
     for (int c = 0; c < 5; ++c) plot_set_cell(&table, 0, c, "%s", heads[c]);
     for (int s = 0; s < SIZES; ++s) {
-        const summary out = summarize(of->held_out, of->count, s), in = summarize(of->fitted, of->count, s);
+        const summary out = summarize(of, of->held_out, s, false), in = summarize(of, of->fitted, s, false);
         plot_set_cell(&table, 1 + s, 0, "%s", size_names[s]);
         plot_set_cell(&table, 1 + s, 1, "%.3f", out.loss);
         plot_set_cell(&table, 1 + s, 2, "%.2f", out.worst);
@@ -226,7 +257,7 @@ static void show(figure_run* run, const study* of) {
         plot_set_cell(&table, 1 + s, 4, "%.3f", in.loss);
         figure_notes(
             run, size_names[s], {"mean loss held out, geometric", "1", out.loss}, {"largest loss", "1", out.worst},
-            {"mean loss without trials, geometric", "1", summarize(of->untried, of->count, s).loss},
+            {"mean loss without trials, geometric", "1", summarize(of, of->untried, s, false).loss},
             {"mean loss not held out, geometric", "1", in.loss}, {"expected error, factor", "1", out.error_factor},
             {"expected time, factor", "1", out.time_factor});
     }
@@ -248,6 +279,7 @@ ty_result figure_auto_model(figure_run* run) {
     matrix_close(&table);
     if (result == TY_OK) {
         auto_model_fit(of->rows, of->count, -1, of->methods);
+        take_fine(of);
         judge(of);
         result = write_files(run, of);
     }

@@ -138,6 +138,7 @@ void figure_place_sheet(figure_run* run, ty_result result, plot_sheet* sheet, co
     X(path, seeds, PATH, "", "means of images over seeds, lamps in media")                                             \
     X(matrix, scenes, MATRIX, "", "scenes of every kind, by path")                                                     \
     X(matrix, methods, MATRIX, "", "every method on scenes of every kind")                                             \
+    X(matrix, fine, MATRIX, "", "errors of structure in larger pictures")                                              \
     X(matrix, check, MATRIX, "", "methods that are worse than the stored table has them")
 
 #define FIGURE_DECLARE(method, subject, ...) ty_result figure_##method##_##subject(figure_run* run);

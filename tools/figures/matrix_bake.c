@@ -113,8 +113,18 @@ static ty_result bake(figure_run* run, const char* folder, const matrix_row* row
     return result;
 }
 
-/* Means and differences of receivers that have light. */
-static void compare(const bake_result* truth, const bake_result* baked, matrix_cell* out, double* noise) {
+static void leave_out(matrix_cell* cell, const char* words) {
+    *cell = (matrix_cell){.state = MATRIX_LEFT_OUT, .ratio = NAN, .rmse = NAN};
+    snprintf(cell->words, sizeof cell->words, "%s", words);
+}
+
+/* Irradiance over pi times the mean radiance of the picture, below which the floor is dark, as beneath an opaque
+ * medium. */
+static const double dark = 1e-3;
+
+/* Means and differences of receivers that have light. radiance: mean of the picture. */
+static void compare(const bake_result* truth, const bake_result* baked, double radiance, matrix_cell* out,
+                    double* noise) {
     double sum = 0, others = 0, squares = 0, variance = 0;
     int32_t count = 0;
     for (int32_t i = 0; i < truth->count; ++i) {
@@ -126,20 +136,19 @@ static void compare(const bake_result* truth, const bake_result* baked, matrix_c
         squares += difference * difference - baked->variance[i];
         variance += truth->variance[i];
     }
-    if (!(sum > 0) || !isfinite(others)) {
-        out->state = MATRIX_FAILED;
-        snprintf(out->words, sizeof out->words, sum > 0 ? "irradiance is not finite" : "no light reaches the floor");
+    const double mean = sum / (count > 0 ? count : 1);
+    if (!(mean > dark * acos(-1) * radiance)) {
+        leave_out(out, "hardly any light reaches the floor");
         return;
     }
-    const double mean = sum / count;
+    if (!isfinite(others)) {
+        out->state = MATRIX_FAILED;
+        snprintf(out->words, sizeof out->words, "irradiance is not finite");
+        return;
+    }
     out->ratio = others / sum;
     out->rmse = sqrt(fmax(squares - variance, 0) / count) / mean;
     *noise = sqrt(variance / count) / mean;
-}
-
-static void leave_out(matrix_cell* cell, const char* words) {
-    *cell = (matrix_cell){.state = MATRIX_LEFT_OUT, .ratio = NAN, .rmse = NAN};
-    snprintf(cell->words, sizeof cell->words, "%s", words);
 }
 
 ty_result matrix_bake(figure_run* run, const char* folder, matrix_row* row) {
@@ -158,7 +167,8 @@ ty_result matrix_bake(figure_run* run, const char* folder, matrix_row* row) {
         result = bake(run, folder, row, matrix_bakes[i], quick, &process, &baked);
         cell->seconds = process.seconds;
         if (result == TY_OK && process.status != 0) matrix_take_failure(&process, cell);
-        if (result == TY_OK && process.status == 0) compare(&truth, &baked, cell, &row->bake_noise);
+        if (result == TY_OK && process.status == 0)
+            compare(&truth, &baked, matrix_mean(row->reference.mean), cell, &row->bake_noise);
     }
     return result;
 }

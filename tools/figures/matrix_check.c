@@ -6,11 +6,11 @@
 /* The first scenes of the covering set, which have each kind of each factor. Margins of the relative RMSE: of standard
  * deviations of the noise, and a part of the stored error for what other instruction sets round otherwise. */
 enum { CHECKED = 20 };
-static const double deviations = 3, least_margin = 0.005, part = 0.05;
+static const double deviations = 3, margin_min = 0.005, part = 0.05;
 
 /* Noise of a picture's blocks, by its own paths and those of the reference. */
-static double noise_of(const matrix_row* row, const matrix_cell* cell, int32_t samples, bool baked) {
-    if (baked) return row->bake_noise;
+static double noise_of(const matrix_row* row, const matrix_cell* cell, int32_t samples) {
+    if (cell == &row->bakes[0] || cell == &row->bakes[1]) return row->bake_noise;
     return hypot(row->noise, cell->deviation / (MATRIX_BLOCK * sqrt(samples)));
 }
 
@@ -21,12 +21,11 @@ static void judge(figure_run* run, const matrix_table* table, int32_t row, int32
     const matrix_row* of = &table->rows[row];
     matrix_cell stored;
     if (!matrix_find_measured(of->name, name, &stored) || stored.state != MATRIX_RENDERED) return;
-    const bool baked = use >= table->method_count;
-    const double noise = noise_of(of, cell, table->samples, baked);
+    const double noise = noise_of(of, cell, table->samples);
     snprintf(item, sizeof item, "%.40s, %s", of->name, name); /* names differ in their first letters */
     figure_expect(run, item, "relative RMSE above the stored", "1",
                   cell->state == MATRIX_RENDERED ? fmax(cell->rmse - stored.rmse, 0) : 1, 0,
-                  deviations * noise + fmax(part * stored.rmse, least_margin));
+                  deviations * noise + fmax(part * stored.rmse, margin_min));
 }
 
 ty_result figure_matrix_check(figure_run* run) {

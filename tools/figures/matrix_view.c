@@ -52,7 +52,9 @@ ty_result matrix_view(figure_run* run, const char* folder, const matrix_table* t
     double means[MATRIX_BLOCKS];
     ty_image* image = NULL;
     row->view_method = table->methods[method];
-    *out = (matrix_cell){.state = MATRIX_RENDERED, .ratio = NAN, .rmse = NAN};
+    /* Both pictures have the noise of their surfaces. */
+    *out =
+        (matrix_cell){.state = MATRIX_RENDERED, .ratio = NAN, .rmse = NAN, .deviation = sqrt(2) * rendered->deviation};
     if (rendered->state != MATRIX_RENDERED) {
         out->state = MATRIX_LEFT_OUT;
         snprintf(out->words, sizeof out->words, "%s renders no picture to compare with", row->view_method);

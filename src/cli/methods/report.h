@@ -24,7 +24,7 @@ typedef struct cli_report {
     ty_denoise_stats denoised; /* cookie 0: it was not denoised */
 } cli_report;
 
-/* What is expected of a choice: "about 2 %, 0.3 s". */
+/* The expectations of a choice as text: "about 2 %, 0.3 s". */
 void cli_expectation_text(const cli_report* report, char* out, size_t size);
 
 enum { CLI_STAGES_MAX = 24 };
