@@ -83,13 +83,13 @@ test_wishes() {
   chosen path fog.json --error 0.5 --method auto
 }
 
-# What the chosen method has no memory for is path-traced.
+# What the chosen method has no memory for is path-traced, here until an interrupt.
 test_refusal() {
   what='tyndall render, without memory'
   # shellcheck disable=SC2086 # options
-  (ulimit -v 900000; "$tyndall" render fog.json -o out.exr $small -D render.dom.resolution=512 -D render.dom.direct=1024 \
+  (ulimit -v 900000; timeout -s INT 8 "$tyndall" render fog.json -o out.exr $small -D render.dom.resolution=512 -D render.dom.direct=1024 \
     -D render.fld.resolution=1024 -D render.pop.merged=512 -D render.pop.direct=1024 \
-    -D render.lpv.resolution=256 -D render.spp=4096 --threads 1 > out.txt 2> err.txt)
+    -D render.lpv.resolution=256 -D render.spp=65536 --threads 1 > out.txt 2> err.txt)
   said err.txt '^method: [a-z]+, about'
   said err.txt '^method: path \([a-z]+ refused: .*not enough memory'
   expect 0 info out.exr
