@@ -47,12 +47,6 @@ static inline void skip_under_address_sanitizer(void) {
     if (UNDER_ADDRESS_SANITIZER) skip();
 }
 
-/* Leaves a test that compares with closed forms to the other builds, where it is slow with the thread sanitizer alone
- * and other tests run the same loops. */
-static inline void skip_under_thread_sanitizer(void) {
-    if (UNDER_THREAD_SANITIZER) skip();
-}
-
 /* Leaves a test of how near numbers are, or of how many steps they take, to the optimised build: sanitizers make it
  * slow and look for other things, which other tests of the same code lead them to. */
 static inline void skip_under_sanitizers(void) {
