@@ -1,5 +1,4 @@
 /* Lights as principal ordinates. */
-#include "base/random.k.h"
 #include "files.h"
 #include "method/pop/ordinate/ordinate.h"
 #include "pop_maker.h"
