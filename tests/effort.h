@@ -1,4 +1,4 @@
-/* How much tests do: `make test` takes fewer samples, and fewer of cases that are alike; `make validate` has the same
+/* The effort of tests: `make test` takes fewer samples, and fewer of cases that are alike; `make validate` has the same
  * programs take all (tests/CMakeLists.txt). */
 #ifndef TY_TESTS_EFFORT_H
 #define TY_TESTS_EFFORT_H

@@ -1,4 +1,4 @@
-/* How much the camera sees of light from each direction. */
+/* The map of importance: the fraction of the light from each direction that the camera sees. */
 #include "files.h"
 #include "method/pop/ordinate/ordinate.h"
 #include "pop_maker.h"

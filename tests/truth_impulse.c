@@ -43,7 +43,7 @@ static double worst_of(const float is[TY_IMPULSE_TERMS], const double should[TY_
     return worst;
 }
 
-/* What is off of the irradiance that a surface gets, over the most that one gets. */
+/* Error of the irradiance of a surface, over the largest irradiance of any. */
 static double worst_irradiance(const float is[TY_IMPULSE_TERMS], const double should[TY_IMPULSE_TERMS]) {
     float expected[TY_IMPULSE_TERMS];
     double worst = 0, most = 0;

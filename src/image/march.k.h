@@ -177,9 +177,9 @@ TY_FN bool ty_march_update_live_channels(ty_march_ray* ray) {
 /* Visibility of a step of these optical depths; attenuates the transmittance by it. */
 TY_FN void ty_march_attenuate(const float depth[3], float transmittance[3], float visibility[3]) {
     for (int c = 0; c < 3; ++c) {
-        const float decay = ty_attenuation(depth[c]);
-        visibility[c] = transmittance[c] * ty_mean_attenuation(depth[c], decay);
-        transmittance[c] *= decay;
+        const float attenuation = ty_attenuation(depth[c]);
+        visibility[c] = transmittance[c] * ty_mean_attenuation(depth[c], attenuation);
+        transmittance[c] *= attenuation;
     }
 }
 

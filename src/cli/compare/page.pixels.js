@@ -12,7 +12,7 @@ const report = JSON.parse(find("#comparison").textContent);
 const columns = Math.ceil(report.width / report.shrink), rows = Math.ceil(report.height / report.shrink);
 const pixelCount = columns * rows;
 
-/* What every half float is worth. */
+/* Values of all half floats. */
 const halfValues = Float32Array.from({ length: 65536 }, (_, bits) => {
   const sign = bits & 0x8000 ? -1 : 1, exponent = bits >> 10 & 31, mantissa = bits & 1023;
   if (exponent === 31) return mantissa > 0 ? NaN : sign * Infinity;
@@ -63,7 +63,7 @@ const sumAt = (image, at) => valueAt(image, 0, at) + valueAt(image, 1, at) + val
 const luminanceAt = (image, at) =>
   0.2126 * valueAt(image, 0, at) + 0.7152 * valueAt(image, 1, at) + 0.0722 * valueAt(image, 2, at);
 
-/* Whether an image has this pixel: its window may be a part of the frame. */
+/* True if an image has this pixel: its window may be a part of the frame. */
 const covers = (image, x, y) => {
   const [left, top, width, height] = image.window, k = report.shrink;
   return x * k >= left && x * k < left + width && y * k >= top && y * k < top + height;
