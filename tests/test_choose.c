@@ -1,4 +1,4 @@
-/* What method auto chooses, what it expects and says, and what it sees of a scene. */
+/* The method that auto chooses for scenes of each kind, its expectations and reasons, and the features that it finds. */
 #include "fld_maker.h"
 
 /* Numbers of scenes that are put together here. */

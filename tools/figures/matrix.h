@@ -30,7 +30,7 @@ typedef enum matrix_state {
     MATRIX_LEFT_OUT  /* it was not tried, for the reason that the words tell */
 } matrix_state;
 
-/* What became of a method on a scene. */
+/* Outcome of a method on a scene. */
 typedef struct matrix_cell {
     matrix_state state;
     char words[MATRIX_WORDS_SIZE]; /* the program's message, if it rendered nothing */
