@@ -1,4 +1,4 @@
-/* The method that auto chooses for scenes of each kind, its expectations and reasons, and the features that it finds. */
+/* The method that auto chooses for scenes of each kind, its expectations and reasons, and what it finds in scenes. */
 #include "fld_maker.h"
 
 /* Numbers of scenes that are put together here. */

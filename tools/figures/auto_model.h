@@ -17,7 +17,7 @@ enum {
  * them what it leaves out. */
 extern const char* const auto_methods[AUTO_METHODS];
 
-/* What was measured of a method on a scene. */
+/* Measurements of a method on a scene. */
 typedef struct auto_measured {
     bool rendered;
     double error;         /* as TY_FIT_ERROR */

@@ -6,7 +6,7 @@
 
 enum { REGRESSION_TERMS_MAX = 24 };
 
-/* What is known of a coefficient. */
+/* Knowledge of the sign of a coefficient. */
 typedef enum regression_sign {
     REGRESSION_NONE,       /* it is 0 */
     REGRESSION_ANY,        /* nothing */
