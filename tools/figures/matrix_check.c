@@ -4,14 +4,17 @@
 #include <math.h>
 
 /* The first scenes of the covering set, which have each kind of each factor. Margins of the relative RMSE: of standard
- * deviations of the noise, and a part of the stored error for what other instruction sets round otherwise. */
+ * deviations of the picture's own noise, should a change draw other random numbers (the reference stays as it is), and
+ * a part of the stored error for what other instruction sets round otherwise. */
 enum { CHECKED = 20 };
-static const double deviations = 3, margin_min = 0.005, part = 0.05;
+static const double deviations = 2, margin_min = 0.005, part = 0.05;
 
-/* Noise of a picture's blocks, by its own paths and those of the reference. */
+/* Noise of a picture's blocks by its own paths, relative to its mean: of all light in path, else of what no medium
+ * scattered. */
 static double noise_of(const matrix_row* row, const matrix_cell* cell, int32_t samples) {
     if (cell == &row->bakes[0] || cell == &row->bakes[1]) return row->bake_noise;
-    return hypot(row->noise, cell->deviation / (MATRIX_BLOCK * sqrt(samples)));
+    const double fraction = cell == &row->cells[0] ? 1 : row->features.unscattered;
+    return fraction * cell->deviation / (MATRIX_BLOCK * sqrt(samples));
 }
 
 /* The excess of an error over the stored one, which should be 0; 1 where nothing was rendered that once was. */
