@@ -52,12 +52,11 @@ typedef struct ty_scene_features {
     double surfaces; ///< Fraction of the frame with surfaces.
     double enclosed; ///< Fraction of the directions around scattering points that meet a surface within the length of
                      ///< the media's box.
-    bool heterogeneous; ///< True: media are heterogeneous.
-    bool glows;         ///< True: media emit light.
-    bool inside;        ///< True: the camera is in a medium.
-    uint32_t lights;    ///< 1 << ty_light_kind for each kind of light; emitting surfaces count as area lights.
-    double
-        voxels; ///< Cells of a grid of direct light as fine as the finest grid of media; 64 along a side without grids.
+    bool heterogeneous;   ///< True: media are heterogeneous.
+    bool glows;           ///< True: media emit light.
+    bool inside;          ///< True: the camera is in a medium.
+    uint32_t lights;      ///< 1 << ty_light_kind for each kind of light; emitting surfaces count as area lights.
+    double voxels;        ///< Cells of a grid as fine as the finest of media; 64 along its longest side without grids.
     int32_t light_count;  ///< Number of lights; an environment counts as one, and each emitting triangle.
     double span;          ///< Optical thickness of the media's box: mean of its three axes, and of the channels.
     double noise;         ///< Standard deviation of a pixel by one path, root mean square over the mean of the picture.
