@@ -78,7 +78,7 @@ static ty_result measure(figure_run* run, const char* folder, const char* name, 
 
 static ty_result measure_scene(figure_run* run, const char* folder, const char* name, fine_cell out[AUTO_METHODS]) {
     static const char* const arguments[] = {"--method", "path", "--size", size_text, "--seed", "1",
-                                            "--spp",    "4096", "--time", "40",      NULL};
+                                            "--spp",    "4096", "--time", "15",      NULL};
     matrix_process process;
     ty_image* truth = NULL;
     ty_result result = render(run, folder, name, arguments, &process, &truth);
