@@ -54,6 +54,7 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     def = run->def = &run->known;
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
+    run->scene = scene;
     run->view = *view;
     if (def->ignore_media) run->view.medium_count = 0;
     run->request.scene = &run->view;

@@ -27,6 +27,7 @@ typedef struct ty_path_run {
     const ty_path_def* def; /* known, but for a bake, which has none once it samples */
     ty_path_def known;      /* the caller's def in the library's own size */
     const char* stage;
+    const ty_scene* scene;
     ty_scene_view view; /* scene as seen by paths; media may be left out */
     ty_path_request request;
     ty_sobol sobol;

@@ -89,7 +89,7 @@ static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_aov_sums*
     }
 }
 
-static TY_PATH_KERNEL(ty_path_sample_items) {
+TY_FN TY_PATH_KERNEL(ty_path_sample_items) {
     const unsigned thread_state = ty_flush_denormals();
     uint64_t vertices = 0;
     for (int64_t item = begin; item < end; ++item) {

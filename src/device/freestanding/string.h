@@ -1,0 +1,10 @@
+/* What kernels use of string.h, by the compiler's own functions. */
+#ifndef TY_DEVICE_FREESTANDING_STRING_H
+#define TY_DEVICE_FREESTANDING_STRING_H
+
+#include <stddef.h>
+
+#define memcpy __builtin_memcpy
+#define memset __builtin_memset
+
+#endif
