@@ -25,12 +25,13 @@ enum {
     CU_ATTRIBUTE_MEMORY_BUS_BITS = 37,
     CU_ATTRIBUTE_MAJOR = 75,
     CU_ATTRIBUTE_MINOR = 76,
+    CU_JIT_MAX_REGISTERS = 0,
     CU_JIT_ERROR_LOG = 5,
     CU_JIT_ERROR_LOG_BYTES = 6
 };
 
 /* The oldest driver and GPU that take the PTX of the build: version 6.0 for sm_60, of CUDA 9.0. */
-enum { CU_VERSION_LEAST = 9000, CU_ARCHITECTURE_LEAST = 60 };
+enum { CU_VERSION_MIN = 9000, CU_ARCHITECTURE_MIN = 60 };
 
 /* The functions in use: X(result, name, symbol in the library, parameters). */
 #define CU_FUNCTIONS(X)                                                                                                \
@@ -70,6 +71,10 @@ typedef struct cu_library {
 } cu_library;
 
 enum { PROGRAMS_MAX = 16, BLOCK = 64, EVENTS = 2, LOG_BYTES = 1024 };
+
+/* Registers of a thread at most. Programs would take up to 255, with which few threads fit a multiprocessor, and these
+ * cannot hide one another's waiting: measured, 64 is faster than 80, 96, 128 and all. */
+enum { REGISTERS = 64 };
 
 typedef struct loaded_program {
     const ty_program* program;
@@ -138,10 +143,10 @@ static ty_result start_driver(cuda_device* cuda) {
     if (result == TY_OK) result = check(cuda, "asking for its version", cuda->cu.version(&version));
     if (result == TY_OK) result = check(cuda, "counting GPUs", cuda->cu.count(&count));
     if (result != TY_OK) return result;
-    if (version < CU_VERSION_LEAST)
+    if (version < CU_VERSION_MIN)
         return ty_fail(context, TY_ERROR_UNSUPPORTED,
                        "device cuda:%d: the NVIDIA driver is too old: it knows CUDA %d.%d, and %d.%d is needed",
-                       cuda->number, version / 1000, version % 1000 / 10, CU_VERSION_LEAST / 1000, 0);
+                       cuda->number, version / 1000, version % 1000 / 10, CU_VERSION_MIN / 1000, 0);
     if (cuda->number >= count)
         return ty_fail(context, TY_ERROR_UNSUPPORTED, "device cuda:%d: the GPUs here are cuda:0 to cuda:%d",
                        cuda->number, count - 1);
@@ -149,7 +154,7 @@ static ty_result start_driver(cuda_device* cuda) {
     if (result != TY_OK) return result;
     cuda->cu.attribute(&major, CU_ATTRIBUTE_MAJOR, cuda->handle);
     cuda->cu.attribute(&minor, CU_ATTRIBUTE_MINOR, cuda->handle);
-    if (10 * major + minor < CU_ARCHITECTURE_LEAST)
+    if (10 * major + minor < CU_ARCHITECTURE_MIN)
         return ty_fail(context, TY_ERROR_UNSUPPORTED,
                        "device cuda:%d: its compute capability is %d.%d, and 6.0 is needed", cuda->number, major,
                        minor);
@@ -263,14 +268,14 @@ static ty_result fail_to_load(const cuda_device* cuda, const ty_program* program
 /* Has the driver compile a program, which it keeps between runs. */
 static ty_result compile(cuda_device* cuda, const ty_program* program, char* text, loaded_program* out) {
     char log[LOG_BYTES] = "", entry[64];
-    int names[2] = {CU_JIT_ERROR_LOG, CU_JIT_ERROR_LOG_BYTES};
-    void* values[2] = {log, (void*)(uintptr_t)sizeof log};
+    int names[3] = {CU_JIT_ERROR_LOG, CU_JIT_ERROR_LOG_BYTES, CU_JIT_MAX_REGISTERS};
+    void* values[3] = {log, (void*)(uintptr_t)sizeof log, (void*)(uintptr_t)REGISTERS};
     uLongf size = (uLongf)program->ptx->inflated;
     if (uncompress((Bytef*)text, &size, program->ptx->bytes, (uLong)program->ptx->size) != Z_OK ||
         size != program->ptx->inflated)
         return ty_fail(cuda->device.context, TY_ERROR_INTERNAL, "the program %s is damaged", program->name);
     text[size] = '\0';
-    const cu_result code = cuda->cu.load(&out->module, text, 2, names, values);
+    const cu_result code = cuda->cu.load(&out->module, text, 3, names, values);
     if (code != CU_SUCCESS) return fail_to_load(cuda, program, code, log);
     snprintf(entry, sizeof entry, "ty_entry_%s", program->name);
     const ty_result result =

@@ -10,7 +10,7 @@
 
 typedef struct ty_device ty_device;
 
-/* What a kind of device does. All calls of one device come from one thread at a time. */
+/* The functions of a kind of device. All calls of one device come from one thread at a time. */
 typedef struct ty_device_backend {
     const char* name; /* as in "cuda:0" */
     /* Opens device `number`. Errors: TY_ERROR_UNSUPPORTED where there is none, TY_ERROR_MEMORY. */

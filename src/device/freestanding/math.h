@@ -1,5 +1,5 @@
-/* What kernels use of math.h, where there is no C library: the compiler's own functions, and the elementary functions
- * that processors have no instruction for. */
+/* The part of math.h that kernels use, where there is no C library: the compiler's own functions, and elementary
+ * functions that processors have no instruction for. */
 #ifndef TY_DEVICE_FREESTANDING_MATH_H
 #define TY_DEVICE_FREESTANDING_MATH_H
 

@@ -1,4 +1,4 @@
-/* What kernels use of string.h, by the compiler's own functions. */
+/* The part of string.h that kernels use, by the compiler's own functions. */
 #ifndef TY_DEVICE_FREESTANDING_STRING_H
 #define TY_DEVICE_FREESTANDING_STRING_H
 

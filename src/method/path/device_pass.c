@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "method/path/sampling.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Target duration of one launch, seconds: short enough to cancel, and for the watchdogs of drivers. */
@@ -50,6 +51,15 @@ static bool merge_range(device_range* range) {
     return true;
 }
 
+/* Paths of the next launch, after one that took some seconds: a few blocks at least, and more by steps of two, as the
+ * time of paths varies over an image. */
+static uint32_t next_launch(uint32_t paths, double seconds) {
+    if (seconds < 0.5 * launch_seconds) return paths < 1 << 30 ? 2 * paths : paths;
+    if (seconds < 2 * launch_seconds) return paths;
+    const uint32_t fewer = (uint32_t)(paths * fmax(launch_seconds / seconds, 0.0625));
+    return fewer > TY_PATH_BLOCK ? fewer : TY_PATH_BLOCK;
+}
+
 /* Launches one slice of a range's items, whole blocks, for `samples` samples. */
 static bool launch_slice(device_range* range, uint32_t samples) {
     ty_sampling* pass = range->pass;
@@ -61,8 +71,7 @@ static bool launch_slice(device_range* range, uint32_t samples) {
     const double begun = ty_wall_seconds();
     pass->failed = ty_path_device_trace(pass->device, odd, range->ahead, end, first, samples);
     const double seconds = ty_wall_seconds() - begun;
-    if (seconds > 2 * launch_seconds && pass->launch_paths > TY_PATH_BLOCK) pass->launch_paths /= 2;
-    if (seconds < 0.5 * launch_seconds && pass->launch_paths < 1 << 30) pass->launch_paths *= 2;
+    pass->launch_paths = next_launch(pass->launch_paths, seconds);
     range->ahead = end;
     range->more = samples;
     const double part = (double)(end - range->begin) / (double)(range->end - range->begin);
@@ -80,7 +89,9 @@ static bool sample_range(device_range* range) {
     while (range->first + range->count < pass->last) {
         const uint32_t left = pass->last - range->first - range->count;
         const int64_t many = (int64_t)pass->launch_paths / (range->end - range->begin);
-        const uint32_t samples = many < 1 || pass->run->halves != NULL ? 1 : many < (int64_t)left ? (uint32_t)many : left;
+        const uint32_t samples = many < 1 || pass->run->halves != NULL ? 1
+                                 : many < (int64_t)left                ? (uint32_t)many
+                                                                       : left;
         for (range->ahead = range->begin; range->ahead < range->end;)
             if (!launch_slice(range, samples)) {
                 if (pass->failed == TY_OK) merge_range(range);

@@ -311,7 +311,7 @@ static void sample_passes(ty_sampling* pass) {
 }
 
 ty_result ty_path_sample(ty_path_run* run) {
-    ty_sampling pass = {.run = run, .odd = run->request, .reported = ty_wall_seconds(), .launch_paths = 1 << 16};
+    ty_sampling pass = {.run = run, .odd = run->request, .reported = ty_wall_seconds(), .launch_paths = 1 << 12};
     pass.odd.seed ^= odd_seed;
     pass.begun = pass.reported - run->stats.seconds - run->guide_seconds;
     pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds - run->guide_cpu_seconds;

@@ -45,8 +45,8 @@ typedef struct ty_bvh_ray {
 } ty_bvh_ray;
 
 TY_FN float ty_bvh_invert(float x) {
-    const float least = 1e-18f;
-    return 1.0f / (fabsf(x) > least ? x : x < 0.0f ? -least : least);
+    const float min = 1e-18f;
+    return 1.0f / (fabsf(x) > min ? x : x < 0.0f ? -min : min);
 }
 
 TY_FN ty_bvh_ray ty_bvh_ray_make(ty_vec origin, ty_vec direction) {
@@ -82,8 +82,8 @@ TY_FN bool ty_bvh_intersect_triangle(TY_GLOBAL const ty_bvh_primitive* p, const 
                  c = ty_sub(ty_vec_load(p->corner[2]), ray->origin);
     const float at_b = ty_bvh_side(c, a, ray->direction), at_c = ty_bvh_side(a, b, ray->direction),
                 at_a = ty_bvh_side(b, c, ray->direction);
-    const float least = ty_minf(at_a, ty_minf(at_b, at_c)), most = ty_maxf(at_a, ty_maxf(at_b, at_c));
-    if (least < 0.0f && most > 0.0f) return false;
+    const float min = ty_minf(at_a, ty_minf(at_b, at_c)), max = ty_maxf(at_a, ty_maxf(at_b, at_c));
+    if (min < 0.0f && max > 0.0f) return false;
     const float sum = at_a + at_b + at_c;
     if (sum == 0.0f) return false;
     const float inverse = 1.0f / sum;

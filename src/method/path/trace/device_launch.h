@@ -1,4 +1,4 @@
-/* What a launch of the path tracer on a device is given, and its programs. */
+/* Arguments of a launch of the path tracer on a device, and its programs. */
 #ifndef TY_METHOD_PATH_TRACE_DEVICE_LAUNCH_H
 #define TY_METHOD_PATH_TRACE_DEVICE_LAUNCH_H
 

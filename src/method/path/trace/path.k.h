@@ -591,37 +591,32 @@ TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_i
     }
 }
 
-/* Traces a path to its next vertex, and by it to the next direction; false at its end. */
-TY_FN bool ty_path_step(ty_path* path, uint32_t* vertices) {
+/* Traces a path to its end and returns its number of vertices. */
+TY_FN uint32_t ty_path_follow(ty_path* path) {
     const int32_t max_depth = path->request->max_depth;
     const ty_medium_view* medium;
     ty_intersection end;
-    if (!ty_path_next_event(path, &medium, &end)) return false;
-    if (max_depth > 0 && path->depth >= max_depth) return false;
-    path->run = medium != NULL ? path->run + 1 : 0;
-    if (path->request->max_run > 0 && path->run > path->request->max_run) return false;
-    ++path->depth;
-    ++*vertices;
-    if (TY_PATH_GUIDED != 0) path->incident = -1.0f;
-    path->path_class =
-        medium != NULL ? ty_path_class_scattered(path->path_class) : ty_path_class_reflected(path->path_class);
-    if (medium != NULL)
-        ty_path_scatter(path, medium);
-    else if (ty_path_sees_dielectrics(path) && end.interface == TY_INTERFACE_REFRACTS)
-        ty_path_refract(path, &end);
-    else if (TY_PATH_GLOSS != 0 && end.point.glossy != 0) {
-        for (int c = 0; c < 3 && ty_path_sees_dielectrics(path) && end.interface == TY_INTERFACE_PANE; ++c)
-            path->beta[c] *= end.tint[c];
-        ty_path_reflect_gloss(path, &end);
-    } else
-        ty_path_reflect(path, &end);
-    return TY_PATH_GUIDED == 0 || ty_path_passes_window(path);
-}
-
-/* Traces a path to its end and returns its number of vertices. */
-TY_FN uint32_t ty_path_follow(ty_path* path) {
     uint32_t vertices = 0;
-    while (ty_path_step(path, &vertices)) {
+    while (ty_path_next_event(path, &medium, &end)) {
+        if (max_depth > 0 && path->depth >= max_depth) break;
+        path->run = medium != NULL ? path->run + 1 : 0;
+        if (path->request->max_run > 0 && path->run > path->request->max_run) break;
+        ++path->depth;
+        ++vertices;
+        if (TY_PATH_GUIDED != 0) path->incident = -1.0f;
+        path->path_class =
+            medium != NULL ? ty_path_class_scattered(path->path_class) : ty_path_class_reflected(path->path_class);
+        if (medium != NULL)
+            ty_path_scatter(path, medium);
+        else if (ty_path_sees_dielectrics(path) && end.interface == TY_INTERFACE_REFRACTS)
+            ty_path_refract(path, &end);
+        else if (TY_PATH_GLOSS != 0 && end.point.glossy != 0) {
+            for (int c = 0; c < 3 && ty_path_sees_dielectrics(path) && end.interface == TY_INTERFACE_PANE; ++c)
+                path->beta[c] *= end.tint[c];
+            ty_path_reflect_gloss(path, &end);
+        } else
+            ty_path_reflect(path, &end);
+        if (TY_PATH_GUIDED != 0 && !ty_path_passes_window(path)) break;
     }
     return vertices;
 }
