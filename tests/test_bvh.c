@@ -10,8 +10,8 @@
 
 #include <tyndall/io.h>
 
-/* What may differ: rays that pass an edge or a sphere's rim within rounding, or surfaces that coincide. Measured: none,
- * and distances within 4e-6 of the extent; grazing ones of the staircase, 4e-5. */
+/* Differences are allowed for rays that pass an edge or a sphere's rim within rounding, or surfaces that coincide.
+ * Measured: none, and distances within 4e-6 of the extent; grazing ones of the staircase, 4e-5. */
 typedef struct comparison {
     int rays, hits, unlike;
     double worst; /* difference of distances over the scene's extent */

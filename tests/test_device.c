@@ -1,5 +1,5 @@
 /* Devices: the host backend, which runs the programs of GPUs over a packed scene, against the processor's own kernels;
- * names and errors; the PTX of the build. What a GPU does beyond it, `tyndall bench device` tests. */
+ * names and errors; the PTX of the build. `tyndall bench device` tests GPUs. */
 #define _POSIX_C_SOURCE 200809L
 #include "checks.h"
 #include "files.h"

@@ -85,7 +85,7 @@ typedef struct ty_context_def {
     ty_alloc_fn alloc;  ///< Default NULL: aligned_alloc. `alloc` and `free` are given together.
     ty_free_fn free;    ///< Default NULL: free.
     void* alloc_user;   ///< Passed on to `alloc` and `free`; default NULL.
-    const char* device; ///< What runs the methods that docs/device.md lists: "cpu" (also by the default NULL), "host",
+    const char* device; ///< The device for methods that docs/device.md lists: "cpu" (also by the default NULL), "host",
                         ///< "cuda:N" for GPU number N, or "auto": cuda:0 where there is one, else cpu. It is copied,
                         ///< and opened by the first call that uses it, which fails if it cannot be.
 } ty_context_def;

@@ -87,7 +87,7 @@ static void print_bench(FILE* file, const char* bench, const json_t* timings, co
     }
 }
 
-/* What bench device measured, by scene, with the name of the GPU. */
+/* Measurements of bench device, by scene, with the name of the GPU. */
 static void print_device(FILE* file, const json_t* results) {
     const char *device = json_string_value(json_object_get(results, "device")), *name;
     json_t *unlike = json_object_get(results, "unlike_values"), *of;
