@@ -47,9 +47,9 @@ ty_result ty_fld_diffuse(ty_fld_job* job) {
     const ty_diffusion_def def = ty_fld_diffusion_def(job);
     ty_fld_stats* stats = &job->stats;
     ty_diffuse_stats solved = {.converged = false};
-    const ty_result result =
-        ty_diffuse_light_solve_between(&def, job->def->beam == TY_FLD_BEAM_REDUCED, job->coarse, &job->surfaces,
-                                       job->source, &job->progress, &job->light->diffuse, &solved);
+    const ty_result result = ty_diffuse_light_solve_between(
+        &def, job->def->beam == TY_FLD_BEAM_REDUCED, job->coarse, &job->surfaces, job->source,
+        job->light->cache != NULL ? &job->incident : NULL, &job->progress, &job->light->diffuse, &solved);
     stats->converged = solved.converged;
     stats->memory_bytes = solved.bytes;
     memcpy(stats->iterations, solved.iterations, sizeof stats->iterations);

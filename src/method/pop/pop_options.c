@@ -56,6 +56,8 @@ static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_pop_def, tolerance), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1, .preset = 1e-2,
      .flags = TY_OPTION_OPEN,
      .doc = "Residual of the diffusion over its source (root mean squares), as of fld, in mode split."},
+    {TY_OPTION_FIELD(ty_pop_def, interreflection), .type = TY_OPTION_BOOL, .preset = 1,
+     .doc = "Lights media by what surfaces outside of their box reflect, and these by the media, over and over."},
     TY_OPTION_SPP(ty_pop_def),
     TY_OPTION_STEP(ty_pop_def, "voxels"),
     TY_OPTION_RAY_SPACING(ty_pop_def),
