@@ -128,7 +128,7 @@ static ty_result solve_channel(classical_job* job, int channel) {
         result = ty_sweep_create(job->context, medium->box.size, medium->cell, &job->set, job->bands,
                                  medium->extinction[plane], &sweep);
     if (result == TY_OK) {
-        ty_sweep_set_boundary_radiance(sweep, inflow);
+        ty_sweep_set_boundary_radiance(sweep, (const float* const[3]){inflow, inflow, inflow});
         result = iterate(job, sweep, plane, last);
     }
     ty_sweep_destroy(sweep);

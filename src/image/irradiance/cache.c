@@ -53,12 +53,15 @@ static void trace(place_job* job, ty_vec origin, ty_vec direction, float weight,
     const ty_scene_view* view = &job->scene->view;
     ty_surface_point surface;
     ty_hit hit;
-    *ray = (ty_irradiance_ray){origin, direction, TY_FLOAT_MAX, -1, {0, 0, 0}};
+    *ray = (ty_irradiance_ray){origin, direction, TY_FLOAT_MAX, -1, {0, 0, 0}, {0, 0, 0}};
     if (!ty_accel_intersect(view->mesh, origin, direction, TY_FLOAT_MAX, &hit)) return;
     ty_surface_evaluate(&view->surfaces[hit.surface], &hit, direction, &surface);
     ray->distance = hit.distance;
     ray->point = point_at(job, ty_hit_leave(&hit, surface.ng), surface.ng, surface.albedo);
-    for (int c = 0; c < 3; ++c) ray->weight[c] = weight * ty_minf(surface.albedo[c], 1);
+    for (int c = 0; c < 3; ++c) {
+        ray->weight[c] = weight * ty_minf(surface.albedo[c], 1);
+        ray->emitted[c] = surface.light < 0 ? weight * TY_PI * surface.emission[c] : 0;
+    }
 }
 
 /* A ray about an axis, the index-th of so many, with the density of its cosine. */
@@ -114,7 +117,10 @@ static void attenuate(void* user, int64_t index, int32_t worker) {
         float depth[3];
         if (rays[r].point < 0) continue;
         ty_grid_depth(job->medium, NULL, rays[r].origin, rays[r].direction, rays[r].distance, depth);
-        for (int c = 0; c < 3; ++c) rays[r].weight[c] *= ty_attenuation(depth[c]);
+        for (int c = 0; c < 3; ++c) {
+            rays[r].weight[c] *= ty_attenuation(depth[c]);
+            rays[r].emitted[c] *= ty_attenuation(depth[c]);
+        }
     }
 }
 
@@ -134,9 +140,8 @@ static ty_result allocate(ty_context* context, ty_irradiance_cache** out) {
     cache->points = ty_alloc_array(context, TY_IRRADIANCE_POINTS_MAX, sizeof *cache->points, false);
     cache->rays = ty_alloc_array(context, ray_count, sizeof *cache->rays, false);
     cache->places = ty_alloc_array(context, place_count, sizeof *cache->places, false);
-    cache->known = ty_alloc_array(context, float_count, sizeof(float), true);
     bool complete = cache->keys != NULL && cache->items != NULL && cache->points != NULL && cache->rays != NULL &&
-                    cache->places != NULL && cache->known != NULL;
+                    cache->places != NULL;
     for (int i = 0; i < 3; ++i) {
         cache->irradiance[i] = ty_alloc_array(context, float_count, sizeof(float), true);
         complete = complete && cache->irradiance[i] != NULL;
@@ -152,7 +157,6 @@ void ty_irradiance_cache_destroy(ty_irradiance_cache* cache) {
     ty_free_array(context, cache->points, TY_IRRADIANCE_POINTS_MAX, sizeof *cache->points);
     ty_free_array(context, cache->rays, ray_count, sizeof *cache->rays);
     ty_free_array(context, cache->places, place_count, sizeof *cache->places);
-    ty_free_array(context, cache->known, float_count, sizeof(float));
     for (int i = 0; i < 3; ++i) ty_free_array(context, cache->irradiance[i], float_count, sizeof(float));
     ty_free_array(context, cache, 1, sizeof *cache);
 }

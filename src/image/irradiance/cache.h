@@ -13,17 +13,10 @@ enum { TY_IRRADIANCE_PATCHES = 3, TY_IRRADIANCE_FACE_PATCHES = 9 };
 
 /* Light that surfaces outside of the box send to it. */
 typedef enum ty_reflected_light {
-    TY_REFLECTED_LAMPS, /* of the scene's lights, reflected once or more and not scattered */
+    TY_REFLECTED_LAMPS, /* of the scene's lights, reflected once or more and not scattered, and of other surfaces */
     TY_REFLECTED_MEDIA, /* of media */
     TY_REFLECTED_MORE   /* of media, a further part */
 } ty_reflected_light;
-
-/* Lights whose first reflection reaches the media in another way, and is left out of what surfaces send. */
-typedef enum ty_known_reflection {
-    TY_KNOWN_NONE,
-    TY_KNOWN_MAPPED, /* of directional, point and spot lights, by virtual point lights */
-    TY_KNOWN_ALL
-} ty_known_reflection;
 
 /* Points of the surfaces that rays from a medium's box reach, and those that rays from these reach; *out is NULL where
  * there are none outside of it. Errors: TY_ERROR_MEMORY. Freed with ty_irradiance_cache_destroy. */
@@ -31,10 +24,10 @@ ty_result ty_irradiance_cache_create(const ty_scene* scene, const ty_grid_medium
 void ty_irradiance_cache_destroy(ty_irradiance_cache* cache);
 void ty_irradiance_cache_get_view(const ty_irradiance_cache* cache, ty_irradiance_view* out);
 
-/* Lights the points by samples of the lights (virtual ones aside) through the medium, and by one another. Errors:
- * TY_ERROR_MEMORY. */
+/* Lights the points by samples of the lights through the medium, by surfaces that emit and are no lights, and by one
+ * another. Errors: TY_ERROR_MEMORY. */
 ty_result ty_irradiance_cache_light(ty_irradiance_cache* cache, const ty_scene* scene, const ty_grid_medium* medium,
-                                    const ty_discrete_light* sources, int32_t count, ty_known_reflection known);
+                                    const ty_discrete_light* sources, int32_t count);
 /* Lights them by the media of `march`, whose image options are unused, and by one another. light: TY_REFLECTED_MEDIA
  * or _MORE. emission: with what media emit. Errors: those of ty_march. */
 ty_result ty_irradiance_cache_gather(ty_irradiance_cache* cache, const ty_scene* scene, const ty_march_def* march,

@@ -28,20 +28,27 @@ TY_FN uint32_t ty_irradiance_place(float offset, float per_edge) {
     return (uint32_t)ty_clampf(place, 0.0f, 255.0f);
 }
 
-/* The cell of a point on a surface that faces `normal`. */
-TY_FN uint32_t ty_irradiance_key(const ty_irradiance_view* view, ty_vec point, ty_vec normal) {
-    const ty_vec off = ty_sub(point, view->center);
+/* Edge of the cells at a point relative to the box's center, m, and how many times it was doubled. */
+TY_FN float ty_irradiance_edge(const ty_irradiance_view* view, ty_vec off, uint32_t* level) {
     const ty_vec out =
         ty_vec_make(ty_maxf(0.0f, fabsf(off.x) - view->half_side.x), ty_maxf(0.0f, fabsf(off.y) - view->half_side.y),
                     ty_maxf(0.0f, fabsf(off.z) - view->half_side.z));
     const float distance = sqrtf(ty_dot(out, out));
     float reach = TY_IRRADIANCE_REACH * view->longest, edge = TY_IRRADIANCE_EDGE * view->longest;
-    uint32_t level = 0;
-    for (; distance > reach && level + 1 < TY_IRRADIANCE_LEVELS; ++level) {
+    *level = 0;
+    for (; distance > reach && *level + 1 < TY_IRRADIANCE_LEVELS; ++*level) {
         reach *= 2.0f;
         edge *= 2.0f;
     }
-    const float x = fabsf(normal.x), y = fabsf(normal.y), z = fabsf(normal.z), per_edge = 1.0f / edge;
+    return edge;
+}
+
+/* The cell of a point on a surface that faces `normal`. */
+TY_FN uint32_t ty_irradiance_key(const ty_irradiance_view* view, ty_vec point, ty_vec normal) {
+    const ty_vec off = ty_sub(point, view->center);
+    uint32_t level;
+    const float per_edge = 1.0f / ty_irradiance_edge(view, off, &level);
+    const float x = fabsf(normal.x), y = fabsf(normal.y), z = fabsf(normal.z);
     const uint32_t face = x >= y && x >= z ? (normal.x < 0.0f ? 0 : 1)
                           : y >= z         ? (normal.y < 0.0f ? 2 : 3)
                                            : (normal.z < 0.0f ? 4 : 5);
@@ -57,10 +64,18 @@ TY_FN uint32_t ty_irradiance_entry(const ty_irradiance_view* view, uint32_t key)
     return entry;
 }
 
-/* The point for a place on a surface; -1: there is none. */
+/* The point for a place on a surface: that of its cell, or of one beside it; -1: there is none. */
 TY_FN int32_t ty_irradiance_find(const ty_irradiance_view* view, ty_vec point, ty_vec normal) {
-    const uint32_t key = ty_irradiance_key(view, point, normal), entry = ty_irradiance_entry(view, key);
-    return view->keys[entry] == key ? view->points[entry] : -1;
+    uint32_t level;
+    const float aside = 0.5f * ty_irradiance_edge(view, ty_sub(point, view->center), &level);
+    for (int32_t i = 0; i < 7; ++i) {
+        const float by = i == 0 ? 0.0f : (i & 1) != 0 ? aside : -aside;
+        const ty_vec at = ty_add(point, ty_vec_make((i + 1) / 2 == 1 ? by : 0.0f, (i + 1) / 2 == 2 ? by : 0.0f,
+                                                    (i + 1) / 2 == 3 ? by : 0.0f));
+        const uint32_t key = ty_irradiance_key(view, at, normal), entry = ty_irradiance_entry(view, key);
+        if (view->keys[entry] == key) return view->points[entry];
+    }
+    return -1;
 }
 
 #endif

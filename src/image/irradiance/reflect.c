@@ -52,7 +52,7 @@ ty_result ty_irradiance_reflect(const ty_irradiance_cache* cache, float* irradia
 
 /* ---- lamps ---- */
 
-/* Adds a sample's irradiance at all places to the sum of their points. */
+/* Means over the places of each point. */
 static void average(const ty_irradiance_cache* cache, float* const planes[3], const int32_t* first, float* out) {
     for (int32_t i = 0; i < cache->view.count; ++i)
         for (int32_t k = 0; k < cache->points[i].places; ++k)
@@ -87,39 +87,26 @@ static void free_places(const ty_irradiance_cache* cache, places* list) {
     ty_free_array(cache->context, list->planes, 3 * capacity, sizeof *list->planes);
 }
 
-static bool is_known(const ty_scene* scene, const ty_discrete_light* source, ty_known_reflection known) {
-    const int32_t kind = scene->view.lights.lights[source->light].kind;
-    if (known != TY_KNOWN_MAPPED) return known == TY_KNOWN_ALL;
-    return kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
-}
-
-/* Adds the irradiance of the sources that are known, or of the others, to out. */
-static void add_sources(const ty_irradiance_cache* cache, const ty_scene* scene, const ty_grid_medium* medium,
-                        const ty_discrete_light* sources, int32_t count, ty_known_reflection known, bool are_known,
-                        places* list, float* out) {
-    const size_t capacity = (size_t)cache->view.count * TY_IRRADIANCE_PLACES;
-    float* const planes[3] = {list->planes, list->planes + capacity, list->planes + 2 * capacity};
-    memset(list->planes, 0, 3 * capacity * sizeof *list->planes);
-    for (int32_t begin = 0, end = 0; begin < count; begin = end) {
-        while (end < count && sources[end].is_virtual == 0 && is_known(scene, &sources[end], known) == are_known) ++end;
-        if (end > begin)
-            ty_boundary_irradiance_add(scene, &list->faces, medium, medium->extinction, sources + begin, end - begin,
-                                       planes, NULL);
-        else
-            ++end;
+/* Adds what surfaces emit that are no lights. */
+static void add_emission(const ty_irradiance_cache* cache, float* irradiance) {
+    for (int32_t i = 0; i < cache->view.count; ++i) {
+        const ty_irradiance_ray* rays = cache->rays + (size_t)i * TY_IRRADIANCE_RAYS;
+        for (int32_t r = 0; r < TY_IRRADIANCE_RAYS && cache->points[i].inside == 0; ++r)
+            for (int c = 0; c < 3; ++c) irradiance[3 * i + c] += rays[r].emitted[c];
     }
-    average(cache, planes, list->first, out);
 }
 
 ty_result ty_irradiance_cache_light(ty_irradiance_cache* cache, const ty_scene* scene, const ty_grid_medium* medium,
-                                    const ty_discrete_light* sources, int32_t count, ty_known_reflection known) {
+                                    const ty_discrete_light* sources, int32_t count) {
+    const size_t capacity = (size_t)cache->view.count * TY_IRRADIANCE_PLACES;
     places list;
     float* irradiance = cache->irradiance[TY_REFLECTED_LAMPS];
     ty_result result = list_places(cache, &list);
     if (result == TY_OK) {
-        add_sources(cache, scene, medium, sources, count, known, true, &list, cache->known);
-        memcpy(irradiance, cache->known, 3 * sizeof *irradiance * (size_t)cache->view.count);
-        add_sources(cache, scene, medium, sources, count, known, false, &list, irradiance);
+        float* const planes[3] = {list.planes, list.planes + capacity, list.planes + 2 * capacity};
+        ty_boundary_irradiance_add(scene, &list.faces, medium, medium->extinction, sources, count, planes, NULL);
+        average(cache, planes, list.first, irradiance);
+        add_emission(cache, irradiance);
         result = ty_irradiance_reflect(cache, irradiance);
     }
     free_places(cache, &list);
@@ -127,12 +114,6 @@ ty_result ty_irradiance_cache_light(ty_irradiance_cache* cache, const ty_scene* 
 }
 
 /* ---- the box ---- */
-
-static float irradiance_of(const ty_irradiance_cache* cache, ty_reflected_light light, int32_t point, int c) {
-    const int32_t at = 3 * point + c;
-    const float all = cache->irradiance[light][at];
-    return light == TY_REFLECTED_LAMPS ? all - cache->known[at] : all;
-}
 
 void ty_irradiance_cache_add_more(ty_irradiance_cache* cache, double factor) {
     for (int32_t i = 0; i < 3 * cache->view.count; ++i)
@@ -147,7 +128,8 @@ void ty_irradiance_cache_faces(const ty_irradiance_cache* cache, ty_reflected_li
         for (int32_t i = 0; i < TY_IRRADIANCE_FACE_PATCHES * TY_IRRADIANCE_PATCH_RAYS; ++i)
             for (int c = 0; c < 3 && rays[i].point >= 0; ++c)
                 out[face][i / TY_IRRADIANCE_PATCH_RAYS][c] +=
-                    rays[i].weight[c] * irradiance_of(cache, light, rays[i].point, c);
+                    rays[i].weight[c] * cache->irradiance[light][3 * rays[i].point + c] +
+                    (light == TY_REFLECTED_LAMPS ? rays[i].emitted[c] : 0);
     }
 }
 
@@ -165,5 +147,5 @@ double ty_irradiance_cache_power(const ty_irradiance_cache* cache, ty_reflected_
 void ty_irradiance_cache_at(const ty_irradiance_cache* cache, ty_reflected_light light, ty_vec position, ty_vec normal,
                             float irradiance[3]) {
     const int32_t point = ty_irradiance_find(&cache->view, position, normal);
-    for (int c = 0; c < 3; ++c) irradiance[c] = point >= 0 ? irradiance_of(cache, light, point, c) : 0;
+    for (int c = 0; c < 3; ++c) irradiance[c] = point >= 0 ? cache->irradiance[light][3 * point + c] : 0;
 }

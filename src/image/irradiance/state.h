@@ -18,9 +18,10 @@ enum {
 /* A cosine-distributed ray from a point or a patch to another point. */
 typedef struct ty_irradiance_ray {
     ty_vec origin, direction;
-    float distance;  /* m; TY_FLOAT_MAX: nothing is hit */
-    int32_t point;   /* that it ends at; -1: none */
-    float weight[3]; /* of the point's irradiance: albedo times transmittance, over the number of rays */
+    float distance;   /* m; TY_FLOAT_MAX: nothing is hit */
+    int32_t point;    /* that it ends at; -1: none */
+    float weight[3];  /* of the point's irradiance: albedo times transmittance, over the number of rays */
+    float emitted[3]; /* irradiance of what the surface emits, unless it is a light, W m^-2 */
 } ty_irradiance_ray;
 
 typedef struct ty_irradiance_point {
@@ -39,7 +40,6 @@ struct ty_irradiance_cache {
     ty_irradiance_point* points; /* view.count of them */
     ty_irradiance_ray* rays;     /* of the points, then of the faces */
     ty_boundary_side* places;    /* of the points, TY_IRRADIANCE_PLACES for each, at which lights are sampled */
-    float* known;                /* irradiance of lamps whose first reflection is left out, 3 for each point */
     float* irradiance[3];        /* of each ty_reflected_light, with all reflections */
 };
 

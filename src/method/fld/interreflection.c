@@ -6,11 +6,9 @@
 ty_result ty_fld_light_outside(ty_fld_job* job) {
     const ty_grid_medium* medium = job->coarse;
     ty_irradiance_cache** cache = &job->light->cache;
-    if (!job->def->interreflection) return TY_OK;
     ty_result result = ty_irradiance_cache_create(job->scene, medium, cache);
     if (result != TY_OK || *cache == NULL) return result;
-    result =
-        ty_irradiance_cache_light(*cache, job->scene, medium, job->sources.items, job->sources.count, TY_KNOWN_NONE);
+    result = ty_irradiance_cache_light(*cache, job->scene, medium, job->sources.items, job->sources.count);
     if (result == TY_OK)
         result = ty_incident_flux_make(*cache, job->context, TY_REFLECTED_LAMPS, medium->box.size, &job->incident);
     return result;
@@ -20,7 +18,7 @@ ty_result ty_fld_interreflect(ty_fld_job* job) {
     ty_fld* light = job->light;
     ty_fld_stats* stats = &job->stats;
     ty_diffuse_stats returned;
-    if (light->cache == NULL) return TY_OK;
+    if (light->cache == NULL || !job->def->interreflection) return TY_OK;
     ty_interreflection_def def = {.scene = job->scene,
                                   .medium = job->coarse,
                                   .solver = ty_fld_diffusion_def(job),

@@ -5,12 +5,10 @@
 
 ty_result ty_pop_light_outside(ty_pop_job* job, const ty_discrete_light_set* sources) {
     const ty_grid_medium* medium = job->medium;
-    const ty_known_reflection known = job->def->vpls > 0 ? TY_KNOWN_MAPPED : TY_KNOWN_NONE;
     ty_irradiance_cache** cache = &job->light->cache;
-    if (!job->def->interreflection) return TY_OK;
     ty_result result = ty_irradiance_cache_create(job->scene, medium, cache);
     if (result != TY_OK || *cache == NULL) return result;
-    result = ty_irradiance_cache_light(*cache, job->scene, medium, sources->items, sources->count, known);
+    result = ty_irradiance_cache_light(*cache, job->scene, medium, sources->items, sources->count);
     if (result == TY_OK)
         result = ty_incident_flux_make(*cache, job->context, TY_REFLECTED_LAMPS, medium->box.size, &job->incident);
     return result;
@@ -30,7 +28,7 @@ ty_result ty_pop_interreflect(ty_pop_job* job, const ty_diffusion_def* solver, c
     const ty_pop* light = job->light;
     float* mean[3] = {NULL, NULL, NULL};
     ty_diffuse_stats returned;
-    if (light->cache == NULL) return TY_OK;
+    if (light->cache == NULL || !job->def->interreflection) return TY_OK;
     ty_interreflection_def def = {.scene = job->scene,
                                   .medium = job->medium,
                                   .solver = *solver,

@@ -104,7 +104,7 @@ double ty_ordinates_entering(const ty_ordinates_def* def) {
     const ty_ordinates_faces* walls = &def->walls;
     const int32_t* size = def->size;
     double open[6], power = 0;
-    if (def->boundary_radiance == NULL) return 0;
+    if (def->boundary_radiance[0] == NULL) return 0;
     for (int face = 0; face < 6; ++face) open[face] = (double)size[(face / 2 + 1) % 3] * size[(face / 2 + 2) % 3];
     for (int64_t row = 0, side = 0; side < walls->count; ++row)
         for (; side < walls->first[row + 1]; ++side) {
@@ -115,7 +115,7 @@ double ty_ordinates_entering(const ty_ordinates_def* def) {
     for (int32_t d = 0; d < def->set->count; ++d)
         for (int a = 0; a < 3; ++a) {
             const double mu = (double)def->set->direction[a][d], edge = def->cell[(a + 1) % 3];
-            power += (double)def->boundary_radiance[d] * (double)def->set->weight[d] * fabs(mu) * edge *
+            power += (double)def->boundary_radiance[a][d] * (double)def->set->weight[d] * fabs(mu) * edge *
                      def->cell[(a + 2) % 3] * open[2 * a + (mu < 0 ? 1 : 0)];
         }
     return power;

@@ -56,11 +56,11 @@ static void lay_out(ty_ordinates_job* job, ty_arena* arena) {
 
 /* Boundary irradiance of a face of the box by the def. */
 static float boundary_irradiance(const ty_ordinates_def* def, int face) {
-    if (def->boundary_radiance == NULL) return 0;
+    if (def->boundary_radiance[0] == NULL) return 0;
     double sum = 0;
     for (int32_t d = 0; d < def->set->count; ++d) {
         const double cosine = (double)def->set->direction[face / 2][d] * ((face & 1) != 0 ? -1 : 1);
-        sum += fmax(cosine, 0) * (double)def->set->weight[d] * (double)def->boundary_radiance[d];
+        sum += fmax(cosine, 0) * (double)def->set->weight[d] * (double)def->boundary_radiance[face / 2][d];
     }
     return (float)(sum / TY_SQRT_4PI_F64);
 }

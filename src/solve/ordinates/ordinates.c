@@ -42,7 +42,7 @@ static ty_result check(ty_context* context, const ty_ordinates_def* def, float* 
     const ty_result result = check_size(context, def);
     if (result != TY_OK) return result;
     if (!is_valid_set(def->set)) return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: set: there are no directions");
-    if (def->final_set != NULL && (!is_valid_set(def->final_set) || def->boundary_radiance != NULL))
+    if (def->final_set != NULL && (!is_valid_set(def->final_set) || def->boundary_radiance[0] != NULL))
         return ty_fail(context, TY_ERROR_ARGUMENT,
                        "ordinates: final_set: it has no directions, or boundary_radiance needs those of set");
     if (def->bands < 1 || def->bands > TY_SCATTERING_ORDER_MAX)

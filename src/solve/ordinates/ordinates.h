@@ -52,8 +52,9 @@ typedef struct ty_ordinates_def {
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
     ty_ordinates_faces walls;
-    /* Incident radiance along each direction of the set, uniform over the box's faces; NULL (default): 0. */
-    const float* boundary_radiance;
+    /* Incident radiance along each direction of the set through the face across each axis, uniform over it; all NULL
+     * (default): 0. */
+    const float* boundary_radiance[3];
     bool accelerated;          /* diffusion synthetic acceleration, 2 to 12 sweeps, with diffusive cells
                                   (solve/ordinates/diffusive_cells.h); false: source iteration, as many sweeps as scattering
                                   orders */

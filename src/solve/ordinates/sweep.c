@@ -18,9 +18,9 @@ struct ty_sweep {
     ty_context* context;
     const ty_sweep_kernels* kernels;
     ty_sweep_box box;
-    float* boundary_radiance[8]; /* writable alias of the box's arrays */
-    int32_t blocks[2];           /* along y, z */
-    size_t scratch_floats;       /* per thread */
+    float* boundary_radiance[3][8]; /* writable alias of the box's arrays */
+    int32_t blocks[2];              /* along y, z */
+    size_t scratch_floats;          /* per thread */
     float* scratch;
     ty_sweep_sums* sums; /* one per block */
     double leaving[8];   /* per octant, through faces across y and z */
@@ -56,7 +56,8 @@ static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
         box->weighted_y_lm[i] = t.weighted_y_lm[i] = ty_arena_take(arena, sizeof(float) * padded * lanes);
     }
     for (int o = 0; o < 8; ++o) {
-        box->boundary_radiance[o] = sweep->boundary_radiance[o] = ty_arena_take(arena, sizeof(float) * lanes);
+        for (int a = 0; a < 3; ++a)
+            box->boundary_radiance[a][o] = sweep->boundary_radiance[a][o] = ty_arena_take(arena, sizeof(float) * lanes);
         box->faces_y[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[2] * lanes);
         box->faces_z[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[1] * lanes);
     }
@@ -146,11 +147,12 @@ ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const doub
     return TY_OK;
 }
 
-void ty_sweep_set_boundary_radiance(ty_sweep* sweep, const float* radiance) {
+void ty_sweep_set_boundary_radiance(ty_sweep* sweep, const float* const radiance[3]) {
     const int32_t directions = sweep->box.directions;
-    for (int32_t o = 0; o < 8; ++o)
-        for (int32_t i = 0; i < directions; ++i)
-            sweep->boundary_radiance[o][i] = radiance != NULL ? radiance[o * directions + i] : 0;
+    for (int a = 0; a < 3; ++a)
+        for (int32_t o = 0; o < 8; ++o)
+            for (int32_t i = 0; i < directions; ++i)
+                sweep->boundary_radiance[a][o][i] = radiance[a] != NULL ? radiance[a][o * directions + i] : 0;
 }
 
 void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls) {
@@ -195,11 +197,12 @@ static void set_boundary_faces(const ty_sweep_box* box, const ty_sweep_block* bl
     const ptrdiff_t row = (ptrdiff_t)box->size[0] * box->lanes;
     for (int32_t o = 2 * block->pair; o < 2 * block->pair + 2; ++o)
         for (ptrdiff_t g = 0; g < box->groups; ++g) {
-            const float* boundary = box->boundary_radiance[o] + g * box->lanes;
             for (int32_t z = block->begin[1]; z < block->end[1] && first[0]; ++z)
-                set_boundary_row(box, boundary, box->faces_y[o] + (g * box->size[2] + z) * row);
+                set_boundary_row(box, box->boundary_radiance[1][o] + g * box->lanes,
+                                 box->faces_y[o] + (g * box->size[2] + z) * row);
             for (int32_t y = block->begin[0]; y < block->end[0] && first[1]; ++y)
-                set_boundary_row(box, boundary, box->faces_z[o] + (g * box->size[1] + y) * row);
+                set_boundary_row(box, box->boundary_radiance[2][o] + g * box->lanes,
+                                 box->faces_z[o] + (g * box->size[1] + y) * row);
         }
 }
 

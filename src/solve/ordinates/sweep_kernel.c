@@ -371,7 +371,7 @@ TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_
         emit(&view, work->emission + row * terms, scratch->psi[0], scratch->psi[1], bands);
         stream streams[2];
         for (int o = 0; o < 2; ++o)
-            streams[o] = (stream){.psi_x = ty_lanes_load_aligned(box->boundary_radiance[octant + o] + g * TY_LANES),
+            streams[o] = (stream){.psi_x = ty_lanes_load_aligned(box->boundary_radiance[0][octant + o] + g * TY_LANES),
                                   .psi = scratch->psi[o],
                                   .psi_y = box->faces_y[octant + o] + (g * nz + z) * nx * TY_LANES,
                                   .psi_z = box->faces_z[octant + o] + (g * ny + y) * nx * TY_LANES};

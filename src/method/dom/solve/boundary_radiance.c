@@ -1,6 +1,5 @@
-/* The boundary source of surfaces outside of the box, such as a floor under a cloud: they reflect environments and area
- * lights through the box's faces. The incident radiance along each direction of the quadrature is the mean over a few
- * rays. */
+/* The boundary source of surfaces outside of the box, such as a floor under a cloud, whose irradiance is in a cache.
+ * The incident radiance along each direction of the quadrature and through each face is the mean over a few rays. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
@@ -8,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Rays per direction, spread over the faces through which the direction enters the box. */
-enum { RAYS = 16 };
+/* Rays per direction through each of the three faces that it enters the box through, and through all of them. */
+enum { FACE_RAYS = 8, RAYS = 3 * FACE_RAYS };
 
 /* Generators of the R2 low-discrepancy sequence: powers of the inverse of the real root of x^3 = x + 1. */
 static const double step_u = 0.7548776662466927, step_v = 0.5698402909980532;
@@ -18,25 +17,17 @@ typedef struct boundary_job {
     ty_dom_job* job;
     ty_boundary_faces surfaces; /* surfaces that rays hit, as boundary sides; those of direction d start at d RAYS */
     float* irradiance[3];
+    ty_reflected_light reflected; /* of the cache's points */
 } boundary_job;
 
 /* The point at which one of a direction's rays enters the box. */
 static void ray_entry(const ty_dom_job* job, int32_t direction, int32_t ray, double at[3]) {
     const ty_grid_box* box = &job->coarse->box;
-    double edge[3], omega[3], weight[3], sum = 0;
-    for (int a = 0; a < 3; ++a) {
-        edge[a] = box->upper[a] - box->lower[a];
-        omega[a] = (double)job->set->direction[a][direction];
-    }
-    for (int a = 0; a < 3; ++a) sum += weight[a] = fabs(omega[a]) * edge[(a + 1) % 3] * edge[(a + 2) % 3];
-    double position = (ray + 0.5) / RAYS * sum;
-    int axis = 0;
-    for (; axis < 2 && position > weight[axis]; ++axis) position -= weight[axis];
+    const int axis = ray / FACE_RAYS, b = (axis + 1) % 3, c = (axis + 2) % 3;
     const double u = (ray + 1) * step_u, v = (ray + 1) * step_v;
-    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-    at[axis] = omega[axis] > 0 ? box->lower[axis] : box->upper[axis];
-    at[b] = box->lower[b] + edge[b] * (u - floor(u));
-    at[c] = box->lower[c] + edge[c] * (v - floor(v));
+    at[axis] = job->set->direction[axis][direction] > 0 ? box->lower[axis] : box->upper[axis];
+    at[b] = box->lower[b] + (box->upper[b] - box->lower[b]) * (u - floor(u));
+    at[c] = box->lower[c] + (box->upper[c] - box->lower[c]) * (v - floor(v));
 }
 
 /* The surface that the ray hits when followed back from its entry; albedo 0 if it misses or hits a boundary face. */
@@ -70,17 +61,14 @@ static void trace_rays(void* user, int64_t direction, int32_t worker) {
         trace_ray(in, (int32_t)direction, ray, &in->surfaces.sides[direction * RAYS + ray]);
 }
 
-/* Lights the surfaces by all sources but those whose reflection VPLs stand for. */
-static void light_surfaces(const boundary_job* in) {
-    const ty_dom_job* job = in->job;
-    const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
-    for (int32_t i = 0; i < job->sources.count; ++i) {
-        const ty_discrete_light* source = &job->sources.items[i];
-        const int32_t kind = lights->lights[source->light].kind;
-        const bool has_vpls = kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
-        if (source->is_virtual == 0 && has_vpls) continue;
-        ty_boundary_irradiance_add(job->scene, &in->surfaces, job->coarse, job->coarse->extinction, source, 1,
-                                   in->irradiance, NULL);
+/* The irradiance of the surfaces, by the cache's points. */
+static void find_irradiance(const boundary_job* in) {
+    const ty_irradiance_cache* cache = in->job->light->cache;
+    for (size_t ray = 0; ray < (size_t)in->surfaces.count; ++ray) {
+        const ty_boundary_side* side = &in->surfaces.sides[ray];
+        float irradiance[3];
+        ty_irradiance_cache_at(cache, in->reflected, side->position, side->normal, irradiance);
+        for (int c = 0; c < 3; ++c) in->irradiance[c][ray] = irradiance[c];
     }
 }
 
@@ -89,19 +77,22 @@ static float radiance_of(const boundary_job* in, int32_t channel, size_t ray) {
     const ty_boundary_side* side = &in->surfaces.sides[ray];
     const ty_dom* light = in->job->light;
     float radiance[3];
-    for (int c = 0; c < 3; ++c) radiance[c] = side->albedo[c] / TY_PI * in->irradiance[c][ray] + side->emission[c];
+    for (int c = 0; c < 3; ++c)
+        radiance[c] = side->albedo[c] / TY_PI * in->irradiance[c][ray] +
+                      (in->reflected == TY_REFLECTED_LAMPS ? side->emission[c] : 0);
     if (!light->shared) return radiance[channel];
     return (radiance[0] + radiance[1] + radiance[2]) / (light->color[0] + light->color[1] + light->color[2]);
 }
 
-static ty_result average_radiance(const boundary_job* in) {
-    ty_dom_job* job = in->job;
+static ty_result average_radiance(const boundary_job* in, float* out[3]) {
+    const ty_dom_job* job = in->job;
     for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) {
-        job->incident_radiance[c] = ty_alloc_array(job->context, TY_ORDINATES_MAX, sizeof(float), true);
-        if (job->incident_radiance[c] == NULL) return TY_ERROR_MEMORY;
+        out[c] = ty_alloc_array(job->context, 3 * TY_ORDINATES_MAX, sizeof(float), true);
+        if (out[c] == NULL) return TY_ERROR_MEMORY;
         for (int32_t d = 0; d < job->set->count; ++d)
-            for (size_t ray = 0; ray < RAYS; ++ray)
-                job->incident_radiance[c][d] += radiance_of(in, c, (size_t)d * RAYS + ray) / RAYS;
+            for (int32_t ray = 0; ray < RAYS; ++ray)
+                out[c][ray / FACE_RAYS * TY_ORDINATES_MAX + d] +=
+                    radiance_of(in, c, (size_t)d * RAYS + (size_t)ray) / FACE_RAYS;
     }
     return TY_OK;
 }
@@ -129,20 +120,32 @@ bool ty_dom_surfaces_are_gray(const ty_dom_job* job) {
     return true;
 }
 
-ty_result ty_dom_find_incident_radiance(ty_dom_job* job) {
-    if (!ty_dom_has_outer_surfaces(job)) return TY_OK;
+static ty_result find_radiance(ty_dom_job* job, ty_reflected_light reflected, float* out[3]) {
     const size_t count = (size_t)job->set->count * RAYS;
-    boundary_job in = {.job = job, .surfaces = {.context = job->context, .count = (int32_t)count}};
+    boundary_job in = {
+        .job = job, .surfaces = {.context = job->context, .count = (int32_t)count}, .reflected = reflected};
     in.surfaces.sides = ty_alloc_array(job->context, count, sizeof *in.surfaces.sides, false);
     float* irradiance = ty_alloc_array(job->context, 3 * count, sizeof *irradiance, true);
     ty_result result = in.surfaces.sides != NULL && irradiance != NULL ? TY_OK : TY_ERROR_MEMORY;
     for (size_t c = 0; c < 3; ++c) in.irradiance[c] = irradiance + c * count;
     if (result == TY_OK) {
         ty_parallel_for(job->context, job->set->count, trace_rays, &in);
-        light_surfaces(&in);
-        result = average_radiance(&in);
+        find_irradiance(&in);
+        result = average_radiance(&in, out);
     }
     ty_free_array(job->context, in.surfaces.sides, count, sizeof *in.surfaces.sides);
     ty_free_array(job->context, irradiance, 3 * count, sizeof *irradiance);
     return result;
+}
+
+ty_result ty_dom_find_incident_radiance(ty_dom_job* job) {
+    ty_irradiance_cache** cache = &job->light->cache;
+    ty_result result = ty_irradiance_cache_create(job->scene, job->coarse, cache);
+    if (result != TY_OK || *cache == NULL) return result;
+    result = ty_irradiance_cache_light(*cache, job->scene, job->coarse, job->sources.items, job->sources.count);
+    return result == TY_OK ? find_radiance(job, TY_REFLECTED_LAMPS, job->incident_radiance) : result;
+}
+
+ty_result ty_dom_find_returned_radiance(ty_dom_job* job, float* out[3]) {
+    return find_radiance(job, TY_REFLECTED_MEDIA, out);
 }
