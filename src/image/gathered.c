@@ -11,6 +11,11 @@ typedef struct gathered_job {
     _Atomic uint64_t steps;
 } gathered_job;
 
+typedef struct smooth_job {
+    const ty_gathered_view* view;
+    ty_gathered_point* out;
+} smooth_job;
+
 static bool has_outer_surfaces(const ty_scene* scene, const ty_march_request* request) {
     const ty_cell_lattice* lattice = &request->surface_field.lattice;
     double lower[3], upper[3];
@@ -26,6 +31,32 @@ static void gather_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     gathered_job* job = user;
     atomic_fetch_add(&job->steps, job->kernel(job->request, (int32_t)row));
+}
+
+/* Mean over a point and those around it, by tent weights: each has other rays, and their errors differ. */
+static void smooth_row(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const smooth_job* job = user;
+    const ty_gathered_view* view = job->view;
+    for (int32_t i = 0; i < view->columns; ++i) {
+        const ty_gathered_point* middle = &view->points[row * view->columns + i];
+        ty_gathered_point* out = &job->out[row * view->columns + i];
+        float sum = 0;
+        *out = *middle;
+        if (middle->exists == 0) continue;
+        for (int c = 0; c < 3; ++c) out->irradiance[c] = 0;
+        for (int32_t k = 0; k < 9; ++k) {
+            const int32_t right = k % 3 - 1, down = k / 3 - 1;
+            if (i + right < 0 || i + right >= view->columns || row + down < 0 || row + down >= view->rows) continue;
+            const ty_gathered_point* point = &view->points[(row + down) * view->columns + i + right];
+            const float weight = (right == 0 ? 2.0f : 1.0f) * (down == 0 ? 2.0f : 1.0f) *
+                                 ty_gathered_weight(point, middle->position, middle->normal, middle->distance);
+            if (!(weight > 0)) continue;
+            sum += weight;
+            for (int c = 0; c < 3; ++c) out->irradiance[c] += weight * point->irradiance[c];
+        }
+        for (int c = 0; c < 3; ++c) out->irradiance[c] *= 1 / sum;
+    }
 }
 
 static int32_t count_along(int32_t pixels) {
@@ -45,6 +76,12 @@ ty_result ty_gathered_create(const ty_scene* scene, ty_march_request* request, i
     gathered_job job = {.request = request, .kernel = TY_BEST_KERNELS(ty_gathered_kernel)};
     ty_parallel_for(context, view.rows, gather_row, &job);
     *steps = atomic_load(&job.steps);
+    smooth_job smoothed = {&request->gathered, NULL};
+    smoothed.out = ty_alloc_array(context, (size_t)view.columns * (size_t)view.rows, sizeof *view.points, false);
+    if (smoothed.out == NULL) return TY_ERROR_MEMORY;
+    ty_parallel_for(context, view.rows, smooth_row, &smoothed);
+    ty_gathered_destroy(context, &request->gathered);
+    request->gathered.points = smoothed.out;
     return TY_OK;
 }
 

@@ -16,6 +16,7 @@ enum { TY_GATHERED_SPACING = 4 };
 /* A point on the surface in the middle of a pixel. */
 typedef struct ty_gathered_point {
     ty_vec position, normal;
+    float distance; /* from the camera, m */
     float irradiance[3];
     int32_t exists; /* 0: no surface, or one inside of the box */
 } ty_gathered_point;
@@ -26,6 +27,16 @@ typedef struct ty_gathered_view {
     int32_t width, height; /* of the image, pixels */
     TY_GLOBAL ty_gathered_point* points;
 } ty_gathered_view;
+
+/* Weight of a point for the surface around a position, of a normal and at a distance from the camera. */
+TY_FN float ty_gathered_weight(TY_GLOBAL const ty_gathered_point* point, ty_vec position, ty_vec normal,
+                               float distance) {
+    if (point->exists == 0) return 0.0f;
+    const float off = fabsf(ty_dot(ty_sub(point->position, position), normal));
+    const float cosine = ty_dot(point->normal, normal);
+    return ty_maxf(0.0f, 1.0f - off / (TY_GATHERED_OFF_PLANE * distance)) *
+           ty_maxf(0.0f, (cosine - TY_GATHERED_COSINE) * (1.0f / (1.0f - TY_GATHERED_COSINE)));
+}
 
 /* The pixel of a column or a row of points. */
 TY_FN int32_t ty_gathered_pixel(int32_t index, int32_t pixels) {

@@ -2,10 +2,7 @@
 #include "image/gathered.h"
 
 #include "base/float_mode.h"
-#include "image/reflect.k.h"
-
-/* All points have the same rays about their normal, so that errors vary as slowly as the irradiance does. */
-static const float phase = 0.5f;
+#include "image/pixel.k.h"
 
 TY_GATHERED_KERNEL(TY_KERNEL_NAME(ty_gathered_kernel)) {
     const unsigned state = ty_flush_denormals();
@@ -27,8 +24,9 @@ TY_GATHERED_KERNEL(TY_KERNEL_NAME(ty_gathered_kernel)) {
         point->exists = 1;
         point->position = hit.position;
         point->normal = surface.ns;
+        point->distance = hit.distance;
         steps += ty_reflect_gather(request, &ray, ty_hit_leave(&hit, surface.ng), surface.ng, surface.ns,
-                                   TY_REFLECT_RAYS, phase, point->irradiance);
+                                   TY_REFLECT_RAYS, ty_pixel_offset(request, i, row, 0), point->irradiance);
     }
     ty_restore_denormals(state);
     return steps;

@@ -7,7 +7,7 @@
 /* Number of rays of each of two kinds that gather light for a surface outside the field's box: for a point that pixels
  * are interpolated between, for a pixel that those around it do not represent, and for one of the rays of a ray_spacing
  * above 1; and their step scale. */
-enum { TY_REFLECT_RAYS = 64, TY_REFLECT_RAYS_PIXEL = 16, TY_REFLECT_RAYS_SPACED = 4 };
+enum { TY_REFLECT_RAYS = 32, TY_REFLECT_RAYS_PIXEL = 16, TY_REFLECT_RAYS_SPACED = 4 };
 #define TY_REFLECT_STEP 4.0f
 
 /* Adds the light of media that the surface at the end of a gathering ray reflects, times `weight`. Never inlined, as
@@ -147,12 +147,9 @@ static __attribute__((noinline)) bool ty_gathered_interpolate(const ty_gathered_
     for (int32_t i = 0; i < 4; ++i) {
         const int32_t right = i & 1, below = i >> 1;
         TY_GLOBAL const ty_gathered_point* point = &view->points[(row + below) * view->columns + column + right];
-        if (point->exists == 0) continue;
-        const float off = fabsf(ty_dot(ty_sub(point->position, position), normal));
-        const float near = ty_maxf(0.0f, 1.0f - off / (TY_GATHERED_OFF_PLANE * distance));
-        const float alike =
-            ty_maxf(0.0f, (ty_dot(point->normal, normal) - TY_GATHERED_COSINE) * (1.0f / (1.0f - TY_GATHERED_COSINE)));
-        const float weight = (right != 0 ? along : 1.0f - along) * (below != 0 ? down : 1.0f - down) * near * alike;
+        const float weight = (right != 0 ? along : 1.0f - along) * (below != 0 ? down : 1.0f - down) *
+                             ty_gathered_weight(point, position, normal, distance);
+        if (!(weight > 0.0f)) continue;
         sum += weight;
         for (int c = 0; c < 3; ++c) irradiance[c] += weight * point->irradiance[c];
     }

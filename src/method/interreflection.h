@@ -6,7 +6,7 @@
 #include "solve/diffusion/diffuse_light.h"
 
 /* Fraction of the light that media emit or scatter for the first time below which what surfaces return is neglected. */
-#define TY_INTERREFLECTION_MIN 5e-3
+#define TY_INTERREFLECTION_MIN 2e-2
 
 /* The whole of the series 1 + r + r^2 + ... of which `more` follows `light`, over its second term. */
 double ty_interreflection_series(const ty_irradiance_cache* cache);

@@ -16,7 +16,7 @@ TY_IRRADIANCE_KERNEL(TY_KERNEL_NAME(ty_irradiance_kernel)) {
                                           ty_clampf(cells.z, 0.0f, (float)lattice->size[2]));
         ty_upsample_irradiance(&request->surface_field, within, point->normal, irradiance);
     } else {
-        ty_reflect_gather(request, &ray, point->position, point->normal, point->normal, TY_IRRADIANCE_RAYS,
+        ty_reflect_gather(request, &ray, point->position, point->normal, point->normal, TY_IRRADIANCE_GATHER_RAYS,
                           point->phase, irradiance);
     }
     ty_restore_denormals(state);

@@ -5,11 +5,13 @@
 #include "direct/surfaces/boundary_faces.h"
 #include "image/irradiance/cache.h"
 
-/* Points at most; rays from each, and from each patch of the box's faces; places on each at which lights are sampled.
+/* Points at most; rays from each to others, of each kind of ty_reflect_gather, and from each patch of the box's faces;
+ * places on each at which lights are sampled.
  */
 enum {
     TY_IRRADIANCE_POINTS_MAX = 1024,
     TY_IRRADIANCE_RAYS = 32,
+    TY_IRRADIANCE_GATHER_RAYS = 24,
     TY_IRRADIANCE_PATCH_RAYS = 32,
     TY_IRRADIANCE_PLACES = 8,
     TY_IRRADIANCE_FACE_RAYS = 6 * TY_IRRADIANCE_FACE_PATCHES * TY_IRRADIANCE_PATCH_RAYS
