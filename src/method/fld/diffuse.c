@@ -20,7 +20,8 @@ static double flux_fraction_of_sources(const ty_fld_job* job) {
         else
             ty_interior_light_add_point(&sum, &job->fine->box, source->position, source->color);
     }
-    return ty_interior_light_max_flux(&sum, max_flux_fraction_outside);
+    const double fraction = ty_interior_light_max_flux(&sum, max_flux_fraction_outside);
+    return fraction * ty_diffuse_surfaces_flux_factor(&job->surfaces);
 }
 
 ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {

@@ -19,7 +19,7 @@ static void add_source(ty_pop_job* job) {
 /* Default max flux fraction for light sources outside the box. */
 static const double max_flux_outside = 0.5;
 
-static double default_max_flux(const ty_pop* light) {
+static double default_max_flux(const ty_pop* light, const ty_diffuse_surfaces* surfaces) {
     const ty_grid_box* box = &light->merged.box;
     ty_interior_light sum = {0, 0};
     for (int32_t i = 0; i < light->light_count; ++i) {
@@ -36,7 +36,8 @@ static double default_max_flux(const ty_pop* light) {
         else
             ty_interior_light_add_point(&sum, box, ordinate->position, ordinate->color);
     }
-    return ty_interior_light_max_flux(&sum, max_flux_outside);
+    const double fraction = ty_interior_light_max_flux(&sum, max_flux_outside);
+    return fraction * ty_diffuse_surfaces_flux_factor(surfaces);
 }
 
 /* Lights the surfaces between merged cells by all lights, and removes the source that leaks through them. */
@@ -69,10 +70,12 @@ ty_result ty_pop_diffuse(ty_pop_job* job) {
     ty_diffusion_def def = ty_default_diffusion_def();
     ty_diffuse_stats stats = {.converged = false};
     const double begun = ty_wall_seconds();
-    def.streaming = job->def->max_flux_fraction > 0 ? job->def->max_flux_fraction : default_max_flux(job->light);
     def.tolerance = job->def->tolerance;
     add_source(job);
     ty_result result = light_all_surfaces(job);
+    if (result != TY_OK) return result;
+    def.streaming =
+        job->def->max_flux_fraction > 0 ? job->def->max_flux_fraction : default_max_flux(job->light, &job->surfaces);
     if (result == TY_OK)
         result = ty_diffuse_light_solve_between(&def, true, job->medium, &job->surfaces, job->source,
                                                 job->light->cache != NULL ? &job->incident : NULL, &job->progress,
