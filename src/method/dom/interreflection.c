@@ -142,7 +142,7 @@ static ty_result solve_more(ty_dom_job* job, ty_dom* more, ty_dom_stats* stats) 
     if (result == TY_OK) result = ty_dom_solve_channels(&returned);
     for (int c = 0; c < 3; ++c) {
         ty_free_array(job->context, returned.source[c], more->cells, terms * sizeof(float));
-        ty_free_array(job->context, returned.incident_radiance[c], 3 * TY_ORDINATES_MAX, sizeof(float));
+        ty_free_array(job->context, returned.incident_radiance[c], ty_dom_incident_floats(job), sizeof(float));
     }
     ty_free_array(job->context, dark, sides, sizeof *dark);
     job->progress = returned.progress;

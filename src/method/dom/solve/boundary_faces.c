@@ -48,7 +48,7 @@ void ty_dom_free_boundary(ty_dom_job* job) {
     for (int c = 0; c < 3; ++c) {
         ty_free_array(job->context, job->wall_albedo[c], count, sizeof(float));
         ty_free_array(job->context, job->wall_radiance[c], count, sizeof(float));
-        ty_free_array(job->context, job->incident_radiance[c], 3 * TY_ORDINATES_MAX, sizeof(float));
+        ty_free_array(job->context, job->incident_radiance[c], ty_dom_incident_floats(job), sizeof(float));
     }
 }
 
@@ -165,7 +165,7 @@ ty_result ty_dom_light_boundary(ty_dom_job* job) {
 }
 
 bool ty_dom_boundary_is_dark(const ty_dom_job* job, int32_t channel) {
-    for (int32_t i = 0; job->incident_radiance[channel] != NULL && i < 3 * TY_ORDINATES_MAX; ++i)
+    for (size_t i = 0; job->incident_radiance[channel] != NULL && i < ty_dom_incident_floats(job); ++i)
         if (job->incident_radiance[channel][i] > 0) return false;
     for (int32_t i = 0; job->boundary != NULL && i < job->boundary->count; ++i)
         if (job->wall_radiance[channel][i] > 0) return false;
@@ -235,9 +235,8 @@ static ty_result solve_without_scattering(ty_dom_job* job, int32_t channel, ty_o
     def->source_terms = 1;
     def->start = NULL;
     def->walls = ordinates_walls_of(job, channel, job->wall_radiance[channel]);
-    for (int a = 0; a < 3 && job->incident_radiance[channel] != NULL; ++a)
-        def->boundary_radiance[a] = job->incident_radiance[channel] + a * TY_ORDINATES_MAX;
-    if (def->boundary_radiance[0] != NULL) def->final_set = NULL;
+    def->boundary_radiance = ty_dom_boundary_radiance(job, job->incident_radiance[channel]);
+    if (def->boundary_radiance.across[0] != NULL) def->final_set = NULL;
     const ty_result result = ty_ordinates_solve(job->context, def, planes->moments, NULL, 0, &stats);
     if (result != TY_OK) return result;
     const double scattered = add_first_collisions(job, channel, planes->moments);
