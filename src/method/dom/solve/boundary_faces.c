@@ -48,7 +48,8 @@ void ty_dom_free_boundary(ty_dom_job* job) {
     for (int c = 0; c < 3; ++c) {
         ty_free_array(job->context, job->wall_albedo[c], count, sizeof(float));
         ty_free_array(job->context, job->wall_radiance[c], count, sizeof(float));
-        ty_free_array(job->context, job->incident_radiance[c], ty_dom_incident_floats(job), sizeof(float));
+        if (job->incident_radiance[c] != NULL)
+            ty_free_array(job->context, job->incident_radiance[c], ty_dom_incident_floats(job), sizeof(float));
     }
 }
 
