@@ -39,18 +39,18 @@ static void smooth_row(void* user, int64_t row, int32_t worker) {
     const smooth_job* job = user;
     const ty_gathered_view* view = job->view;
     for (int32_t i = 0; i < view->columns; ++i) {
-        const ty_gathered_point* middle = &view->points[row * view->columns + i];
+        const ty_gathered_point* center = &view->points[row * view->columns + i];
         ty_gathered_point* out = &job->out[row * view->columns + i];
         float sum = 0;
-        *out = *middle;
-        if (middle->exists == 0) continue;
+        *out = *center;
+        if (center->exists == 0) continue;
         for (int c = 0; c < 3; ++c) out->irradiance[c] = 0;
         for (int32_t k = 0; k < 9; ++k) {
             const int32_t right = k % 3 - 1, down = k / 3 - 1;
             if (i + right < 0 || i + right >= view->columns || row + down < 0 || row + down >= view->rows) continue;
             const ty_gathered_point* point = &view->points[(row + down) * view->columns + i + right];
             const float weight = (right == 0 ? 2.0f : 1.0f) * (down == 0 ? 2.0f : 1.0f) *
-                                 ty_gathered_weight(point, middle->position, middle->normal, middle->distance);
+                                 ty_gathered_weight(point, center->position, center->normal, center->distance);
             if (!(weight > 0)) continue;
             sum += weight;
             for (int c = 0; c < 3; ++c) out->irradiance[c] += weight * point->irradiance[c];

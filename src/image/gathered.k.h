@@ -13,7 +13,7 @@ enum { TY_GATHERED_SPACING = 4 };
 #define TY_GATHERED_OFF_PLANE 0.01f
 #define TY_GATHERED_WEIGHT_MIN 0.05f
 
-/* A point on the surface in the middle of a pixel. */
+/* A point on the surface through the center of a pixel. */
 typedef struct ty_gathered_point {
     ty_vec position, normal;
     float distance; /* from the camera, m */

@@ -5,7 +5,7 @@
 #include "base/dispatch.h"
 #include "direct/single/single.k.h"
 #include "image/gathered.k.h"
-#include "image/irradiance/cache.k.h"
+#include "image/irradiance_cache.k.h"
 #include "image/march.h"
 #include "image/upsample.k.h"
 #include "scene/camera.h"

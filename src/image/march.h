@@ -25,7 +25,7 @@ typedef struct ty_march_octaves {
                                       the same kinds in the same order; their fluence is attenuated by b^i sigma_t */
 } ty_march_octaves;
 
-typedef struct ty_irradiance_cache ty_irradiance_cache; /* image/irradiance/cache.h */
+typedef struct ty_irradiance_cache ty_irradiance_cache; /* image/irradiance_cache.h */
 
 typedef struct ty_march_def {
     int32_t width, height; /* pixels; must be set */

@@ -2,7 +2,7 @@
 #include "image/request.h"
 
 #include "base/context.h"
-#include "image/irradiance/cache.h"
+#include "image/irradiance_cache.h"
 #include "image/sharpen.h"
 
 /* Transmittance below which a ray ends as opaque: one of its own for each pixel, and one for several. */

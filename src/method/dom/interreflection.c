@@ -1,5 +1,5 @@
-/* Interreflection of media with surfaces outside of their box. What these return of the media's light is solved as
- * light that enters the box; its first return stands for all further ones, which are in proportion. */
+/* Interreflection of media with surfaces outside of their box. Light that returns from these is solved as light that
+ * enters the box; its first return stands for all further ones, which are in proportion. */
 #include "base/constants.h"
 #include "base/context.h"
 #include "base/sh.k.h"

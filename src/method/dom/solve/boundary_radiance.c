@@ -43,8 +43,8 @@ ty_boundary_radiance ty_dom_boundary_radiance(const ty_dom_job* job, const float
     return boundary;
 }
 
-/* The middle of a patch of the face that a direction enters through, with a number of patches along an axis. */
-static void patch_middle(const boundary_job* in, int axis, int32_t patch, int32_t direction, float at[3]) {
+/* The center of a patch of the face that a direction enters through, with a number of patches along an axis. */
+static void patch_center(const boundary_job* in, int axis, int32_t patch, int32_t direction, float at[3]) {
     const ty_grid_box* box = &in->job->coarse->box;
     const int low = axis == 0 ? 1 : 0, high = axis == 2 ? 1 : 2;
     const int32_t columns = in->boundary.patches[low], rows = in->boundary.patches[high];
@@ -85,7 +85,7 @@ static void fill_patch(void* user, int64_t index, int32_t worker) {
     for (int32_t d = 0; d < in->job->set->count; ++d) {
         const size_t at = in->first[axis] + (size_t)index * (size_t)in->job->set->count + (size_t)d;
         float from[3], radiance[3];
-        patch_middle(in, axis, (int32_t)index, d, from);
+        patch_center(in, axis, (int32_t)index, d, from);
         trace(in, from, d, radiance);
         for (int32_t c = 0; c < ty_dom_channels(light); ++c)
             in->out[c][at] = light->shared ? (radiance[0] + radiance[1] + radiance[2]) / sum : radiance[c];

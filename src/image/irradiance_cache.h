@@ -5,7 +5,7 @@
 
 #include "direct/lights/discrete_light.h"
 #include "direct/media/grid_medium.h"
-#include "image/irradiance/cache.k.h"
+#include "image/irradiance_cache.k.h"
 #include "image/march.h"
 
 /* Patches along a side of each face of the box. */

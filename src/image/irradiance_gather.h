@@ -2,7 +2,7 @@
 #ifndef TY_IMAGE_IRRADIANCE_GATHER_H
 #define TY_IMAGE_IRRADIANCE_GATHER_H
 
-#include "image/irradiance/state.h"
+#include "image/irradiance_points.h"
 #include "image/kernel.h"
 
 /* Irradiance of the media on a point, W m^-2. */

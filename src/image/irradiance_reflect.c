@@ -1,6 +1,6 @@
 /* Light of a cache's points: of the scene's lights, of one another, and what reaches the box. */
 #include "base/context.h"
-#include "image/irradiance/state.h"
+#include "image/irradiance_points.h"
 #include "scene/scene.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 /* Memory of an irradiance cache. */
-#ifndef TY_IMAGE_IRRADIANCE_STATE_H
-#define TY_IMAGE_IRRADIANCE_STATE_H
+#ifndef TY_IMAGE_IRRADIANCE_POINTS_H
+#define TY_IMAGE_IRRADIANCE_POINTS_H
 
 #include "direct/surfaces/boundary_faces.h"
-#include "image/irradiance/cache.h"
+#include "image/irradiance_cache.h"
 
 /* Points at most; rays from each to others, of each kind of ty_reflect_gather, and from each patch of the box's faces;
  * places on each at which lights are sampled.

@@ -3,7 +3,7 @@
 #include "base/parallel.h"
 #include "direct/media/attenuation.k.h"
 #include "direct/shadow/grid_depth.h"
-#include "image/irradiance/state.h"
+#include "image/irradiance_points.h"
 #include "scene/scene.h"
 
 enum { TABLE_BITS = 12 };
@@ -70,7 +70,7 @@ static ty_vec direction_of(ty_vec axis, int32_t index, int32_t count, double shi
     return ty_direction_about(axis, sqrtf(1.0f - u), fraction(shift * step_v + golden * index));
 }
 
-/* Rays of the box's faces begin in the middle of their cells, so that surfaces in the faces stop them. */
+/* Rays of the box's faces begin at the center of their cells, so that surfaces in the faces stop them. */
 static void trace_faces(place_job* job) {
     const ty_grid_medium* medium = job->medium;
     const ty_grid_box* box = &medium->box;

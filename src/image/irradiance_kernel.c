@@ -1,5 +1,5 @@
 /* Light of media along the rays of a cache's points; built once per instruction set, with TY_ISA naming it. */
-#include "image/irradiance/gather.h"
+#include "image/irradiance_gather.h"
 
 #include "base/float_mode.h"
 #include "image/reflect.k.h"

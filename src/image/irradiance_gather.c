@@ -1,5 +1,5 @@
 /* Light of media at a cache's points. */
-#include "image/irradiance/gather.h"
+#include "image/irradiance_gather.h"
 
 #include "base/context.h"
 #include "image/request.h"
