@@ -158,19 +158,25 @@ static __attribute__((noinline)) bool ty_gathered_interpolate(const ty_gathered_
     return true;
 }
 
-/* Irradiance from media on a surface that a camera ray through (x, y) of the image hit: from the field; outside of its
- * box from points around, or gathered. Adds to the ray's steps. */
+/* Irradiance from media on a surface outside of the field's box that a camera ray through (x, y) of the image hit: from
+ * points around, or gathered. Adds to the ray's steps. Never inlined, as ty_march_add_octaves. */
+static __attribute__((noinline)) void ty_reflect_outside(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray,
+                                                         const ty_hit* hit, const ty_surface_point* point, float x,
+                                                         float y, float offset, float irradiance[3]) {
+    const uint32_t before = ray->steps;
+    if (ty_gathered_interpolate(&request->gathered, x, y, hit->position, hit->distance, point->ns, irradiance)) return;
+    ray->steps = before + ty_reflect_gather(request, ray, ty_hit_leave(hit, point->ng), point->ng, point->ns,
+                                            TY_REFLECT_RAYS_PIXEL, offset, irradiance);
+}
+
+/* Irradiance from media on a surface that a camera ray through (x, y) of the image hit. */
 TY_FN void ty_reflect_irradiance(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, const ty_hit* hit,
                                  const ty_surface_point* point, float x, float y, float offset, float irradiance[3]) {
     const ty_vec cells = ty_cell_coordinates(&request->surface_field.lattice, hit->position);
-    const uint32_t before = ray->steps;
-    ray->steps = 0;
     if (ty_cell_inside(&request->surface_field.lattice, cells))
         ty_upsample_irradiance(&request->surface_field, cells, point->ns, irradiance);
-    else if (!ty_gathered_interpolate(&request->gathered, x, y, hit->position, hit->distance, point->ns, irradiance))
-        ray->steps = ty_reflect_gather(request, ray, ty_hit_leave(hit, point->ng), point->ng, point->ns,
-                                       TY_REFLECT_RAYS_PIXEL, offset, irradiance);
-    ray->steps += before;
+    else
+        ty_reflect_outside(request, ray, hit, point, x, y, offset, irradiance);
 }
 
 /* True if a surface's light is visible through this transmittance. */
