@@ -33,7 +33,8 @@ static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_pop_def, surface_points), .type = TY_OPTION_INT, .min = 1, .max = 65536, .preset = 16,
      .doc = "Number of points that each area light and glowing sphere is replaced by."},
     {TY_OPTION_FIELD(ty_pop_def, vpls), .type = TY_OPTION_INT, .min = 0, .max = 4096, .preset = 64,
-     .doc = "Number of virtual point lights for the light that surfaces reflect into media; 0 means none."},
+     .doc = "Number of virtual point lights for the light that surfaces reflect into media, in the modes published and "
+            "collided; 0 means none."},
     {TY_OPTION_FIELD(ty_pop_def, shadow_texels), .type = TY_OPTION_INT, .min = 16, .max = 1024, .preset = 128,
      .unit = "texels", .doc = "Side of the reflective shadow maps that virtual point lights are chosen from."},
     {TY_OPTION_FIELD(ty_pop_def, vpl_min_distance), .formerly = "clamp", .type = TY_OPTION_DOUBLE, .min = 0, .max = 1,
