@@ -5,8 +5,6 @@
 #include "scene/bsdf/bsdf.k.h"
 #include "scene/bsdf/tables.h"
 
-#include <stdio.h>
-
 enum { SIDE = 128 };
 
 static const ty_vec up = {0, 0, 1};

@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "image/irradiance_cache.h"
-#include "image/sharpen.h"
+#include "image/deconvolve.h"
 
 /* Transmittance below which a ray ends as opaque: one of its own for each pixel, and one for several. */
 static const float black = 1e-5f, black_spaced = 2e-3f;
@@ -68,8 +68,8 @@ static ty_result pack_field(const ty_packed_request* packed, const ty_march_def*
     pack_job pack = {field, view, cells->floats};
     ty_parallel_for(packed->context, size[2], pack_plane, &pack);
     if (!def->preserve_means) return TY_OK;
-    return ty_sharpen_cells(packed->context, size, view->floats, view->terms, view->channels * view->terms, cuts,
-                            cells->floats);
+    return ty_deconvolve_means(packed->context, size, view->floats, view->terms, view->channels * view->terms, cuts,
+                               cells->floats);
 }
 
 static ty_result pack_fields(const ty_march_def* def, ty_packed_request* packed) {
