@@ -46,7 +46,7 @@ test_modes() {
 # Surfaces come from paths, and light the medium.
 test_surfaces() {
   surfaces_by_paths pop
-  for option in interreflection=false surface_points=2; do
+  for option in surface_points=2 max_flux_fraction=0.3; do
     pop room.json other.exr --spp 1 -D "render.pop.$option"
     different few.exr other.exr
   done
