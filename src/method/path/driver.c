@@ -165,7 +165,7 @@ ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_a
     set_point_light_rate(run);
     run->request.min_contribution = contribution_threshold(&run->view.lights);
     result = make_guide(run, scene);
-    if (result == TY_OK) result = ty_path_find_outlines(run);
+    if (result == TY_OK) result = ty_path_prepare_outlines(run);
     if (result != TY_OK) ty_path_run_end(run);
     return result;
 }

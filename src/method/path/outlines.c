@@ -36,25 +36,30 @@ static void find_in_row(void* user, int64_t row, int32_t worker) {
     for (int32_t column = 0; column < crop[2]; ++column) {
         const int64_t x = crop[0] + column;
         const uint64_t number = (uint64_t)(y * run->request.width + x);
-        float least = TY_FLOAT_MAX, most = 0;
+        float lowest = TY_FLOAT_MAX, highest = 0;
         for (uint32_t i = 0; i < RAYS; ++i) {
             ty_sampler random = ty_sampler_begin(&run->sobol, run->request.seed ^ finding_seed, number, i);
             const float dx = ty_sobol_next(&random), dy = ty_sobol_next(&random);
             const float emission = seen_emission(run, (float)x + dx, (float)y + dy);
-            least = ty_minf(least, emission);
-            most = ty_maxf(most, emission);
+            lowest = ty_minf(lowest, emission);
+            highest = ty_maxf(highest, emission);
         }
-        run->outlines[row * crop[2] + column] = most > least;
+        run->outlines[row * crop[2] + column] = highest > lowest;
     }
 }
 
-ty_result ty_path_find_outlines(ty_path_run* run) {
+ty_result ty_path_prepare_outlines(ty_path_run* run) {
     if (run->request.kind != TY_PATH_PIXELS || run->view.mesh == NULL || run->view.interior_count > 0 ||
         !emits(&run->view.lights))
         return TY_OK;
     run->outlines = ty_alloc_array(run->context, (size_t)run->item_count, 1, true);
     if (run->outlines == NULL) return TY_ERROR_MEMORY;
-    ty_parallel_for(run->context, run->request.crop[3], find_in_row, run);
     run->request.outlines = run->outlines;
     return TY_OK;
+}
+
+void ty_path_find_outlines(ty_path_run* run) {
+    if (run->outlines == NULL || run->has_outlines) return;
+    run->has_outlines = true;
+    ty_parallel_for(run->context, run->request.crop[3], find_in_row, run);
 }

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "base/context.h"
 #include "base/progress.h"
+#include "method/path/outlines.h"
 #include "method/path/aov.h"
 #include "method/path/driver.h"
 #include "method/path/state.h"
@@ -336,6 +337,7 @@ static void sample_passes(sampling* pass) {
     for (; pass->done_before < spp && !(uniform && bounds_met(pass)); uniform = true) {
         pass->last = pass->done_before + next_pass(pass->run, pass->done_before);
         atomic_store(&pass->blocks_done, 0);
+        if (pass->last > TY_OUTLINE_FIRST) ty_path_find_outlines(pass->run);
         ty_parallel_for(pass->run->context, block_count(pass->run), sample_block, pass);
         if (atomic_load(&pass->blocks_done) < block_count(pass->run)) return;
         pass->done_before = pass->last;

@@ -127,7 +127,7 @@ static TY_PATH_KERNEL(ty_path_sample_items) {
             ty_path_begin(&path, request, number, i);
             start(&path, request, item);
             if (sums_of_item != NULL && request->first_hit != 0) add_first_hit(&path, number, i, sums_of_item);
-            path.outline = request->outlines != NULL && request->outlines[item] != 0;
+            path.outline = i >= TY_OUTLINE_FIRST && request->outlines != NULL && request->outlines[item] != 0;
             if (path.outline != 0) add_seen_emission(&path, item, number, i);
             vertices += ty_path_follow(&path);
             add_sample(&path, &sums[item - begin], sums_of_item);

@@ -12,8 +12,9 @@
 
 enum { TY_GUIDES_MAX = 4 };
 
-/* Rays of a sample for emission that the camera sees itself, in pixels that outlines of emitters cross. */
-enum { TY_OUTLINE_RAYS = 16 };
+/* Rays of a sample for emission that the camera sees itself, in pixels that outlines of emitters cross, and the first
+ * sample that has them: pixels with outlines need not be known for a first glance. */
+enum { TY_OUTLINE_RAYS = 16, TY_OUTLINE_FIRST = 1 };
 
 /* Start of paths: through a pixel, along a given ray, or uniform in a cell and over directions. */
 enum { TY_PATH_PIXELS = 0, TY_PATH_RAYS = 1, TY_PATH_CELLS = 2 };
