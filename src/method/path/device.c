@@ -1,13 +1,14 @@
 #include "method/path/device.h"
 
 #include "base/context.h"
+#include "method/path/outlines.h"
 #include "method/path/trace/device_launch.h"
 #include "scene/packed/packed.h"
 
 #include <string.h>
 
 /* Arrays in the device's memory. */
-enum { SOBOL, RAYS, REQUEST, ODD_REQUEST, SUMS, AOV_SUMS, VERTICES, ARGUMENTS, ARRAYS };
+enum { SOBOL, RAYS, OUTLINES, REQUEST, ODD_REQUEST, SUMS, AOV_SUMS, VERTICES, ARGUMENTS, ARRAYS };
 
 struct ty_path_device {
     const ty_path_run* run;
@@ -38,6 +39,7 @@ static ty_result place_request(ty_path_device* on, int i, const ty_path_request*
     own.scene = as_pointer(on->scene->view);
     own.sobol = as_pointer(on->array[SOBOL]);
     own.rays = as_pointer(on->array[RAYS]);
+    own.outlines = as_pointer(on->array[OUTLINES]);
     return place(on, i, &own, sizeof own);
 }
 
@@ -63,6 +65,7 @@ static ty_result place_all(ty_path_device* on, const ty_path_request* odd) {
     if (result == TY_OK) result = place(on, SOBOL, &run->sobol, sizeof run->sobol);
     if (result == TY_OK && run->request.rays != NULL)
         result = place(on, RAYS, run->request.rays, 6 * (size_t)run->item_count * sizeof *run->request.rays);
+    if (result == TY_OK && run->outlines != NULL) result = place(on, OUTLINES, run->outlines, (size_t)run->item_count);
     if (result == TY_OK) result = place_request(on, REQUEST, &run->request);
     if (result == TY_OK) result = place_request(on, ODD_REQUEST, odd);
     if (result == TY_OK) result = place_items(on);
@@ -72,7 +75,7 @@ static ty_result place_all(ty_path_device* on, const ty_path_request* odd) {
     return on->device->backend->load(on->device, on->program);
 }
 
-ty_result ty_path_device_create(const ty_path_run* run, const ty_path_request* odd, ty_path_device** out) {
+ty_result ty_path_device_create(ty_path_run* run, const ty_path_request* odd, ty_path_device** out) {
     ty_device* device = NULL;
     *out = NULL;
     ty_result result = ty_context_device(run->context, &device);
@@ -81,6 +84,7 @@ ty_result ty_path_device_create(const ty_path_run* run, const ty_path_request* o
     if (on == NULL) return TY_ERROR_MEMORY;
     on->run = run;
     on->device = device;
+    ty_path_find_outlines(run);
     pthread_mutex_lock(&device->busy);
     result = place_all(on, odd);
     if (result == TY_OK)

@@ -10,7 +10,7 @@ typedef struct ty_path_device ty_path_device;
 /* Takes the context's device for a run, whose items are as they begin or were resumed: *out is NULL where the processor
  * is to trace it, because there is no device, or the run has a guide or light in interiors. odd: the request of odd
  * samples, of a run with halves. Errors: those of ty_context_device and ty_scene_pack. */
-ty_result ty_path_device_create(const ty_path_run* run, const ty_path_request* odd, ty_path_device** out);
+ty_result ty_path_device_create(ty_path_run* run, const ty_path_request* odd, ty_path_device** out);
 void ty_path_device_destroy(ty_path_device* on);
 
 /* The kind of the device, for ty_path_stats.isa. */

@@ -38,6 +38,8 @@ typedef struct ty_path_run {
     ty_path_aov_sums* aov_sums; /* item_count; NULL: not needed */
     ty_path_half* halves;       /* item_count, for TY_AOV_HALF; NULL: not needed */
     ty_light_view* lights;      /* lights of the scene without its media; NULL: the scene's own */
+    uint8_t* outlines;          /* item_count, nonzero where outlines of emitters are; NULL: nowhere */
+    bool has_outlines;          /* true once they are found */
     int64_t item_count;
     ty_path_kernel kernel;
     ty_path_guide* guide;                    /* NULL: none */

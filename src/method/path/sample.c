@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "base/progress.h"
 #include "method/path/aov.h"
+#include "method/path/outlines.h"
 #include "method/path/sampling.h"
 #include "method/path/state.h"
 
@@ -301,6 +302,7 @@ static void sample_passes(ty_sampling* pass) {
     for (; pass->done_before < spp && !(uniform && bounds_met(pass)); uniform = true) {
         pass->last = pass->done_before + next_pass(pass->run, pass->done_before);
         atomic_store(&pass->blocks_done, 0);
+        if (pass->last > TY_OUTLINE_FIRST) ty_path_find_outlines(pass->run);
         if (pass->device != NULL)
             ty_sample_pass_on_device(pass);
         else
