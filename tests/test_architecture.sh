@@ -16,16 +16,17 @@ sources() {
 }
 
 # room: the rooms below it. What a room has of its own is always allowed. Rooms of tools/ are its folders.
-library="base option grid scene direct image solve method bake choose io"
+library="base device option grid scene direct image solve method bake choose io"
 declare -A below=(
   [base]=""
+  [device]="base"
   [option]="base"
   [grid]="base"
-  [scene]="base option grid"
+  [scene]="base device option grid"
   [direct]="base option grid scene"
   [image]="base option grid scene direct"
   [solve]="base option grid scene direct"
-  [method]="base option grid scene direct image solve"
+  [method]="base device option grid scene direct image solve"
   [bake]="base option grid scene direct image solve method/impulse method/path"
   [io]="base option grid scene image"
   [cli]="$library"

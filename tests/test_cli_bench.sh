@@ -72,6 +72,10 @@ test_markdown() {
 }
 
 test_refusals() {
+  expect 2 bench device
+  said err.txt '^tyndall: bench device: name one, as by --device cuda:0$'
+  expect 2 bench device --device cuda:-1
+  said err.txt '^tyndall: device: "cuda:-1" is none of cpu, host, cuda:N and auto$'
   printf '{"format": "tyndall bench"' > cut.json
   printf '{"version": "0.1.0", "threads": 2}' > other.json
   sed 's/"format_version": 1/"format_version": 7/' now.json > newer.json

@@ -480,7 +480,7 @@ static void broken_defs_are_refused(void** state) {
     for (int i = 0; i < 2; ++i) {
         ty_ordinates_def def = p.def;
         def.final_set = i == 0 ? &none : def.set;
-        if (i == 1) def.boundary_radiance = inflow;
+        for (int a = 0; a < 3 && i == 1; ++a) def.boundary_radiance.across[a] = inflow;
         assert_int_equal(ty_ordinates_solve(*state, &def, p.moments, NULL, 0, NULL), TY_ERROR_ARGUMENT);
         assert_error(*state, "ordinates: final_set");
     }

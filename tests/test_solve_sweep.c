@@ -258,7 +258,9 @@ static void light_comes_in_through_faces(void** state) {
     memset(box->emission, 0, sizeof(float) * (size_t)cells_of(box));
     ty_sweep* sweep = NULL;
     assert_int_equal(ty_sweep_create(*state, box->size, box->cell, set, 1, box->extinction, &sweep), TY_OK);
-    ty_sweep_set_boundary_radiance(sweep, radiance);
+    const ty_boundary_radiance all_faces = {.across = {radiance, radiance, radiance}};
+    const ty_boundary_radiance none = {.patches = {1, 1, 1}};
+    assert_int_equal(ty_sweep_set_boundary_radiance(sweep, &all_faces), TY_OK);
     assert_int_equal(ty_sweep_run(sweep, box->emission, box->moments, &box->leaving, NULL), TY_OK);
     for (ptrdiff_t i = 0; i < cells_of(box); ++i) assert_close(sqrt(4 * PI) * (double)box->moments[i], 8 * PI, 1e-4);
     double through = 0; /* W: radiance 2 through one face of each axis */
@@ -269,7 +271,7 @@ static void light_comes_in_through_faces(void** state) {
                        box->cell[c] * box->size[c];
         }
     assert_close(box->leaving / through, 1, 1e-5);
-    ty_sweep_set_boundary_radiance(sweep, NULL);
+    assert_int_equal(ty_sweep_set_boundary_radiance(sweep, &none), TY_OK);
     assert_int_equal(ty_sweep_run(sweep, box->emission, box->moments, &box->leaving, NULL), TY_OK);
     assert_true(box->leaving == 0);
     ty_sweep_destroy(sweep);

@@ -125,7 +125,7 @@ static void slabs_let_through_what_they_should(void** state) {
         thick_box* box = make_column(*state, 32, slabs[i].bands);
         fill_even(box, slabs[i].thickness, 1, slabs[i].g);
         for (int32_t d = 0; d < box->set.count; ++d) box->inflow[d] = box->set.direction[2][d] > 0 ? 1 : 0;
-        box->def.boundary_radiance = box->inflow;
+        for (int a = 0; a < 3; ++a) box->def.boundary_radiance.across[a] = box->inflow;
         box->def.tolerance = 2e-5;
         box->def.sweeps = 400;
         solve(*state, box);
@@ -244,7 +244,7 @@ static void even_light_stays_even(void** state) {
         box->source[0][c] = 0;
     }
     for (int32_t d = 0; d < box->set.count; ++d) box->inflow[d] = 1;
-    box->def.boundary_radiance = box->inflow;
+    for (int a = 0; a < 3; ++a) box->def.boundary_radiance.across[a] = box->inflow;
     box->def.tolerance = 1e-4;
     solve(*state, box);
     for (size_t c = 0; c < box->cells; ++c) assert_close((double)box->moments[0][c] / SQRT_4PI, 1, 5e-3);
@@ -312,7 +312,7 @@ static void moments_are_those_of_diffusion(void** state) {
     thick_box* box = make_column(*state, 32, 2);
     fill_even(box, 1000, 1, 0);
     for (int32_t d = 0; d < box->set.count; ++d) box->inflow[d] = box->set.direction[2][d] > 0 ? 1 : 0;
-    box->def.boundary_radiance = box->inflow;
+    for (int a = 0; a < 3; ++a) box->def.boundary_radiance.across[a] = box->inflow;
     box->def.output_order = 4;
     box->def.tolerance = 5e-5;
     solve(*state, box);

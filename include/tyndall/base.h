@@ -77,14 +77,17 @@ typedef void (*ty_free_fn)(void* user, void* pointer, size_t size);
 
 /// The options of a context. Create it with ty_default_context_def().
 typedef struct ty_context_def {
-    uint32_t cookie;   ///< Set by ty_default_context_def() and checked.
-    uint32_t bytes;    ///< Set by ty_default_context_def() to the size of the structure, and checked.
-    int32_t threads;   ///< Number of threads for long work, 1..1024; TY_AUTO (default): one per available processor.
-    ty_log_fn log;     ///< Receiver of the log; default NULL: warnings and errors are not printed.
-    void* log_user;    ///< Passed on to `log`; default NULL.
-    ty_alloc_fn alloc; ///< Default NULL: aligned_alloc. `alloc` and `free` are given together.
-    ty_free_fn free;   ///< Default NULL: free.
-    void* alloc_user;  ///< Passed on to `alloc` and `free`; default NULL.
+    uint32_t cookie;    ///< Set by ty_default_context_def() and checked.
+    uint32_t bytes;     ///< Set by ty_default_context_def() to the size of the structure, and checked.
+    int32_t threads;    ///< Number of threads for long work, 1..1024; TY_AUTO (default): one per available processor.
+    ty_log_fn log;      ///< Receiver of the log; default NULL: warnings and errors are not printed.
+    void* log_user;     ///< Passed on to `log`; default NULL.
+    ty_alloc_fn alloc;  ///< Default NULL: aligned_alloc. `alloc` and `free` are given together.
+    ty_free_fn free;    ///< Default NULL: free.
+    void* alloc_user;   ///< Passed on to `alloc` and `free`; default NULL.
+    const char* device; ///< The device for methods that docs/device.md lists: "cpu" (also by the default NULL), "host",
+                        ///< "cuda:N" for GPU number N, or "auto": cuda:0 where there is one, else cpu. It is copied,
+                        ///< and opened by the first call that uses it, which fails if it cannot be.
 } ty_context_def;
 
 /// Sets the `bytes` bytes of a ty_context_def to the defaults. Each definition has such a function, and a default

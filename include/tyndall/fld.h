@@ -96,6 +96,10 @@ typedef struct ty_fld_def {
     int32_t interior_resolution; ///< Cells along the longest side of each medium that fills a solid dielectric, 4..256.
                                  ///< TY_AUTO (default): as many as it is transport mean free paths long,
                                  ///< 32..48, and 32 from 96 on. The command line and the viewer use it.
+
+    bool interreflection; ///< True (default): surfaces outside of the media's box light the media by all that they
+                          ///< reflect, of lamps and of media, and one another by the light of media. False: the media
+                          ///< light such surfaces alone, once.
 } ty_fld_def;
 
 /// Sets the `bytes` bytes of a ty_fld_def to the defaults, as ty_init_context_def() does.

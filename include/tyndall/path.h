@@ -98,15 +98,16 @@ static inline ty_path_def ty_default_path_def(void) {
 
 /// Statistics of a render, including the runs that it resumed. Create them with ty_default_path_stats().
 typedef struct ty_path_stats {
-    uint32_t cookie;     ///< Set by ty_default_path_stats() and checked.
-    uint32_t bytes;      ///< Set by ty_default_path_stats() to the size of the structure.
-    double seconds;      ///< Wall clock time, s.
-    double cpu_seconds;  ///< Processor time over all threads, s.
-    double spp;          ///< Mean number of samples per pixel.
-    double error;        ///< Estimated relative error, as in ty_path_def.
-    uint64_t paths;      ///< Number of paths.
-    uint64_t vertices;   ///< Number of scatterings and reflections.
-    const char* isa;     ///< Instruction set of the kernel: "x86-64", "x86-64-v3", "x86-64-v4" or "generic".
+    uint32_t cookie;    ///< Set by ty_default_path_stats() and checked.
+    uint32_t bytes;     ///< Set by ty_default_path_stats() to the size of the structure.
+    double seconds;     ///< Wall clock time, s.
+    double cpu_seconds; ///< Processor time over all threads, s.
+    double spp;         ///< Mean number of samples per pixel.
+    double error;       ///< Estimated relative error, as in ty_path_def.
+    uint64_t paths;     ///< Number of paths.
+    uint64_t vertices;  ///< Number of scatterings and reflections.
+    const char* isa;    ///< Instruction set of the kernel: "x86-64", "x86-64-v3", "x86-64-v4" or "generic"; on a device
+                        ///< its kind, "host" or "cuda".
     double error_pixels; ///< Pixels that `error` rests on: (sum v)^2 / sum v^2 for the variances v of the pixels; 0
                          ///< without an error. Below 10 a few samples make most of the error: images of other seeds
                          ///< may have several times more or less of it.

@@ -97,6 +97,10 @@ typedef struct ty_pop_def {
 
     int32_t ray_spacing; ///< Pixels between camera rays along x and y, 1..8; above 1, pixels between rays are
                          ///< interpolated, except at edges: for fast previews; default 1.
+
+    bool interreflection; ///< True (default): surfaces outside of the media's box light the media by all that they
+                          ///< reflect, of lamps and of media, and one another by the light of media. False: the media
+                          ///< light such surfaces alone, once.
 } ty_pop_def;
 
 /// Sets the `bytes` bytes of a ty_pop_def to the defaults, as ty_init_context_def() does.

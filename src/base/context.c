@@ -19,6 +19,8 @@
 enum { ALIGNMENT = 64 };
 /* Bytes of a large page, and minimum array size for rounding to whole large pages. */
 enum { LARGE_PAGE = 1 << 21, LARGE = 1 << 22 };
+/* Bytes of a device's name at most, with its end. */
+enum { DEVICE_NAME_SIZE = 32 };
 
 static const double mebibyte = 1048576;
 
@@ -29,7 +31,11 @@ struct ty_context {
     pthread_mutex_t lock;  /* of the log callback */
     double machine_memory; /* bytes */
     _Atomic size_t taken;  /* bytes of allocated arrays */
-    ty_thread_pool pool;   /* all threads but the caller's */
+    char device[DEVICE_NAME_SIZE];
+    pthread_mutex_t slot_lock; /* of the slot's making */
+    void* slot;                /* NULL: none, or not asked for yet */
+    void (*close_slot)(void* object);
+    ty_thread_pool pool; /* all threads but the caller's */
     ty_pool_thread pool_threads[];
 };
 
@@ -184,6 +190,9 @@ static ty_result check_context_def(const ty_context_def* def) {
                        TY_THREADS_MAX);
     if ((def->alloc == NULL) != (def->free == NULL))
         return ty_fail(NULL, TY_ERROR_ARGUMENT, "context: one of alloc and free is given without the other");
+    if (def->device != NULL && strlen(def->device) >= DEVICE_NAME_SIZE)
+        return ty_fail(NULL, TY_ERROR_ARGUMENT, "context: device: its name is longer than %d letters",
+                       DEVICE_NAME_SIZE - 1);
     return TY_OK;
 }
 
@@ -208,12 +217,17 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
     context->machine_memory = physical_memory();
     atomic_init(&context->taken, 0);
     pthread_mutex_init(&context->lock, NULL);
+    pthread_mutex_init(&context->slot_lock, NULL);
+    snprintf(context->device, sizeof context->device, "%s", copy.device != NULL ? copy.device : "cpu");
+    context->def.device = context->device;
     *out = context;
     return TY_OK;
 }
 
 void ty_context_destroy(ty_context* context) {
     if (context == NULL) return;
+    if (context->slot != NULL) context->close_slot(context->slot);
+    pthread_mutex_destroy(&context->slot_lock);
     ty_thread_pool_destroy(&context->pool);
     pthread_mutex_destroy(&context->lock);
     const ty_context_def def = context->def;
@@ -235,6 +249,21 @@ bool ty_has_error(const ty_context* context) {
 
 int32_t ty_context_threads(const ty_context* context) {
     return context->threads;
+}
+
+const char* ty_context_device_name(const ty_context* context) {
+    return context->device;
+}
+
+ty_result ty_context_slot(ty_context* context, ty_result (*open)(ty_context* context, void** out),
+                          void (*close)(void* object), void** out) {
+    pthread_mutex_lock(&context->slot_lock);
+    ty_result result = TY_OK;
+    if (context->slot == NULL) result = open(context, &context->slot);
+    context->close_slot = close;
+    *out = context->slot;
+    pthread_mutex_unlock(&context->slot_lock);
+    return result;
 }
 
 ty_thread_pool* ty_context_pool(ty_context* context) {

@@ -60,6 +60,13 @@ bool ty_grow_array(ty_context* context, void** items, size_t* capacity, size_t c
 /* The context's threads, for ty_parallel_for. */
 struct ty_thread_pool* ty_context_pool(ty_context* context);
 
+/* The name that ty_context_def.device gave. */
+const char* ty_context_device_name(const ty_context* context);
+/* The one object that a context keeps for a room above: the first call makes it by `open`, later ones wait for that and
+ * give the same; the context's end closes it, before its threads end. A call that fails is tried again by the next. */
+ty_result ty_context_slot(ty_context* context, ty_result (*open)(ty_context* context, void** out),
+                          void (*close)(void* object), void** out);
+
 /* Seconds of a monotonic clock, and processor seconds of the whole process. */
 double ty_wall_seconds(void);
 double ty_cpu_seconds(void);

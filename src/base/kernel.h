@@ -2,7 +2,8 @@
  *
  * TY_FN marks a kernel function; TY_FN_CALLED one that is not inlined, because seldom used code would take registers
  * and what compilers inline from its callers; TY_FN_APART one that this machine's compilers build once for all kernels,
- * in a file of its own; TY_GLOBAL a pointer to memory passed in by a launcher. */
+ * in a file of its own; TY_GLOBAL a pointer to memory passed in by a launcher. TY_DEVICE is defined where a kernel is
+ * built for another device, or for this machine as it is for others (docs/device.md): a file then has all its text. */
 #ifndef TY_BASE_KERNEL_H
 #define TY_BASE_KERNEL_H
 
@@ -27,7 +28,11 @@
 #else
 #define TY_FN static inline __attribute__((unused))
 #define TY_FN_CALLED static __attribute__((unused, noinline))
+#if defined(TY_DEVICE)
+#define TY_FN_APART static __attribute__((unused))
+#else
 #define TY_FN_APART
+#endif
 #define TY_GLOBAL
 #endif
 

@@ -20,7 +20,8 @@ TY_MARCH_KERNEL(TY_KERNEL_NAME(ty_march_kernel)) {
             const ty_vec direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
             const bool hits =
                 mesh != NULL && ty_accel_intersect(mesh, request->camera.origin, direction, TY_FLOAT_MAX, &hit);
-            ty_pixel_add_ray(request, &ray, direction, hits ? &hit : NULL, ty_pixel_offset(request, x, y, i), pixel);
+            ty_pixel_add_ray(request, &ray, direction, hits ? &hit : NULL, (float)x + dx, (float)y + dy,
+                             ty_pixel_offset(request, x, y, i), pixel);
             steps += ray.steps;
         }
     }

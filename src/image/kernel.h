@@ -4,6 +4,8 @@
 
 #include "base/dispatch.h"
 #include "direct/single/single.k.h"
+#include "image/gathered.k.h"
+#include "image/irradiance_cache.k.h"
 #include "image/march.h"
 #include "image/upsample.k.h"
 #include "scene/camera.h"
@@ -43,6 +45,9 @@ typedef struct ty_march_request {
     int32_t has_field;
     ty_upsample_view field;
     ty_upsample_view surface_field; /* field that lights surfaces inside its box */
+    ty_irradiance_view cache;       /* of surfaces outside of that box */
+    ty_gathered_view gathered;      /* their irradiance at pixels some distance apart */
+    int32_t without_emission;       /* 1: surfaces gather no emission of media */
     int32_t has_background;         /* 1: environments are visible */
     ty_froxel_view froxels;
 } ty_march_request;

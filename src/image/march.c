@@ -7,8 +7,8 @@
 #include "image/aovs.h"
 #include "image/froxels.h"
 #include "image/image.h"
-#include "image/kernel.h"
-#include "image/deconvolve.h"
+#include "image/gathered.h"
+#include "image/request.h"
 #include "image/spaced.h"
 #include "base/check.h"
 
@@ -17,22 +17,12 @@
 
 enum { TILE = 16, REDUCED_MAX = 12 };
 
-/* Transmittance below which a ray ends as opaque: one of its own for each pixel, and one for several. */
-static const float black = 1e-5f, black_spaced = 2e-3f;
-
-/* Cells of a field in the layout of ty_upsample_view. */
-typedef struct march_cells {
-    float* floats;
-    size_t count;
-} march_cells;
-
 typedef struct march_job {
     ty_context* context;
     const ty_march_def* def;
-    ty_march_request request;
+    ty_packed_request packed;
     ty_march_kernel kernel;
-    march_cells cells, surface_cells; /* of the fields */
-    ty_spaced_rays spaced;            /* spacing 1: unused */
+    ty_spaced_rays spaced; /* spacing 1: unused */
     const ty_spaced_kernels* spaced_kernels;
     const ty_froxel_kernels* froxel_kernels;
     int32_t sample;       /* the ray of each pixel that spaced rays are at */
@@ -97,10 +87,6 @@ static ty_result check_unscattered(ty_context* context, const ty_march_def* def)
     return TY_OK;
 }
 
-static bool has_froxels(const ty_march_def* def) {
-    return def->froxels[0] != 0 || def->froxels[1] != 0 || def->froxels[2] != 0;
-}
-
 static ty_result check_froxels(ty_context* context, const ty_march_def* def) {
     static const char* const names[] = {"march.froxels[0]", "march.froxels[1]", "march.froxels[2]"};
     static const int32_t max[] = {TY_FROXEL_COLUMNS_MAX, TY_FROXEL_ROWS_MAX, TY_FROXEL_SLICES_MAX};
@@ -123,111 +109,12 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
     if (result == TY_OK)
         result = ty_check_number(context, "march.light_count", def->light_count, 0, TY_MARCH_LIGHTS_MAX);
     if (result == TY_OK) result = ty_check_number(context, "march.reduced", def->reduced, 0, REDUCED_MAX);
-    if (result == TY_OK && has_froxels(def)) result = check_froxels(context, def);
+    if (result == TY_OK && ty_march_has_froxels(def)) result = check_froxels(context, def);
     if (result == TY_OK && def->light_count > 0) result = check_box(context, "light_box", &def->light_box);
     if (result == TY_OK && def->field != NULL) result = check_field(context, def->field);
     if (result == TY_OK && def->surface_field != NULL) result = check_field(context, def->surface_field);
     if (result == TY_OK && def->unscattered != NULL) result = check_unscattered(context, def);
     return result;
-}
-
-/* ---- the kernel's request ---- */
-
-static ty_cell_lattice lattice_of_box(const ty_grid_box* box) {
-    ty_cell_lattice lattice;
-    float lower[3], per_cell[3];
-    for (int a = 0; a < 3; ++a) {
-        lattice.size[a] = box->size[a];
-        lower[a] = (float)box->lower[a];
-        per_cell[a] = (float)(box->size[a] / (box->upper[a] - box->lower[a]));
-    }
-    lattice.lower = ty_vec_load(lower);
-    lattice.per_cell = ty_vec_load(per_cell);
-    return lattice;
-}
-
-typedef struct pack_job {
-    const ty_source_field* field;
-    ty_upsample_view* view;
-    float* cells;
-} pack_job;
-
-static void pack_plane(void* user, int64_t z, int32_t worker) {
-    (void)worker;
-    const pack_job* pack = user;
-    const ty_source_field* field = pack->field;
-    const size_t plane = (size_t)field->box.size[0] * (size_t)field->box.size[1];
-    const ty_upsample_view* view = pack->view;
-    const int32_t terms = view->terms, guide = view->channels * terms;
-    for (size_t i = (size_t)z * plane; i < (size_t)(z + 1) * plane; ++i) {
-        float* cell = pack->cells + i * (size_t)view->floats;
-        for (int c = 0; c < view->channels; ++c)
-            for (int t = 0; t < terms; ++t) cell[c * terms + t] = field->terms[c][t][i];
-        cell[guide] = field->guide != NULL ? field->guide[i] : 0;
-        for (int32_t padding = guide + 1; padding < view->floats; ++padding) cell[padding] = 0;
-    }
-}
-
-/* Packs the terms of a cell together, so that one lookup touches one cache line. */
-static ty_result pack_field(march_job* job, const ty_source_field* field, const ty_cuts* cuts, march_cells* cells,
-                            ty_upsample_view* view) {
-    const int32_t* size = field->box.size;
-    view->lattice = lattice_of_box(&field->box);
-    view->channels = field->shared ? 1 : 3;
-    view->cuts = ty_cuts_get_view(cuts);
-    view->terms = field->term_count;
-    view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN
-                   : field->shared        ? TY_UPSAMPLE_SHARED
-                                          : TY_UPSAMPLE_DIRECTED;
-    for (int c = 0; c < 3; ++c) view->color[c] = field->shared ? field->color[c] : 1;
-    const double sigma = job->def->bilateral_sigma;
-    view->sharpness = sigma > 0 && field->guide != NULL ? (float)(1 / (2 * sigma * sigma)) : 0;
-    cells->count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;
-    cells->floats = ty_alloc_array(job->context, cells->count, sizeof(float), false);
-    if (cells->floats == NULL) return TY_ERROR_MEMORY;
-    view->cells = cells->floats;
-    pack_job pack = {field, view, cells->floats};
-    ty_parallel_for(job->context, size[2], pack_plane, &pack);
-    if (!job->def->preserve_means) return TY_OK;
-    return ty_deconvolve_means(job->context, size, view->floats, view->terms, view->channels * view->terms, cuts,
-                               cells->floats);
-}
-
-static ty_result pack_fields(march_job* job) {
-    const ty_march_def* def = job->def;
-    ty_march_request* request = &job->request;
-    if (def->field == NULL) return TY_OK;
-    request->has_field = 1;
-    const ty_result result = pack_field(job, def->field, def->cuts, &job->cells, &request->field);
-    request->surface_field = request->field;
-    if (result != TY_OK || def->surface_field == NULL) return result;
-    return pack_field(job, def->surface_field, NULL, &job->surface_cells, &request->surface_field);
-}
-
-static ty_result prepare(march_job* job, const ty_scene* scene) {
-    const ty_march_def* def = job->def;
-    const ty_camera_def camera = ty_scene_camera(scene);
-    ty_march_request* request = &job->request;
-    request->scene = ty_scene_get_view(scene);
-    if (request->scene == NULL) return TY_ERROR_ARGUMENT;
-    request->camera = ty_camera_get_view(&camera, def->width, def->height);
-    request->spp = def->spp;
-    request->step_offset = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
-    request->step = (float)def->step;
-    request->black = def->ray_spacing == 1 || has_froxels(def) ? black : black_spaced;
-    request->has_background = def->unscattered == NULL;
-    if (def->unscattered != NULL) ty_image_rgb_planes(def->unscattered, job->unscattered);
-    request->light = lattice_of_box(&def->light_box);
-    request->lights = def->lights;
-    request->light_count = def->light_count;
-    request->reduced = def->reduced;
-    for (int32_t l = 0; l < 2 && def->legendre != NULL; ++l)
-        request->forward[l] = ty_maxf(0, def->legendre[def->reduced + l]);
-    request->has_forward = def->legendre != NULL;
-    if (def->fit != NULL) request->fit = *def->fit;
-    if (def->octaves != NULL) request->octaves = *def->octaves;
-    request->blurred = def->blurred;
-    return pack_fields(job);
 }
 
 /* ---- pixels ---- */
@@ -312,7 +199,7 @@ static void march_tile(void* user, int64_t index, int32_t worker) {
     uint64_t steps = 0;
     for (int32_t row = t.y; row < t.bottom; ++row) {
         if (is_cancelled(job)) return;
-        steps += job->kernel(&job->request, row, t.x, t.right, pixels);
+        steps += job->kernel(&job->packed.request, row, t.x, t.right, pixels);
         store_row(job, row, t.x, t.right, pixels);
         report(job, false);
     }
@@ -328,7 +215,7 @@ static void march_spaced_tile(void* user, int64_t index, int32_t worker) {
     uint64_t steps = 0;
     for (int32_t row = t.y; row < t.bottom; ++row) {
         if (is_cancelled(job)) return;
-        steps += job->spaced_kernels->march(&job->request, &job->spaced, job->sample, row, t.x, t.right);
+        steps += job->spaced_kernels->march(&job->packed.request, &job->spaced, job->sample, row, t.x, t.right);
         report(job, false);
     }
     finish_tile(job, steps);
@@ -346,7 +233,7 @@ static void fill_tile(void* user, int64_t index, int32_t worker) {
             pixels = job->sums + (size_t)row * (size_t)job->def->width + (size_t)t.x;
         else
             memset(own, 0, sizeof own);
-        steps += job->spaced_kernels->fill(&job->request, &job->spaced, job->sample, row, t.x, t.right, pixels);
+        steps += job->spaced_kernels->fill(&job->packed.request, &job->spaced, job->sample, row, t.x, t.right, pixels);
         if (job->sample + 1 == job->def->spp) store_row(job, row, t.x, t.right, pixels);
         report(job, false);
     }
@@ -357,7 +244,7 @@ static ty_result create_spaced(march_job* job) {
     const ty_march_def* def = job->def;
     ty_spaced_rays* spaced = &job->spaced;
     *spaced = (ty_spaced_rays){.spacing = def->ray_spacing, .width = def->width, .height = def->height};
-    if (spaced->spacing == 1 || has_froxels(def)) return TY_OK;
+    if (spaced->spacing == 1 || ty_march_has_froxels(def)) return TY_OK;
     spaced->columns = ty_spaced_count(def->width, spaced->spacing);
     spaced->rows = ty_spaced_count(def->height, spaced->spacing);
     spaced->rays =
@@ -390,13 +277,13 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     march_job* job = user;
     if (is_cancelled(job)) return;
-    const uint64_t steps = job->froxel_kernels->fill(&job->request, (int32_t)row);
+    const uint64_t steps = job->froxel_kernels->fill(&job->packed.request, (int32_t)row);
     report(job, false);
     finish_tile(job, steps);
 }
 
 static void march_froxels(march_job* job, int64_t tiles) {
-    const int32_t rows = job->request.froxels.size[1];
+    const int32_t rows = job->packed.request.froxels.size[1];
     job->tiles = rows + tiles;
     ty_parallel_for(job->context, rows, fill_row, job);
     job->kernel = job->froxel_kernels->look_up;
@@ -408,7 +295,7 @@ static void march_froxels(march_job* job, int64_t tiles) {
 static ty_result march(march_job* job) {
     pthread_mutex_init(&job->lock, NULL);
     job->tiles = tiles_of(job->def->width, job->def->height);
-    if (has_froxels(job->def))
+    if (ty_march_has_froxels(job->def))
         march_froxels(job, job->tiles);
     else if (job->spaced.spacing > 1)
         march_spaced(job, job->tiles);
@@ -428,16 +315,21 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
     job.spaced_kernels = TY_BEST_KERNELS(ty_spaced_kernels);
     job.froxel_kernels = TY_BEST_KERNELS(ty_froxel_kernels);
     ty_result result = check_def(job.context, def);
-    if (result == TY_OK) result = prepare(&job, scene);
+    if (def->unscattered != NULL && result == TY_OK) ty_image_rgb_planes(def->unscattered, job.unscattered);
+    if (result == TY_OK) result = ty_march_request_make(scene, def, &job.packed);
     if (result == TY_OK) result = create_image(&job);
     if (result == TY_OK) result = create_spaced(&job);
-    if (result == TY_OK && has_froxels(def))
-        result = ty_froxels_create(job.context, &job.request, def->froxels, def->width, def->height);
+    if (result == TY_OK && ty_march_has_froxels(def))
+        result = ty_froxels_create(job.context, &job.packed.request, def->froxels, def->width, def->height);
+    uint64_t gathering_steps = 0;
+    if (result == TY_OK && def->ray_spacing == 1 && !ty_march_has_froxels(def))
+        result = ty_gathered_create(scene, &job.packed.request, def->width, def->height, &gathering_steps);
+    atomic_fetch_add(&job.steps, gathering_steps);
     if (result == TY_OK) result = march(&job);
     free_spaced(&job);
-    ty_froxels_destroy(job.context, &job.request.froxels);
-    ty_free_array(job.context, job.cells.floats, job.cells.count, sizeof(float));
-    ty_free_array(job.context, job.surface_cells.floats, job.surface_cells.count, sizeof(float));
+    ty_froxels_destroy(job.context, &job.packed.request.froxels);
+    ty_gathered_destroy(job.context, &job.packed.request.gathered);
+    ty_march_request_free(&job.packed);
     if (result != TY_OK) {
         ty_image_destroy(job.image);
         *out = NULL;

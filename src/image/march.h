@@ -25,6 +25,8 @@ typedef struct ty_march_octaves {
                                       the same kinds in the same order; their fluence is attenuated by b^i sigma_t */
 } ty_march_octaves;
 
+typedef struct ty_irradiance_cache ty_irradiance_cache; /* image/irradiance_cache.h */
+
 typedef struct ty_march_def {
     int32_t width, height; /* pixels; must be set */
     int32_t spp;           /* rays per pixel, stratified over it, 1..64; default 1: through its center */
@@ -63,9 +65,11 @@ typedef struct ty_march_def {
     const ty_source_field* surface_field; /* field that lights surfaces; NULL (default): field */
     const ty_cuts* cuts; /* surfaces between the field's cells, across which it is not interpolated for media; NULL
                             (default): none */
-    const ty_image* unscattered; /* R, G, B: unscattered radiance, attenuated by media, in the same pixels; NULL
-                                    (default): the environment times the transmittance of the media. Surfaces add their
-                                    reflection of scattered light in both cases */
+    const ty_irradiance_cache* cache; /* light of media that surfaces outside of the field's box reflect, which lights
+                                         other ones there; NULL (default): none */
+    const ty_image* unscattered;      /* R, G, B: unscattered radiance, attenuated by media, in the same pixels; NULL
+                                         (default): the environment times the transmittance of the media. Surfaces add their
+                                         reflection of scattered light in both cases */
     ty_progress_fn progress;
     void* progress_user;
 } ty_march_def;

@@ -63,15 +63,15 @@ TY_FN void ty_pixel_add_light(TY_GLOBAL const ty_march_request* request, const t
     pixel->hits += 1.0f;
 }
 
-/* Marches a ray of the camera up to the surface that it hits, and adds it; hit: NULL for none. */
+/* Marches a ray of the camera through (x, y) up to the surface that it hits, and adds it; hit: NULL for none. */
 TY_FN void ty_pixel_add_ray(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, ty_vec direction,
-                            const ty_hit* hit, float offset, ty_march_pixel* pixel) {
+                            const ty_hit* hit, float x, float y, float offset, ty_march_pixel* pixel) {
     ty_march_follow(ray, request, request->camera.origin, direction, hit != NULL ? hit->distance : TY_FLOAT_MAX, offset,
                     1.0f);
     const ty_march_light light = ray->light;
     ty_pixel_add_light(request, &light, direction, hit, pixel);
     if (hit != NULL && request->has_field != 0)
-        ty_reflect_media(request, ray, direction, hit, offset, light.transmittance, pixel->multiple);
+        ty_reflect_media(request, ray, direction, hit, x, y, offset, light.transmittance, pixel->multiple);
 }
 
 #endif

@@ -52,7 +52,8 @@ static uint32_t march_ray(const ty_march_request* request, ty_march_ray* ray, ty
     ty_surface_point point;
     ty_surface_evaluate(&request->scene->surfaces[hit.surface], &hit, direction, &point);
     if (!ty_reflect_is_visible(&point, out->transmittance)) return steps;
-    steps += ty_reflect_gather(request, ray, &hit, &point, TY_REFLECT_RAYS_SPACED, offset, out->irradiance);
+    steps += ty_reflect_gather(request, ray, ty_hit_leave(&hit, point.ng), point.ng, point.ns, TY_REFLECT_RAYS_SPACED,
+                               offset, out->irradiance);
     out->gathered = 1;
     out->normal = point.ns;
     return steps;
@@ -242,7 +243,8 @@ static uint64_t fill_pixels(const ty_march_request* request, const ty_spaced_ray
             const ty_hit* hit = hits[i].surface >= 0 ? &hits[i] : NULL;
             ty_march_pixel* pixel = &pixels[first - begin + i];
             if (interpolate(request, lattice, first + i, y, directions[i], hit, pixel)) continue;
-            ty_pixel_add_ray(request, &ray, directions[i], hit, ty_pixel_offset(request, first + i, y, sample), pixel);
+            ty_pixel_add_ray(request, &ray, directions[i], hit, (float)(first + i), (float)y,
+                             ty_pixel_offset(request, first + i, y, sample), pixel);
             steps += ray.steps;
         }
     }

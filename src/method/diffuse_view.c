@@ -9,7 +9,7 @@
 #include <string.h>
 
 static ty_result copy_terms(ty_diffuse_view* view, ty_source_field* field, const ty_cuts* cuts,
-                            float* copies[3][TY_FIELD_TERMS], float* const added[3]) {
+                            float* copies[3][TY_FIELD_TERMS], float* const* added) {
     if (added != NULL) field->shared = false;
     for (int c = 0; c < (field->shared ? 1 : 3); ++c)
         for (int t = 0; t < field->term_count; ++t) {
@@ -24,25 +24,24 @@ static ty_result copy_terms(ty_diffuse_view* view, ty_source_field* field, const
     return TY_OK;
 }
 
-static ty_result make_between(const ty_diffuse_light* light, const ty_scene* scene, float* const added[3],
-                              ty_diffuse_view* view) {
-    const ty_camera_def camera = ty_scene_camera(scene);
+static ty_result make_between(const ty_diffuse_light* light, const ty_scene* scene, const double* eye,
+                              float* const* added, ty_diffuse_view* view) {
     view->surfaces = ty_diffuse_light_surface_field(light);
     ty_result result = ty_cuts_find(light->context, light->faces, &light->box, &view->cuts);
-    if (result == TY_OK)
-        result = ty_hidden_cells_find(light->context, scene, &light->box, camera.position, &view->hidden);
+    if (result == TY_OK && eye != NULL)
+        result = ty_hidden_cells_find(light->context, scene, &light->box, eye, &view->hidden);
     if (result == TY_OK) result = copy_terms(view, &view->media, view->cuts, view->media_terms, added);
     if (result == TY_OK) result = copy_terms(view, &view->surfaces, NULL, view->surface_terms, NULL);
     return result;
 }
 
-ty_result ty_diffuse_view_make(const ty_diffuse_light* light, const ty_scene* scene, float* const added[3],
-                               ty_diffuse_view* out) {
+ty_result ty_diffuse_view_make(const ty_diffuse_light* light, const ty_scene* scene, const double* eye,
+                               float* const* added, ty_diffuse_view* out) {
     const bool directed = ty_scene_get_view(scene)->mesh != NULL;
     *out = (ty_diffuse_view){.context = light->context, .cells = light->cells};
     out->media = ty_diffuse_light_field(light, directed);
     out->surfaces = out->media;
-    if (light->faces != NULL) return make_between(light, scene, added, out);
+    if (light->faces != NULL) return make_between(light, scene, eye, added, out);
     return added != NULL ? copy_terms(out, &out->media, NULL, out->media_terms, added) : TY_OK;
 }
 

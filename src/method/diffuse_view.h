@@ -16,11 +16,11 @@ typedef struct ty_diffuse_view {
     size_t cells;
 } ty_diffuse_view;
 
-/* Fields of a light for the scene's camera. added (NULL: none): radiance per channel that is added to the isotropic
- * term for media; then no channels are shared. Errors: TY_ERROR_MEMORY. Freed with ty_diffuse_view_free, also after an
- * error. */
-ty_result ty_diffuse_view_make(const ty_diffuse_light* light, const ty_scene* scene, float* const added[3],
-                               ty_diffuse_view* out);
+/* Fields of a light for an eye; NULL: for all directions, with no cells filled. added (NULL: none): radiance per
+ * channel that is added to the isotropic term for media; then no channels are shared. Errors: TY_ERROR_MEMORY. Freed
+ * with ty_diffuse_view_free, also after an error. */
+ty_result ty_diffuse_view_make(const ty_diffuse_light* light, const ty_scene* scene, const double* eye,
+                               float* const* added, ty_diffuse_view* out);
 void ty_diffuse_view_free(ty_diffuse_view* view);
 
 #endif

@@ -17,7 +17,7 @@ typedef struct ty_interiors_input {
 ty_result ty_interiors_create(ty_context* context, const ty_interiors_input* input, bool warns,
                               ty_committed_interiors* out);
 /* The dielectrics around a point, by the nearest surface of each in one direction. The scene has some. */
-void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_interior_list* out);
+TY_FN_APART void ty_interiors_around(const ty_scene_view* scene, ty_vec point, ty_interior_list* out);
 /* Warns that a method knows no refraction, where the scene has any. does: the sentence's end, after `method: `. */
 void ty_interiors_warn(const ty_scene* scene, const char* method, const char* does);
 void ty_interiors_destroy(ty_context* context, ty_committed_interiors* interiors);

@@ -52,6 +52,7 @@ int bench_bake(const bench_session* bench);
 int bench_view(const bench_session* bench);
 int bench_load(const bench_session* bench);
 int bench_edit(const bench_session* bench);
+int bench_device(const bench_session* bench);
 
 /* Multiply-add throughput of all threads, 1e9 operations/s: the median of a few runs. 0: no memory. */
 double bench_fma_gflops(ty_context* context);

@@ -87,6 +87,27 @@ static void print_bench(FILE* file, const char* bench, const json_t* timings, co
     }
 }
 
+/* Measurements of bench device, by scene, with the name of the GPU. */
+static void print_device(FILE* file, const json_t* results) {
+    const char *device = json_string_value(json_object_get(results, "device")), *name;
+    json_t *unlike = json_object_get(results, "unlike_values"), *of;
+    if (device == NULL) return;
+    fputs("\nOn ", file);
+    cli_print_markdown(file, device);
+    fputs(", one sample of each pixel:\n\n"
+          "| scene | device | its launches | processor | times as fast | million vertices/s | values unlike the host "
+          "twin's |\n|---|--:|--:|--:|--:|--:|--:|\n",
+          file);
+    json_object_foreach(json_object_get(results, "scenes"), name, of) {
+        fputs("| ", file);
+        cli_print_markdown(file, name);
+        fprintf(file, " | %.2f ms | %.2f ms | %.1f ms | %.1f | %.1f | %.0f |\n",
+                1e3 * bench_number(of, "device_seconds"), 1e3 * bench_number(of, "launched_seconds"),
+                1e3 * bench_number(of, "cpu_seconds"), bench_number(of, "times_as_fast"),
+                bench_number(of, "mvertices_per_second"), bench_number(unlike, name));
+    }
+}
+
 ty_result bench_print_markdown(ty_context* context, FILE* file, const void* user) {
     (void)context;
     const bench_tables* tables = user;
@@ -110,6 +131,7 @@ ty_result bench_print_markdown(ty_context* context, FILE* file, const void* user
         const json_t* earlier = json_object_get(json_object_get(tables->before, "benches"), name);
         print_bench(file, name, json_object_get(bench, "timings"), json_object_get(earlier, "timings"), rounds > 1,
                     tables->before != NULL);
+        if (strcmp(name, "device") == 0) print_device(file, json_object_get(bench, "results"));
     }
     return TY_OK;
 }

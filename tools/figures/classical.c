@@ -127,10 +127,9 @@ static ty_result solve_channel(classical_job* job, int channel) {
     if (result == TY_OK)
         result = ty_sweep_create(job->context, medium->box.size, medium->cell, &job->set, job->bands,
                                  medium->extinction[plane], &sweep);
-    if (result == TY_OK) {
-        ty_sweep_set_boundary_radiance(sweep, inflow);
-        result = iterate(job, sweep, plane, last);
-    }
+    const ty_boundary_radiance boundary = {.across = {inflow, inflow, inflow}};
+    if (result == TY_OK) result = ty_sweep_set_boundary_radiance(sweep, &boundary);
+    if (result == TY_OK) result = iterate(job, sweep, plane, last);
     ty_sweep_destroy(sweep);
     ty_free_array(job->context, last, medium->cells, sizeof(float));
     return result;

@@ -8,6 +8,8 @@ void cli_common_options(cli_common* common, cli_option options[CLI_COMMON_COUNT]
         {"threads", 0, CLI_INT, "N", "threads to use (default 0: one per processor)", &common->threads, 0, 1024, NULL},
         {"seed", 0, CLI_SEED, "N", "seed of the random numbers (default: the scene's, or 0)", &common->seed, 0, 0,
          &common->seed_given},
+        {"device", 0, CLI_TEXT, "cpu|host|cuda:N|auto", "what traces paths: the processor (default), or a GPU",
+         &common->device, 0, 0, NULL},
         {"stats", 0, CLI_TEXT, "FILE.json", "write what the run did and took", &common->stats, 0, 0, NULL},
         {"progress", 0, CLI_CHOICE, "auto|plain|json|none", "how progress is shown on stderr", &common->progress, 0, 0,
          NULL},

@@ -3,6 +3,8 @@
 
 #include <tyndall/base.h>
 
+#include <string.h>
+
 /* The candidates for an option's value, or with name NULL for an argument. */
 typedef enum values { VALUES_NONE, VALUES_FILES, VALUES_WORDS } values;
 
@@ -13,6 +15,7 @@ static values print_choices(FILE* file, const char* choices) {
 
 static values print_values(FILE* file, const cli_syntax* syntax, const cli_option* option) {
     if (option->kind == CLI_CHOICE) return print_choices(file, option->value);
+    if (strcmp(option->name, "device") == 0) return print_choices(file, "cpu|host|cuda:0|auto");
     if (option->kind != CLI_TEXT && option->kind != CLI_LIST) return VALUES_NONE;
     const bool words = syntax->print_words != NULL && syntax->print_words(file, option->name);
     return words ? VALUES_WORDS : VALUES_FILES;

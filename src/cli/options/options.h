@@ -57,8 +57,9 @@ typedef struct cli_common {
     int32_t threads; /* 0: one per processor */
     uint64_t seed;
     bool seed_given;
-    const char* stats; /* NULL: none */
-    int progress;      /* cli_progress_mode */
+    const char* device; /* NULL: the processor */
+    const char* stats;  /* NULL: none */
+    int progress;       /* cli_progress_mode */
     bool quiet, help, version;
     int help_as;         /* cli_help_form: for `tyndall help`, and not listed */
     const char* help_to; /* output file of --help; NULL: stdout. Not listed either */
@@ -104,7 +105,7 @@ int cli_usage_error(const char* command, const char* format, ...) __attribute__(
 bool cli_parse_real(const char* text, double* out);
 bool cli_parse_seed(const char* text, uint64_t* out);
 
-enum { CLI_COMMON_COUNT = 9 };
+enum { CLI_COMMON_COUNT = 10 };
 
 /* The common options of all commands; values go to *common. Options without help text are not listed by --help. */
 void cli_common_options(cli_common* common, cli_option options[CLI_COMMON_COUNT]);

@@ -3,6 +3,7 @@
 #include "cli/session/session.h"
 #include "cli/text/text.h"
 #include "cli/text/text_file.h"
+#include "device/device.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -44,8 +45,13 @@ int cli_session_open(cli_session* session, const char* command, const cli_common
     def.threads = common->threads > 0 ? common->threads : TY_AUTO;
     def.log = print_log;
     def.log_user = session;
+    def.device = common->device;
+    ty_device* device = NULL;
     const ty_result result = ty_context_create(&def, &session->context);
+    if (result == TY_ERROR_ARGUMENT) return cli_usage_error(command, "%s", ty_take_error(NULL));
     if (result != TY_OK) return cli_fail(CLI_FAILED, "cannot start: %s", ty_result_text(result));
+    if (ty_context_device(session->context, &device) != TY_OK)
+        return cli_session_close(session, cli_fail(CLI_USAGE, "%s", ty_take_error(session->context)));
     cli_catch_interrupts();
     return CLI_GO;
 }

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Progress of a solve after each of its parts. */
-static const double medium_until = 0.1, direct_until = 0.4;
+static const double medium_until = 0.1, direct_until = 0.4, ordinates_until = 0.8;
 
 /* ---- solving ---- */
 
@@ -16,9 +16,9 @@ static void end_job(ty_dom_job* job) {
     const size_t terms = (size_t)job->light->bands * (size_t)job->light->bands;
     for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
     ty_discrete_light_set_destroy(job->context, &job->sources);
+    ty_dom_free_boundary(job);
     ty_free_array(job->context, job->set, 1, sizeof *job->set);
     ty_free_array(job->context, job->last_set, 1, sizeof *job->last_set);
-    ty_dom_free_boundary(job);
     ty_grid_medium_destroy(job->coarse);
     ty_grid_medium_destroy(job->fine);
 }
@@ -42,7 +42,11 @@ static ty_result run_parts(ty_dom_job* job, double fraction) {
     stats->direct_seconds -= stats->source_seconds;
     if (result == TY_OK)
         result = run_part(job, "walls", fraction * direct_until, ty_dom_light_boundary, &stats->wall_seconds);
-    if (result == TY_OK) result = run_part(job, "ordinates", fraction, ty_dom_solve_channels, &stats->solve_seconds);
+    if (result == TY_OK)
+        result = run_part(job, "ordinates", fraction * ordinates_until, ty_dom_solve_channels, &stats->solve_seconds);
+    double seconds = 0;
+    if (result == TY_OK) result = run_part(job, "interreflection", fraction, ty_dom_interreflect, &seconds);
+    stats->solve_seconds += seconds;
     return result;
 }
 
@@ -84,6 +88,7 @@ void ty_dom_destroy(ty_dom* light) {
         ty_free_array(context, light->wall_forward[c], sides, sizeof(float));
     }
     ty_boundary_faces_destroy(light->boundary);
+    ty_irradiance_cache_destroy(light->cache);
     ty_free_array(context, light->unlit, light->cells, 1);
     ty_free_array(context, light, 1, sizeof *light);
 }

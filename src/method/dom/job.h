@@ -19,8 +19,8 @@ typedef struct ty_dom_job {
     const ty_boundary_faces* boundary; /* the solution's, between coarse cells; NULL: there are none */
     float* wall_albedo[3];             /* per side, for each channel that is solved for */
     float* wall_radiance[3];           /* per side: radiance of reflected uncollided light and of emission */
-    float* incident_radiance[3];       /* boundary source: per direction, radiance of surfaces outside of the box; NULL:
-                                          there are none */
+    float* incident_radiance[3];       /* boundary source of surfaces outside of the box, for each channel: planes of
+                                          ty_boundary_radiance, axis by axis; NULL: there are none */
     float* source[3];                  /* q_lm, W m^-3: bands^2 planes of coarse cells for each channel */
     ty_dom* light;
     ty_dom_stats stats;

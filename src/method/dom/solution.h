@@ -4,6 +4,7 @@
 
 #include "direct/surfaces/boundary_faces.h"
 #include "direct/uncollided/light_groups.h"
+#include "image/irradiance_cache.h"
 
 #include <tyndall/dom.h>
 
@@ -64,7 +65,8 @@ struct ty_dom {
        of the uncollided light that is in the forward lobe. */
     ty_boundary_faces* boundary; /* NULL: there are none */
     float *wall_irradiance[3], *wall_forward[3];
-    uint8_t* unlit; /* cells inside of solids, which no light reaches; NULL: there are no boundary faces */
+    ty_irradiance_cache* cache; /* of surfaces outside of the box; NULL: none */
+    uint8_t* unlit;             /* cells inside of solids, which no light reaches; NULL: there are no boundary faces */
     /* Directions of the aggregate field's light. */
     ty_dom_light_cluster* clusters;
     int32_t cluster_capacity, cluster_count, cluster_planes;

@@ -54,5 +54,6 @@ ty_result ty_fld_direct_light(ty_fld_job* job) {
                                        &job->progress, job->light->beam, job->light->lights, &job->light->light_count);
     for (int32_t p = 0; p < fine->planes; ++p) ty_free_array(job->context, extinction[p], fine->cells, sizeof(float));
     if (result == TY_OK) result = ty_fld_find_sources(job, job->coarse, job->source);
-    return result == TY_OK ? light_surfaces(job) : result;
+    if (result == TY_OK) result = light_surfaces(job);
+    return result == TY_OK ? ty_fld_light_outside(job) : result;
 }

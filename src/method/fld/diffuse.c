@@ -20,7 +20,8 @@ static double flux_fraction_of_sources(const ty_fld_job* job) {
         else
             ty_interior_light_add_point(&sum, &job->fine->box, source->position, source->color);
     }
-    return ty_interior_light_max_flux(&sum, max_flux_fraction_outside);
+    const double fraction = ty_interior_light_max_flux(&sum, max_flux_fraction_outside);
+    return fraction * ty_diffuse_surfaces_flux_factor(&job->surfaces);
 }
 
 ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {
@@ -47,9 +48,9 @@ ty_result ty_fld_diffuse(ty_fld_job* job) {
     const ty_diffusion_def def = ty_fld_diffusion_def(job);
     ty_fld_stats* stats = &job->stats;
     ty_diffuse_stats solved = {.converged = false};
-    const ty_result result =
-        ty_diffuse_light_solve_between(&def, job->def->beam == TY_FLD_BEAM_REDUCED, job->coarse, &job->surfaces,
-                                       job->source, &job->progress, &job->light->diffuse, &solved);
+    const ty_result result = ty_diffuse_light_solve_between(
+        &def, job->def->beam == TY_FLD_BEAM_REDUCED, job->coarse, &job->surfaces, job->source,
+        job->light->cache != NULL ? &job->incident : NULL, &job->progress, &job->light->diffuse, &solved);
     stats->converged = solved.converged;
     stats->memory_bytes = solved.bytes;
     memcpy(stats->iterations, solved.iterations, sizeof stats->iterations);

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* Fractions of a solve's work done after each stage: for progress. */
-static const double medium_until = 0.15, direct_until = 0.5, diffuse_until = 0.9;
+static const double medium_until = 0.15, direct_until = 0.5, diffuse_until = 0.8, finer_until = 0.85;
 
 /* ---- solving ---- */
 
@@ -18,6 +18,7 @@ static void end_job(ty_fld_job* job) {
     if (job->coarse != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->coarse->cells, sizeof(float));
     ty_discrete_light_set_destroy(job->context, &job->sources);
+    if (job->coarse != NULL) ty_incident_flux_free(job->context, job->coarse->box.size, &job->incident);
     ty_diffuse_surfaces_destroy(&job->surfaces);
     ty_grid_medium_destroy(job->coarse);
     ty_grid_medium_destroy(job->fine);
@@ -40,7 +41,9 @@ static ty_result run_stages(ty_fld_job* job, double fraction) {
     if (result == TY_OK)
         result = run_stage(job, "fluence", fraction * diffuse_until, ty_fld_diffuse, &stats->solve_seconds);
     double seconds = 0;
-    if (result == TY_OK) result = run_stage(job, "finer fluence", fraction, ty_fld_refine, &seconds);
+    if (result == TY_OK) result = run_stage(job, "finer fluence", fraction * finer_until, ty_fld_refine, &seconds);
+    stats->solve_seconds += seconds;
+    if (result == TY_OK) result = run_stage(job, "interreflection", fraction, ty_fld_interreflect, &seconds);
     stats->solve_seconds += seconds;
     return result;
 }
@@ -63,29 +66,36 @@ void ty_fld_destroy(ty_fld* light) {
     if (light == NULL) return;
     for (int i = 0; i <= TY_FLD_DEDICATED_FIELDS_MAX; ++i) ty_light_field_destroy(light->beam[i]);
     ty_diffuse_light_destroy(light->diffuse);
+    ty_irradiance_cache_destroy(light->cache);
     ty_free_array(light->context, light, 1, sizeof *light);
 }
 
 /* ---- images ---- */
 
+void ty_fld_set_march(const ty_fld* light, ty_march_def* march) {
+    march->light_box = light->direct_box;
+    march->lights = light->lights;
+    march->light_count = light->light_count;
+    march->reduced = light->reduced;
+    march->bilateral_sigma = 0;
+    march->preserve_means = true;
+}
+
 static ty_result view(ty_volume_call* call, ty_image** out) {
     const ty_fld* light = call->light;
+    const ty_camera_def camera = ty_scene_camera(call->scene);
     ty_diffuse_view fields;
-    const ty_result made = ty_diffuse_view_make(light->diffuse, call->scene, NULL, &fields);
+    const ty_result made = ty_diffuse_view_make(light->diffuse, call->scene, camera.position, NULL, &fields);
     if (made != TY_OK) {
         ty_diffuse_view_free(&fields);
         return made;
     }
     ty_march_def march = ty_volume_march_def(call);
-    march.light_box = light->direct_box;
-    march.lights = light->lights;
-    march.light_count = light->light_count;
-    march.reduced = light->reduced;
+    ty_fld_set_march(light, &march);
+    march.cache = light->cache;
     march.field = &fields.media;
     march.surface_field = &fields.surfaces;
     march.cuts = fields.cuts;
-    march.bilateral_sigma = 0;
-    march.preserve_means = true;
     const ty_result result = ty_march(call->scene, &march, out, NULL);
     ty_diffuse_view_free(&fields);
     return result;

@@ -50,6 +50,8 @@ static const ty_option options[] = {
     TY_OPTION_INTERIOR_RESOLUTION(ty_fld_def),
     TY_OPTION_ENVIRONMENT_BEAMS(ty_fld_def),
     TY_OPTION_SURFACE_POINTS(ty_fld_def),
+    {TY_OPTION_FIELD(ty_fld_def, interreflection), .type = TY_OPTION_BOOL, .preset = 1,
+     .doc = "Lights media by what surfaces outside of their box reflect, and these by the media, over and over."},
     TY_OPTION_SPP(ty_fld_def),
     TY_OPTION_STEP(ty_fld_def, "voxels"),
     TY_OPTION_RAY_SPACING(ty_fld_def),

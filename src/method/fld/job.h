@@ -5,6 +5,7 @@
 #include "direct/single/single.k.h"
 #include "direct/uncollided/uncollided.h"
 #include "solve/diffusion/diffuse_light.h"
+#include "method/interreflection.h"
 #include "method/volume_method.h"
 
 #include <tyndall/fld.h>
@@ -21,6 +22,7 @@ struct ty_fld {
     ty_light_fluence lights[TY_FLD_DEDICATED_FIELDS_MAX + 1];
     int32_t light_count;
     ty_diffuse_light* diffuse;
+    ty_irradiance_cache* cache; /* of surfaces outside of the box; NULL: none */
 };
 
 typedef struct ty_fld_job {
@@ -33,6 +35,7 @@ typedef struct ty_fld_job {
     ty_discrete_light_set sources;
     float* source[3];             /* q and j on coarse cells, W m^-3 */
     ty_diffuse_surfaces surfaces; /* between coarse cells */
+    ty_incident_flux incident;    /* from surfaces outside of them, of lamps */
     ty_fld* light;
     ty_fld_stats stats;
 } ty_fld_job;
@@ -47,6 +50,12 @@ ty_result ty_fld_direct_light(ty_fld_job* job);
 /* Computes the scattering source on a medium's cells, W m^-3; the arrays are freed by the caller, also after an error.
  */
 ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, float* source[3]);
+/* Lights surfaces outside of the box by the lamps. */
+ty_result ty_fld_light_outside(ty_fld_job* job);
+/* Lights them by the media, and the media by them. */
+ty_result ty_fld_interreflect(ty_fld_job* job);
+/* The lights of a march, and how it reads the fields. */
+void ty_fld_set_march(const ty_fld* light, ty_march_def* march);
 /* Settings of the diffusion solver. */
 ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job);
 /* Solves the diffuse light of all channels. */

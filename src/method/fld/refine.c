@@ -19,8 +19,16 @@ static ty_result relax(ty_fld_job* job, const ty_grid_medium* medium, float* con
     def.solver = TY_DIFFUSION_SOR;
     def.relaxation = OMEGA;
     def.iterations = SWEEPS;
-    const ty_result result = ty_diffuse_light_refine(before, &def, job->def->beam == TY_FLD_BEAM_REDUCED, medium,
-                                                     source, &job->progress, &light, &ignored);
+    ty_incident_flux incident = {.scattered = false};
+    ty_result result = TY_OK;
+    if (job->light->cache != NULL)
+        result =
+            ty_incident_flux_make(job->light->cache, job->context, TY_REFLECTED_LAMPS, medium->box.size, &incident);
+    if (result == TY_OK)
+        result =
+            ty_diffuse_light_refine(before, &def, job->def->beam == TY_FLD_BEAM_REDUCED, medium, source,
+                                    job->light->cache != NULL ? &incident : NULL, &job->progress, &light, &ignored);
+    ty_incident_flux_free(job->context, medium->box.size, &incident);
     if (result != TY_OK) return result;
     ty_diffuse_light_destroy(before);
     job->light->diffuse = light;

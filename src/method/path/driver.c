@@ -1,9 +1,11 @@
 /* Preparation common to all runs: option checks, guiding lights, kernel, memory. */
-#include "method/path/driver.h"
+#include "method/path/outlines.h"
 
 #include "base/context.h"
 #include "base/dispatch.h"
+#include "method/path/trace/collision.k.h"
 #include "method/path/trace/equiangular.k.h"
+#include "method/path/trace/light_path.k.h"
 #include "scene/interiors.h"
 #include "scene/lights/light.h"
 
@@ -54,6 +56,7 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     def = run->def = &run->known;
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
+    run->scene = scene;
     run->view = *view;
     if (def->ignore_media) run->view.medium_count = 0;
     run->request.scene = &run->view;
@@ -94,6 +97,21 @@ static ty_result allocate_items(ty_path_run* run, bool with_aov_sums) {
     return run->items != NULL && (run->aov_sums != NULL) == with_aov_sums && (run->halves != NULL) == with_halves
                ? TY_OK
                : TY_ERROR_MEMORY;
+}
+
+/* True if all lights are far away, and a homogeneous medium is so thick that they hardly light its inside. Only
+ * environments take so long to sample that a closer look pays. */
+static bool is_deep(const ty_scene_view* scene) {
+    bool sky = false, deep = false;
+    if (scene->lights.distant_count < scene->lights.count) return false;
+    for (int32_t i = 0; i < scene->lights.count; ++i) sky = sky || scene->lights.lights[i].kind == TY_KIND_ENVIRONMENT;
+    if (!sky) return false;
+    for (int32_t m = 0; m < scene->medium_count; ++m) {
+        const ty_medium_view* medium = &scene->media[m];
+        deep = deep || (medium->heterogeneous == 0 &&
+                        ty_medium_depth(medium, ty_vec_make(0, 0, 0)) > -logf(TY_PATH_FAINT_TRANSMITTANCE));
+    }
+    return deep;
 }
 
 /* Rates of lamp directions, where lamps shine into media: off if the def, or the request, leaves no light for them. */
@@ -143,17 +161,21 @@ ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_a
     }
     if (run->view.interior_count > 0)
         ty_interiors_around(&run->view, run->request.camera.origin, &run->request.camera_inside);
+    run->request.deep = is_deep(&run->view);
     choose_guides(&run->request);
     set_point_light_rate(run);
     run->request.min_contribution = contribution_threshold(&run->view.lights);
     result = make_guide(run, scene);
+    if (result == TY_OK) result = ty_path_prepare_outlines(run);
     if (result != TY_OK) ty_path_run_end(run);
     return result;
 }
 
 void ty_path_run_end(ty_path_run* run) {
     ty_path_guide_destroy(run->guide);
+    ty_free_array(run->context, run->outlines, (size_t)run->item_count, 1);
     run->guide = NULL;
+    run->outlines = NULL;
     ty_free_array(run->context, run->lights, (size_t)run->view.lights.count, sizeof *run->lights);
     ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);
     ty_free_array(run->context, run->aov_sums, (size_t)run->item_count, sizeof *run->aov_sums);

@@ -27,6 +27,7 @@ typedef struct ty_path_run {
     const ty_path_def* def; /* known, but for a bake, which has none once it samples */
     ty_path_def known;      /* the caller's def in the library's own size */
     const char* stage;
+    const ty_scene* scene;
     ty_scene_view view; /* scene as seen by paths; media may be left out */
     ty_path_request request;
     ty_sobol sobol;
@@ -37,6 +38,8 @@ typedef struct ty_path_run {
     ty_path_aov_sums* aov_sums; /* item_count; NULL: not needed */
     ty_path_half* halves;       /* item_count, for TY_AOV_HALF; NULL: not needed */
     ty_light_view* lights;      /* lights of the scene without its media; NULL: the scene's own */
+    uint8_t* outlines;          /* item_count, nonzero where outlines of emitters are; NULL: nowhere */
+    bool has_outlines;          /* true once they are found */
     int64_t item_count;
     ty_path_kernel kernel;
     ty_path_guide* guide;                    /* NULL: none */

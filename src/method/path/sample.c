@@ -4,12 +4,11 @@
 #include "base/context.h"
 #include "base/progress.h"
 #include "method/path/aov.h"
-#include "method/path/driver.h"
+#include "method/path/outlines.h"
+#include "method/path/sampling.h"
 #include "method/path/state.h"
 
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <string.h>
 
 enum { PASS_MAX = 16, STRIDE_FIRST = 16, STRIDE_MAX = TY_PATH_BLOCK * PASS_MAX };
@@ -27,30 +26,6 @@ static const double partial_seconds = 1;
 
 /* Seed of the odd samples of a run with halves, over that of the even ones. */
 static const uint64_t odd_seed = 0xb5ad4eceda1ce2a9u;
-
-typedef struct sampling {
-    ty_path_run* run;
-    ty_path_request odd;  /* runs with halves: the request of odd samples */
-    uint32_t last;        /* samples of each item after this pass */
-    uint32_t done_before; /* samples of each item before this pass */
-    double begun;         /* start time as if the work had been done in one go */
-    double cpu_begun;     /* the same in processor seconds */
-    pthread_mutex_t lock; /* serialises reports and saved states, so that callbacks never overlap */
-    double reported;
-    pthread_rwlock_t items; /* read-locked while blocks are merged concurrently, write-locked while a state is copied */
-    uint8_t* state;         /* NULL: no state is saved */
-    uint32_t* saved_counts; /* samples of each block in the saved state */
-    bool whole_due;         /* the next state is a whole one */
-    size_t changes_size;    /* bytes of changes since the last whole state */
-    double saved;           /* time of the last saved state: when copying it began */
-    double state_period;    /* seconds until the next one */
-    double shown;           /* time of the last partial image */
-    double partial_period;  /* seconds until the next one */
-    _Atomic int64_t blocks_done; /* blocks of this pass */
-    _Atomic uint64_t vertices, paths;
-    _Atomic uint32_t stride; /* paths that take about stride_seconds */
-    _Atomic bool cancelled, out_of_time;
-} sampling;
 
 /* Root mean square standard error divided by the mean, over all items and channels, and the number of items that it
  * rests on: the effective sample size of the sum of their variances (Kish 1965). Where the samples' distribution has a
@@ -77,12 +52,12 @@ static double error_bound(const ty_path_stats* stats) {
     return stats->error_pixels > 0 ? stats->error * sqrt(1 + 2 / sqrt(stats->error_pixels)) : stats->error;
 }
 
-static int64_t block_count(const ty_path_run* run) {
+int64_t ty_sampling_blocks(const ty_path_run* run) {
     return (run->item_count + TY_PATH_BLOCK - 1) / TY_PATH_BLOCK;
 }
 
 /* Fraction of the work done, by the bound that is nearest. */
-static double fraction_done(const sampling* pass, double seconds, double samples) {
+static double fraction_done(const ty_sampling* pass, double seconds, double samples) {
     const ty_path_def* def = pass->run->def;
     double fraction = samples / def->spp;
     if (def->seconds > 0) fraction = fmax(fraction, seconds / def->seconds);
@@ -94,13 +69,13 @@ static double fraction_done(const sampling* pass, double seconds, double samples
 }
 
 /* Reports progress if due; sets cancelled if the caller asks for it. */
-static void report(sampling* pass, bool always) {
+void ty_sampling_report(ty_sampling* pass, bool always) {
     const ty_path_def* def = pass->run->def;
     const double seconds = ty_wall_seconds() - pass->begun;
     if (def->seconds > 0 && seconds >= def->seconds) atomic_store(&pass->out_of_time, true);
     if (def->progress == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
     if (ty_report_due(&pass->reported) || always) {
-        const double pass_fraction = (double)atomic_load(&pass->blocks_done) / (double)block_count(pass->run);
+        const double pass_fraction = (double)atomic_load(&pass->blocks_done) / (double)ty_sampling_blocks(pass->run);
         const double samples = pass->done_before + pass_fraction * (pass->last - pass->done_before);
         const double fraction = fraction_done(pass, seconds, samples);
         ty_progress progress = ty_progress_at(pass->run->stage, fraction, seconds);
@@ -111,7 +86,7 @@ static void report(sampling* pass, bool always) {
     pthread_mutex_unlock(&pass->lock);
 }
 
-static ty_path_stats totals(sampling* pass) {
+static ty_path_stats totals(ty_sampling* pass) {
     ty_path_stats stats = pass->run->stats;
     stats.seconds = ty_wall_seconds() - pass->begun;
     stats.cpu_seconds = ty_cpu_seconds() - pass->cpu_begun;
@@ -123,19 +98,19 @@ static ty_path_stats totals(sampling* pass) {
 
 /* Time between two states, or partial images, such that they take at most state_fraction of the threads' time: all of
  * them wait while one is copied, and a single one does the rest. */
-static double period_of(const sampling* pass, double copying, double rest) {
+static double period_of(const ty_sampling* pass, double copying, double rest) {
     return (copying + rest / ty_context_threads(pass->run->context)) / state_fraction;
 }
 
 /* Changes need time by their samples and not by their number, so that longer periods would save little. */
-static double next_state_period(const sampling* pass, double copying, double rest) {
+static double next_state_period(const ty_sampling* pass, double copying, double rest) {
     const ty_path_def* def = pass->run->def;
     if (def->state_seconds != TY_AUTO) return def->state_seconds;
     return def->state_change != NULL ? state_seconds_auto : fmax(state_seconds_auto, period_of(pass, copying, rest));
 }
 
 /* Hands out a whole state, or changes; returns false if it is a whole state and the caller cancels. */
-static bool hand_out(sampling* pass, bool whole, size_t size) {
+static bool hand_out(ty_sampling* pass, bool whole, size_t size) {
     const ty_path_def* def = pass->run->def;
     if (whole) {
         pass->changes_size = 0;
@@ -149,7 +124,7 @@ static bool hand_out(sampling* pass, bool whole, size_t size) {
 }
 
 /* Saves the state if due. Other threads wait only while it is copied. */
-static void save(sampling* pass, bool always) {
+void ty_sampling_save(ty_sampling* pass, bool always) {
     if (pass->state == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
     const double begun = ty_wall_seconds();
     if (always || begun - pass->saved >= pass->state_period) {
@@ -169,7 +144,7 @@ static void save(sampling* pass, bool always) {
 }
 
 /* Hands out the image so far if due. Other threads wait only while it is made. */
-static void show(sampling* pass) {
+void ty_sampling_show(ty_sampling* pass) {
     const ty_path_run* run = pass->run;
     if (run->image == NULL || run->def->partial == NULL || pthread_mutex_trylock(&pass->lock) != 0) return;
     const double begun = ty_wall_seconds();
@@ -186,22 +161,13 @@ static void show(sampling* pass) {
 }
 
 /* The time bound applies only once every item has a sample. */
-static bool should_stop(sampling* pass) {
+bool ty_sampling_stops(ty_sampling* pass) {
     return atomic_load_explicit(&pass->cancelled, memory_order_relaxed) ||
            (pass->done_before > 0 && atomic_load_explicit(&pass->out_of_time, memory_order_relaxed));
 }
 
-/* Range of a block in progress: samples of its items, not yet merged. */
-typedef struct block_work {
-    int64_t begin, end;
-    uint32_t first, count; /* samples */
-    uint64_t vertices;
-    ty_path_sums sums[TY_PATH_BLOCK];
-    ty_path_aov_sums aov_sums[TY_PATH_BLOCK];
-} block_work;
-
 /* Adds `samples` samples of items to the work. With halves it is one, which has its index among those of its parity. */
-static uint64_t trace(const sampling* pass, block_work* work, int64_t item, int64_t next, uint32_t sample,
+static uint64_t trace(const ty_sampling* pass, ty_block_work* work, int64_t item, int64_t next, uint32_t sample,
                       uint32_t samples) {
     const ty_path_run* run = pass->run;
     const bool halves = run->halves != NULL;
@@ -212,7 +178,7 @@ static uint64_t trace(const sampling* pass, block_work* work, int64_t item, int6
 }
 
 /* Samples in strides of a few milliseconds; their lengths change no result. Returns false if the run stops. */
-static bool sample_in_strides(sampling* pass, block_work* work) {
+static bool sample_in_strides(ty_sampling* pass, ty_block_work* work) {
     int64_t item = work->begin;
     uint32_t sample = 0;
     while (item < work->end) {
@@ -230,8 +196,8 @@ static bool sample_in_strides(sampling* pass, block_work* work) {
         atomic_store_explicit(&pass->stride, better, memory_order_relaxed);
         sample = sample + samples < work->count ? sample + samples : 0;
         if (sample == 0) item = next;
-        report(pass, false);
-        if (should_stop(pass)) return false;
+        ty_sampling_report(pass, false);
+        if (ty_sampling_stops(pass)) return false;
     }
     return true;
 }
@@ -239,7 +205,7 @@ static bool sample_in_strides(sampling* pass, block_work* work) {
 /* Samples per item of a block until they are merged: as many as take about merge_seconds, judged by the stride. A
  * stride of one path may take any time longer than a stride should, and then the fewest are merged. With halves each
  * sample is, because the next one belongs to the other half. */
-static uint32_t samples_to_merge(const sampling* pass, uint32_t left) {
+static uint32_t samples_to_merge(const ty_sampling* pass, uint32_t left) {
     if (pass->run->halves != NULL) return 1;
     const uint32_t stride = atomic_load_explicit(&pass->stride, memory_order_relaxed);
     const double samples = stride * (merge_seconds / stride_seconds) / TY_PATH_BLOCK;
@@ -248,7 +214,7 @@ static uint32_t samples_to_merge(const sampling* pass, uint32_t left) {
 }
 
 /* Adds an even sample of a block, by which its sums exceed those of the run's items, to the halves. */
-static void add_to_halves(ty_path_run* run, const block_work* work) {
+static void add_to_halves(ty_path_run* run, const ty_block_work* work) {
     enum { AOV_SUMS = sizeof(ty_path_aov_sums) / sizeof(double) };
     for (int64_t i = work->begin; i < work->end; ++i) {
         const ty_path_sums* sums = &work->sums[i - work->begin];
@@ -261,7 +227,7 @@ static void add_to_halves(ty_path_run* run, const block_work* work) {
 }
 
 /* Adds the samples of a block to the run's items. */
-static void merge(sampling* pass, const block_work* work) {
+void ty_sampling_merge(ty_sampling* pass, const ty_block_work* work) {
     ty_path_run* run = pass->run;
     const size_t size = (size_t)(work->end - work->begin);
     pthread_rwlock_rdlock(&pass->items);
@@ -278,10 +244,10 @@ static void merge(sampling* pass, const block_work* work) {
 
 static void sample_block(void* user, int64_t block, int32_t worker) {
     (void)worker;
-    sampling* pass = user;
+    ty_sampling* pass = user;
     ty_path_run* run = pass->run;
-    if (should_stop(pass)) return;
-    block_work work = {.begin = block * TY_PATH_BLOCK};
+    if (ty_sampling_stops(pass)) return;
+    ty_block_work work = {.begin = block * TY_PATH_BLOCK};
     work.end = work.begin + TY_PATH_BLOCK < run->item_count ? work.begin + TY_PATH_BLOCK : run->item_count;
     work.first = run->items[work.begin].count;
     const size_t size = (size_t)(work.end - work.begin);
@@ -291,12 +257,12 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
         work.count = samples_to_merge(pass, pass->last - work.first);
         work.vertices = 0;
         if (!sample_in_strides(pass, &work)) return;
-        merge(pass, &work);
-        if (work.first + work.count < pass->last) save(pass, false);
-        show(pass);
+        ty_sampling_merge(pass, &work);
+        if (work.first + work.count < pass->last) ty_sampling_save(pass, false);
+        ty_sampling_show(pass);
     }
     atomic_fetch_add(&pass->blocks_done, 1);
-    save(pass, false);
+    ty_sampling_save(pass, false);
 }
 
 /* Samples per item in the next pass: few at first, so that bounds on time and error are checked early, then more. */
@@ -318,7 +284,7 @@ static uint32_t min_samples(const ty_path_run* run, bool* uniform) {
 }
 
 /* True if a bound other than that on samples is met, between passes. */
-static bool bounds_met(sampling* pass) {
+static bool bounds_met(ty_sampling* pass) {
     ty_path_run* run = pass->run;
     if (run->def->error > 0 && pass->done_before > 0) {
         estimate_error(run);
@@ -327,7 +293,7 @@ static bool bounds_met(sampling* pass) {
     return run->def->seconds > 0 && pass->done_before > 0 && ty_wall_seconds() - pass->begun >= run->def->seconds;
 }
 
-static void sample_passes(sampling* pass) {
+static void sample_passes(ty_sampling* pass) {
     const uint32_t spp = (uint32_t)pass->run->def->spp;
     bool uniform;
     pass->done_before = pass->last = min_samples(pass->run, &uniform);
@@ -336,14 +302,18 @@ static void sample_passes(sampling* pass) {
     for (; pass->done_before < spp && !(uniform && bounds_met(pass)); uniform = true) {
         pass->last = pass->done_before + next_pass(pass->run, pass->done_before);
         atomic_store(&pass->blocks_done, 0);
-        ty_parallel_for(pass->run->context, block_count(pass->run), sample_block, pass);
-        if (atomic_load(&pass->blocks_done) < block_count(pass->run)) return;
+        if (pass->last > TY_OUTLINE_FIRST) ty_path_find_outlines(pass->run);
+        if (pass->device != NULL)
+            ty_sample_pass_on_device(pass);
+        else
+            ty_parallel_for(pass->run->context, ty_sampling_blocks(pass->run), sample_block, pass);
+        if (atomic_load(&pass->blocks_done) < ty_sampling_blocks(pass->run)) return;
         pass->done_before = pass->last;
     }
 }
 
 ty_result ty_path_sample(ty_path_run* run) {
-    sampling pass = {.run = run, .odd = run->request, .reported = ty_wall_seconds()};
+    ty_sampling pass = {.run = run, .odd = run->request, .reported = ty_wall_seconds(), .launch_paths = 1 << 12};
     pass.odd.seed ^= odd_seed;
     pass.begun = pass.reported - run->stats.seconds - run->guide_seconds;
     pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds - run->guide_cpu_seconds;
@@ -360,22 +330,27 @@ ty_result ty_path_sample(ty_path_run* run) {
         pass.saved_counts = ty_alloc_array(run->context, blocks, sizeof *pass.saved_counts, true);
         pass.whole_due = true;
     }
-    if (saves && (pass.state == NULL || pass.saved_counts == NULL)) {
+    ty_result result = !saves || (pass.state != NULL && pass.saved_counts != NULL) ? TY_OK : TY_ERROR_MEMORY;
+    if (result == TY_OK) result = ty_path_device_create(run, &pass.odd, &pass.device);
+    if (result != TY_OK) {
         ty_free_array(run->context, pass.state, room, 1);
         ty_free_array(run->context, pass.saved_counts, blocks, sizeof *pass.saved_counts);
-        return TY_ERROR_MEMORY;
+        return result;
     }
+    if (pass.device != NULL) run->stats.isa = ty_path_device_kind(pass.device);
+    pass.vertices_before = run->stats.vertices;
     pthread_mutex_init(&pass.lock, NULL);
     pthread_rwlock_init(&pass.items, NULL);
     sample_passes(&pass);
     const bool cancelled = atomic_load(&pass.cancelled) && pass.done_before < (uint32_t)run->def->spp;
-    report(&pass, true);
+    ty_sampling_report(&pass, true);
     run->stats = totals(&pass);
     estimate_error(run);
-    save(&pass, true);
+    ty_sampling_save(&pass, true);
+    ty_path_device_destroy(pass.device);
     pthread_mutex_destroy(&pass.lock);
     pthread_rwlock_destroy(&pass.items);
     ty_free_array(run->context, pass.state, room, 1);
     ty_free_array(run->context, pass.saved_counts, blocks, sizeof *pass.saved_counts);
-    return cancelled ? TY_CANCELLED : TY_OK;
+    return pass.failed != TY_OK ? pass.failed : cancelled ? TY_CANCELLED : TY_OK;
 }

@@ -33,15 +33,6 @@ static void refine_along(ty_pop_grid* grid) {
     grid->growth /= ALONG;
 }
 
-/* Removes virtual point lights on surfaces that close faces of merged cells: diffusion has their light. */
-static void remove_enclosed(const ty_pop_job* job, ty_discrete_light_set* vpls) {
-    int32_t count = 0;
-    if (job->surfaces.faces == NULL) return;
-    for (int32_t i = 0; i < vpls->count; ++i)
-        if (!ty_boundary_contains(job->medium, vpls->items[i].position)) vpls->items[count++] = vpls->items[i];
-    vpls->count = count;
-}
-
 /* Joins all ordinates in one array, virtual point lights last. */
 static ty_result join_ordinates(ty_pop_job* job, const ty_discrete_light_set* ordinates,
                                 const ty_discrete_light_set* vpls) {
@@ -78,9 +69,9 @@ static ty_result find_ordinates(ty_pop_job* job) {
                                          &ordinates);
     job->stats.ordinate_seconds = ty_wall_seconds() - begun;
     begun = ty_wall_seconds();
-    if (result == TY_OK && job->def->vpls > 0 && ty_scene_get_view(job->scene)->mesh != NULL)
+    if (result == TY_OK && job->def->mode != TY_POP_MODE_SPLIT && job->def->vpls > 0 &&
+        ty_scene_get_view(job->scene)->mesh != NULL)
         result = ty_vpls_create(job->scene, &vpl_def, job->light->medium, &vpls);
-    if (result == TY_OK) remove_enclosed(job, &vpls);
     job->stats.vpl_seconds = ty_wall_seconds() - begun;
     if (result == TY_OK) result = join_ordinates(job, &ordinates, &vpls);
     ty_discrete_light_set_destroy(job->context, &ordinates);

@@ -15,6 +15,7 @@ static void end_job(ty_pop_job* job) {
     if (job->medium != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->medium->cells, sizeof(float));
     ty_pop_delta_source_destroy(job->context, &job->delta_source);
+    if (job->medium != NULL) ty_incident_flux_free(job->context, job->medium->box.size, &job->incident);
     ty_diffuse_surfaces_destroy(&job->surfaces);
     ty_grid_medium_destroy(job->medium);
     ty_grid_medium_destroy(job->fine);
@@ -76,6 +77,7 @@ void ty_pop_destroy(ty_pop* light) {
     ty_pop_merged_destroy(context, &light->merged);
     ty_pop_merged_destroy(context, &light->residuum);
     ty_diffuse_light_destroy(light->diffuse);
+    ty_irradiance_cache_destroy(light->cache);
     ty_grid_medium_destroy(light->medium);
     ty_free_array(context, light->guide, light->cells, sizeof(float));
     ty_free_array(context, light, 1, sizeof *light);
@@ -144,8 +146,10 @@ static ty_result make_incident(const ty_pop* light, fields* f) {
 }
 
 static ty_result make_between(const ty_pop* light, const ty_scene* scene, fields* f) {
-    const ty_result result = ty_diffuse_view_make(
-        light->diffuse, scene, light->count > 0 ? light->merged.accumulated_radiance : NULL, &f->between);
+    const ty_camera_def camera = ty_scene_camera(scene);
+    const ty_result result =
+        ty_diffuse_view_make(light->diffuse, scene, camera.position,
+                             light->count > 0 ? light->merged.accumulated_radiance : NULL, &f->between);
     f->outgoing = f->between.media;
     f->surfaces = f->between.surfaces;
     return result;
@@ -163,16 +167,21 @@ static ty_result make_fields(const ty_pop* light, const ty_scene* scene, fields*
     return result == TY_OK && light->diffuse == NULL ? make_incident(light, f) : result;
 }
 
+void ty_pop_set_march(const ty_pop* light, ty_march_def* march) {
+    const bool split = light->def.mode == TY_POP_MODE_SPLIT;
+    march->light_box = light->fine_box;
+    march->lights = light->lights;
+    march->light_count = light->light_count;
+    march->reduced = true;
+    march->bilateral_sigma = split ? 0 : march->bilateral_sigma; /* otherwise Sec. 4.4 (Elek 2014) */
+    march->preserve_means = split;
+}
+
 static ty_result march(const ty_pop* light, ty_volume_call* call, ty_image** out) {
     fields f = {.outgoing = {.term_count = 0}};
-    const bool split = light->def.mode == TY_POP_MODE_SPLIT;
     ty_march_def march = ty_volume_march_def(call);
-    march.light_box = light->fine_box;
-    march.lights = light->lights;
-    march.light_count = light->light_count;
-    march.reduced = true;
-    march.bilateral_sigma = split ? 0 : march.bilateral_sigma; /* otherwise Sec. 4.4 (Elek 2014) */
-    march.preserve_means = split;
+    ty_pop_set_march(light, &march);
+    march.cache = light->cache;
     march.field = &f.outgoing;
     march.surface_field = &f.surfaces;
     ty_result result = make_fields(light, call->scene, &f);

@@ -33,7 +33,8 @@ static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_pop_def, surface_points), .type = TY_OPTION_INT, .min = 1, .max = 65536, .preset = 16,
      .doc = "Number of points that each area light and glowing sphere is replaced by."},
     {TY_OPTION_FIELD(ty_pop_def, vpls), .type = TY_OPTION_INT, .min = 0, .max = 4096, .preset = 64,
-     .doc = "Number of virtual point lights for the light that surfaces reflect into media; 0 means none."},
+     .doc = "Number of virtual point lights for the light that surfaces reflect into media, in the modes published and "
+            "collided; 0 means none."},
     {TY_OPTION_FIELD(ty_pop_def, shadow_texels), .type = TY_OPTION_INT, .min = 16, .max = 1024, .preset = 128,
      .unit = "texels", .doc = "Side of the reflective shadow maps that virtual point lights are chosen from."},
     {TY_OPTION_FIELD(ty_pop_def, vpl_min_distance), .formerly = "clamp", .type = TY_OPTION_DOUBLE, .min = 0, .max = 1,
@@ -58,6 +59,8 @@ static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_pop_def, tolerance), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1, .preset = 1e-2,
      .flags = TY_OPTION_OPEN,
      .doc = "Residual of the diffusion over its source (root mean squares), as of fld, in mode split."},
+    {TY_OPTION_FIELD(ty_pop_def, interreflection), .type = TY_OPTION_BOOL, .preset = 1,
+     .doc = "Lights media by what surfaces outside of their box reflect, and these by the media, over and over."},
     TY_OPTION_SPP(ty_pop_def),
     TY_OPTION_STEP(ty_pop_def, "voxels"),
     TY_OPTION_RAY_SPACING(ty_pop_def),

@@ -5,6 +5,7 @@
 #include "direct/single/single.k.h"
 #include "direct/uncollided/uncollided.h"
 #include "method/pop/merge/merge.h"
+#include "method/interreflection.h"
 #include "method/pop/ordinate/ordinate.h"
 #include "solve/diffusion/diffuse_light.h"
 
@@ -25,8 +26,9 @@ struct ty_pop {
     ty_pop_merged residuum; /* published modes: light from the isotropic residuum */
     float scale[3];         /* split mode: factor on merged fluence that restores the ordinates' power, per channel */
     size_t cells;           /* of merged and residuum */
-    ty_diffuse_light* diffuse; /* split mode */
-    float* guide;              /* mean extinction of merged cells, 1/m */
+    ty_diffuse_light* diffuse;  /* split mode */
+    ty_irradiance_cache* cache; /* split mode: of surfaces outside of the box; NULL: none */
+    float* guide;               /* mean extinction of merged cells, 1/m */
 };
 
 /* Makes a view of the light for another eye, with merged cells recomputed from stored lobes: it shares all memory with

@@ -4,7 +4,13 @@
 
 #include "scene/media/medium.k.h"
 
+/* On devices, where a thread's memory is scarce, scenes with more than TY_DEVICE_MEDIA_MAX media are refused. */
+enum { TY_DEVICE_MEDIA_MAX = 12 };
+#if defined(TY_DEVICE)
+enum { TY_SPANS_MAX = TY_DEVICE_MEDIA_MAX };
+#else
 enum { TY_SPANS_MAX = 128 };
+#endif
 
 /* Intervals of a ray inside media, unordered; a medium with a closed mesh can have several. Those beyond TY_SPANS_MAX
  * are dropped. */

@@ -3,31 +3,19 @@
 #include "scene/surfaces/accel.h"
 
 #include "base/context.h"
-#include "base/random.k.h"
-#include "scene/surfaces/shape.h"
+#include "scene/surfaces/traced_shapes.h"
 
 #include <embree3/rtcore.h>
 #include <stdatomic.h>
 #include <stdio.h>
-typedef struct accel_quad {
-    int32_t shape, primitive_id; /* as in ty_hit */
-    ty_vec corner, normal;
-    float margin;
-} accel_quad;
-
-typedef struct accel_sphere {
-    int32_t shape;
-    ty_vec center;
-    float radius, margin;
-} accel_sphere;
 
 struct ty_accel {
     ty_context* context;
     RTCDevice device;
     RTCScene scene;
     size_t quad_count, sphere_count;
-    accel_quad* quads;
-    accel_sphere* spheres;
+    ty_quad_face* quads;
+    ty_sphere_face* spheres;
     const ty_surface* surfaces; /* of meshes: surface i is Embree geometry MESHES + i */
     int32_t first_mesh;         /* index of surfaces[0] in the scene view */
     _Atomic int64_t bytes;
@@ -36,10 +24,6 @@ struct ty_accel {
 
 /* Embree geometry IDs: all quads, all spheres, then one per mesh. */
 enum { QUADS = 0, SPHERES = 1, MESHES = 2 };
-
-/* Self-intersection offset relative to the coordinates that are rounded: 70 roundings. */
-static const float relative_epsilon = 4e-6f;
-static const float min_epsilon = 4e-9f;
 
 static bool count_memory(void* user, ssize_t bytes, bool post) {
     (void)post;
@@ -65,34 +49,9 @@ static ty_result fail(ty_accel* mesh, const char* what) {
     return fail_with(mesh, what, rtcGetDeviceError(mesh->device));
 }
 
-/* Rounding displaces a point from a quad by the rounding errors of the coordinates projected on the normal: none for a
- * normal along an axis. */
-static float quad_epsilon(ty_vec normal, const float* corners) {
-    ty_vec largest = ty_vec_make(0, 0, 0);
-    for (int corner = 0; corner < 4; ++corner)
-        largest = ty_vec_make(ty_maxf(largest.x, fabsf(corners[3 * corner])),
-                              ty_maxf(largest.y, fabsf(corners[3 * corner + 1])),
-                              ty_maxf(largest.z, fabsf(corners[3 * corner + 2])));
-    const ty_vec magnitude = ty_vec_make(fabsf(normal.x), fabsf(normal.y), fabsf(normal.z));
-    return ty_maxf(relative_epsilon * ty_dot(magnitude, largest), min_epsilon);
-}
-
-float ty_accel_ray_epsilon(ty_vec normal, ty_vec a, ty_vec b, ty_vec c) {
-    const ty_vec largest = ty_vec_make(ty_maxf(fabsf(a.x), ty_maxf(fabsf(b.x), fabsf(c.x))),
-                                       ty_maxf(fabsf(a.y), ty_maxf(fabsf(b.y), fabsf(c.y))),
-                                       ty_maxf(fabsf(a.z), ty_maxf(fabsf(b.z), fabsf(c.z))));
-    const ty_vec magnitude = ty_vec_make(fabsf(normal.x), fabsf(normal.y), fabsf(normal.z));
-    return ty_maxf(relative_epsilon * ty_dot(magnitude, largest), min_epsilon);
-}
-
-static float sphere_epsilon(ty_vec center, float radius) {
-    const float largest = ty_maxf(fabsf(center.x), ty_maxf(fabsf(center.y), fabsf(center.z)));
-    return ty_maxf(relative_epsilon * (largest + radius), min_epsilon);
-}
-
 /* Quads of all quad and box shapes, four corners each, counter-clockwise seen from the front. */
 static ty_result add_quads(ty_accel* mesh, const ty_shape_def* shapes, size_t count) {
-    for (size_t i = 0; i < count; ++i) mesh->quad_count += (size_t)ty_shape_quad_count(&shapes[i]);
+    mesh->quad_count = ty_traced_quad_count(shapes, count);
     if (mesh->quad_count == 0) return TY_OK;
     mesh->quads = ty_alloc_array(mesh->context, mesh->quad_count, sizeof *mesh->quads, false);
     if (mesh->quads == NULL) return TY_ERROR_MEMORY;
@@ -105,22 +64,8 @@ static ty_result add_quads(ty_accel* mesh, const ty_shape_def* shapes, size_t co
         rtcReleaseGeometry(geometry);
         return fail(mesh, "allocating quads");
     }
-    size_t quad = 0;
-    for (size_t i = 0; i < count; ++i)
-        for (int32_t q = 0; q < ty_shape_quad_count(&shapes[i]); ++q, ++quad) {
-            double origin[3], u[3], v[3];
-            ty_shape_quad(&shapes[i], q, origin, u, v);
-            for (int corner = 0; corner < 4; ++corner)
-                for (int a = 0; a < 3; ++a)
-                    corners[12 * quad + 3 * (size_t)corner + (size_t)a] =
-                        (float)(origin[a] + (corner == 1 || corner == 2 ? u[a] : 0) + (corner >= 2 ? v[a] : 0));
-            for (unsigned corner = 0; corner < 4; ++corner) indices[4 * quad + corner] = (unsigned)(4 * quad) + corner;
-            mesh->quads[quad] = (accel_quad){.shape = (int32_t)i,
-                                             .primitive_id = q,
-                                             .corner = ty_vec_load(corners + 12 * quad),
-                                             .normal = ty_shape_normal(u, v)};
-            mesh->quads[quad].margin = quad_epsilon(mesh->quads[quad].normal, corners + 12 * quad);
-        }
+    for (unsigned i = 0; i < 4 * mesh->quad_count; ++i) indices[i] = i;
+    ty_traced_quads(shapes, count, mesh->quads, corners);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(mesh->scene, geometry, QUADS);
     rtcReleaseGeometry(geometry);
@@ -128,7 +73,7 @@ static ty_result add_quads(ty_accel* mesh, const ty_shape_def* shapes, size_t co
 }
 
 static ty_result add_spheres(ty_accel* mesh, const ty_shape_def* shapes, size_t count) {
-    for (size_t i = 0; i < count; ++i) mesh->sphere_count += shapes[i].kind == TY_SHAPE_SPHERE;
+    mesh->sphere_count = ty_traced_sphere_count(shapes, count);
     if (mesh->sphere_count == 0) return TY_OK;
     mesh->spheres = ty_alloc_array(mesh->context, mesh->sphere_count, sizeof *mesh->spheres, false);
     if (mesh->spheres == NULL) return TY_ERROR_MEMORY;
@@ -139,29 +84,11 @@ static ty_result add_spheres(ty_accel* mesh, const ty_shape_def* shapes, size_t 
         rtcReleaseGeometry(geometry);
         return fail(mesh, "allocating spheres");
     }
-    size_t sphere = 0;
-    for (size_t i = 0; i < count; ++i) {
-        if (shapes[i].kind != TY_SHAPE_SPHERE) continue;
-        double center[3];
-        float* point = points + 4 * sphere;
-        point[3] = (float)ty_shape_sphere(&shapes[i], center);
-        for (int a = 0; a < 3; ++a) point[a] = (float)center[a];
-        mesh->spheres[sphere++] = (accel_sphere){.shape = (int32_t)i,
-                                                 .center = ty_vec_load(point),
-                                                 .radius = point[3],
-                                                 .margin = sphere_epsilon(ty_vec_load(point), point[3])};
-    }
+    ty_traced_spheres(shapes, count, mesh->spheres, points);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(mesh->scene, geometry, SPHERES);
     rtcReleaseGeometry(geometry);
     return TY_OK;
-}
-
-/* Hash of a ray and a triangle, uniform in [0, 1). */
-static float ray_hash(const float ray[6], unsigned triangle) {
-    uint32_t bits = triangle;
-    for (int i = 0; i < 6; ++i) bits = ty_mix32(bits ^ ty_bits_from_float(ray[i]));
-    return (float)(bits >> 8) * 0x1p-24f;
 }
 
 /* Field offsets of N rays and hits in the structures that Embree passes to filters, in rows of N. */
@@ -183,9 +110,9 @@ static void filter_alpha(const struct RTCFilterFunctionNArguments* args) {
             ray[a] = row(args->ray, RAY_ORIGIN + a, args->N, i);
             ray[3 + a] = row(args->ray, RAY_DIRECTION + a, args->N, i);
         }
-        const float presence = ty_surface_presence(surface, (int32_t)triangle, row(args->hit, HIT_U, args->N, i),
-                                                   row(args->hit, HIT_V, args->N, i));
-        if (!(ray_hash(ray, triangle) < presence)) args->valid[i] = 0;
+        if (!ty_hit_is_present(surface, ray, triangle, row(args->hit, HIT_U, args->N, i),
+                               row(args->hit, HIT_V, args->N, i)))
+            args->valid[i] = 0;
     }
 }
 
@@ -305,45 +232,14 @@ size_t ty_accel_bytes(const ty_accel* mesh) {
 }
 
 /* Fills a ty_hit from Embree's result; position is initially a point on the ray. */
-static void fill_triangle_hit(const ty_accel* mesh, unsigned geometry, unsigned triangle, float b1, float b2,
-                              ty_hit* hit) {
-    const ty_surface* surface = &mesh->surfaces[geometry - MESHES];
-    const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
-    const ty_vec a = ty_vec_load(surface->positions + 3 * (size_t)corners[0]);
-    const ty_vec b = ty_vec_load(surface->positions + 3 * (size_t)corners[1]);
-    const ty_vec c = ty_vec_load(surface->positions + 3 * (size_t)corners[2]);
-    const ty_vec ab = ty_sub(b, a), ac = ty_sub(c, a);
-    float area;
-    hit->normal = ty_triangle_normal(ab, ac, &area);
-    hit->position = ty_mad(ty_mad(a, ab, b1), ac, b2);
-    hit->margin = ty_accel_ray_epsilon(hit->normal, a, b, c);
-    hit->surface = mesh->first_mesh + (int32_t)(geometry - MESHES);
-    hit->primitive_id = (int32_t)triangle;
-    hit->b1 = b1;
-    hit->b2 = b2;
-}
-
 static void fill_hit(const ty_accel* mesh, unsigned geometry, unsigned primitive, float b1, float b2, ty_hit* hit) {
-    if (geometry >= MESHES) {
-        fill_triangle_hit(mesh, geometry, primitive, b1, b2, hit);
-        return;
-    }
-    hit->b1 = hit->b2 = 0.0f;
-    if (geometry == SPHERES) {
-        const accel_sphere* sphere = &mesh->spheres[primitive];
-        hit->normal = ty_normalize(ty_sub(hit->position, sphere->center));
-        hit->position = ty_mad(sphere->center, hit->normal, sphere->radius);
-        hit->margin = sphere->margin;
-        hit->surface = sphere->shape;
-        hit->primitive_id = 0;
-    } else {
-        const accel_quad* quad = &mesh->quads[primitive];
-        hit->normal = quad->normal;
-        hit->position = ty_mad(hit->position, hit->normal, ty_dot(hit->normal, ty_sub(quad->corner, hit->position)));
-        hit->margin = quad->margin;
-        hit->surface = quad->shape;
-        hit->primitive_id = quad->primitive_id;
-    }
+    if (geometry >= MESHES)
+        ty_hit_on_triangle(&mesh->surfaces[geometry - MESHES], mesh->first_mesh + (int32_t)(geometry - MESHES),
+                           primitive, b1, b2, hit);
+    else if (geometry == SPHERES)
+        ty_hit_on_sphere(&mesh->spheres[primitive], hit);
+    else
+        ty_hit_on_quad(&mesh->quads[primitive], hit);
 }
 
 static struct RTCRay make_ray(ty_vec origin, ty_vec direction, float far) {
@@ -535,22 +431,8 @@ void ty_accel_complete_hit(const ty_accel* mesh, const ty_ray* ray, const ty_hit
 typedef struct crossing_query {
     struct RTCIntersectContext context; /* first, so that Embree's context pointer points to this struct */
     ty_crossing_ray ray;
-    ty_crossing* crossings;
-    int32_t count, beyond;
+    ty_crossing_list list;
 } crossing_query;
-
-/* Inserts a crossing in order of distance. */
-static void insert_crossing(crossing_query* query, ty_crossing crossing) {
-    int32_t at = query->count;
-    while (at > 0 && query->crossings[at - 1].t > crossing.t) --at;
-    if (query->count == TY_CROSSINGS_MAX) {
-        query->beyond += at < query->count ? query->crossings[query->count - 1].exits : crossing.exits;
-        if (at == query->count) return;
-        --query->count;
-    }
-    for (int32_t i = query->count++; i > at; --i) query->crossings[i] = query->crossings[i - 1];
-    query->crossings[at] = crossing;
-}
 
 /* Embree intersection function: records a crossing and reports no hit, so that traversal continues. */
 static void cross_closed_triangle(const struct RTCIntersectFunctionNArguments* args) {
@@ -561,29 +443,18 @@ static void cross_closed_triangle(const struct RTCIntersectFunctionNArguments* a
     if (ty_crossing_find(&query->ray, triangles->positions + 3 * (size_t)corners[0],
                          triangles->positions + 3 * (size_t)corners[1], triangles->positions + 3 * (size_t)corners[2],
                          &crossing))
-        insert_crossing(query, crossing);
+        ty_crossing_insert(&query->list, crossing);
 }
 
-/* Bounding box of a triangle, enlarged by more than the rounding of ty_crossing_find. */
 static void bound_closed_triangle(const struct RTCBoundsFunctionArguments* args) {
-    const ty_triangle_mesh* triangles = args->geometryUserPtr;
-    float low[3] = {TY_FLOAT_MAX, TY_FLOAT_MAX, TY_FLOAT_MAX}, high[3] = {-TY_FLOAT_MAX, -TY_FLOAT_MAX, -TY_FLOAT_MAX};
-    for (size_t corner = 0; corner < 3; ++corner)
-        for (size_t a = 0; a < 3; ++a) {
-            const float value =
-                triangles->positions[3 * (size_t)triangles->indices[3 * (size_t)args->primID + corner] + a];
-            low[a] = ty_minf(low[a], value);
-            high[a] = ty_maxf(high[a], value);
-        }
-    const float size = ty_maxf(high[0] - low[0], ty_maxf(high[1] - low[1], high[2] - low[2]));
-    struct RTCBounds* out = args->bounds_o;
-    float* lower[3] = {&out->lower_x, &out->lower_y, &out->lower_z};
-    float* upper[3] = {&out->upper_x, &out->upper_y, &out->upper_z};
-    for (int a = 0; a < 3; ++a) {
-        const float padding = 1e-6f * (size + ty_maxf(fabsf(low[a]), fabsf(high[a])));
-        *lower[a] = low[a] - padding;
-        *upper[a] = high[a] + padding;
-    }
+    float low[3], high[3];
+    ty_closed_triangle_bounds(args->geometryUserPtr, args->primID, low, high);
+    *args->bounds_o = (struct RTCBounds){.lower_x = low[0],
+                                         .lower_y = low[1],
+                                         .lower_z = low[2],
+                                         .upper_x = high[0],
+                                         .upper_y = high[1],
+                                         .upper_z = high[2]};
 }
 
 static ty_result add_closed_mesh(ty_accel* mesh, const ty_triangle_mesh* triangles) {
@@ -606,13 +477,13 @@ ty_result ty_accel_create_closed(ty_context* context, const ty_triangle_mesh* tr
 
 int32_t ty_accel_crossings(const ty_accel* closed, ty_vec origin, ty_vec direction,
                            ty_crossing crossings[TY_CROSSINGS_MAX], int32_t* beyond) {
-    crossing_query query = {.ray = ty_crossing_ray_begin(origin, direction), .crossings = crossings};
+    crossing_query query = {.ray = ty_crossing_ray_begin(origin, direction), .list = {.crossings = crossings}};
     rtcInitIntersectContext(&query.context);
     struct RTCRayHit ray = {
         .ray = make_ray(origin, direction, TY_FLOAT_MAX),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
     };
     rtcIntersect1(closed->scene, &query.context, &ray);
-    *beyond = query.beyond;
-    return query.count;
+    *beyond = query.list.beyond;
+    return query.list.count;
 }

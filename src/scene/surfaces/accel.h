@@ -3,7 +3,7 @@
 #define TY_SCENE_SURFACES_ACCEL_H
 
 #include "scene/surfaces/crossing.k.h"
-#include "scene/surfaces/surface.k.h"
+#include "scene/surfaces/hit.k.h"
 #include "scene/surfaces/triangle_mesh.h"
 
 #include <tyndall/scene.h>
@@ -25,14 +25,11 @@ ty_result ty_accel_create(ty_context* context, const ty_accel_input* input, ty_a
 void ty_accel_destroy(ty_accel* mesh);
 size_t ty_accel_bytes(const ty_accel* mesh);
 
-/* Self-intersection offset of rays leaving a triangle with this unit normal, m: the margin of ty_hit. */
-float ty_accel_ray_epsilon(ty_vec normal, ty_vec a, ty_vec b, ty_vec c);
-
 /* Closest hit nearer than far; direction is unit, mesh is not NULL. Alpha tests are a function of the ray: equal rays
  * hit equal surfaces. */
-bool ty_accel_intersect(const ty_accel* mesh, ty_vec origin, ty_vec direction, float far, ty_hit* hit);
+TY_FN_APART bool ty_accel_intersect(const ty_accel* mesh, ty_vec origin, ty_vec direction, float far, ty_hit* hit);
 /* True if anything is hit nearer than far. */
-bool ty_accel_occluded(const ty_accel* mesh, ty_vec origin, ty_vec direction, float far);
+TY_FN_APART bool ty_accel_occluded(const ty_accel* mesh, ty_vec origin, ty_vec direction, float far);
 
 /* Packets of sixteen rays; fastest for coherent neighbours. */
 enum { TY_PACKET = 16 };
@@ -66,13 +63,11 @@ void ty_accel_complete_hit(const ty_accel* mesh, const ty_ray* ray, const ty_hit
 
 /* ---- closed surfaces ---- */
 
-enum { TY_CROSSINGS_MAX = 64 };
-
 /* Structure of a closed mesh's triangles, whose arrays must outlive it. */
 ty_result ty_accel_create_closed(ty_context* context, const ty_triangle_mesh* triangles, ty_accel** out);
 /* Crossings of a ray (direction of any length) with a closed mesh beyond the origin, nearest first; returns their
  * number. Beyond TY_CROSSINGS_MAX the farthest are dropped; *beyond: exits minus entries among the dropped ones. */
-int32_t ty_accel_crossings(const ty_accel* closed, ty_vec origin, ty_vec direction,
-                           ty_crossing crossings[TY_CROSSINGS_MAX], int32_t* beyond);
+TY_FN_APART int32_t ty_accel_crossings(const ty_accel* closed, ty_vec origin, ty_vec direction,
+                                       ty_crossing crossings[TY_CROSSINGS_MAX], int32_t* beyond);
 
 #endif

@@ -4,10 +4,23 @@
 
 #include "base/vector.k.h"
 
+#if defined(TY_DEVICE)
+enum { TY_CROSSINGS_MAX = 32 }; /* a thread's memory is scarce */
+#else
+enum { TY_CROSSINGS_MAX = 64 };
+#endif
+
 typedef struct ty_crossing {
     float t;
     int32_t exits; /* 1: exit, -1: entry */
 } ty_crossing;
+
+/* Crossings of one ray, nearest first. Beyond TY_CROSSINGS_MAX the farthest are dropped; beyond: exits minus entries
+ * among the dropped ones. */
+typedef struct ty_crossing_list {
+    ty_crossing* crossings;
+    int32_t count, beyond;
+} ty_crossing_list;
 
 /* Ray-space transform of watertight intersection (Woop et al. 2013): the largest direction component becomes z, and
  * space is sheared so that the ray runs along z through (0, 0). */
@@ -73,6 +86,19 @@ TY_FN bool ty_crossing_find(const ty_crossing_ray* ray, TY_GLOBAL const float* p
     out->t = (float)((at_a * a.t + at_b * b.t + at_c * c.t) / sum);
     out->exits = ray->per_z > 0.0 ? side : -side;
     return out->t > 0.0f;
+}
+
+/* Inserts a crossing in order of distance. */
+TY_FN void ty_crossing_insert(ty_crossing_list* list, ty_crossing crossing) {
+    int32_t at = list->count;
+    while (at > 0 && list->crossings[at - 1].t > crossing.t) --at;
+    if (list->count == TY_CROSSINGS_MAX) {
+        list->beyond += at < list->count ? list->crossings[list->count - 1].exits : crossing.exits;
+        if (at == list->count) return;
+        --list->count;
+    }
+    for (int32_t i = list->count++; i > at; --i) list->crossings[i] = list->crossings[i - 1];
+    list->crossings[at] = crossing;
 }
 
 #endif

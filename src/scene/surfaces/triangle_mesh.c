@@ -252,3 +252,22 @@ ty_surface ty_triangle_mesh_get_surface(const ty_triangle_mesh* t) {
     surface.tangents = t->tangents;
     return surface;
 }
+
+void ty_closed_triangle_bounds(const ty_triangle_mesh* triangles, size_t triangle, float low[3], float high[3]) {
+    for (int a = 0; a < 3; ++a) {
+        low[a] = TY_FLOAT_MAX;
+        high[a] = -TY_FLOAT_MAX;
+    }
+    for (size_t corner = 0; corner < 3; ++corner)
+        for (size_t a = 0; a < 3; ++a) {
+            const float value = triangles->positions[3 * (size_t)triangles->indices[3 * triangle + corner] + a];
+            low[a] = ty_minf(low[a], value);
+            high[a] = ty_maxf(high[a], value);
+        }
+    const float size = ty_maxf(high[0] - low[0], ty_maxf(high[1] - low[1], high[2] - low[2]));
+    for (int a = 0; a < 3; ++a) {
+        const float padding = 1e-6f * (size + ty_maxf(fabsf(low[a]), fabsf(high[a])));
+        low[a] = low[a] - padding;
+        high[a] = high[a] + padding;
+    }
+}

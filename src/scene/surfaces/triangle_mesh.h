@@ -28,6 +28,9 @@ bool ty_triangle_mesh_emits(const ty_triangle_mesh* triangles);
 /* Without gloss, which the commit adds. */
 ty_surface ty_triangle_mesh_get_surface(const ty_triangle_mesh* triangles);
 
+/* Bounding box of a triangle, enlarged by more than the rounding of ty_crossing_find. */
+void ty_closed_triangle_bounds(const ty_triangle_mesh* triangles, size_t triangle, float low[3], float high[3]);
+
 /* Checks of arrays shared with closed meshes: counts, indices, finite positions. */
 ty_result ty_triangle_mesh_check(ty_context* context, const char* what, const float* positions, int64_t vertex_count,
                                  const uint32_t* indices, int64_t triangle_count);

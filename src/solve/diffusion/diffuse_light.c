@@ -43,10 +43,11 @@ typedef struct solve_work {
     const ty_grid_medium* medium;
     float* const* source; /* W m^-3 */
     bool reduced;
-    const ty_diffuse_light* start; /* NULL: no initial guess */
-    ty_diffuse_surfaces* surfaces; /* NULL: none */
-    float* unscattered[3];         /* with them, where light scatters forwards: sigma_t */
-    float* extinction[3];          /* sigma_t (1 - albedo g), 1/m */
+    const ty_diffuse_light* start;    /* NULL: no initial guess */
+    ty_diffuse_surfaces* surfaces;    /* NULL: none */
+    const ty_incident_flux* incident; /* NULL: none */
+    float* unscattered[3];            /* with them, where light scatters forwards: sigma_t */
+    float* extinction[3];             /* sigma_t (1 - albedo g), 1/m */
     float* absorption[3];
     int32_t concurrent; /* number of concurrent solves */
     void* memory[3];    /* one per concurrent solve */
@@ -152,6 +153,28 @@ static void compute_coefficients(const solve_work* work) {
     }
 }
 
+/* True if the light that enters is so, too. */
+static bool incident_is_multiple(const solve_work* work, int32_t channel, int32_t of, float factor) {
+    const int32_t* size = work->medium->box.size;
+    for (int side = 0; side < 6 && work->incident != NULL; ++side) {
+        const float *a = work->incident->sides[side][channel], *b = work->incident->sides[side][of];
+        const size_t count = work->medium->cells / (size_t)size[side / 2];
+        for (size_t i = 0; i < count; ++i)
+            if (fabsf(a[i] - factor * b[i]) > MAX_DIFFERENCE * ty_maxf(a[i], factor * b[i])) return false;
+    }
+    return true;
+}
+
+/* Sum of the light that enters in a channel. */
+static double sum_incident(const solve_work* work, int32_t channel) {
+    const int32_t* size = work->medium->box.size;
+    double sum = 0;
+    for (int side = 0; side < 6 && work->incident != NULL; ++side)
+        for (size_t i = 0; i < work->medium->cells / (size_t)size[side / 2]; ++i)
+            sum += (double)work->incident->sides[side][channel][i];
+    return sum;
+}
+
 /* True if a channel's light is `factor` times that of another: proportional sources in gray media. */
 static bool is_multiple(const solve_work* work, int32_t channel, int32_t of, float* factor) {
     const float* a = work->source[channel];
@@ -162,10 +185,15 @@ static bool is_multiple(const solve_work* work, int32_t channel, int32_t of, flo
         sums[0] += (double)a[i];
         sums[1] += (double)b[i];
     }
+    if (!(sums[1] > 0)) {
+        sums[0] = sum_incident(work, channel);
+        sums[1] = sum_incident(work, of);
+    }
     if (!(sums[1] > 0)) return false;
     *factor = (float)(sums[0] / sums[1]);
     for (size_t i = 0; i < work->medium->cells; ++i)
         if (fabsf(a[i] - *factor * b[i]) > MAX_DIFFERENCE * ty_maxf(a[i], *factor * b[i])) return false;
+    if (!incident_is_multiple(work, channel, of, *factor)) return false;
     return work->surfaces == NULL || ty_diffuse_surfaces_are_multiple(work->surfaces, channel, of, *factor);
 }
 
@@ -254,14 +282,17 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
     def.progress = report;
     def.progress_user = solve;
     float* const* terms = work->light->terms[solve->channel];
+    for (int side = 0; side < 6 && work->incident != NULL; ++side)
+        if (def.boundary[side].kind == TY_BOUNDARY_MARSHAK)
+            def.boundary[side].value = work->incident->sides[side][solve->channel];
     if (work->start != NULL) {
         /* The output array holds the initial guess, which is read before it is overwritten. */
         ty_diffuse_light_prolong(work->start, solve->channel, work->medium->box.size, terms[0]);
         def.start = terms[0];
     }
     if (work->surfaces != NULL) {
-        solve->result = ty_surface_light_solve(&def, work->unscattered[plane], work->surfaces, solve->channel,
-                                               work->light, &solve->stats);
+        solve->result = ty_surface_light_solve(&def, work->unscattered[plane], work->surfaces, work->incident,
+                                               solve->channel, work->light, &solve->stats);
         return;
     }
     const ty_diffusion_out out = {.fluence = terms[0], .flux = {terms[1], terms[2], terms[3]}};
@@ -386,17 +417,19 @@ static ty_result run(solve_work* work, ty_diffuse_light** out) {
 ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
                                  float* const source[3], ty_part_progress* progress, ty_diffuse_light** out,
                                  ty_diffuse_stats* stats) {
-    return ty_diffuse_light_refine(NULL, solver, reduced, medium, source, progress, out, stats);
+    return ty_diffuse_light_refine(NULL, solver, reduced, medium, source, NULL, progress, out, stats);
 }
 
 ty_result ty_diffuse_light_solve_between(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
                                          ty_diffuse_surfaces* surfaces, float* const source[3],
-                                         ty_part_progress* progress, ty_diffuse_light** out, ty_diffuse_stats* stats) {
+                                         const ty_incident_flux* incident, ty_part_progress* progress,
+                                         ty_diffuse_light** out, ty_diffuse_stats* stats) {
     solve_work work = {.context = medium->context,
                        .medium = medium,
                        .source = source,
                        .reduced = reduced,
                        .surfaces = surfaces->faces != NULL ? surfaces : NULL,
+                       .incident = incident,
                        .def = *solver,
                        .progress = progress,
                        .stats = stats};
@@ -409,17 +442,34 @@ ty_result ty_diffuse_light_solve_between(const ty_diffusion_def* solver, bool re
 }
 
 ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffusion_def* solver, bool reduced,
-                                  const ty_grid_medium* medium, float* const source[3], ty_part_progress* progress,
-                                  ty_diffuse_light** out, ty_diffuse_stats* stats) {
+                                  const ty_grid_medium* medium, float* const source[3],
+                                  const ty_incident_flux* incident, ty_part_progress* progress, ty_diffuse_light** out,
+                                  ty_diffuse_stats* stats) {
     solve_work work = {.context = medium->context,
                        .medium = medium,
                        .source = source,
                        .reduced = reduced,
                        .start = start,
+                       .incident = incident,
                        .def = *solver,
                        .progress = progress,
                        .stats = stats};
     return run(&work, out);
+}
+
+void ty_diffuse_light_add(ty_diffuse_light* light, const ty_diffuse_light* other, float factor) {
+    light->shared = light->shared && other->shared;
+    for (int c = 0; c < 3; ++c)
+        light->shared = light->shared && fabsf(light->color[c] - other->color[c]) <= MAX_DIFFERENCE * light->color[c];
+    for (int c = 0; c < 3; ++c) {
+        if (!light->shared) light->color[c] = 1;
+        for (int t = 0; t < TY_FIELD_TERMS; ++t)
+            for (size_t i = 0; i < light->cells; ++i) {
+                light->terms[c][t][i] += factor * other->terms[c][t][i];
+                if (light->surface_terms[c][t] != NULL)
+                    light->surface_terms[c][t][i] += factor * other->surface_terms[c][t][i];
+            }
+    }
 }
 
 ty_source_field ty_diffuse_light_field(const ty_diffuse_light* light, bool directed) {

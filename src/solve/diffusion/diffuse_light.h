@@ -29,6 +29,12 @@ typedef struct ty_diffuse_stats {
     double bytes;                /* memory of the solver, for all channels that are solved concurrently */
 } ty_diffuse_stats;
 
+/* Light that enters the box: irradiance of each side's face cells, W m^-2, laid out as ty_boundary.value. */
+typedef struct ty_incident_flux {
+    float* sides[6][3]; /* of each channel */
+    bool scattered;     /* media have scattered it: pictures of surfaces do not have it yet */
+} ty_incident_flux;
+
 /* Diffuse light of a source (per channel, W m^-3; the media's emission is added to it) in a medium on the same cells.
  * solver: limiter, boundaries, solver and bounds; its cells, coefficients, sources, progress and memory are ignored.
  * reduced: use the reduced extinction sigma_t - g sigma_s; false treats media as isotropic. stats is required. Errors:
@@ -37,14 +43,19 @@ ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, c
                                  float* const source[3], ty_part_progress* progress, ty_diffuse_light** out,
                                  ty_diffuse_stats* stats);
 /* The same between surfaces, whose faces become the light's: they send their radiosity into the media, and reflect and
- * absorb diffuse light. */
+ * absorb diffuse light. incident: light that enters through Marshak boundaries; NULL: none. */
 ty_result ty_diffuse_light_solve_between(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
                                          ty_diffuse_surfaces* surfaces, float* const source[3],
-                                         ty_part_progress* progress, ty_diffuse_light** out, ty_diffuse_stats* stats);
-/* The same without surfaces, with the light on other cells of the same box as the initial guess; start may be NULL. */
+                                         const ty_incident_flux* incident, ty_part_progress* progress,
+                                         ty_diffuse_light** out, ty_diffuse_stats* stats);
+/* The same without surfaces, with the light on other cells of the same box as the initial guess; start and incident may
+ * be NULL. */
 ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffusion_def* solver, bool reduced,
-                                  const ty_grid_medium* medium, float* const source[3], ty_part_progress* progress,
-                                  ty_diffuse_light** out, ty_diffuse_stats* stats);
+                                  const ty_grid_medium* medium, float* const source[3],
+                                  const ty_incident_flux* incident, ty_part_progress* progress, ty_diffuse_light** out,
+                                  ty_diffuse_stats* stats);
+/* Adds factor times the light of the same cells and faces. */
+void ty_diffuse_light_add(ty_diffuse_light* light, const ty_diffuse_light* other, float factor);
 /* Fluence of a channel, W m^-2, on finer cells of the box: linear between cell centers. */
 void ty_diffuse_light_prolong(const ty_diffuse_light* light, int32_t channel, const int32_t size[3], float* fluence);
 void ty_diffuse_light_destroy(ty_diffuse_light* light);

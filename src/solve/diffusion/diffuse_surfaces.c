@@ -101,6 +101,13 @@ void ty_diffuse_surfaces_destroy(ty_diffuse_surfaces* surfaces) {
     *surfaces = (ty_diffuse_surfaces){.faces = NULL};
 }
 
+double ty_diffuse_surfaces_flux_factor(const ty_diffuse_surfaces* surfaces) {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c)
+        for (size_t i = 0; i < surfaces->count; ++i) sum += (double)surfaces->albedo[c][i] / 3;
+    return surfaces->count > 0 ? 1 - 0.5 * sum / (double)surfaces->count : 1;
+}
+
 static bool are_equal(float a, float b) {
     return fabsf(a - b) <= max_difference * ty_maxf(a, b);
 }

@@ -32,6 +32,9 @@ ty_result ty_diffuse_surfaces_correct_source(const ty_diffuse_surfaces* surfaces
                                              const ty_grid_box* fine_box, const ty_light_fluence* lights, int32_t count,
                                              float* const source[3]);
 void ty_diffuse_surfaces_destroy(ty_diffuse_surfaces* surfaces);
+/* Factor on the largest ratio of flux to fluence: surfaces return light, which leaves it more even. 1 - a / 2, with the
+ * sides' mean albedo a; measured in rooms, courts and halls (docs/method/fld.md). */
+double ty_diffuse_surfaces_flux_factor(const ty_diffuse_surfaces* surfaces);
 /* True if all channels have the same albedo, and channel `channel` has `factor` times the radiosity of `of`. */
 bool ty_diffuse_surfaces_are_multiple(const ty_diffuse_surfaces* surfaces, int32_t channel, int32_t of, float factor);
 /* True if a channel's surfaces send no light besides what they reflect. */

@@ -1,8 +1,8 @@
-/* Light that surfaces send is carried first until it scatters out of the forward direction, by diffusion without
- * scattering from surface to surface: div(D grad phi_s) = sigma' phi_s. Its first collisions, sigma_s' phi_s, are one
- * more source of collided light, which surfaces reflect and absorb. Pictures of surfaces have their unscattered light
- * already, so collided light alone lights them, with that part of phi_s which has scattered straight on: the difference
- * to a solve with sigma_t. */
+/* Light that surfaces send, and that enters the box, is carried first until it scatters out of the forward direction,
+ * by diffusion without scattering from surface to surface: div(D grad phi_s) = sigma' phi_s. Its first collisions,
+ * sigma_s' phi_s, are one more source of collided light, which surfaces reflect and absorb. Pictures of surfaces have
+ * their unscattered light already, so collided light alone lights them, with that part of phi_s which has scattered
+ * straight on: the difference to a solve with sigma_t. */
 #include "solve/diffusion/surface_light.h"
 
 #include "base/context.h"
@@ -18,6 +18,7 @@ static const double STREAMING = 1;
 typedef struct surface_job {
     const ty_diffusion_def* def;
     const ty_diffuse_surfaces* surfaces;
+    const ty_incident_flux* incident; /* NULL: none */
     int32_t channel;
     ty_diffuse_light* light;
     float* source;                /* of collided light */
@@ -71,11 +72,13 @@ static ty_result carry_surface_light(const surface_job* job, const float* unscat
     const double* cell = job->def->cell;
     float* none[3] = {NULL, NULL, NULL};
     *stats = (ty_diffusion_stats){.converged = true};
-    if (ty_diffuse_surfaces_are_dark(job->surfaces, job->channel)) return TY_OK;
+    if (job->incident == NULL && ty_diffuse_surfaces_are_dark(job->surfaces, job->channel)) return TY_OK;
     ty_result result =
         solve_absorbing(job, job->def->extinction, NULL, job->terms[0], &job->terms[1], job->irradiance, stats);
     if (result != TY_OK) return result;
-    if (unscattered != NULL) {
+    if (job->incident != NULL && job->incident->scattered) {
+        memset(job->unscattered_irradiance, 0, bytes);
+    } else if (unscattered != NULL) {
         float* fluence = ty_alloc_array(job->light->context, job->light->cells, sizeof *fluence, false);
         surface_job straight = *job;
         straight.side_flux = NULL;
@@ -118,6 +121,7 @@ static ty_result solve_collided(const surface_job* job, ty_diffusion_stats* stat
     if (irradiance == NULL) return TY_ERROR_MEMORY;
     def.source = job->source;
     def.faces = &faces;
+    for (int side = 0; side < 6; ++side) def.boundary[side].value = NULL;
     const ty_diffusion_out out = {.fluence = terms[0],
                                   .flux = {terms[1], terms[2], terms[3]},
                                   .side_flux = job->side_flux,
@@ -146,11 +150,11 @@ static void add_stats(ty_diffusion_stats* stats, const ty_diffusion_stats* surfa
 }
 
 ty_result ty_surface_light_solve(const ty_diffusion_def* def, const float* unscattered,
-                                 const ty_diffuse_surfaces* surfaces, int32_t channel, ty_diffuse_light* light,
-                                 ty_diffusion_stats* stats) {
+                                 const ty_diffuse_surfaces* surfaces, const ty_incident_flux* incident, int32_t channel,
+                                 ty_diffuse_light* light, ty_diffusion_stats* stats) {
     ty_context* context = light->context;
     const size_t count = (size_t)surfaces->faces->count;
-    surface_job job = {.def = def, .surfaces = surfaces, .channel = channel, .light = light};
+    surface_job job = {.def = def, .surfaces = surfaces, .incident = incident, .channel = channel, .light = light};
     bool complete = true;
     float** const sides[] = {&job.side_flux, &job.irradiance, &job.unscattered_irradiance};
     for (int i = 0; i < 3; ++i) {

@@ -11,10 +11,11 @@ void ty_diffuse_terms_make(const int32_t size[3], float* const terms[TY_FIELD_TE
 
 /* Solves for light that surfaces send into media, until its first collision, and for collided light, into
  * light->terms and light->surface_terms of a channel. def: of collided light, with its source and all else but
- * surfaces. unscattered: extinction of light that does not scatter at all; NULL: def->extinction. *stats: of both
- * solves together. Errors: TY_ERROR_MEMORY, TY_CANCELLED. */
+ * surfaces. unscattered: extinction of light that does not scatter at all; NULL: def->extinction. incident: the light
+ * of def's boundaries, which is carried with that of surfaces; NULL: none. *stats: of both solves together. Errors:
+ * TY_ERROR_MEMORY, TY_CANCELLED. */
 ty_result ty_surface_light_solve(const ty_diffusion_def* def, const float* unscattered,
-                                 const ty_diffuse_surfaces* surfaces, int32_t channel, ty_diffuse_light* light,
-                                 ty_diffusion_stats* stats);
+                                 const ty_diffuse_surfaces* surfaces, const ty_incident_flux* incident, int32_t channel,
+                                 ty_diffuse_light* light, ty_diffusion_stats* stats);
 
 #endif

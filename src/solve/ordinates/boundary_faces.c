@@ -100,23 +100,36 @@ double ty_ordinates_faces_receive(ty_ordinates_job* job) {
     return sum;
 }
 
+static double entering_through(const ty_ordinates_def* def, int face, const int32_t at[3]) {
+    const ty_boundary_radiance* boundary = &def->boundary_radiance;
+    const int axis = face / 2;
+    const float* radiance =
+        boundary->across[axis] + (ptrdiff_t)ty_boundary_patch(boundary, def->size, axis, at) * def->set->count;
+    double sum = 0;
+    for (int32_t d = 0; d < def->set->count; ++d) {
+        const double cosine = (double)def->set->direction[axis][d] * ((face & 1) != 0 ? -1 : 1);
+        sum += fmax(cosine, 0) * (double)def->set->weight[d] * (double)radiance[d];
+    }
+    return sum * def->cell[(axis + 1) % 3] * def->cell[(axis + 2) % 3];
+}
+
+/* Power through all faces of the box but those that surfaces close. */
 double ty_ordinates_entering(const ty_ordinates_def* def) {
     const ty_ordinates_faces* walls = &def->walls;
     const int32_t* size = def->size;
-    double open[6], power = 0;
-    if (def->boundary_radiance == NULL) return 0;
-    for (int face = 0; face < 6; ++face) open[face] = (double)size[(face / 2 + 1) % 3] * size[(face / 2 + 2) % 3];
+    double power = 0;
+    if (def->boundary_radiance.across[0] == NULL) return 0;
+    for (int face = 0; face < 6; ++face) {
+        const int axis = face / 2, low = axis == 0 ? 1 : 0, high = axis == 2 ? 1 : 2;
+        int32_t at[3] = {0, 0, 0};
+        for (at[high] = 0; at[high] < size[high]; ++at[high])
+            for (at[low] = 0; at[low] < size[low]; ++at[low]) power += entering_through(def, face, at);
+    }
     for (int64_t row = 0, side = 0; side < walls->count; ++row)
         for (; side < walls->first[row + 1]; ++side) {
             const int32_t at[3] = {walls->x[side], (int32_t)(row % size[1]), (int32_t)(row / size[1])};
-            const int axis = walls->face[side] / 2;
-            if (at[axis] == ((walls->face[side] & 1) != 0 ? size[axis] - 1 : 0)) open[walls->face[side]] -= 1;
-        }
-    for (int32_t d = 0; d < def->set->count; ++d)
-        for (int a = 0; a < 3; ++a) {
-            const double mu = (double)def->set->direction[a][d], edge = def->cell[(a + 1) % 3];
-            power += (double)def->boundary_radiance[d] * (double)def->set->weight[d] * fabs(mu) * edge *
-                     def->cell[(a + 2) % 3] * open[2 * a + (mu < 0 ? 1 : 0)];
+            const int face = walls->face[side];
+            if (at[face / 2] == ((face & 1) != 0 ? size[face / 2] - 1 : 0)) power -= entering_through(def, face, at);
         }
     return power;
 }

@@ -54,13 +54,18 @@ static void lay_out(ty_ordinates_job* job, ty_arena* arena) {
     }
 }
 
-/* Boundary irradiance of a face of the box by the def. */
-static float boundary_irradiance(const ty_ordinates_def* def, int face) {
-    if (def->boundary_radiance == NULL) return 0;
+/* Boundary irradiance of a cell's face of the box by the def. */
+static float boundary_irradiance(const ty_ordinates_def* def, int32_t cell, int face) {
+    const ty_boundary_radiance* boundary = &def->boundary_radiance;
+    const int32_t at[3] = {cell % def->size[0], cell / def->size[0] % def->size[1],
+                           cell / (def->size[0] * def->size[1])};
+    if (boundary->across[0] == NULL) return 0;
+    const float* radiance =
+        boundary->across[face / 2] + (ptrdiff_t)ty_boundary_patch(boundary, def->size, face / 2, at) * def->set->count;
     double sum = 0;
     for (int32_t d = 0; d < def->set->count; ++d) {
         const double cosine = (double)def->set->direction[face / 2][d] * ((face & 1) != 0 ? -1 : 1);
-        sum += fmax(cosine, 0) * (double)def->set->weight[d] * (double)def->boundary_radiance[d];
+        sum += fmax(cosine, 0) * (double)def->set->weight[d] * (double)radiance[d];
     }
     return (float)(sum / TY_SQRT_4PI_F64);
 }
@@ -80,7 +85,7 @@ ty_result ty_ordinates_diffusive_find(ty_ordinates_job* job, float* reduced, con
     for (int32_t i = 0; i < diffusive->interface_count; ++i) {
         const ty_interface_face* iface = &diffusive->interfaces[i];
         if (!iface->outer) continue;
-        const float in = boundary_irradiance(job->def, iface->face);
+        const float in = boundary_irradiance(job->def, diffusive->cells[iface->cell].index, iface->face);
         for (int32_t k = 0; k < job->depth; ++k) job->interface_current[k][i] = in;
         job->interface_inflow += TY_SQRT_4PI_F64 * (double)in * area_of(job->def, iface->face);
     }

@@ -42,7 +42,7 @@ static ty_result check(ty_context* context, const ty_ordinates_def* def, float* 
     const ty_result result = check_size(context, def);
     if (result != TY_OK) return result;
     if (!is_valid_set(def->set)) return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: set: there are no directions");
-    if (def->final_set != NULL && (!is_valid_set(def->final_set) || def->boundary_radiance != NULL))
+    if (def->final_set != NULL && (!is_valid_set(def->final_set) || def->boundary_radiance.across[0] != NULL))
         return ty_fail(context, TY_ERROR_ARGUMENT,
                        "ordinates: final_set: it has no directions, or boundary_radiance needs those of set");
     if (def->bands < 1 || def->bands > TY_SCATTERING_ORDER_MAX)
@@ -200,8 +200,8 @@ static ty_result prepare(ty_ordinates_job* job) {
     if (result == TY_OK)
         result =
             ty_sweep_create(job->context, def->size, def->cell, def->set, def->bands, job->extinction, &job->sweep);
+    if (result == TY_OK) result = ty_sweep_set_boundary_radiance(job->sweep, &def->boundary_radiance);
     if (result != TY_OK) return result;
-    ty_sweep_set_boundary_radiance(job->sweep, def->boundary_radiance);
     job->stats->entering = ty_ordinates_entering(def);
     if (job->source_lm != NULL) ty_ordinates_gather(job, def->source, job->terms, job->source_lm);
     job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
@@ -232,9 +232,9 @@ static ty_result run_final_sweep(ty_ordinates_job* job, ty_sweep* sweep, float* 
     ty_ordinates_emit(job);
     ty_ordinates_widen(job, job->emission, terms, emission);
     ty_ordinates_set_sweep_faces(job, sweep, job->latest);
-    ty_sweep_set_boundary_radiance(sweep, job->def->boundary_radiance);
+    ty_result result = ty_sweep_set_boundary_radiance(sweep, &job->def->boundary_radiance);
     const double started = ty_wall_seconds();
-    const ty_result result = ty_sweep_run(sweep, emission, swept, &job->stats->leaving, NULL);
+    if (result == TY_OK) result = ty_sweep_run(sweep, emission, swept, &job->stats->leaving, NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - started;
     ++job->stats->sweeps;
     if (result != TY_OK) return result;

@@ -35,6 +35,30 @@ typedef struct ty_ordinates_faces {
     float* absorbed;     /* out: what a side takes of its irradiance and does not return, W m^-2; may be NULL */
 } ty_ordinates_faces;
 
+/* Radiance that enters the box. Its faces are divided into patches, over each of which it is even. */
+typedef struct ty_boundary_radiance {
+    const float* across[3]; /* through the faces across each axis: patch by patch, the lower axis fastest, one number
+                               per direction of the set, which enters through one of the two; all NULL: none */
+    int32_t patches[3];     /* along each axis, at most as many as cells; 0: 1 */
+} ty_boundary_radiance;
+
+static inline int32_t ty_boundary_patches(const ty_boundary_radiance* boundary, int axis) {
+    return boundary->patches[axis] > 0 ? boundary->patches[axis] : 1;
+}
+
+/* Patches of the faces across an axis. */
+static inline int32_t ty_boundary_patch_count(const ty_boundary_radiance* boundary, int axis) {
+    return ty_boundary_patches(boundary, axis == 0 ? 1 : 0) * ty_boundary_patches(boundary, axis == 2 ? 1 : 2);
+}
+
+/* The patch of a cell's face across an axis. */
+static inline int32_t ty_boundary_patch(const ty_boundary_radiance* boundary, const int32_t size[3], int axis,
+                                        const int32_t at[3]) {
+    const int low = axis == 0 ? 1 : 0, high = axis == 2 ? 1 : 2;
+    const int32_t columns = ty_boundary_patches(boundary, low), rows = ty_boundary_patches(boundary, high);
+    return at[high] * rows / size[high] * columns + at[low] * columns / size[low];
+}
+
 typedef struct ty_ordinates_def {
     int32_t size[3]; /* cells along x, y, z: 1..512 each */
     double cell[3];  /* cell edges, m */
@@ -52,11 +76,10 @@ typedef struct ty_ordinates_def {
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
     ty_ordinates_faces walls;
-    /* Incident radiance along each direction of the set, uniform over the box's faces; NULL (default): 0. */
-    const float* boundary_radiance;
-    bool accelerated;          /* diffusion synthetic acceleration, 2 to 12 sweeps, with diffusive cells
-                                  (solve/ordinates/diffusive_cells.h); false: source iteration, as many sweeps as scattering
-                                  orders */
+    ty_boundary_radiance boundary_radiance; /* default: 0 */
+    bool accelerated;                       /* diffusion synthetic acceleration, 2 to 12 sweeps, with diffusive cells
+                                               (solve/ordinates/diffusive_cells.h); false: source iteration, as many sweeps as scattering
+                                               orders */
     double tolerance;          /* bound of the estimated remaining error, relative rms of the fluence; default 1e-3 */
     int32_t sweeps;            /* maximum; 0 (default): 100 accelerated, else 10000 */
     float* face_fluence;       /* out: per cell, six numbers, one per face (2 * axis + (1 for the upper face)). For a

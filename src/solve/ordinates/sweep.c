@@ -18,9 +18,11 @@ struct ty_sweep {
     ty_context* context;
     const ty_sweep_kernels* kernels;
     ty_sweep_box box;
-    float* boundary_radiance[8]; /* writable alias of the box's arrays */
-    int32_t blocks[2];           /* along y, z */
-    size_t scratch_floats;       /* per thread */
+    float* boundary; /* radiance of all patches; NULL: none enters, and that of one patch is */
+    size_t boundary_floats;
+    const float* dark[8];
+    int32_t blocks[2];     /* along y, z */
+    size_t scratch_floats; /* per thread */
     float* scratch;
     ty_sweep_sums* sums; /* one per block */
     double leaving[8];   /* per octant, through faces across y and z */
@@ -56,7 +58,8 @@ static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
         box->weighted_y_lm[i] = t.weighted_y_lm[i] = ty_arena_take(arena, sizeof(float) * padded * lanes);
     }
     for (int o = 0; o < 8; ++o) {
-        box->boundary_radiance[o] = sweep->boundary_radiance[o] = ty_arena_take(arena, sizeof(float) * lanes);
+        sweep->dark[o] = ty_arena_take(arena, sizeof(float) * lanes);
+        for (int a = 0; a < 3; ++a) box->boundary_radiance[a][o] = sweep->dark[o];
         box->faces_y[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[2] * lanes);
         box->faces_z[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[1] * lanes);
     }
@@ -146,11 +149,29 @@ ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const doub
     return TY_OK;
 }
 
-void ty_sweep_set_boundary_radiance(ty_sweep* sweep, const float* radiance) {
-    const int32_t directions = sweep->box.directions;
-    for (int32_t o = 0; o < 8; ++o)
-        for (int32_t i = 0; i < directions; ++i)
-            sweep->boundary_radiance[o][i] = radiance != NULL ? radiance[o * directions + i] : 0;
+ty_result ty_sweep_set_boundary_radiance(ty_sweep* sweep, const ty_boundary_radiance* boundary) {
+    ty_sweep_box* box = &sweep->box;
+    const size_t pitch = (size_t)ty_sweep_pitch(sweep), directions = (size_t)box->directions;
+    size_t patches = 0;
+    ty_free_array(sweep->context, sweep->boundary, sweep->boundary_floats, sizeof(float));
+    sweep->boundary = NULL;
+    box->patches = (ty_boundary_radiance){.patches = {1, 1, 1}};
+    for (int a = 0; a < 3; ++a)
+        for (int o = 0; o < 8; ++o) box->boundary_radiance[a][o] = sweep->dark[o];
+    if (boundary->across[0] == NULL) return TY_OK;
+    for (int a = 0; a < 3; ++a) patches += (size_t)ty_boundary_patch_count(boundary, a);
+    sweep->boundary_floats = 8 * patches * pitch;
+    sweep->boundary = ty_alloc_array(sweep->context, sweep->boundary_floats, sizeof(float), true);
+    if (sweep->boundary == NULL) return TY_ERROR_MEMORY;
+    box->patches = *boundary;
+    float* out = sweep->boundary;
+    for (int a = 0; a < 3; ++a)
+        for (size_t o = 0; o < 8; ++o) {
+            box->boundary_radiance[a][o] = out;
+            for (size_t p = 0; p < (size_t)ty_boundary_patch_count(boundary, a); ++p, out += pitch)
+                memcpy(out, boundary->across[a] + (8 * p + o) * directions, sizeof(float) * directions);
+        }
+    return TY_OK;
 }
 
 void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls) {
@@ -159,6 +180,7 @@ void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls) {
 
 void ty_sweep_destroy(ty_sweep* sweep) {
     if (sweep == NULL) return;
+    ty_free_array(sweep->context, sweep->boundary, sweep->boundary_floats, sizeof(float));
     if (sweep->memory != NULL) ty_free_array(sweep->context, sweep->memory, sweep->bytes, 1);
     ty_free_array(sweep->context, sweep, 1, sizeof *sweep);
 }
@@ -184,10 +206,16 @@ typedef struct sweep_job {
     int32_t stage;
 } sweep_job;
 
-/* Sets a row of upwind faces to the boundary radiance. */
-static void set_boundary_row(const ty_sweep_box* box, const float* boundary, float* faces) {
-    for (ptrdiff_t x = 0; x < box->size[0]; ++x)
-        memcpy(faces + x * box->lanes, boundary, sizeof(float) * (size_t)box->lanes);
+/* Sets a row of upwind faces across an axis to the boundary radiance of an octant's group of lanes. */
+static void set_boundary_row(const ty_sweep_box* box, int axis, int32_t octant, ptrdiff_t group, const int32_t row[3],
+                             float* faces) {
+    const float* boundary = box->boundary_radiance[axis][octant] + group * box->lanes;
+    const ptrdiff_t pitch = (ptrdiff_t)box->groups * box->lanes;
+    int32_t at[3] = {0, row[1], row[2]};
+    for (; at[0] < box->size[0]; ++at[0])
+        memcpy(faces + (ptrdiff_t)at[0] * box->lanes,
+               boundary + ty_boundary_patch(&box->patches, box->size, axis, at) * pitch,
+               sizeof(float) * (size_t)box->lanes);
 }
 
 /* Sets the boundary radiance of a block that is the first along an axis. */
@@ -195,11 +223,12 @@ static void set_boundary_faces(const ty_sweep_box* box, const ty_sweep_block* bl
     const ptrdiff_t row = (ptrdiff_t)box->size[0] * box->lanes;
     for (int32_t o = 2 * block->pair; o < 2 * block->pair + 2; ++o)
         for (ptrdiff_t g = 0; g < box->groups; ++g) {
-            const float* boundary = box->boundary_radiance[o] + g * box->lanes;
             for (int32_t z = block->begin[1]; z < block->end[1] && first[0]; ++z)
-                set_boundary_row(box, boundary, box->faces_y[o] + (g * box->size[2] + z) * row);
+                set_boundary_row(box, 1, o, g, (const int32_t[3]){0, 0, z},
+                                 box->faces_y[o] + (g * box->size[2] + z) * row);
             for (int32_t y = block->begin[0]; y < block->end[0] && first[1]; ++y)
-                set_boundary_row(box, boundary, box->faces_z[o] + (g * box->size[1] + y) * row);
+                set_boundary_row(box, 2, o, g, (const int32_t[3]){0, y, 0},
+                                 box->faces_z[o] + (g * box->size[1] + y) * row);
         }
 }
 

@@ -20,9 +20,8 @@ typedef struct ty_sweep ty_sweep;
  * TY_ERROR_MEMORY. */
 ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3],
                           const ty_angular_quadrature* set, int32_t bands, const float* extinction, ty_sweep** out);
-/* Sets the incident boundary radiance: one value per direction, uniform over the box's faces. NULL (initially): vacuum
- * boundary. */
-void ty_sweep_set_boundary_radiance(ty_sweep* sweep, const float* radiance);
+/* Sets the radiance that enters; initially there is none. Errors: TY_ERROR_MEMORY. */
+ty_result ty_sweep_set_boundary_radiance(ty_sweep* sweep, const ty_boundary_radiance* boundary);
 
 /* Boundary faces: opaque faces between two cells or on the box. Each adjoining cell has its own side of the face. The
  * sides of a row of cells along x are stored contiguously, in the order of the cells. */

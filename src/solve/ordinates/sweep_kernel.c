@@ -365,16 +365,18 @@ TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_
     const row_scratch* scratch = &work->scratch;
     const ptrdiff_t nx = box->size[0], ny = box->size[1], nz = box->size[2], row = (z * ny + y) * nx;
     const ptrdiff_t pitch = (ptrdiff_t)box->groups * TY_LANES;
-    const int32_t terms = bands * bands;
+    const int32_t terms = bands * bands, at[3] = {0, y, z};
+    const ptrdiff_t patch = ty_boundary_patch(&box->patches, box->size, 0, at);
     for (int32_t g = 0; g < box->groups; ++g) {
         const emission_view view = {box, box->y_lm[octant / 2] + g * TY_LANES, pitch};
         emit(&view, work->emission + row * terms, scratch->psi[0], scratch->psi[1], bands);
         stream streams[2];
         for (int o = 0; o < 2; ++o)
-            streams[o] = (stream){.psi_x = ty_lanes_load_aligned(box->boundary_radiance[octant + o] + g * TY_LANES),
-                                  .psi = scratch->psi[o],
-                                  .psi_y = box->faces_y[octant + o] + (g * nz + z) * nx * TY_LANES,
-                                  .psi_z = box->faces_z[octant + o] + (g * ny + y) * nx * TY_LANES};
+            streams[o] = (stream){
+                .psi_x = ty_lanes_load_aligned(box->boundary_radiance[0][octant + o] + patch * pitch + g * TY_LANES),
+                .psi = scratch->psi[o],
+                .psi_y = box->faces_y[octant + o] + (g * nz + z) * nx * TY_LANES,
+                .psi_z = box->faces_z[octant + o] + (g * ny + y) * nx * TY_LANES};
         const row_faces walls = faces_of_row(box, g, octant, z * ny + y);
         if (walls.first < walls.end) {
             sweep_row_segments(&walls, box->extinction + row, scratch, streams, work->sums);

@@ -23,8 +23,9 @@ typedef struct ty_sweep_box {
     const float* two_mu_over_h[3];          /* 2 |mu| / h per direction, 1/m */
     const float* partial_current_weight[3]; /* per direction and face across each axis: W per unit of radiance */
     const float* y_lm[4];                   /* octant 2 i: all directions of each term in `order` */
-    /* Incident radiance of each direction of an octant, uniform over the box's faces. */
-    const float* boundary_radiance[8];
+    /* Incident radiance of each direction of an octant through each patch of the face across each axis. */
+    const float* boundary_radiance[3][8];
+    ty_boundary_radiance patches;  /* their numbers */
     const float* weighted_y_lm[4]; /* octant 2 i: weighted harmonics of each direction, `padded` in `order` */
     /* Upwind radiance of the next cells along y and z: per group, planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];

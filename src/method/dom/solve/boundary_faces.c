@@ -48,7 +48,8 @@ void ty_dom_free_boundary(ty_dom_job* job) {
     for (int c = 0; c < 3; ++c) {
         ty_free_array(job->context, job->wall_albedo[c], count, sizeof(float));
         ty_free_array(job->context, job->wall_radiance[c], count, sizeof(float));
-        ty_free_array(job->context, job->incident_radiance[c], TY_ORDINATES_MAX, sizeof(float));
+        if (job->incident_radiance[c] != NULL)
+            ty_free_array(job->context, job->incident_radiance[c], ty_dom_incident_floats(job), sizeof(float));
     }
 }
 
@@ -165,8 +166,8 @@ ty_result ty_dom_light_boundary(ty_dom_job* job) {
 }
 
 bool ty_dom_boundary_is_dark(const ty_dom_job* job, int32_t channel) {
-    for (int32_t d = 0; job->incident_radiance[channel] != NULL && d < job->set->count; ++d)
-        if (job->incident_radiance[channel][d] > 0) return false;
+    for (size_t i = 0; job->incident_radiance[channel] != NULL && i < ty_dom_incident_floats(job); ++i)
+        if (job->incident_radiance[channel][i] > 0) return false;
     for (int32_t i = 0; job->boundary != NULL && i < job->boundary->count; ++i)
         if (job->wall_radiance[channel][i] > 0) return false;
     return true;
@@ -235,8 +236,8 @@ static ty_result solve_without_scattering(ty_dom_job* job, int32_t channel, ty_o
     def->source_terms = 1;
     def->start = NULL;
     def->walls = ordinates_walls_of(job, channel, job->wall_radiance[channel]);
-    def->boundary_radiance = job->incident_radiance[channel];
-    if (def->boundary_radiance != NULL) def->final_set = NULL;
+    def->boundary_radiance = ty_dom_boundary_radiance(job, job->incident_radiance[channel]);
+    if (def->boundary_radiance.across[0] != NULL) def->final_set = NULL;
     const ty_result result = ty_ordinates_solve(job->context, def, planes->moments, NULL, 0, &stats);
     if (result != TY_OK) return result;
     const double scattered = add_first_collisions(job, channel, planes->moments);

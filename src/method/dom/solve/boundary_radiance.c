@@ -1,109 +1,95 @@
-/* The boundary source of surfaces outside of the box, such as a floor under a cloud: they reflect environments and area
- * lights through the box's faces. The incident radiance along each direction of the quadrature is the mean over a few
- * rays. */
+/* The boundary source of surfaces outside of the box, such as a floor under a cloud, whose irradiance is in a cache:
+ * the radiance along each direction of the quadrature through each patch of the box's faces, by a ray. */
+#include "base/constants.h"
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
 
 #include <math.h>
-#include <string.h>
 
-/* Rays per direction, spread over the faces through which the direction enters the box. */
-enum { RAYS = 16 };
-
-/* Generators of the R2 low-discrepancy sequence: powers of the inverse of the real root of x^3 = x + 1. */
-static const double step_u = 0.7548776662466927, step_v = 0.5698402909980532;
+/* Patches along each axis at most. */
+enum { PATCHES = 24 };
 
 typedef struct boundary_job {
-    ty_dom_job* job;
-    ty_boundary_faces surfaces; /* surfaces that rays hit, as boundary sides; those of direction d start at d RAYS */
-    float* irradiance[3];
+    const ty_dom_job* job;
+    ty_boundary_radiance boundary; /* its patches */
+    size_t first[3];               /* the first number of each axis */
+    ty_reflected_light reflected;  /* of the cache's points */
+    float* const* out;
 } boundary_job;
 
-/* The point at which one of a direction's rays enters the box. */
-static void ray_entry(const ty_dom_job* job, int32_t direction, int32_t ray, double at[3]) {
-    const ty_grid_box* box = &job->coarse->box;
-    double edge[3], omega[3], weight[3], sum = 0;
-    for (int a = 0; a < 3; ++a) {
-        edge[a] = box->upper[a] - box->lower[a];
-        omega[a] = (double)job->set->direction[a][direction];
-    }
-    for (int a = 0; a < 3; ++a) sum += weight[a] = fabs(omega[a]) * edge[(a + 1) % 3] * edge[(a + 2) % 3];
-    double position = (ray + 0.5) / RAYS * sum;
-    int axis = 0;
-    for (; axis < 2 && position > weight[axis]; ++axis) position -= weight[axis];
-    const double u = (ray + 1) * step_u, v = (ray + 1) * step_v;
-    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-    at[axis] = omega[axis] > 0 ? box->lower[axis] : box->upper[axis];
-    at[b] = box->lower[b] + edge[b] * (u - floor(u));
-    at[c] = box->lower[c] + edge[c] * (v - floor(v));
+static ty_boundary_radiance patches_of(const ty_dom_job* job) {
+    ty_boundary_radiance boundary = {.across = {NULL}};
+    for (int a = 0; a < 3; ++a)
+        boundary.patches[a] = job->coarse->box.size[a] < PATCHES ? job->coarse->box.size[a] : PATCHES;
+    return boundary;
 }
 
-/* The surface that the ray hits when followed back from its entry; albedo 0 if it misses or hits a boundary face. */
-static void trace_ray(const boundary_job* in, int32_t direction, int32_t ray, ty_boundary_side* side) {
+static size_t plane_floats(const ty_dom_job* job, int axis) {
+    const ty_boundary_radiance boundary = patches_of(job);
+    return (size_t)ty_boundary_patch_count(&boundary, axis) * (size_t)job->set->count;
+}
+
+size_t ty_dom_incident_floats(const ty_dom_job* job) {
+    return plane_floats(job, 0) + plane_floats(job, 1) + plane_floats(job, 2);
+}
+
+ty_boundary_radiance ty_dom_boundary_radiance(const ty_dom_job* job, const float* radiance) {
+    ty_boundary_radiance boundary = patches_of(job);
+    for (int a = 0; a < 3 && radiance != NULL; ++a) {
+        boundary.across[a] = radiance;
+        radiance += plane_floats(job, a);
+    }
+    return boundary;
+}
+
+/* The center of a patch of the face that a direction enters through, with a number of patches along an axis. */
+static void patch_center(const boundary_job* in, int axis, int32_t patch, int32_t direction, float at[3]) {
+    const ty_grid_box* box = &in->job->coarse->box;
+    const int low = axis == 0 ? 1 : 0, high = axis == 2 ? 1 : 2;
+    const int32_t columns = in->boundary.patches[low], rows = in->boundary.patches[high];
+    const double u = (patch % columns + 0.5) / columns, v = (patch / columns + 0.5) / rows;
+    at[axis] = (float)(in->job->set->direction[axis][direction] > 0 ? box->lower[axis] : box->upper[axis]);
+    at[low] = (float)(box->lower[low] + (box->upper[low] - box->lower[low]) * u);
+    at[high] = (float)(box->lower[high] + (box->upper[high] - box->lower[high]) * v);
+}
+
+/* Radiance of the surface that a ray hits when followed back from its entry; 0 if it misses or hits a boundary face. */
+static void trace(const boundary_job* in, const float from[3], int32_t direction, float radiance[3]) {
     const ty_scene_view* view = &in->job->scene->view;
     const ty_angular_quadrature* set = in->job->set;
-    const ty_vec direction_back =
+    const ty_vec back =
         ty_vec_make(-set->direction[0][direction], -set->direction[1][direction], -set->direction[2][direction]);
-    double at[3];
-    float from[3];
-    ty_hit hit;
-    ray_entry(in->job, direction, ray, at);
-    for (int a = 0; a < 3; ++a) from[a] = (float)at[a];
-    *side = (ty_boundary_side){.position = ty_vec_load(from), .normal = ty_scale(direction_back, -1)};
-    if (!ty_accel_intersect(view->mesh, ty_vec_load(from), direction_back, TY_FLOAT_MAX, &hit)) return;
-    if (ty_dom_is_within_boundary(in->job, hit.position)) return;
     ty_surface_point point;
-    ty_surface_evaluate(&view->surfaces[hit.surface], &hit, direction_back, &point);
-    side->normal = point.ng;
-    side->position = ty_hit_leave(&hit, point.ng);
+    ty_hit hit;
+    float irradiance[3];
+    for (int c = 0; c < 3; ++c) radiance[c] = 0;
+    if (!ty_accel_intersect(view->mesh, ty_vec_load(from), back, TY_FLOAT_MAX, &hit)) return;
+    if (ty_dom_is_within_boundary(in->job, hit.position)) return;
+    ty_surface_evaluate(&view->surfaces[hit.surface], &hit, back, &point);
+    ty_irradiance_cache_at(in->job->light->cache, in->reflected, ty_hit_leave(&hit, point.ng), point.ng, irradiance);
     for (int c = 0; c < 3; ++c) {
-        side->albedo[c] = ty_minf(point.albedo[c], 1);
-        side->emission[c] = point.light < 0 ? point.emission[c] : 0;
+        radiance[c] = ty_minf(point.albedo[c], 1) * (1 / TY_PI) * irradiance[c];
+        if (in->reflected == TY_REFLECTED_LAMPS && point.light < 0) radiance[c] += point.emission[c];
     }
 }
 
-static void trace_rays(void* user, int64_t direction, int32_t worker) {
+static void fill_patch(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const boundary_job* in = user;
-    for (int32_t ray = 0; ray < RAYS; ++ray)
-        trace_ray(in, (int32_t)direction, ray, &in->surfaces.sides[direction * RAYS + ray]);
-}
-
-/* Lights the surfaces by all sources but those whose reflection VPLs stand for. */
-static void light_surfaces(const boundary_job* in) {
-    const ty_dom_job* job = in->job;
-    const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
-    for (int32_t i = 0; i < job->sources.count; ++i) {
-        const ty_discrete_light* source = &job->sources.items[i];
-        const int32_t kind = lights->lights[source->light].kind;
-        const bool has_vpls = kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
-        if (source->is_virtual == 0 && has_vpls) continue;
-        ty_boundary_irradiance_add(job->scene, &in->surfaces, job->coarse, job->coarse->extinction, source, 1,
-                                   in->irradiance, NULL);
-    }
-}
-
-/* Radiance towards the box, in units of a channel. */
-static float radiance_of(const boundary_job* in, int32_t channel, size_t ray) {
-    const ty_boundary_side* side = &in->surfaces.sides[ray];
     const ty_dom* light = in->job->light;
-    float radiance[3];
-    for (int c = 0; c < 3; ++c) radiance[c] = side->albedo[c] / TY_PI * in->irradiance[c][ray] + side->emission[c];
-    if (!light->shared) return radiance[channel];
-    return (radiance[0] + radiance[1] + radiance[2]) / (light->color[0] + light->color[1] + light->color[2]);
-}
-
-static ty_result average_radiance(const boundary_job* in) {
-    ty_dom_job* job = in->job;
-    for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) {
-        job->incident_radiance[c] = ty_alloc_array(job->context, TY_ORDINATES_MAX, sizeof(float), true);
-        if (job->incident_radiance[c] == NULL) return TY_ERROR_MEMORY;
-        for (int32_t d = 0; d < job->set->count; ++d)
-            for (size_t ray = 0; ray < RAYS; ++ray)
-                job->incident_radiance[c][d] += radiance_of(in, c, (size_t)d * RAYS + ray) / RAYS;
+    const float sum = light->color[0] + light->color[1] + light->color[2];
+    int axis = 0;
+    for (; axis < 2 && index >= ty_boundary_patch_count(&in->boundary, axis); ++axis)
+        index -= ty_boundary_patch_count(&in->boundary, axis);
+    for (int32_t d = 0; d < in->job->set->count; ++d) {
+        const size_t at = in->first[axis] + (size_t)index * (size_t)in->job->set->count + (size_t)d;
+        float from[3], radiance[3];
+        patch_center(in, axis, (int32_t)index, d, from);
+        trace(in, from, d, radiance);
+        for (int32_t c = 0; c < ty_dom_channels(light); ++c)
+            in->out[c][at] = light->shared ? (radiance[0] + radiance[1] + radiance[2]) / sum : radiance[c];
     }
-    return TY_OK;
 }
 
 bool ty_dom_has_outer_surfaces(const ty_dom_job* job) {
@@ -129,20 +115,30 @@ bool ty_dom_surfaces_are_gray(const ty_dom_job* job) {
     return true;
 }
 
-ty_result ty_dom_find_incident_radiance(ty_dom_job* job) {
-    if (!ty_dom_has_outer_surfaces(job)) return TY_OK;
-    const size_t count = (size_t)job->set->count * RAYS;
-    boundary_job in = {.job = job, .surfaces = {.context = job->context, .count = (int32_t)count}};
-    in.surfaces.sides = ty_alloc_array(job->context, count, sizeof *in.surfaces.sides, false);
-    float* irradiance = ty_alloc_array(job->context, 3 * count, sizeof *irradiance, true);
-    ty_result result = in.surfaces.sides != NULL && irradiance != NULL ? TY_OK : TY_ERROR_MEMORY;
-    for (size_t c = 0; c < 3; ++c) in.irradiance[c] = irradiance + c * count;
-    if (result == TY_OK) {
-        ty_parallel_for(job->context, job->set->count, trace_rays, &in);
-        light_surfaces(&in);
-        result = average_radiance(&in);
+/* Radiance towards the box, in units of the channels. */
+static ty_result find_radiance(const ty_dom_job* job, ty_reflected_light reflected, float* out[3]) {
+    boundary_job in = {.job = job, .boundary = patches_of(job), .reflected = reflected, .out = out};
+    int64_t patches = 0;
+    for (int a = 0; a < 3; ++a) {
+        if (a > 0) in.first[a] = in.first[a - 1] + plane_floats(job, a - 1);
+        patches += ty_boundary_patch_count(&in.boundary, a);
     }
-    ty_free_array(job->context, in.surfaces.sides, count, sizeof *in.surfaces.sides);
-    ty_free_array(job->context, irradiance, 3 * count, sizeof *irradiance);
-    return result;
+    for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) {
+        out[c] = ty_alloc_array(job->context, ty_dom_incident_floats(job), sizeof(float), false);
+        if (out[c] == NULL) return TY_ERROR_MEMORY;
+    }
+    ty_parallel_for(job->context, patches, fill_patch, &in);
+    return TY_OK;
+}
+
+ty_result ty_dom_find_incident_radiance(ty_dom_job* job) {
+    ty_irradiance_cache** cache = &job->light->cache;
+    ty_result result = ty_irradiance_cache_create(job->scene, job->coarse, cache);
+    if (result != TY_OK || *cache == NULL) return result;
+    result = ty_irradiance_cache_light(*cache, job->scene, job->coarse, job->sources.items, job->sources.count);
+    return result == TY_OK ? find_radiance(job, TY_REFLECTED_LAMPS, job->incident_radiance) : result;
+}
+
+ty_result ty_dom_find_returned_radiance(const ty_dom_job* job, float* out[3]) {
+    return find_radiance(job, TY_REFLECTED_MEDIA, out);
 }

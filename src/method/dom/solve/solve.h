@@ -27,9 +27,17 @@ bool ty_dom_boundary_is_gray(const ty_dom_job* job);
 bool ty_dom_has_outer_surfaces(const ty_dom_job* job);
 /* True where all of the scene's surfaces are gray. */
 bool ty_dom_surfaces_are_gray(const ty_dom_job* job);
-/* Fills job->incident_radiance with light of surfaces outside of the box, of all lights but those that VPLs stand for.
- * Errors: TY_ERROR_MEMORY. */
+/* Makes the cache of surfaces outside of the box, if there are any, lights it by the lamps, and fills
+ * job->incident_radiance with what it reflects. Errors: TY_ERROR_MEMORY. */
 ty_result ty_dom_find_incident_radiance(ty_dom_job* job);
+/* Radiance of a channel as in job->incident_radiance; NULL: none. */
+ty_boundary_radiance ty_dom_boundary_radiance(const ty_dom_job* job, const float* radiance);
+/* Floats of a channel there. */
+size_t ty_dom_incident_floats(const ty_dom_job* job);
+/* The same of the media's light alone, which the cache's points reflect, into out. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_find_returned_radiance(const ty_dom_job* job, float* out[3]);
+/* Lights surfaces outside of the box by the media, and the media by what these return. */
+ty_result ty_dom_interreflect(ty_dom_job* job);
 /* True for points within half a cell of the box, whose surfaces are boundary faces. */
 bool ty_dom_is_within_boundary(const ty_dom_job* job, ty_vec point);
 /* The radiance of boundary faces lit by uncollided light; removes the source q_lm of unlit cells. */

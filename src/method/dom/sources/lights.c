@@ -2,7 +2,6 @@
 #include "base/context.h"
 #include "direct/lights/discretize.h"
 #include "direct/lights/environment_clusters.h"
-#include "direct/lights/vpl.h"
 #include "method/dom/solve/solve.h"
 #include "method/dom/sources/sources.h"
 #include "scene/scene.h"
@@ -53,19 +52,6 @@ static ty_result add_environments(ty_dom_job* job) {
     return result;
 }
 
-/* Maximum number of VPLs: they stand for light of directional, point and spot lights that surfaces outside of the
- * boundary reflect. */
-enum { REFLECTIONS = 32 };
-
-static ty_result find_reflections(const ty_dom_job* job, ty_discrete_light_set* out) {
-    ty_vpl_def def = ty_default_vpl_def();
-    def.count = REFLECTIONS;
-    def.seed = job->def->seed;
-    /* Ordinates carry the light that boundary faces reflect; other surfaces are lit by the delta-scaled beam. */
-    if (job->boundary != NULL) def.reduced = job->light->bands;
-    return ty_vpls_create(job->scene, &def, job->coarse, out);
-}
-
 static void add(ty_dom_job* job, const ty_discrete_light* source) {
     if (!is_black(source->color)) job->sources.items[job->sources.count++] = *source;
 }
@@ -81,19 +67,15 @@ static ty_result create_sources(ty_dom_job* job, int32_t others) {
 static ty_result find_sources(ty_dom_job* job) {
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
     const ty_discretize_def def = {.environment = 1, .surface = job->def->surface_points, .seed = job->def->seed};
-    ty_discrete_light_set emitted = {.items = NULL}, reflected = {.items = NULL};
+    ty_discrete_light_set emitted = {.items = NULL};
     ty_result result = ty_discretize_lights(job->scene, &def, &emitted);
-    if (result == TY_OK && ty_scene_get_view(job->scene)->mesh != NULL) result = find_reflections(job, &reflected);
-    if (result == TY_OK) result = create_sources(job, emitted.count + reflected.count);
+    if (result == TY_OK) result = create_sources(job, emitted.count);
     if (result == TY_OK) {
         for (int32_t i = 0; i < emitted.count; ++i)
             if (!is_environment(lights, emitted.items[i].light)) add(job, &emitted.items[i]);
-        for (int32_t i = 0; i < reflected.count; ++i)
-            if (!ty_dom_is_within_boundary(job, reflected.items[i].position)) add(job, &reflected.items[i]);
         result = add_environments(job);
     }
     ty_discrete_light_set_destroy(job->context, &emitted);
-    ty_discrete_light_set_destroy(job->context, &reflected);
     return result;
 }
 

@@ -37,6 +37,7 @@ static ty_dom_def coarse_def(const ty_scene* scene, uint64_t seed) {
     def.surface_points = ty_scene_get_view(scene)->lights.count > 32 ? 1 : 4;
     def.direct = direct_cells(scene, &def);
     def.seed = seed;
+    def.interreflection = false;
     return def;
 }
 

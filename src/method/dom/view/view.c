@@ -99,23 +99,24 @@ static ty_result make_collided(const ty_dom* light, const double eye[3], fields*
 /* Harmonics of the fluence and of the flux along x, y and z. */
 static const int32_t term_of[TY_FIELD_TERMS] = {0, 3, 1, 2};
 
-static ty_result make_incident(const ty_dom* light, fields* f) {
-    f->surfaces = (ty_source_field){.box = light->box, .term_count = TY_FIELD_TERMS, .shared = light->shared};
-    memcpy(f->surfaces.color, light->color, sizeof f->surfaces.color);
+ty_result ty_dom_make_incident(const ty_dom* light, const uint8_t* hidden, float* incident[3][TY_FIELD_TERMS],
+                               ty_source_field* surfaces) {
+    *surfaces = (ty_source_field){.box = light->box, .term_count = TY_FIELD_TERMS, .shared = light->shared};
+    memcpy(surfaces->color, light->color, sizeof surfaces->color);
     for (int32_t c = 0; c < ty_dom_channels(light); ++c)
         for (int t = 0; t < TY_FIELD_TERMS; ++t) {
             float* out = ty_alloc_array(light->context, light->cells, sizeof(float), false);
             const float* from = ty_dom_plane(light, light->moments[c], term_of[t]);
             const float factor = (float)(t == 0 ? TY_SH_0 : TY_SH_1);
-            f->incident[c][t] = out;
+            incident[c][t] = out;
             if (out == NULL) return TY_ERROR_MEMORY;
             for (size_t i = 0; i < light->cells; ++i) out[i] = factor * from[i];
-            f->surfaces.terms[c][t] = out;
+            surfaces->terms[c][t] = out;
         }
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-        ty_dom_match_wall_irradiance(light, c, f->incident[c]);
+        ty_dom_match_wall_irradiance(light, c, incident[c]);
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
-            ty_hidden_cells_fill(light->context, &light->box, NULL, f->hidden, f->incident[c][t]);
+            ty_hidden_cells_fill(light->context, &light->box, NULL, hidden, incident[c][t]);
     }
     return TY_OK;
 }
@@ -222,10 +223,20 @@ static ty_result make_fields(ty_volume_call* call, const double eye[3], fields* 
     if (result == TY_OK && light->unlit != NULL)
         result = ty_hidden_cells_find(light->context, call->scene, &light->box, eye, &f->hidden);
     if (result == TY_OK) result = make_collided(light, eye, f);
-    if (result == TY_OK && surfaces) result = make_incident(light, f);
+    if (result == TY_OK && surfaces) result = ty_dom_make_incident(light, f->hidden, f->incident, &f->surfaces);
     if (result == TY_OK) result = make_lights(light, eye, &call->progress, f);
     if (result == TY_OK) result = make_blurred(light, f);
     return result;
+}
+
+void ty_dom_set_march(const ty_dom* light, ty_march_def* march) {
+    march->light_box = light->fine_box;
+    march->light_count = light->fluence_count;
+    march->reduced = light->bands;
+    march->legendre = ty_dom_legendre(light);
+    march->fit = light->fit.bands > 0 ? &light->fit : NULL;
+    march->bilateral_sigma = 0;
+    march->preserve_means = true;
 }
 
 ty_result ty_dom_march(ty_volume_call* call, ty_image** out) {
@@ -234,16 +245,11 @@ ty_result ty_dom_march(ty_volume_call* call, ty_image** out) {
     const bool surfaces = ty_scene_get_view(call->scene)->mesh != NULL;
     fields f = {.fine_cells = 0};
     ty_march_def march = ty_volume_march_def(call);
-    march.light_box = light->fine_box;
+    ty_dom_set_march(light, &march);
     march.lights = f.lights;
-    march.light_count = light->fluence_count;
-    march.reduced = light->bands;
-    march.legendre = ty_dom_legendre(light);
-    march.fit = light->fit.bands > 0 ? &light->fit : NULL;
+    march.cache = light->cache;
     march.field = &f.collided;
     march.surface_field = surfaces ? &f.surfaces : NULL;
-    march.bilateral_sigma = 0;
-    march.preserve_means = true;
     ty_result result = make_fields(call, camera.position, &f);
     march.cuts = f.cuts;
     march.blurred = f.blurred;

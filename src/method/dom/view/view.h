@@ -16,4 +16,11 @@ void ty_dom_match_wall_irradiance(const ty_dom* light, int32_t channel, float* c
 /* Image of the scene's camera. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_dom_march(ty_volume_call* call, ty_image** out);
 
+/* The lights of a march, and how it reads the fields. */
+void ty_dom_set_march(const ty_dom* light, ty_march_def* march);
+/* The radiance that surfaces receive, as a source field: its terms are the arrays in incident, which the caller frees,
+ * also after an error. hidden: as in ty_hidden_cells_fill. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_make_incident(const ty_dom* light, const uint8_t* hidden, float* incident[3][TY_FIELD_TERMS],
+                               ty_source_field* out);
+
 #endif

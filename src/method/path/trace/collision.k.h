@@ -33,6 +33,22 @@ TY_FN int32_t ty_sample_discrete(const float* weights, int32_t count, float sum,
 
 /* ---- homogeneous media: closed forms ---- */
 
+/* Optical depth of a point p in a homogeneous medium: the least over channels and over ways out, exact for boxes, and
+ * for spheres that no map distorts; 0 for other bounds. p: in the space of medium->to_bounds. */
+TY_FN float ty_medium_depth(TY_GLOBAL const ty_medium_view* medium, ty_vec p) {
+    TY_GLOBAL const float* map = medium->to_bounds;
+    if (medium->bounds != TY_BOUNDED_BOX && medium->bounds != TY_BOUNDED_SPHERE) return 0.0f;
+    const float to_plane[3] = {1.0f - fabsf(p.x), 1.0f - fabsf(p.y), 1.0f - fabsf(p.z)};
+    const float to_sphere = 1.0f - sqrtf(ty_dot(p, p));
+    float distance = TY_FLOAT_MAX;
+    for (int a = 0; a < 3; ++a) {
+        const ty_vec row = ty_vec_make(map[4 * a], map[4 * a + 1], map[4 * a + 2]);
+        const float inside = medium->bounds == TY_BOUNDED_BOX ? to_plane[a] : to_sphere;
+        distance = ty_minf(distance, inside / sqrtf(ty_dot(row, row)));
+    }
+    return ty_minf(medium->sigma_t[0], ty_minf(medium->sigma_t[1], medium->sigma_t[2])) * distance;
+}
+
 /* Probability of a collision within an optical depth: 1 - exp(-depth), without cancellation for thin media. */
 TY_FN float ty_collision_probability(float depth) {
     if (depth > 0.03f) return 1.0f - ty_expf(-depth);

@@ -5,6 +5,8 @@
 #include "base/float_mode.h"
 #include "method/path/trace/path.k.h"
 
+static const uint64_t outline_seed = 0x6c62272e07bb0142u;
+
 /* The dielectrics around the camera are known. */
 static void begin_at_camera(ty_path* path) {
     path->origin = path->request->camera.origin;
@@ -75,6 +77,31 @@ static void add_first_hit(const ty_path* path, uint64_t number, uint32_t sample,
     aov_sums->hits += 1;
 }
 
+/* Adds emission of surfaces that the camera sees: the mean over rays of their own, which the samples of a pixel
+ * stratify. A ray costs little beside a path, and outlines of small lamps would make most of the noise of a pixel. */
+static void add_seen_emission(ty_path* path, int64_t item, uint64_t number, uint32_t sample) {
+    const ty_path_request* request = path->request;
+    const ty_scene_view* scene = request->scene;
+    const int32_t x = request->crop[0] + (int32_t)(item % request->crop[2]);
+    const int32_t y = request->crop[1] + (int32_t)(item / request->crop[2]);
+    for (uint32_t i = 0; i < TY_OUTLINE_RAYS; ++i) {
+        const uint32_t ray = (sample * TY_OUTLINE_RAYS + i) & ((1u << TY_SOBOL_BITS) - 1);
+        ty_sampler random = ty_sampler_begin(request->sobol, request->seed ^ outline_seed, number, ray);
+        const float dx = ty_sobol_next(&random), dy = ty_sobol_next(&random);
+        const ty_vec direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
+        ty_intersection end;
+        float transmittance[3];
+        if (!ty_accel_intersect(scene->mesh, request->camera.origin, direction, TY_FLOAT_MAX, &end.hit)) continue;
+        ty_surface_evaluate_color(&scene->surfaces[end.hit.surface], &end.hit, direction, &end.point);
+        if (!(ty_max3(end.point.emission) > 0.0f)) continue;
+        ty_transmittance(scene->media, scene->medium_count, request->camera.origin, direction, end.hit.distance,
+                         &random, transmittance);
+        for (int c = 0; c < 3; ++c)
+            path->radiance[TY_PATH_UNCOLLIDED][c] +=
+                transmittance[c] * end.point.emission[c] * (1.0f / TY_OUTLINE_RAYS);
+    }
+}
+
 static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_aov_sums* aov_sums) {
     for (int c = 0; c < 3; ++c) {
         double value = 0;
@@ -89,7 +116,7 @@ static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_aov_sums*
     }
 }
 
-static TY_PATH_KERNEL(ty_path_sample_items) {
+TY_FN TY_PATH_KERNEL(ty_path_sample_items) {
     const unsigned thread_state = ty_flush_denormals();
     uint64_t vertices = 0;
     for (int64_t item = begin; item < end; ++item) {
@@ -100,6 +127,8 @@ static TY_PATH_KERNEL(ty_path_sample_items) {
             ty_path_begin(&path, request, number, i);
             start(&path, request, item);
             if (sums_of_item != NULL && request->first_hit != 0) add_first_hit(&path, number, i, sums_of_item);
+            path.outline = i >= TY_OUTLINE_FIRST && request->outlines != NULL && request->outlines[item] != 0;
+            if (path.outline != 0) add_seen_emission(&path, item, number, i);
             vertices += ty_path_follow(&path);
             add_sample(&path, &sums[item - begin], sums_of_item);
         }

@@ -12,6 +12,10 @@
 
 enum { TY_GUIDES_MAX = 4 };
 
+/* Rays of a sample for emission that the camera sees itself, in pixels that outlines of emitters cross, and the first
+ * sample that has them: pixels with outlines need not be known for a first glance. */
+enum { TY_OUTLINE_RAYS = 16, TY_OUTLINE_FIRST = 1 };
+
 /* Start of paths: through a pixel, along a given ray, or uniform in a cell and over directions. */
 enum { TY_PATH_PIXELS = 0, TY_PATH_RAYS = 1, TY_PATH_CELLS = 2 };
 
@@ -22,6 +26,8 @@ typedef struct ty_path_request {
     int32_t max_depth;                 /* 0: unlimited */
     int32_t max_run;                   /* max scatterings between two surfaces; 0: unlimited */
     int32_t unscattered;               /* nonzero if media only attenuate */
+    int32_t deep;                      /* nonzero if environments, and no near lights, hardly light points deep within
+                                          a medium */
     int32_t single_reflection;         /* nonzero if surfaces are without energy compensation */
     int32_t kind;                      /* TY_PATH_PIXELS, _RAYS or _CELLS */
     ty_camera_view camera;             /* pixels */
@@ -41,6 +47,7 @@ typedef struct ty_path_request {
     float point_light_near;   /* factor of lamps' reach2 where rays sample the light that lamps send into them */
     float point_light_g;      /* mean cosine of the media's scattering, at least 0 */
     int32_t first_hit;        /* pixels: nonzero if first-hit channels are needed */
+    const uint8_t* outlines;  /* pixels: nonzero for items that outlines of emitters cross; NULL: for none */
     const ty_guide* guide;    /* of the guided kernel, which needs one */
 } ty_path_request;
 

@@ -5,6 +5,9 @@
 #include "method/path/trace/kernel.h"
 #include "scene/lights/light_tree.k.h"
 
+/* Transmittance to the lights below which they are looked at by Russian roulette. */
+#define TY_PATH_FAINT_TRANSMITTANCE 0.01f
+
 /* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
 enum { TY_PATH_ROULETTE_DEPTH = 2000 };
 
@@ -54,9 +57,10 @@ typedef struct ty_path {
     float radiance[TY_PATH_CLASS_COUNT][3]; /* estimate so far per class, W m^-2 sr^-1 */
     const ty_medium_view* media;            /* that the path may meet before the next interface of dielectrics */
     int32_t medium_count;
-    float expected; /* by a guide: radiance of the camera's ray, W m^-2 sr^-1; 0: unknown */
-    float incident; /* by a guide: radiance along the present ray; negative: unknown */
-    float passed;   /* distance of origin from the last vertex, m: rays go on at interfaces that change nothing */
+    float expected;  /* by a guide: radiance of the camera's ray, W m^-2 sr^-1; 0: unknown */
+    float incident;  /* by a guide: radiance along the present ray; negative: unknown */
+    int32_t outline; /* nonzero if other rays find the emission at the end of the camera's */
+    float passed;    /* distance of origin from the last vertex, m: rays go on at interfaces that change nothing */
     ty_interior_list inside;   /* the dielectrics around it, where the scene has any */
     ty_manifold_vertex vertex; /* where the scene has any */
 } ty_path;

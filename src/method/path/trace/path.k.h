@@ -43,7 +43,7 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
     const bool refracted = ty_path_sees_dielectrics(path) && path->vertex.refractions > 0;
     float radiance[3];
     if (end != NULL) {
-        if (!(ty_max3(end->point.emission) > 0.0f)) return;
+        if (!(ty_max3(end->point.emission) > 0.0f) || (path->outline != 0 && path->depth == 0)) return;
         float weight = ty_path_mis_weight_emission(path, end);
         if (refracted && end->point.light >= 0) {
             const ty_manifold_target target = {end->hit.position, false};
@@ -67,6 +67,19 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
         for (int c = 0; c < 3; ++c) radiance[c] *= throughput[c] * weight;
         ty_path_add(path, radiance);
     }
+}
+
+/* Adds emission of the environments, by Russian roulette where hardly any of the throughput is transmitted. */
+TY_FN void ty_path_add_faint_emission(ty_path* path, const float transmitted[3], float throughput) {
+    const float chance = ty_sum3(transmitted) / (TY_PATH_FAINT_TRANSMITTANCE * throughput);
+    if (chance >= 1.0f) {
+        ty_path_add_emission(path, transmitted, NULL);
+        return;
+    }
+    if (ty_rng_uniform(&path->random) >= chance) return;
+    float raised[3];
+    for (int c = 0; c < 3; ++c) raised[c] = transmitted[c] / chance;
+    ty_path_add_emission(path, raised, NULL);
 }
 
 /* ---- vertices ---- */
@@ -282,20 +295,34 @@ TY_FN float ty_path_sample_point_light_direction(ty_path* path, int32_t light, f
     return rate;
 }
 
+/* Probability that a vertex deep in a homogeneous medium samples lights, all of which are outside of it: 1, or in
+ * proportion to the transmittance along the shortest way out where that is little. Paths through snow and milk have
+ * most vertices where light hardly comes straight from outside. */
+TY_FN float ty_path_light_chance(const ty_path* path, const ty_medium_view* medium) {
+    if (path->request->deep == 0 || medium->heterogeneous != 0) return 1.0f;
+    const float depth = ty_medium_depth(medium, ty_map_point(medium->to_bounds, path->origin));
+    return ty_minf(1.0f, ty_exp_neg(ty_clampf(depth, 0.0f, 87.0f)) / TY_PATH_FAINT_TRANSMITTANCE);
+}
+
 /* A scattering vertex at path->origin: next-event estimation, then the next direction. */
 TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     ty_scatter_vertex scatter;
     ty_light_sample sample;
-    float phase[3], chosen;
+    float phase[3], chosen = 0.0f;
     path->normal = ty_vec_make(0, 0, 0);
     path->lobe.weight = 0.0f;
     ty_scatter_vertex_begin(&scatter, path, medium);
-    bool shines;
-    const int32_t light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
+    bool shines = false;
+    const float light_chance = ty_path_light_chance(path, medium);
+    int32_t light = -1;
+    if (light_chance >= 1.0f || ty_rng_uniform(&path->random) < light_chance)
+        light = ty_path_sample_light(path, path->origin, &chosen, &sample, &shines);
     if (shines) {
         ty_scatter_vertex_phase(&scatter, sample.wi, phase);
-        ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, phase,
-                                 sample.pdf > 0.0f ? ty_scatter_vertex_pdf(&scatter, sample.wi, phase) : 0.0f,
+        const float pdf = sample.pdf > 0.0f ? ty_scatter_vertex_pdf(&scatter, sample.wi, phase) : 0.0f;
+        float factor[3];
+        for (int c = 0; c < 3; ++c) factor[c] = phase[c] / light_chance;
+        ty_path_add_vertex_light(path, &path->request->scene->lights.lights[light], chosen, &sample, factor, pdf,
                                  phase[1]);
     }
     const ty_vertex_response response = {&scatter, NULL, NULL};
@@ -505,7 +532,10 @@ TY_FN bool ty_path_next_event_before_surface(ty_path* path, const ty_medium_view
         if (on_surface) reflecting += transmitted[c] * end->point.albedo[c];
     }
     if (!scatters) colliding = 0.0f;
-    ty_path_add_emission(path, transmitted, on_surface ? end : NULL);
+    if (on_surface || path->request->deep == 0)
+        ty_path_add_emission(path, transmitted, on_surface ? end : NULL);
+    else
+        ty_path_add_faint_emission(path, transmitted, beta_before);
     const float sum = colliding + reflecting;
     if (!(sum > 0.0f)) return false;
     if (TY_PATH_GUIDED != 0 && spans.count == 1 && colliding > 0.0f && path->depth == 0) {
@@ -629,6 +659,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->scattered = 0;
     path->phase = 0.0f;
     path->point_light_rate = 0.0f;
+    path->outline = 0;
     path->depth = 0;
     path->run = 0;
     path->path_class = TY_PATH_UNCOLLIDED;
