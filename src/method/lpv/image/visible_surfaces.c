@@ -35,7 +35,7 @@ static void add_environment(const ty_lpv_march_state* state, ty_lpv_pixel* pixel
 
 static void set_surface(const ty_lpv_march_state* state, const ty_hit* hit, ty_lpv_pixel* pixel) {
     ty_surface_point point;
-    ty_surface_evaluate(&state->scene->surfaces[hit->surface], hit, pixel->direction, &point);
+    ty_surface_evaluate_fetched(&state->scene->surfaces[hit->surface], hit, pixel->direction, &point);
     pixel->distance = hit->distance;
     pixel->position = hit->position;
     pixel->normal = point.ns;
