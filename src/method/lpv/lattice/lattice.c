@@ -67,6 +67,7 @@ void ty_lattice_destroy(ty_lattice* lattice) {
                   sizeof *lattice->surface_depths);
     for (int32_t k = 0; k < TY_LPV_LINKS; ++k)
         ty_free_array(lattice->context, lattice->transmission[k], lattice->cells, 1);
+    give_planes(lattice, lattice->border_scale, 3);
     ty_grid_medium_destroy(lattice->medium);
     ty_free_array(lattice->context, lattice->extinction_floor, lattice->cells, sizeof *lattice->extinction_floor);
     ty_free_array(lattice->context, lattice, 1, sizeof *lattice);

@@ -9,6 +9,7 @@
 
 #include "base/sh.k.h"
 #include "direct/media/grid_medium.h"
+#include "method/lpv/lattice/reduced_media.h"
 
 #include <tyndall/lpv.h>
 
@@ -44,13 +45,21 @@ typedef struct ty_lattice {
     ty_surface_depths* surface_depths;
     size_t surface_depth_count;
     bool blocked;            /* whether any transmission is below 255 */
+    bool reduces;            /* whether forward peaks count as unscattered (reduced_media.h): mode links */
     ty_grid_medium* medium;  /* on the same cells; NULL: vacuum */
     float* extinction_floor; /* 1/m, of ty_lattice_find_extinction_floor; NULL: none */
+    float* border_scale[3];  /* of ty_lattice_find_border_scale, per plane of the medium; NULL: 1 */
 } ty_lattice;
 
 /* A lattice without light, blockers or medium. Errors: TY_ERROR_MEMORY. */
 ty_result ty_lattice_create(ty_context* context, const ty_grid_box* box, int32_t bands, ty_lattice** out);
 void ty_lattice_destroy(ty_lattice* lattice);
+
+/* Light enters and leaves a dense medium within a transport mean free path of its border, but a cell's light counts as
+ * light at its center. This finds the factor on the coefficients of dense cells beside thinner ones with which their
+ * centers are as close to the border; as albedo and g stay, so does the reflectance (similarity, van de Hulst 1980).
+ * Mode links. Errors: TY_ERROR_MEMORY. */
+ty_result ty_lattice_find_border_scale(ty_lattice* lattice);
 
 /* Boxes of the lattices that def asks for, from the finest cascade to the coarsest. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_lattice_place(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],

@@ -213,8 +213,12 @@ ty_lpv_cell_medium ty_lattice_medium_in(const ty_lattice* lattice, int32_t chann
     ty_lpv_cell_medium out = {.extinction_floor =
                                   lattice->extinction_floor != NULL ? lattice->extinction_floor[cell] : 0.0f};
     if (medium == NULL) return out;
-    out.extinction = medium->extinction[channel][cell];
-    out.scattering = medium->scattering[channel][cell];
-    out.g = medium->g[channel][cell];
+    const float* border_scale = lattice->border_scale[medium->planes == 1 ? 0 : channel];
+    const float scale = border_scale != NULL ? border_scale[cell] : 1.0f;
+    const float g = medium->g[channel][cell], scattering = medium->scattering[channel][cell];
+    const float forward = lattice->reduces ? ty_reduced_forward_fraction(g) * scattering : 0.0f;
+    out.extinction = scale * (medium->extinction[channel][cell] - forward);
+    out.scattering = scale * (scattering - forward);
+    out.g = lattice->reduces ? ty_reduced_g(g) : g;
     return out;
 }
