@@ -101,6 +101,7 @@ typedef struct sample_packet {
     const ty_extended_view* view;
     int32_t count, traced;
     ty_ray rays[TY_PACKET];
+    bool beams[TY_PACKET];      /* whether the light goes to a cell's beam */
     float light[TY_PACKET][3];  /* contribution if the ray is unoccluded and media do not attenuate it */
     float* sum;                 /* irradiance */
     const ty_light_cell* cell;  /* NULL: a surface receives the light */
@@ -132,6 +133,7 @@ static void add_to_cell(sample_packet* packet, int32_t ray) {
     const ty_vec wi = ty_vec_load(packet->rays[ray].direction);
     const float half = 0.5f * cell->side / ty_maxf(fabsf(wi.x), ty_maxf(fabsf(wi.y), fabsf(wi.z)));
     const float before = ty_minf(half, packet->rays[ray].far);
+    const float kept = ty_beam_cosine(cell->side, packet->rays[ray].far * packet->rays[ray].far);
     float y[TY_SH_TERMS_MAX], *light = packet->light[ray];
     ty_sh_all(ty_scale(wi, -1.0f), y);
     attenuate(packet->view, &packet->rays[ray], before, light);
@@ -141,7 +143,11 @@ static void add_to_cell(sample_packet* packet, int32_t ray) {
         const float mean = light[c] * ty_mean_attenuation(depth, ty_attenuation(depth));
         const float visible = light[c] * ty_mean_attenuation(shallow, ty_attenuation(shallow));
         for (int t = 0; t < TY_SH_TERMS_MAX; ++t) packet->radiance->mean[c][t] += mean * y[t];
-        for (int t = 0; t < TY_SH_TERMS_MAX; ++t) packet->radiance->visible[c][t] += visible * y[t];
+        for (int t = 0; t < TY_SH_TERMS_MAX && !packet->beams[ray]; ++t)
+            packet->radiance->visible[c][t] += visible * y[t];
+        const float beam[TY_BEAM_TERMS] = {visible, -visible * kept * wi.x, -visible * kept * wi.y,
+                                           -visible * kept * wi.z};
+        for (int t = 0; t < TY_BEAM_TERMS && packet->beams[ray]; ++t) packet->radiance->beam[c][t] += beam[t];
     }
 }
 
@@ -178,6 +184,8 @@ static void add_sample(sample_packet* packet, int32_t light, const ty_light_rece
     const ty_vec from = receiver->point, wi = sample.wi;
     const float far = sample.distance < TY_FLOAT_MAX ? sample.distance * 0.9999f : INFINITY;
     packet->rays[packet->count] = (ty_ray){{from.x, from.y, from.z}, {wi.x, wi.y, wi.z}, far};
+    packet->beams[packet->count] =
+        packet->cell != NULL && packet->cell->narrow && is_positioned(&packet->view->scene->lights.lights[light]);
     if (++packet->count == TY_PACKET) trace(packet);
 }
 

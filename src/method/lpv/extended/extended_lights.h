@@ -7,7 +7,7 @@
 #define TY_METHOD_LPV_EXTENDED_LIGHTS_H
 
 #include "base/sh.k.h"
-#include "method/lpv/lattice/reduced_media.h"
+#include "method/lpv/lattice/lattice.h"
 #include "scene/lights/light_tree.h"
 #include "scene/scene.h"
 
@@ -67,12 +67,14 @@ int32_t ty_extended_irradiance(const ty_extended_view* view, const ty_light_rece
 typedef struct ty_light_cell {
     ty_vec center;
     float side, extinction[3]; /* m; mean, 1/m */
+    bool narrow; /* whether its phase function is too narrow for the bands: lights with a place go to a beam */
 } ty_light_cell;
 
 /* Spherical harmonics of the direction of travel of the uncollided radiance in a cell, per channel, W m^-2 sr^-1. */
 typedef struct ty_cell_radiance {
     float mean[3][TY_SH_TERMS_MAX];    /* of the whole cell, attenuated by its own extinction: what scatters in it */
     float visible[3][TY_SH_TERMS_MAX]; /* of the part that an eye on the light's side sees; the mean of thin cells */
+    float beam[3][TY_BEAM_TERMS];      /* the same of lights with a place, in narrow cells */
 } ty_cell_radiance;
 
 /* The radiance by the points of all places, whose rays are traced from the cell's center. Attenuation is exact up to

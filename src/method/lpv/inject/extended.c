@@ -146,8 +146,16 @@ static ty_light_cell cell_at(const ty_lattice* lattice, int32_t x, int32_t y, in
                          .center =
                              ty_vec_make((float)(lower[0] + side * (x + 0.5)), (float)(lower[1] + side * (y + 0.5)),
                                          (float)(lower[2] + side * (z + 0.5)))};
-    for (int32_t c = 0; c < 3; ++c) out.extinction[c] = extinction_in(lattice, c, cell);
+    for (int32_t c = 0; c < 3; ++c) {
+        out.extinction[c] = extinction_in(lattice, c, cell);
+        out.narrow = out.narrow || ty_reduced_forward_fraction(lattice->medium->g[c][cell]) > 0.0f;
+    }
     return out;
+}
+
+static void store_visible(ty_lattice* lattice, int c, size_t cell, const ty_cell_radiance* radiance) {
+    for (int t = 0; t < TY_SH_TERMS_MAX; ++t) lattice->uncollided[c][t][cell] = radiance->visible[c][t];
+    for (int t = 0; t < TY_BEAM_TERMS; ++t) lattice->beam[c][t][cell] = radiance->beam[c][t];
 }
 
 static void fill_row(void* user, int64_t row, int32_t worker) {
@@ -165,21 +173,25 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
         const ty_light_cell light_cell = cell_at(lattice, x, y, z);
         ty_cell_radiance radiance = {.mean = {{0}}};
         if (job->view != NULL) rays += ty_extended_radiance(job->view, &light_cell, &radiance);
-        for (int c = 0; c < 3 && is_seen; ++c)
-            for (int t = 0; t < TY_SH_TERMS_MAX; ++t) lattice->uncollided[c][t][cell] = radiance.visible[c][t];
+        for (int c = 0; c < 3 && is_seen; ++c) store_visible(lattice, c, cell, &radiance);
         if (job->injects && scatters) inject(job, cell, row, radiance.mean);
     }
     ty_ray_counter_add(job->counter, rays, ty_wall_seconds() - begun);
 }
 
 static ty_result allocate_uncollided(ty_lattice* lattice) {
-    const double bytes = 3.0 * TY_SH_TERMS_MAX * sizeof(float) * (double)lattice->cells;
+    const double bytes = 3.0 * (TY_SH_TERMS_MAX + TY_BEAM_TERMS) * sizeof(float) * (double)lattice->cells;
     const ty_result result = ty_check_memory(lattice->context, bytes, "the light of extended lights in a lattice");
     if (result != TY_OK) return result;
     for (int c = 0; c < 3; ++c)
         for (int t = 0; t < TY_SH_TERMS_MAX; ++t) {
             lattice->uncollided[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), true);
             if (lattice->uncollided[c][t] == NULL) return TY_ERROR_MEMORY;
+        }
+    for (int c = 0; c < 3; ++c)
+        for (int t = 0; t < TY_BEAM_TERMS; ++t) {
+            lattice->beam[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), true);
+            if (lattice->beam[c][t] == NULL) return TY_ERROR_MEMORY;
         }
     return TY_OK;
 }

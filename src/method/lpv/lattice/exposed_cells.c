@@ -3,8 +3,11 @@
 #include "base/parallel.h"
 #include "method/lpv/lattice/lattice.h"
 
-/* Reduced optical depth of a cell whose center is a transport mean free path below its faces. */
-static const float depth_at_border = 2.0f;
+/* Reduced optical depth of a dense cell at a border. In media that absorb nothing its center is as far inside as the
+ * light's extrapolated zero is outside, 0.7104 transport mean free paths (Milne's problem), and the next center, where
+ * the lattice's light ends, is at that zero. In media that absorb most it is where light scatters first, at one mean
+ * free path. Between them the square of the reduced albedo decides, which fits the scenes of docs/matrix.md. */
+static const float conservative_depth = 2 * 0.7104f, absorbing_depth = 2.0f;
 
 typedef struct exposed_job {
     ty_lattice* lattice;
@@ -22,21 +25,36 @@ static float reduced_depth(const exposed_job* job, int32_t x, int32_t y, int32_t
            (medium->extinction[job->plane][cell] - medium->g[job->plane][cell] * medium->scattering[job->plane][cell]);
 }
 
+/* The least depth of the six cells beside one. */
+static float least_beside(const exposed_job* job, int32_t x, int32_t y, int32_t z) {
+    float least = TY_FLOAT_MAX;
+    for (int32_t i = 0; i < 6; ++i) {
+        int32_t at[3] = {x, y, z};
+        at[i / 2] += i % 2 == 0 ? -1 : 1;
+        least = ty_minf(least, reduced_depth(job, at[0], at[1], at[2]));
+    }
+    return least;
+}
+
+static float scale_in(const exposed_job* job, int32_t x, int32_t y, int32_t z) {
+    const ty_lattice* lattice = job->lattice;
+    const ty_grid_medium* medium = lattice->medium;
+    const size_t cell = (size_t)(x + lattice->box.size[0] * (y + lattice->box.size[1] * z));
+    const float depth = reduced_depth(job, x, y, z);
+    if (!(depth > conservative_depth)) return 1.0f;
+    const float albedo =
+        lattice->cell * medium->scattering[job->plane][cell] * (1.0f - medium->g[job->plane][cell]) / depth;
+    const float limit = ty_lerpf(absorbing_depth, conservative_depth, albedo * albedo) + least_beside(job, x, y, z);
+    return depth > limit ? limit / depth : 1.0f;
+}
+
 static void fill_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const exposed_job* job = user;
-    const int32_t *size = job->lattice->box.size, y = (int32_t)(row % size[1]), z = (int32_t)(row / size[1]);
+    const int32_t* size = job->lattice->box.size;
     float* scale = job->lattice->border_scale[job->plane] + row * size[0];
-    for (int32_t x = 0; x < size[0]; ++x) {
-        const float depth = reduced_depth(job, x, y, z);
-        float thinnest = depth;
-        for (int32_t a = 0; a < 3; ++a)
-            for (int32_t side = -1; side <= 1; side += 2)
-                thinnest = ty_minf(thinnest, reduced_depth(job, x + (a == 0 ? side : 0), y + (a == 1 ? side : 0),
-                                                           z + (a == 2 ? side : 0)));
-        const float limit = depth_at_border + thinnest;
-        scale[x] = depth > limit ? limit / depth : 1.0f;
-    }
+    for (int32_t x = 0; x < size[0]; ++x)
+        scale[x] = scale_in(job, x, (int32_t)(row % size[1]), (int32_t)(row / size[1]));
 }
 
 ty_result ty_lattice_find_border_scale(ty_lattice* lattice) {

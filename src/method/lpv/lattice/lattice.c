@@ -60,6 +60,7 @@ void ty_lattice_destroy(ty_lattice* lattice) {
         give_planes(lattice, lattice->propagated_sh[c], lattice->terms);
         give_planes(lattice, lattice->light[c], lattice->terms);
         give_planes(lattice, lattice->uncollided[c], TY_SH_TERMS_MAX);
+        give_planes(lattice, lattice->beam[c], TY_BEAM_TERMS);
     }
     give_planes(lattice, lattice->albedo, 3);
     ty_free_array(lattice->context, lattice->surface_depth_index, lattice->cells, sizeof *lattice->surface_depth_index);

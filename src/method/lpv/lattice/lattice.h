@@ -23,6 +23,16 @@ typedef struct ty_surface_depths {
     float plane[TY_SURFACE_SIDES][4];
 } ty_surface_depths;
 
+/* Light about one direction, per channel: radiance integrated over all directions, and the same times the direction of
+ * travel, W m^-2. */
+enum { TY_BEAM_TERMS = 4 };
+
+/* Mean cosine of directions from a point at a squared distance, m^2, to where a cell's light is interpolated: offsets
+ * across are of variance side^2 / 6 along each of two axes. */
+static inline float ty_beam_cosine(float side, float distance2) {
+    return distance2 / (distance2 + side * side * (1.0f / 6.0f));
+}
+
 typedef struct ty_lattice {
     ty_context* context;
     ty_grid_box box; /* size[a] cubic cells along axis a */
@@ -35,6 +45,7 @@ typedef struct ty_lattice {
     float* light[3][TY_SH_TERMS]; /* propagated radiance, W m^-2 sr^-1 */
     /* Uncollided radiance of lights with extent at the cells' centers, W m^-2 sr^-1; NULL: none. */
     float* uncollided[3][TY_SH_TERMS_MAX];
+    float* beam[3][TY_BEAM_TERMS]; /* with uncollided: light about one direction that is not in it */
     /* 1 - b of Eq. 2 (Billeter 2012) for light that enters a cell along link k: 0 is blocked, 255 is free. In mode
      * links it is symmetric, and the transmission of links that enter from outside is that of the links that leave. */
     uint8_t* transmission[TY_LPV_LINKS];
