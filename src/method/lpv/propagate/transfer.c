@@ -132,7 +132,9 @@ ty_lpv_links_step ty_lpv_links_step_in(const ty_lpv_transfer* transfer, float ce
                  remaining = exp(-depth); /* 1 - lambda, Eq. 3 (Billeter 2012) */
     const double absorption = fmax(extinction - scattering, 0), reduced_extinction = extinction - g * scattering;
     const double lambda_s = extinction > 0 ? (1 - remaining) * scattering / extinction : 0; /* Eq. 3 (Billeter 2012) */
-    double length = depth > 1e-6 ? (1 - remaining) / extinction : side * transfer->length;
+    const double reduced_albedo = reduced_extinction > 0 ? (1 - g) * scattering / reduced_extinction : 0;
+    const double flight = side * transfer->length, ending = extinction - reduced_albedo * reduced_albedo * scattering;
+    double length = ending * flight > 1e-6 ? (1 - exp(-ending * flight)) / ending : flight;
     double scatter_factor = 1 - absorption * length, momentum_factor = momentum_retained * scatter_factor;
     const double inverse_diffusivity =
         3 * reduced_extinction * side * side; /* length / inverse_diffusivity is D in cells^2 per step */
@@ -146,13 +148,13 @@ ty_lpv_links_step ty_lpv_links_step_in(const ty_lpv_transfer* transfer, float ce
         momentum_factor = fmin(momentum_for(transfer, drift), momentum_factor);
     }
     const double injected_fraction = 1 - 0.5 * remaining,
-                 flight = reduced_extinction * length > 1 ? 1 / (reduced_extinction * length) : 1;
+                 uncollided = reduced_extinction * length > 1 ? 1 / (reduced_extinction * length) : 1;
     return (ty_lpv_links_step){.scatter_factor = scatter_factor,
                                .momentum_factor = momentum_factor,
                                .length = length,
                                .band2_factor = remaining + lambda_s * g * g,
                                .injected_fraction = injected_fraction,
-                               .injected_directed = fmin(injected_fraction, flight)};
+                               .injected_directed = fmin(injected_fraction, uncollided)};
 }
 
 /* Sums of outgoing light are divided by this factor, which therefore must not be 0. */
