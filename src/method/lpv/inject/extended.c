@@ -139,6 +139,9 @@ static float extinction_in(const ty_lattice* lattice, int32_t c, size_t cell) {
     return medium->extinction[c][cell] - fraction * medium->scattering[c][cell];
 }
 
+/* Mean cosine above which five bands blur a phase function. */
+static const float narrow_g = 0.8f;
+
 static ty_light_cell cell_at(const ty_lattice* lattice, int32_t x, int32_t y, int32_t z) {
     const double *lower = lattice->box.lower, side = (double)lattice->cell;
     const size_t cell = (size_t)(x + lattice->box.size[0] * (y + lattice->box.size[1] * z));
@@ -148,7 +151,7 @@ static ty_light_cell cell_at(const ty_lattice* lattice, int32_t x, int32_t y, in
                                          (float)(lower[2] + side * (z + 0.5)))};
     for (int32_t c = 0; c < 3; ++c) {
         out.extinction[c] = extinction_in(lattice, c, cell);
-        out.narrow = out.narrow || ty_reduced_forward_fraction(lattice->medium->g[c][cell]) > 0.0f;
+        out.narrow = out.narrow || lattice->medium->g[c][cell] > narrow_g;
     }
     return out;
 }
