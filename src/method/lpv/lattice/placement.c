@@ -25,8 +25,8 @@ static void set_upper(ty_grid_box* box, double cell) {
 /* Scenes that fill less than this fraction of a cube are flat. */
 static const double flat = 0.25;
 
-/* Number of cells along the longest side of a box. In a flat scene, a landscape, whose media fill a part of its ground
- * alone, the media have `resolution` cells along theirs as far as no more than resolution^3 cells are needed. */
+/* Number of cells along the longest side of a box. In a flat scene, a landscape, whose media fill less than half of
+ * its length, the media have `resolution` cells along theirs as far as no more than resolution^3 cells are needed. */
 static int32_t cells_along(const ty_scene* scene, const double lower[3], const double upper[3], int32_t resolution) {
     double from[3] = {INFINITY, INFINITY, INFINITY}, to[3] = {-INFINITY, -INFINITY, -INFINITY};
     double longest = 0, media = 0, filled = 1;
@@ -36,7 +36,7 @@ static int32_t cells_along(const ty_scene* scene, const double lower[3], const d
         media = fmax(media, to[a] - from[a]);
     }
     for (int a = 0; a < 3; ++a) filled *= fmax((upper[a] - lower[a]) / longest, 1.0 / resolution);
-    if (!(media > 0 && media < longest && filled < flat)) return resolution;
+    if (!(media > 0 && 2 * media < longest && filled < flat)) return resolution;
     const double fitting = floor(resolution / cbrt(filled)), wanted = ceil(resolution * longest / media);
     return (int32_t)fmin(fmin(fitting, wanted), TY_LPV_CELLS_MAX);
 }
