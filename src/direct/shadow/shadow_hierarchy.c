@@ -38,7 +38,7 @@ enum { CHUNK = 256 };
 
 /* Inverse depths of a chunk and the texels around it; INFINITY of empty texels and outside of the face. */
 typedef struct texel_chunk {
-    float above[CHUNK + 2], middle[CHUNK + 2], below[CHUNK + 2]; /* from the texel before the chunk on */
+    float above[CHUNK + 2], center[CHUNK + 2], below[CHUNK + 2]; /* from the texel before the chunk on */
 } texel_chunk;
 
 /* The texels from x - 1 to x + CHUNK of a row. */
@@ -76,9 +76,9 @@ static inline void fill_chunk(const texel_chunk* chunk, bool parallel, float tex
                               float* out) {
 #pragma omp simd
     for (int64_t i = 0; i < count; ++i) {
-        const float middle = chunk->middle[i + 1], width = texel * (parallel ? 1.0f : depth[i]);
-        const float corner = middle - 0.5f * (slope_of(chunk->middle[i], middle, chunk->middle[i + 2]) +
-                                              slope_of(chunk->above[i + 1], middle, chunk->below[i + 1]));
+        const float center = chunk->center[i + 1], width = texel * (parallel ? 1.0f : depth[i]);
+        const float corner = center - 0.5f * (slope_of(chunk->center[i], center, chunk->center[i + 2]) +
+                                              slope_of(chunk->above[i + 1], center, chunk->below[i + 1]));
         const float biased = ty_clampf(corner, inverse_depth_of(parallel, depth[i] + STEEPEST_SLOPE * width),
                                        inverse_depth_of(parallel, depth[i] + LEAST_BIAS * width));
         out[i] = depth[i] <= TY_FLOAT_MAX ? biased : inverse_depth_of(parallel, depth[i]);
@@ -92,7 +92,7 @@ static inline void fill_texel_row(const hierarchy_job* job, bool parallel, int64
     for (int64_t x = 0; x < side; x += CHUNK) {
         texel_chunk chunk;
         find_inverse_depths(job, parallel, x, row - 1, chunk.above);
-        find_inverse_depths(job, parallel, x, row, chunk.middle);
+        find_inverse_depths(job, parallel, x, row, chunk.center);
         find_inverse_depths(job, parallel, x, row + 1, chunk.below);
         fill_chunk(&chunk, parallel, texel, depths_of_row(job, row) + x, side - x < CHUNK ? side - x : CHUNK, out + x);
     }

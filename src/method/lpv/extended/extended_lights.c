@@ -86,7 +86,7 @@ ty_extended_view ty_extended_view_of(const ty_scene* scene, const ty_extended_li
                                      const ty_reduced_media* reduced) {
     ty_extended_view view = {
         .scene = &scene->view, .lights = lights, .points = points, .media = scene->view.media, .medium = medium};
-    if (reduced->medium != NULL && medium != NULL) {
+    if (reduced->medium != NULL && medium != NULL && reduced->view_count == scene->view.medium_count) {
         view.media = reduced->views;
         view.medium = reduced->medium;
     }

@@ -71,7 +71,7 @@ ty_result ty_airlight_create(const ty_scene* scene, const ty_airlight_def* def, 
     airlight->scene = view;
     airlight->medium = airlight->light_medium = def->medium;
     airlight->light_media = view->media;
-    if (def->reduced != NULL && def->reduced->medium != NULL) {
+    if (def->reduced != NULL && def->reduced->medium != NULL && def->reduced->view_count == view->medium_count) {
         airlight->light_medium = def->reduced->medium;
         airlight->light_media = def->reduced->views;
     }

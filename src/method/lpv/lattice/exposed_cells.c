@@ -26,14 +26,14 @@ static float reduced_depth(const exposed_job* job, int32_t x, int32_t y, int32_t
 }
 
 /* The least depth of the six cells beside one. */
-static float least_beside(const exposed_job* job, int32_t x, int32_t y, int32_t z) {
-    float least = TY_FLOAT_MAX;
+static float min_beside(const exposed_job* job, int32_t x, int32_t y, int32_t z) {
+    float min = TY_FLOAT_MAX;
     for (int32_t i = 0; i < 6; ++i) {
         int32_t at[3] = {x, y, z};
         at[i / 2] += i % 2 == 0 ? -1 : 1;
-        least = ty_minf(least, reduced_depth(job, at[0], at[1], at[2]));
+        min = ty_minf(min, reduced_depth(job, at[0], at[1], at[2]));
     }
-    return least;
+    return min;
 }
 
 static float scale_in(const exposed_job* job, int32_t x, int32_t y, int32_t z) {
@@ -44,7 +44,7 @@ static float scale_in(const exposed_job* job, int32_t x, int32_t y, int32_t z) {
     if (!(depth > conservative_depth)) return 1.0f;
     const float albedo =
         lattice->cell * medium->scattering[job->plane][cell] * (1.0f - medium->g[job->plane][cell]) / depth;
-    const float limit = ty_lerpf(absorbing_depth, conservative_depth, albedo * albedo) + least_beside(job, x, y, z);
+    const float limit = ty_lerpf(absorbing_depth, conservative_depth, albedo * albedo) + min_beside(job, x, y, z);
     return depth > limit ? limit / depth : 1.0f;
 }
 
