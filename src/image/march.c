@@ -190,7 +190,7 @@ static ty_result pack_field(march_job* job, const ty_source_field* field, const 
     ty_parallel_for(job->context, size[2], pack_plane, &pack);
     if (!job->def->preserve_means) return TY_OK;
     return ty_sharpen_cells(job->context, size, view->floats, view->terms, view->channels * view->terms, cuts,
-                            cells->floats);
+                            field->at_face, cells->floats);
 }
 
 static ty_result pack_fields(march_job* job) {

@@ -73,6 +73,8 @@ void ty_dom_destroy(ty_dom* light) {
     ty_dom_clusters_destroy(light);
     for (int c = 0; c < 3; ++c) {
         ty_free_array(context, light->g[c], light->cells, sizeof(float));
+        ty_free_array(context, light->extinction[c], light->cells, sizeof(float));
+        ty_free_array(context, light->darkening[c], light->cells, sizeof(float));
         ty_free_array(context, light->moments[c], light->cells, bytes);
         if (light->face_fluence[c] != NULL)
             ty_free_array(context, light->face_fluence[c], 6 * light->cells, sizeof(float));

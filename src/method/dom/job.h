@@ -15,6 +15,8 @@ typedef struct ty_dom_job {
     ty_angular_quadrature* last_set; /* of the last sweep; NULL: the same */
     ty_grid_medium* fine;            /* cells of uncollided light */
     ty_grid_medium* coarse;          /* cells of ordinates */
+    double diffusive_paths;          /* of ty_ordinates_def */
+    bool even_light;                 /* all lights are soft environments */
     ty_discrete_light_set sources;
     const ty_boundary_faces* boundary; /* the solution's, between coarse cells; NULL: there are none */
     float* wall_albedo[3];             /* per side, for each channel that is solved for */

@@ -45,6 +45,14 @@ static bool is_soft(const ty_environment_view* environment) {
     return max <= max_cell_fraction * sum;
 }
 
+/* True if all lights are soft environments. */
+static bool has_even_light(const ty_scene* scene) {
+    const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
+    for (int32_t i = 0; i < lights->count; ++i)
+        if (lights->lights[i].kind != TY_KIND_ENVIRONMENT || !is_soft(&lights->lights[i].environment)) return false;
+    return true;
+}
+
 /* True if all lights are soft environments and few directional, point or spot lights. */
 static bool has_fitted_lights(const ty_scene* scene) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
@@ -207,6 +215,10 @@ static int32_t find_thick_refinement(const ty_dom_job* job) {
         1, fmin(ceil(thickness / MAX_FINE_THICKNESS), max < MAX_THICK_REFINEMENT ? max : MAX_THICK_REFINEMENT));
 }
 
+/* Minimum thickness of diffusive cells, mean free paths; the larger one for media with edges, whose cells are full in
+ * part. */
+static const double diffusive_paths = 2, diffusive_paths_edged = TY_DIFFUSIVE_FREE_PATHS;
+
 /* Fine cells per cell of a box without refinement. */
 static int32_t find_refinement(const ty_dom_job* job, const int32_t size[3]) {
     const int32_t max = has_few_lights(job->scene) ? MAX_FINE_FEW_LIGHTS : MAX_FINE_MANY_LIGHTS;
@@ -267,6 +279,8 @@ static ty_result make_set(const ty_dom_job* job, int32_t count, ty_angular_quadr
 
 ty_result ty_dom_sample_media(ty_dom_job* job) {
     int32_t exact = 0;
+    job->even_light = has_even_light(job->scene);
+    job->diffusive_paths = has_edges(job->scene) ? diffusive_paths_edged : diffusive_paths;
     ty_result result = make_set(job, job->def->directions, &job->set, &exact);
     if (result == TY_OK && job->def->last_directions > 0)
         result = make_set(job, job->def->last_directions, &job->last_set, NULL);
