@@ -14,7 +14,10 @@ static const double medium_until = 0.1, direct_until = 0.4;
 
 static void end_job(ty_dom_job* job) {
     const size_t terms = (size_t)job->light->bands * (size_t)job->light->bands;
-    for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
+    for (int c = 0; c < 3; ++c) {
+        ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
+        ty_free_array(job->context, job->centers[c], job->light->cells, 4 * sizeof(float));
+    }
     ty_discrete_light_set_destroy(job->context, &job->sources);
     ty_free_array(job->context, job->set, 1, sizeof *job->set);
     ty_free_array(job->context, job->last_set, 1, sizeof *job->last_set);

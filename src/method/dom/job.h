@@ -24,6 +24,8 @@ typedef struct ty_dom_job {
     float* incident_radiance[3];       /* boundary source: per direction, radiance of surfaces outside of the box; NULL:
                                           there are none */
     float* source[3];                  /* q_lm, W m^-3: bands^2 planes of coarse cells for each channel */
+    float* centers[3]; /* q_00 that uncollided light makes in thick cells, and that times its center along
+                          x, y and z, -1..1 in the cell: four planes; NULL: there are no such cells */
     ty_dom* light;
     ty_dom_stats stats;
 } ty_dom_job;

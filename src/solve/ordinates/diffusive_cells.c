@@ -146,7 +146,8 @@ static double isotropic_center(const search* f, const ty_diffusive_cell* cell, i
     const float* const* known = f->def->source_center;
     const double by_growth = exponential_center(growth_of(f, cell, axis));
     if (known == NULL) return by_growth;
-    return (double)known[1 + axis][cell->index] + (1 - (double)known[0][cell->index]) * by_growth;
+    const double part = (double)known[0][cell->index], all = fmax(part, (double)f->def->source[0][cell->index]);
+    return ((double)known[1 + axis][cell->index] + (all - part) * by_growth) / all;
 }
 
 /* Center of the source along an axis, -1..1, displaced by the transport mean free path in the direction of its first

@@ -51,9 +51,8 @@ typedef struct ty_ordinates_def {
                                 and its complement is the forward peak; NULL (default): from g */
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
-    /* Four planes: a part of the source, 0..1, whose positions within cells are known, and that times their center
-       along x, y and z, -1..1; diffusive cells use them. NULL (default): positions follow from the neighbours' sources.
-     */
+    /* Four planes: the part of q_00 whose positions within cells are known, and that times their center along x, y and
+     * z, -1..1; diffusive cells use them. NULL (default): positions follow from the neighbours' sources. */
     const float* const* source_center;
     ty_ordinates_faces walls;
     /* Incident radiance along each direction of the set, uniform over the box's faces; NULL (default): 0. */

@@ -1,7 +1,6 @@
 /* Solves for the moments of collided light, one per channel. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
-#include "method/dom/sources/sources.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -156,20 +155,14 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;
     def.progress_user = solve;
-    float *zeros = NULL, *centers = NULL;
-    const float* center_planes[4];
-    if (def.face_fluence != NULL) {
-        float* planes[4];
-        centers = ty_alloc_array(job->context, light->cells, 4 * sizeof *centers, false);
-        if (centers == NULL) return TY_ERROR_MEMORY;
-        for (size_t n = 0; n < 4; ++n) center_planes[n] = planes[n] = centers + light->cells * n;
-        ty_dom_find_centers(job, channel, planes);
-        def.source_center = center_planes;
-    }
+    const float* centers[4] = {NULL};
+    for (size_t n = 0; n < 4 && job->centers[channel] != NULL; ++n)
+        centers[n] = job->centers[channel] + light->cells * n;
+    def.source_center = centers[0] != NULL ? centers : NULL;
+    float* zeros = NULL;
     ty_result result = ty_dom_solve_boundary_light(solve->all->job, channel, &def, &solve->boundary);
     if (result == TY_OK) result = ty_dom_set_reflection(solve->all->job, channel, &def, &zeros);
     if (result == TY_OK) result = ty_ordinates_solve(job->context, &def, moments, NULL, 0, &solve->stats);
-    ty_free_array(job->context, centers, centers != NULL ? light->cells : 0, 4 * sizeof *centers);
     if (zeros != NULL) ty_free_array(job->context, zeros, (size_t)job->boundary->count, sizeof *zeros);
     return result;
 }

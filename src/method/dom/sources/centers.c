@@ -17,7 +17,7 @@ typedef struct center_job {
     const ty_dom_job* job;
     int32_t channel;
     int64_t steps[3]; /* between fine cells */
-    float* const* planes;
+    float* planes[4];
 } center_job;
 
 /* sigma_s phi of a fine cell for a light. */
@@ -60,10 +60,10 @@ static double center_in(const center_job* centers, int32_t light, const int32_t 
     if (index[axis] + 1 < medium->box.size[axis])
         upper = collisions_of(centers, light, fine + (size_t)centers->steps[axis]), ++neighbours;
     if (neighbours == 0) return 0;
-    const double most = thickness / cosine_along(centers, light, index, axis);
-    double growth = lower > 0 && upper > 0 ? log(upper / lower) / neighbours : upper > 0 ? most : -most;
-    if (thickness > thick && fabs(growth) > steep * most) growth = copysign(most, growth);
-    const double half = fmax(fmin(growth, most), -most) / 2;
+    const double max_growth = thickness / cosine_along(centers, light, index, axis);
+    double growth = lower > 0 && upper > 0 ? log(upper / lower) / neighbours : upper > 0 ? max_growth : -max_growth;
+    if (thickness > thick && fabs(growth) > steep * max_growth) growth = copysign(max_growth, growth);
+    const double half = fmax(fmin(growth, max_growth), -max_growth) / 2;
     return fabs(half) < 1e-2 ? half / 3 : 1 / tanh(half) - 1 / half;
 }
 
@@ -77,14 +77,14 @@ static void add_fine_cell(const center_job* centers, const ty_coverage axes[3], 
         if (!(here > 0)) continue;
         sums[0] += weight * here;
         for (int a = 0; a < 3; ++a) {
-            const double middle = index[a] + 0.5 + 0.5 * center_in(centers, i, index, fine, a, here);
-            const double within = 2 * (middle - axes[a].lower) / (axes[a].upper - axes[a].lower) - 1;
+            const double center = index[a] + 0.5 + 0.5 * center_in(centers, i, index, fine, a, here);
+            const double within = 2 * (center - axes[a].lower) / (axes[a].upper - axes[a].lower) - 1;
             sums[1 + a] += weight * here * fmax(-1, fmin(within, 1));
         }
     }
 }
 
-/* Part of a cell's source that uncollided light makes, and its center times that. */
+/* q_00 that uncollided light makes in a cell, and that times its center. */
 static void find_center(const center_job* centers, const int32_t cell[3], size_t at) {
     const ty_dom_job* job = centers->job;
     const ty_grid_box* box = &job->coarse->box;
@@ -100,27 +100,42 @@ static void find_center(const center_job* centers, const int32_t cell[3], size_t
                 for (int a = 0; a < 3; ++a) weight *= ty_coverage_fraction(&axes[a], index[a]);
                 if (weight > 0) add_fine_cell(centers, axes, index, weight, sums);
             }
-    const double most = fmax(sums[0], (double)(job->source[centers->channel][at] / TY_SH_0));
-    for (int n = 0; n < 4; ++n) centers->planes[n][at] = most > 0 ? (float)(sums[n] / most) : 0;
+    for (int n = 0; n < 4; ++n) centers->planes[n][at] = (float)sums[n] * TY_SH_0;
+}
+
+/* True for cells that may be diffusive. */
+static bool is_thick(const center_job* centers, size_t cell) {
+    const ty_grid_medium* coarse = centers->job->coarse;
+    const double longest = fmax(coarse->cell[0], fmax(coarse->cell[1], coarse->cell[2]));
+    const float* extinction = coarse->extinction[coarse->planes == 3 ? centers->channel : 0];
+    return (double)extinction[cell] * longest > centers->job->diffusive_paths;
 }
 
 static void center_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const center_job* centers = user;
-    const ty_grid_medium* coarse = centers->job->coarse;
-    const int32_t* size = coarse->box.size;
-    const float* extinction = coarse->extinction[coarse->planes == 3 ? centers->channel : 0];
-    const double longest = fmax(coarse->cell[0], fmax(coarse->cell[1], coarse->cell[2]));
+    const int32_t* size = centers->job->coarse->box.size;
     for (int32_t i = 0; i < size[0]; ++i) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
-        if ((double)extinction[at] * longest > centers->job->diffusive_paths) find_center(centers, cell, at);
+        if (is_thick(centers, at)) find_center(centers, cell, at);
     }
 }
 
-void ty_dom_find_centers(const ty_dom_job* job, int32_t channel, float* const planes[4]) {
+ty_result ty_dom_find_centers(ty_dom_job* job) {
     const int32_t* size = job->fine->box.size;
-    center_job centers = {
-        .job = job, .channel = channel, .steps = {1, size[0], (int64_t)size[0] * size[1]}, .planes = planes};
-    ty_parallel_for(job->context, (int64_t)job->coarse->box.size[1] * job->coarse->box.size[2], center_row, &centers);
+    const size_t cells = job->coarse->cells;
+    center_job centers = {.job = job, .steps = {1, size[0], (int64_t)size[0] * size[1]}};
+    for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) {
+        size_t first = 0;
+        centers.channel = c;
+        while (first < cells && !is_thick(&centers, first)) ++first;
+        if (first == cells) continue;
+        job->centers[c] = ty_alloc_array(job->context, cells, 4 * sizeof(float), true);
+        if (job->centers[c] == NULL) return TY_ERROR_MEMORY;
+        for (size_t n = 0; n < 4; ++n) centers.planes[n] = job->centers[c] + cells * n;
+        ty_parallel_for(job->context, (int64_t)job->coarse->box.size[1] * job->coarse->box.size[2], center_row,
+                        &centers);
+    }
+    return TY_OK;
 }

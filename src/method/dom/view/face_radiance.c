@@ -1,4 +1,4 @@
-/* What diffusive cells show at their faces. Only the light near a face of theirs is seen, and their means do not hold
+/* Radiance of diffusive cells at their faces. Only the light near a face of theirs is seen, and their means do not hold
  * it. The radiance J_out / pi that leaves the face does, with all collided light; the marcher adds what has scattered
  * once from uncollided light, which is therefore subtracted. */
 #include "base/constants.h"
@@ -18,7 +18,7 @@ typedef struct face_job {
     uint8_t* at_face;
 } face_job;
 
-/* A face that the eye sees: the middle of the fine cells behind it, and the cosine at which it is seen. */
+/* A face that the eye sees: the center of the fine cells behind it, and the cosine at which it is seen. */
 typedef struct seen_face {
     ty_vec inside, normal, omega;
     float cosine, depth; /* depth: between faces of those fine cells, m */
