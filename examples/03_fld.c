@@ -61,10 +61,10 @@ int main(void) {
                stats.leaving[0]);
 
     /* The light at a point, for a probe or a particle. */
-    const double middle[3] = {0, 0, 0};
+    const double center[3] = {0, 0, 0};
     const int32_t one[3] = {1, 1, 1};
     double fluence[3] = {0, 0, 0};
-    if (result == TY_OK) result = ty_fld_fluence(light, middle, middle, one, fluence, NULL, NULL);
+    if (result == TY_OK) result = ty_fld_fluence(light, center, center, one, fluence, NULL, NULL);
     if (result == TY_OK) printf("fluence in the middle: %.3f W m^-2\n", fluence[0]);
 
     if (result == TY_OK) result = render_view(scene, light, &def, -1, "cloud_left.png");

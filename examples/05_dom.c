@@ -67,10 +67,10 @@ static ty_result render_frame(ty_context* context, int frame, ty_dom** light) {
     if (result == TY_OK) result = render_view(scene, now, &def, frame, 1);
 
     /* The light at a point, for a probe or a particle. */
-    const double middle[3] = {0, 0, 0};
+    const double center[3] = {0, 0, 0};
     const int32_t one[3] = {1, 1, 1};
     double fluence[3] = {0, 0, 0};
-    if (result == TY_OK) result = ty_dom_fluence(now, middle, middle, one, fluence, NULL);
+    if (result == TY_OK) result = ty_dom_fluence(now, center, center, one, fluence, NULL);
     if (result == TY_OK) printf("  fluence in the middle: %.3f W m^-2\n", fluence[0]);
     ty_scene_destroy(scene);
     ty_dom_destroy(*light);

@@ -1,4 +1,4 @@
-/* What the unit tests of base, grid, scene and path share: contexts, closeness, random numbers, tables of bad fields.
+/* Shared by the unit tests of base, grid, scene and path: contexts, closeness, random numbers, tables of bad fields.
  */
 #ifndef TY_TESTS_CHECKS_H
 #define TY_TESTS_CHECKS_H

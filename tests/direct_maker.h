@@ -1,4 +1,4 @@
-/* What tests of src/direct share: scenes of one medium, and their light on a grid. */
+/* Shared by tests of src/direct: scenes of one medium, and their light on a grid. */
 #ifndef TY_TESTS_DIRECT_MAKER_H
 #define TY_TESTS_DIRECT_MAKER_H
 
@@ -80,7 +80,8 @@ static inline void direct_add_walls(ty_scene* scene, const double lower[3], cons
     }
 }
 
-/* How far within the open face of such a box the light that gets to a point comes in, m; less than 0: it does not. */
+/* Distance within the open face of such a box at which light that gets to a point comes in, m; less than 0: it does
+ * not. */
 static inline double direct_through_opening(const double lower[3], const double upper[3], const double point[3],
                                             const double toward[3]) {
     double within = INFINITY;

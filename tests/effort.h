@@ -1,4 +1,4 @@
-/* How much tests do: `make test` takes fewer samples, and fewer of cases that are alike; `make validate` has the same
+/* The effort of tests: `make test` takes fewer samples, and fewer of cases that are alike; `make validate` has the same
  * programs take all (tests/CMakeLists.txt). */
 #ifndef TY_TESTS_EFFORT_H
 #define TY_TESTS_EFFORT_H
@@ -45,12 +45,6 @@ static inline int32_t fewer(int32_t samples, int32_t part) {
 /* Leaves a test of what several threads do to the builds with all optimisation and with the thread sanitizer. */
 static inline void skip_under_address_sanitizer(void) {
     if (UNDER_ADDRESS_SANITIZER) skip();
-}
-
-/* Leaves a test that compares with closed forms to the other builds, where it is slow with the thread sanitizer alone
- * and other tests run the same loops. */
-static inline void skip_under_thread_sanitizer(void) {
-    if (UNDER_THREAD_SANITIZER) skip();
 }
 
 /* Leaves a test of how near numbers are, or of how many steps they take, to the optimised build: sanitizers make it

@@ -1,4 +1,4 @@
-/* What tests of readers and writers share: files in the scratch folder, optional data, a strict allocator. */
+/* Shared by tests of readers and writers: files in the scratch folder, optional data, a strict allocator. */
 #ifndef TY_TESTS_FILES_H
 #define TY_TESTS_FILES_H
 
@@ -90,7 +90,7 @@ static inline uint8_t* get_file(const char* path, size_t* size) {
     return bytes;
 }
 
-/* Whether two files hold the same bytes. */
+/* True if two files hold the same bytes. */
 static inline void assert_file_holds(const char* path, const void* bytes, size_t size) {
     size_t found;
     uint8_t* content = get_file(path, &found);
@@ -99,7 +99,7 @@ static inline void assert_file_holds(const char* path, const void* bytes, size_t
     free(content);
 }
 
-/* How many temporary files the scratch folder holds; they are removed. */
+/* The number of temporary files in the scratch folder; they are removed. */
 static inline int remove_temporary_files(void) {
     DIR* folder = opendir(".");
     assert_non_null(folder);

@@ -1,4 +1,4 @@
-/* What tests of flux-limited diffusion share: small scenes, and solves of a few cells. */
+/* Shared by tests of flux-limited diffusion: small scenes, and solves of a few cells. */
 #ifndef TY_TESTS_FLD_MAKER_H
 #define TY_TESTS_FLD_MAKER_H
 

@@ -1,4 +1,4 @@
-/* What the tests of rendering share: small scenes, and images of them. */
+/* Shared by the tests of rendering: small scenes, and images of them. */
 #ifndef TY_TESTS_FOG_H
 #define TY_TESTS_FOG_H
 

@@ -52,7 +52,7 @@ static inline ty_light_view random_light(uint64_t* state, int32_t kind, double h
     return view;
 }
 
-/* What a light's point (u, v) sends to a point: triangles as half a parallelogram. */
+/* Light from a light's point (u, v) to a point: triangles as half a parallelogram. */
 static inline bool light_sent(const ty_light_view* light, ty_vec from, float u, float v, ty_light_sample* sample) {
     if (light->kind != TY_KIND_TRIANGLE) return ty_light_sample_from(light, from, u, v, sample);
     ty_light_view half = *light;

@@ -1,4 +1,4 @@
-/* What tests of the marcher share: scenes seen along an axis, even fields, pixels. */
+/* Shared by tests of the marcher: scenes seen along an axis, uniform fields, pixels. */
 #ifndef TY_TESTS_MARCH_MAKER_H
 #define TY_TESTS_MARCH_MAKER_H
 

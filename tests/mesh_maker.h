@@ -1,4 +1,4 @@
-/* What the tests of mesh files share: a context that keeps its warnings, glTF text and GLB files made on the spot. */
+/* Shared by the tests of mesh files: a context that keeps its warnings, glTF text and GLB files made on the spot. */
 #ifndef TY_TESTS_MESH_MAKER_H
 #define TY_TESTS_MESH_MAKER_H
 

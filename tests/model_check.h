@@ -1,4 +1,4 @@
-/* What every model must be, whatever file it came from. */
+/* Properties of every model, whatever file it came from. */
 #ifndef TY_TESTS_MODEL_CHECK_H
 #define TY_TESTS_MODEL_CHECK_H
 

@@ -1,4 +1,4 @@
-/* What tests of ordinates' grids share. */
+/* Shared by tests of ordinates' grids. */
 #ifndef TY_TESTS_POP_GRID_MAKER_H
 #define TY_TESTS_POP_GRID_MAKER_H
 

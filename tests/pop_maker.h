@@ -1,4 +1,4 @@
-/* What tests of src/method/pop share: defs without the method's own defaults, environments made on the spot. */
+/* Shared by tests of src/method/pop: defs without the method's own defaults, environments made on the spot. */
 #ifndef TY_TESTS_POP_MAKER_H
 #define TY_TESTS_POP_MAKER_H
 

@@ -1,4 +1,4 @@
-/* What tests of merging share: grids about boxes, lights on them, and merged grids. */
+/* Shared by tests of merging: grids about boxes, lights on them, and merged grids. */
 #ifndef TY_TESTS_POP_MERGE_MAKER_H
 #define TY_TESTS_POP_MERGE_MAKER_H
 
@@ -59,7 +59,7 @@ static inline void free_light(ty_pop_light* light) {
     free(light->accumulated);
 }
 
-/* What a light has in cell i, j, k, ghosts included (then i and j begin at -1). */
+/* Values of a light in cell i, j, k, ghosts included (then i and j begin at -1). */
 static inline float* cell_of(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
     const int32_t ghosts = ty_pop_ghost_width(&light->grid), row = light->grid.size[0] + 2 * ghosts;
     const int32_t rows = light->grid.size[1] + 2 * ghosts;

@@ -7,7 +7,7 @@
 
 #include <tyndall/rsm.h>
 
-/* How far along a ray, in lengths of its direction, a surface is; INFINITY: nowhere. */
+/* Distance along a ray to a surface, in lengths of its direction; INFINITY: none. */
 typedef double (*made_depth)(const void* user, const double origin[3], const double direction[3]);
 
 static inline void made_set_face(ty_rsm* map, int face, ty_vec forward, double half) {

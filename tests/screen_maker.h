@@ -1,4 +1,4 @@
-/* What the tests of screen-space scattering share: pictures with their distances, fogs, and all variants. */
+/* Shared by the tests of screen-space scattering: pictures with their distances, fogs, and all variants. */
 #ifndef TY_TESTS_SCREEN_MAKER_H
 #define TY_TESTS_SCREEN_MAKER_H
 

@@ -15,7 +15,7 @@ static inline float small_density(int x, int y, int z) {
     return x >= 16 && x < 24 && y >= 0 && y < 8 && z >= 0 && z < 8 ? 5 : 0.25f;
 }
 
-/* Whether a grid with its first voxel at the files' lowest index holds scale times density, to a tolerance. */
+/* True if a grid with its first voxel at the files' lowest index holds scale times density, to a tolerance. */
 static inline void assert_small_values(const ty_grid* grid, float scale, double tolerance) {
     const ty_grid_info info = ty_grid_get_info(grid);
     for (int z = 0; z < info.size[2]; ++z)

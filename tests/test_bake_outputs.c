@@ -1,4 +1,4 @@
-/* What baking leaves: copies of glTF files with colours at their vertices, receivers of vertices, images of probes. */
+/* Outputs of baking: copies of glTF files with colours at their vertices, receivers of vertices, images of probes. */
 #include "mesh_maker.h"
 #include "strict_fixture.h"
 

@@ -1,4 +1,4 @@
-/* What method auto is for scenes of each kind, what it says of them, and what it sees of them. */
+/* The method that auto chooses for scenes of each kind, its reasons, and the features that it finds. */
 #include "fld_maker.h"
 
 /* Numbers of scenes that are put together here. */

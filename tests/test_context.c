@@ -483,7 +483,7 @@ static void progress_is_of_the_whole_and_throttled(void** state) {
     r.most = r.count + 1;
     assert_int_equal(ty_part_next(&progress, "second", 1), TY_CANCELLED);
     assert_true(r.fraction == 0.75);
-    /* What begins again, or is no number, stays where the report was. */
+    /* A part that begins again, or is no number, leaves the report where it was. */
     const ty_progress back = {.stage = "second", .fraction = -1}, none = {.stage = "second", .fraction = NAN};
     r.most = 0;
     ty_part_report(&progress, &back);

@@ -2,11 +2,8 @@
  * their samples. */
 #include "base/random.k.h"
 #include "checks.h"
-#include "effort.h"
 #include "scene/bsdf/dielectric.k.h"
 #include "scene/bsdf/tables.h"
-
-#include <stdio.h>
 
 enum { SIDE = 128 };
 

@@ -1,7 +1,6 @@
 /* Diffusion between surfaces: closed forms of the solver's equations. */
 #include "diffusion_maker.h"
 
-#include <stdio.h>
 #include <string.h>
 
 /* A box of cells whose outer faces are closed, and those between x = `split` - 1 and `split` (0: none). */

@@ -70,7 +70,7 @@ static double absorbed(const ty_grid_medium* medium, const float* lit, int chann
     return sum * medium->cell[0] * medium->cell[1] * medium->cell[2];
 }
 
-/* What cells absorb and what leaves is what entered. */
+/* The light that cells absorb and the light that leaves add up to the light that entered. */
 static void no_light_is_lost(void** state) {
     for (int w = 0; w < WAYS; ++w)
         for (int gray = 0; gray < 2; ++gray) {

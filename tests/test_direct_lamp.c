@@ -16,7 +16,7 @@ static ty_scene* cube_scene(ty_context* context, float sigma_t, const double lam
     return scene;
 }
 
-/* How far the way from the lamp to a point is within the cube. */
+/* Length within the cube of the segment from the point light to a point. */
 static double way_inside(const double lamp[3], const double point[3]) {
     double enter = 0, leave = 1, square = 0;
     for (int a = 0; a < 3; ++a) {

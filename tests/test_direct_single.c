@@ -33,7 +33,7 @@ static direct_case fog(ty_context* context, ty_light_kind kind) {
     return direct_begin(scene, CELLS, 1, 1);
 }
 
-/* What point scatters along way. */
+/* Light that a point scatters along a direction. */
 static float scattered(const ty_light_fluence* light, ty_vec point, ty_vec way, float g) {
     static const int32_t size[3] = {CELLS, CELLS, CELLS};
     const float per_cell = CELLS / 2.0f, gs[3] = {g, g, g};
@@ -89,7 +89,7 @@ static void lamps_scatter_from_where_they_are(void** state) {
     direct_end(&made);
 }
 
-/* What a beam in a medium of mean cosine g has become behind the optical depth tau of scattering. */
+/* A beam in a medium of mean cosine g, behind the optical depth tau of scattering. */
 static ty_forward forward_behind(double tau, double g) {
     return (ty_forward){(float)exp(-tau), (float)exp(-tau * (1 - g)), (float)exp(-tau * (1 - g * g)), 1};
 }
@@ -121,7 +121,7 @@ static void thin_lobes_are_double_scattering(void** state) {
     const ty_forward light = forward_behind(1e-3, 0.6);
     for (int i = 0; i < 5; ++i) {
         const double mu = -1 + i * 0.5, uniform = (1 - 0.6) * 1e-3 / 12.566370614359172;
-        /* What is even of it belongs to the diffuse light. */
+        /* Its isotropic part belongs to the diffuse light. */
         const double expected = 1e-3 * henyey_greenstein(mu, 0.36) - uniform;
         assert_close((double)ty_forward_scattered(light, (float)mu, 0.6f), expected, 0.01 * 1e-3);
     }

@@ -118,7 +118,7 @@ static void stairs_look_like_their_surface(void** state) {
             const float met = 1 - 1 / stairs;
             /* In light 1 the surface sends its albedo; stairs get 1 or what others send. */
             assert_close((double)(of_stairs * (1 - met + met * albedo)), (double)albedo, 1e-5);
-            /* What it sends by itself is seen as 1. */
+            /* Its emission is seen as 1. */
             assert_close((double)(share + of_stairs * met), 1, 1e-5);
         }
 }

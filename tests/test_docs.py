@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The documentation against what it speaks of: methods' pages have one shape and all keys of the scene file with their
-defaults, what they call by the names of the code is there, and links lead somewhere. usage: test_docs.py SOURCE_FOLDER [TYNDALL]"""
+defaults, what they call by the names of the code is there, links lead somewhere, and lines of own code are as told.
+usage: test_docs.py SOURCE_FOLDER [TYNDALL]"""
 import json
 import pathlib
 import re
@@ -98,6 +99,26 @@ def check_links(page):
             failures.append(f"{page.relative_to(source)}: {target} has no such section")
 
 
+def check_paths(page):
+    """Files and folders that a page names from the root, with wildcards, are there."""
+    for path in set(re.findall(r"`((?:src|include|tests|tools|scenes|scripts|cmake)/[\w/.*]*)`", page.read_text(encoding="utf-8"))):
+        if not re.search(r"NAME|ROOM", path) and not list(source.glob(path)):
+            failures.append(f"{page.relative_to(source)}: there is no {path}")
+
+
+def check_sizes(page):
+    """The page of dependencies tells the lines of own code to a fifth."""
+    section = read(page).split("## Own code")[1].split("\n## ")[0]
+    rows = [row.split(" | ") for row in re.findall(r"^\| .*`.*$", section, flags=re.M)]
+    if len(rows) < 10:
+        failures.append(f"{page}: only {len(rows)} rows of own code")
+    for cells in rows:
+        files = [file for path in re.findall(r"`([\w/.*]+)`", cells[0]) for file in source.glob(path)]
+        lines, told = sum(file.read_text(encoding="utf-8").count("\n") for file in files), int(cells[1].replace(",", ""))
+        if not files or abs(told - lines) > 0.2 * lines:
+            failures.append(f"{page}: {cells[0][2:50]}... has {lines} lines, not {told}")
+
+
 render = json.loads(read("docs/scene.schema.json"))["$defs"]["render"]["properties"]
 for name in [*(name for name, entry in render.items() if "properties" in entry), "impulse"]:
     check_shape(name)
@@ -109,9 +130,12 @@ code = [file for folder in ("include", "src", "tools", "examples", "cmake", "scr
 words = {word for file in code if file.suffix in (".h", ".c", ".cpp")
          for word in re.findall(r"\b(?:ty|TY)_\w+\b", file.read_text(encoding="utf-8", errors="replace"))}
 names = [str(file.relative_to(source)) for file in code]
-for page in [source / "README.md", *sorted((source / "docs").rglob("*.md"))]:
+pages = [source / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")] + sorted((source / "docs").rglob("*.md"))
+for page in pages:
     check_code(page, words, names)
-for markdown in [source / "README.md", source / "CHANGELOG.md", *sorted((source / "docs").rglob("*.md"))]:
+    check_paths(page)
+check_sizes("docs/dependencies.md")
+for markdown in [source / "CHANGELOG.md", *pages]:
     check_links(markdown)
 print("\n".join(failures) or "pages have their shape, their keys and their links")
 sys.exit(1 if failures else 0)

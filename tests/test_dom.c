@@ -230,7 +230,7 @@ static void many_lamps_add_up(void** state) {
     for (int i = 0; i < 3 * CELLS; ++i) assert_true(fabs(all.fluence[i] - sum[i]) <= 0.02 * mean);
 }
 
-/* What is not there sends nothing: no light, no colour, nothing that scatters. */
+/* Absent things send nothing: no light, no colour, no scattering. */
 static void nothing_comes_from_nothing(void** state) {
     static cells cell;
     for (int lights = 0; lights < 3; ++lights) {

@@ -73,7 +73,7 @@ static double mean_radiance(const ty_enclosed_field* field, double r) {
 
 /* Without absorption, uniform light is inside as it is outside, times n^2: white milk and its boundary are invisible.
  * Measured of ordinates: 0.943 to 1.010 (diffusion, which has no such solution in a ball of 3 transport mean free
- * paths: 0.79 to 1.24). What enters is 1.0 % more than the ball's area lets through, as its faces are. */
+ * paths: 0.79 to 1.24). The light that enters is 1.0 % more than the ball's area lets through, as its faces are. */
 static void white_milk_is_invisible(void** state) {
     skip_under_sanitizers();
     static const ball balls[] = {{20, 0, 0.7f, false}, {4, 0, 0, false}};

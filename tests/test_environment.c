@@ -1,7 +1,6 @@
 /* Environments: which way they face, lookup, and sampling in proportion to brightness. */
 #include "checks.h"
 
-#include "base/random.k.h"
 #include "scene/lights/environment.h"
 
 static const double pi = 3.14159265358979323846;

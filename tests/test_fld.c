@@ -117,7 +117,7 @@ static void channels_add_up(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* What light was solved with stays with it. */
+/* The options of a solve stay with its light. */
 static void views_know_the_beam_of_their_light(void** state) {
     ty_scene* scene = foggy_scene(*state);
     ty_fld_def def = small_fld();

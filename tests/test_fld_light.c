@@ -434,7 +434,7 @@ static void limiters_meet(void** state) {
 
 enum { FEW = 12 };
 
-/* How far fluence on FEW^3 cells of the box of colored_block is off, relative rms. */
+/* Relative rms error of fluence on FEW^3 cells of the box of colored_block. */
 static double fluence_error(const ty_scene* scene, const ty_fld_def* def, const double* truth, double* fluence) {
     static const int32_t size[3] = {FEW, FEW, FEW};
     static const double lower[3] = {-1, -0.75, -0.5}, upper[3] = {1, 0.75, 0.5};

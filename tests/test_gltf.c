@@ -50,7 +50,7 @@ static void assert_indices(const ty_model_mesh* mesh, const uint32_t* expected, 
     for (size_t i = 0; i < 3 * triangles; ++i) assert_int_equal(mesh->indices[i], expected[i]);
 }
 
-/* ---- What is read ---- */
+/* ---- reading ---- */
 
 static void a_triangle_is_read(void** state) {
     (void)state;

@@ -4,7 +4,6 @@
 #include "image_maker.h"
 #include "strict_fixture.h"
 
-#include "base/context.h"
 #include "io/images/image_file.h"
 
 #include <tyndall/io.h>

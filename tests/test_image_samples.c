@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* What a reader should find: 1 to 4 channels of values up to *max. */
+/* Values that a reader should find: 1 to 4 channels of values up to *max. */
 static int expected_pixel(const png_kind* kind, int x, int y, uint32_t pixel[4], uint32_t* max) {
     *max = kind->depth == 16 ? 65535 : 255;
     if (kind->colour == PNG_COLOR_TYPE_PALETTE) {

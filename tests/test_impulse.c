@@ -6,7 +6,6 @@
 #include "method/impulse/tables.h"
 
 #include <math.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static ty_impulse_def small_def(const char* folder) {

@@ -1,4 +1,4 @@
-/* What lights are to a scene before anybody looks from a point: how bright each counts, and who is chosen how often. */
+/* Weights of lights in a scene without a receiver: the brightness of each, and the frequency of its choice. */
 #include "checks.h"
 
 #include "scene/lights/light.h"

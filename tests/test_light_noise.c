@@ -1,4 +1,5 @@
-/* How noisy one light's sample is for the sum of all, when the tree of lights picks it and when its power does. */
+/* Noise of one light's sample as an estimate of the sum of all, when the tree of lights picks it and when its power
+ * does. */
 #include "light_maker.h"
 #include "scene/bsdf/bsdf.k.h"
 #include "scene/bsdf/tables.h"

@@ -158,7 +158,7 @@ static void numbers_are_stretched_back(void** state) {
     ty_light_tree_destroy(*state, tree);
 }
 
-/* Whether a light sends anything to a point, on a surface unless normal is 0: some points of the light tell. */
+/* True if a light sends anything to a point, on a surface unless normal is 0: some points of the light tell. */
 static bool contributes(const ty_light_view* light, ty_vec from, ty_vec normal, uint64_t* random) {
     for (int i = 0; i < 8; ++i) {
         ty_light_sample sample;

@@ -1,4 +1,4 @@
-/* What lattices start from. */
+/* Injection into lattices. */
 #include "base/context.h"
 #include "direct_maker.h"
 #include "files.h"
@@ -238,7 +238,7 @@ static void add_room(ty_scene* scene, double half, double thickness, double turn
     }
 }
 
-/* How many cells a cell is from the middle of a lattice of 24. */
+/* Distance of a cell from the center of a lattice of 24, in cells. */
 static int32_t cells_out(size_t cell) {
     int32_t out = 0;
     for (int a = 0; a < 3; ++a) {

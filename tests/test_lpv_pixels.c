@@ -457,7 +457,7 @@ static void shadows(void** state) {
 
 /* ---- lookups ---- */
 
-/* What images look up is what single points get, in nested lattices with closed links, too. */
+/* Lookups of images are those of single points, in nested lattices with closed links, too. */
 static void lookups_agree(void** state) {
     uint64_t seed = 5;
     ty_lattice* lattices[2];

@@ -1,7 +1,7 @@
 /* The marcher against closed forms and fine quadrature. */
 #include "march_maker.h"
 
-#include "image/sharpen.h"
+#include "image/deconvolve.h"
 #include "scene/media/phase.k.h"
 
 static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -409,7 +409,7 @@ static void sharp_cells_keep_their_means(void** state) {
             cells[i][2] = i < CELLS / 2 ? 0.0f : 1.0f;
             cells[i][3] = 7;
         }
-        check_result(*state, ty_sharpen_cells(*state, size, 4, 1, 3, NULL, NULL, cells[0]));
+        check_result(*state, ty_deconvolve_means(*state, size, 4, 1, 3, NULL, NULL, cells[0]));
         float sharp[CELLS];
         for (int i = 0; i < CELLS; ++i) sharp[i] = cells[i][0];
         for (int i = 0; i < CELLS; ++i) {

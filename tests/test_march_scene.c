@@ -1,4 +1,4 @@
-/* What the marcher sees beside media: surfaces, skies, images of both; threads, cancelling, refusals. */
+/* Images of the marcher beside media: surfaces, skies, images of both; threads, cancelling, refusals. */
 #include "fog.h"
 #include "march_maker.h"
 

@@ -141,7 +141,7 @@ static void wrong_fields_are_refused(void** state) {
     ty_grid_release(grid);
 }
 
-/* What a scene holds stays when the caller lets go. */
+/* Objects of a scene stay when the caller releases them. */
 static void media_keep_what_they_use(void** state) {
     ty_transfer_point points[2] = {{0, 0, {1, 1, 1}}, {1, 2, {1, 1, 1}}};
     ty_medium_def def = box_medium(lower, upper, 1, 1);
@@ -284,7 +284,7 @@ static void extremes_are_exact(void** state) {
 
 /* ---- fields ---- */
 
-/* What a field must be at a point of the world, by the public lookup. */
+/* The value of a field at a point of the world, by the public lookup. */
 static double field_at(const ty_grid* grid, ty_vec point) {
     const ty_grid_info info = ty_grid_get_info(grid);
     const double half = info.size[0] / 2.0;

@@ -120,7 +120,7 @@ static void materials_are_read(void** state) {
     ty_model_free(&model);
 }
 
-/* What a diffuse colour alone, Phong's keys and those of newer writers make of a material. */
+/* Materials of a diffuse colour alone, of Phong's keys and of those of newer writers. */
 static void gloss_is_read(void** state) {
     (void)state;
     put_text("gloss.mtl", "newmtl diffuse\nKd 1 1 1\nNs 100\n"

@@ -141,8 +141,9 @@ static void octaves_are_single_scattering_in_scaled_media(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* What does not absorb, under a sky of radiance 1: no octave sends more than a^i (1 - T) times the largest value of
- * 4 pi p, here 1; in a thin medium octave i sends a^i times as much as octave 0, which is the energy gained. */
+/* A medium that does not absorb, under a sky of radiance 1: no octave sends more than a^i (1 - T) times the largest
+ * value of 4 pi p, here 1; in a thin medium octave i sends a^i times as much as octave 0, which is the energy gained.
+ */
 static void energy_in_a_white_furnace(void** state) {
     static const float sigma_s[] = {1e-3f, 1, 30};
     static const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};

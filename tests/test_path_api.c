@@ -115,7 +115,7 @@ static void channels_are_those_asked_for(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* What media scattered is part of the radiance; fractions are fractions; normals have unit length or are 0. */
+/* Light that media scattered is part of the radiance; fractions are fractions; normals have unit length or are 0. */
 static void channels_agree_with_one_another(void** state) {
     ty_scene* scene = foggy_scene(*state);
     ty_path_def def = small_def(64);

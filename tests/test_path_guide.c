@@ -1,7 +1,6 @@
 /* Paths led by dom: the mean stays as it is for any guide, on any number of threads, and from any state. */
 #include "fog.h"
 
-#include "base/context.h"
 #include "method/path/driver.h"
 
 /* A dark corner: a lamp behind a wall in a foggy room, scattering forwards; patchy: the fog is a grid. */

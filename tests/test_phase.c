@@ -131,7 +131,7 @@ static void moments_are_those_of_quadrature(void** state) {
     }
 }
 
-/* What kernels evaluate is the formula: Henyey-Greenstein, Rayleigh, and Fournier and Forand between nodes. */
+/* Kernels evaluate the formulas: Henyey-Greenstein, Rayleigh, and Fournier and Forand between nodes. */
 static void values_are_the_formulas(void** state) {
     const double cosines[] = {-1, -0.7, 0, 0.3, 0.99, 1};
     const ty_phase_lobe rayleigh = DRAINE(1, 0, 1), hg = DRAINE(1, 0.8, 0), petzold = FORAND(.n = 1.10, .mu = 3.5835);

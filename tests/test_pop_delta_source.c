@@ -1,4 +1,4 @@
-/* What leaves a beam's forward lobe, and how far it is delta_source before it is diffuse. */
+/* The light that leaves a beam's forward lobe, and the distance over which it is delta_source before it is diffuse. */
 #include "method/pop/delta_source.h"
 #include "pop_merge_maker.h"
 

@@ -215,7 +215,7 @@ static void discs_scatter_as_they_should(void** state) {
             }
 }
 
-/* What lines become is no brighter than light from a disc, and has no edge. */
+/* The light of lines is no brighter than light from a disc, and has no edge. */
 static void a_line_of_light_becomes_a_disc(void** state) {
     (void)state;
     for (int n = 2; n < 100; n *= 2) {

@@ -1,4 +1,4 @@
-/* How much the camera sees of light from each direction. */
+/* The map of importance: the fraction of the light from each direction that the camera sees. */
 #include "files.h"
 #include "method/pop/ordinate/ordinate.h"
 #include "pop_maker.h"
@@ -16,12 +16,9 @@ typedef struct gaze {
 
 static const gaze ahead = {.up = TY_AXIS_Y, .from = {0, 0, 6}, .sigma_s = 1, .g = 0.85f, .threads = 2};
 
-static void find_with(const gaze* g, const ty_pop_def* def, float map[DIRECTIONS]) {
+static ty_scene* make_view(ty_context* context, const gaze* g) {
     const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
-    ty_context* context = make_context(g->threads);
     ty_scene* scene = NULL;
-    ty_grid_box box;
-    ty_grid_medium* medium = NULL;
     check_result(context, ty_scene_create(context, g->up, &scene));
     ty_medium_def fog = box_medium(lower, upper, g->sigma_s, g->sigma_a);
     set3f(fog.g, g->g, g->g, g->g);
@@ -36,6 +33,14 @@ static void find_with(const gaze* g, const ty_pop_def* def, float map[DIRECTIONS
     ty_shape_def wall = quad_shape((const double[3][3]){{-50, -50, -1.5}, {100, 0, 0}, {0, 100, 0}});
     if (g->wall) check_result(context, ty_scene_add_shape(scene, &wall));
     check_result(context, ty_scene_commit(scene));
+    return scene;
+}
+
+static void find_with(const gaze* g, const ty_pop_def* def, float map[DIRECTIONS]) {
+    ty_context* context = make_context(g->threads);
+    ty_scene* scene = make_view(context, g);
+    ty_grid_box box;
+    ty_grid_medium* medium = NULL;
     check_result(context, ty_grid_box_fit(scene, 20, &box));
     check_result(context, ty_grid_medium_create(scene, &box, &medium));
     check_result(context, ty_pop_importance_find(scene, def, medium, map));
@@ -186,6 +191,31 @@ static void threads_do_not_matter(void** state) {
     assert_memory_equal(one, two, sizeof one);
 }
 
+/* The public call samples the media on cells of its own, which a homogeneous medium does not depend on. */
+static void callers_get_the_same_map(void** state) {
+    (void)state;
+    const ty_pop_def def = ty_default_pop_def();
+    ty_context* context = make_context(2);
+    ty_scene *scene = make_view(context, &ahead), *empty = NULL;
+    float map[DIRECTIONS], expected[DIRECTIONS];
+    ty_vec flow, brightest;
+    check_result(context, ty_pop_importance(scene, &def, map));
+    find(&ahead, expected);
+    assert_close(mean_of(&ahead, map, &flow, &brightest), 1, 1e-5);
+    float most = 0, off = 0;
+    for (int32_t i = 0; i < DIRECTIONS; ++i) {
+        most = fmaxf(most, expected[i]);
+        off = fmaxf(off, fabsf(map[i] - expected[i]));
+    }
+    if (!(off <= 1e-5f * most)) fail_msg("a direction is off by %g of %g", (double)off, (double)most);
+    check_result(context, ty_scene_create(context, TY_AXIS_Y, &empty));
+    check_result(context, ty_scene_commit(empty));
+    assert_int_equal(ty_pop_importance(empty, &def, map), TY_ERROR_ARGUMENT);
+    ty_scene_destroy(empty);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(behind_or_before),
@@ -196,6 +226,7 @@ int main(void) {
         cmocka_unit_test(surfaces_hide_directions),
         cmocka_unit_test(history_is_mixed),
         cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(callers_get_the_same_map),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

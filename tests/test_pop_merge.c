@@ -13,7 +13,7 @@ static ty_vec direction_of(int n) {
     return n < 6 ? axes[n] : random_unit(&state);
 }
 
-/* Whether a point is between middles of cells, where nothing is held to the grid's edge. */
+/* True if a point is between centers of cells, where nothing is held to the grid's edge. */
 static bool is_inside(const ty_pop_grid* grid, ty_vec point) {
     const float step[3] = {grid->step.x, grid->step.y, grid->step.z};
     for (int a = 0; a < 3; ++a) {
@@ -315,7 +315,7 @@ static void residuum_is_absorbed_alone(void** state) {
     free_glow(&g);
 }
 
-/* What a pass takes away is what was beside faces, a sixth for each. */
+/* A pass takes away the light beside faces, a sixth for each. */
 static void residuum_leaves_through_faces(void** state) {
     static const float absorption[3] = {0, 0, 0};
     glow g = make_glow(absorption);

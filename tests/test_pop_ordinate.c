@@ -1,5 +1,4 @@
 /* Lights as principal ordinates. */
-#include "base/random.k.h"
 #include "files.h"
 #include "method/pop/ordinate/ordinate.h"
 #include "pop_maker.h"
@@ -305,7 +304,7 @@ static void paint_sky(float* pixels) {
     }
 }
 
-/* What the sky, green, scatters along `omega` with mean cosine g. */
+/* Light of the sky, green, scattered along `omega` with mean cosine g. */
 static double scattered_by_sky(const float* pixels, ty_vec omega, float g) {
     double sum = 0;
     for (int i = 0; i < SKY_WIDTH * SKY_HEIGHT; ++i) {

@@ -37,7 +37,7 @@ static double total_left(const pop_case* made) {
 
 /* ---- energy ---- */
 
-/* What of the cells' light goes over the grid's faces. cosines: NULL for the ordinate's own. */
+/* Fraction of the cells' light that leaves over the grid's faces. cosines: NULL for the ordinate's own. */
 static double leaving(const pop_case* made, const float* light, const float* turned) {
     const ty_pop_grid* grid = &made->light.grid;
     const int32_t n = grid->size[0];

@@ -38,7 +38,7 @@ static void make_points(bool scrambled, uint64_t item) {
     }
 }
 
-/* Whether the first 2^(a + b) points fall one into each cell of 2^a x 2^b. */
+/* True if the first 2^(a + b) points fall one into each cell of 2^a x 2^b. */
 static bool even_cells(int dx, int dy, int a, int b) {
     static uint8_t cells[POINTS];
     memset(cells, 0, sizeof cells);
@@ -77,8 +77,8 @@ static void scrambling_keeps_strata(void** state) {
     }
 }
 
-/* What typing errors in the table would break: no two dimensions are alike, and the first 4096 points of each pair
- * cover 8 x 8 cells evenly. */
+/* Properties that typing errors in the table would break: no two dimensions are alike, and the first 4096 points of
+ * each pair cover 8 x 8 cells evenly. */
 static void pairs_of_dimensions_are_spread(void** state) {
     (void)state;
     make_points(false, 0);

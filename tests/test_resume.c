@@ -254,7 +254,7 @@ static bool begin_journal(void* user, const void* state, size_t size) {
 static bool extend_journal(void* user, const void* changes, size_t size) {
     journal* j = user;
     assert_true(j->size > 0 && j->size + size < sizeof j->bytes);
-    /* What follows a change that was not kept is a whole state, and then the next change. */
+    /* A change that was not kept is followed by a whole state, and then by the next change. */
     assert_true(j->refuse_at == 0 || j->changes != j->refuse_at || j->before_size > 0);
     if (++j->changes == j->refuse_at) return false;
     memcpy(j->bytes + j->size, changes, size);

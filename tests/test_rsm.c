@@ -37,7 +37,7 @@ static ty_rsm* map_of(ty_scene* scene, const ty_rsm_def* def, int32_t light, ty_
     return map;
 }
 
-/* What the light sends through all texels, relative to its intensity. */
+/* Power of the light through all texels, relative to its intensity. */
 static double sum_shares(const ty_rsm* map, const ty_light_view* light) {
     double sum = 0;
     for (int32_t face = 0; face < map->faces; ++face)

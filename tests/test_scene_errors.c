@@ -1,8 +1,6 @@
 /* Scene files that are wrong: each must be refused with the right code, place, line and reason. */
 #include <setjmp.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>

@@ -79,7 +79,7 @@ static void holes_follow_what_is_near(void** state) {
     free_picture(&p);
 }
 
-/* What counts as known to ty_screen_apply counts here: huge distances, and the tiniest. */
+/* Distances that count as known to ty_screen_apply count here: huge distances, and the tiniest. */
 static void extremes_are_known(void** state) {
     float distance[9] = {0, 3e38f, 0, 1e-45f, 0, 1e16f, 0, 1e-38f, 0}, before[9];
     memcpy(before, distance, sizeof before);

@@ -1,4 +1,4 @@
-/* What screen-space scattering does between pixels: uniform stays uniform, light is kept, the reference is the sum it
+/* Screen-space scattering between pixels: uniform stays uniform, light is kept, the reference is the sum it
  * claims to be, and near light does not leak. */
 #include "effort.h"
 #include "screen_maker.h"
@@ -37,7 +37,7 @@ static void uniform_stays_uniform(void** state) {
                 for (int j = 0; j < 7; ++j) check_uniform(*state, (variant)v, filter, levels[i], distances[j]);
 }
 
-/* What comes out of a highlight in the middle over what absorption leaves of it. */
+/* Energy of a scattered highlight in the middle over the energy that absorption leaves. */
 static double kept_energy(ty_context* context, variant v, int32_t filter, double distance) {
     picture p = make_picture(128, 128, distance);
     for (int32_t y = 62; y < 67; ++y)
@@ -104,7 +104,7 @@ static double lattice_sum(double variance, int before, int after) {
     return sum;
 }
 
-/* What the first channel of the reference shall be at (x, y), in double precision: all sources, each normalised over
+/* The first channel of the reference at (x, y), in double precision: all sources, each normalised over
  * its window of the endless lattice, over what of the pixel's own light would stay in the picture. */
 static double exact_scattered(const picture* p, const ty_screen_def* def, int32_t x, int32_t y) {
     const double s = (double)def->sigma_s[0], a = (double)def->sigma_a[0], g = (double)def->g[0];

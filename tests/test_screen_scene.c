@@ -1,4 +1,4 @@
-/* What screen-space scattering takes from scenes: coefficients, the camera, distances inside media. */
+/* Inputs of screen-space scattering from scenes: coefficients, the camera, distances inside media. */
 #include "checks.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
-/* How points spread in screen-space scattering: by the variance of Eq. 2, or as the theory of small angles says, which
- * is drawn here event by event. */
+/* The spread of points in screen-space scattering: by the variance of Eq. 2, or as the theory of small angles says,
+ * which is drawn here event by event. */
 #include "effort.h"
 #include "screen_maker.h"
 
@@ -125,7 +125,7 @@ static void tails_are_those_of_the_theory(void** state) {
         }
 }
 
-/* What reaches a level, by its polynomials, is the mean of the tail over what the level is to hold: evenly in the
+/* The light that reaches a level, by its polynomials, is the mean of the tail over the level's own range: evenly in the
  * logarithm of the variance, above the first level. */
 static void shares_follow_tails(void** state) {
     enum { LEVELS = 12 };

@@ -27,7 +27,7 @@ static ty_vec random_in(uint64_t* random, double half) {
 
 /* ---- one by one ---- */
 
-/* What ty_shadow_lit_segments promises for a point, with the texels that it has; slow, and in double. */
+/* The result that ty_shadow_lit_segments promises for a point, with the texels that it has; slow, and in double. */
 static bool is_lit(const ty_shadow_hierarchy* lit, const double point[3]) {
     const ty_rsm* map = lit->map;
     const bool flat = lit->light.kind == TY_KIND_DIRECTIONAL;
@@ -224,7 +224,7 @@ static double nothing(const void* user, const double origin[3], const double dir
     return INFINITY;
 }
 
-/* What lights a level surface that looks up. */
+/* Visibility of the light from a level surface that faces up, and whether it is sure. */
 static void check_share(const ty_shadow_hierarchy* lit, ty_vec point, double share, bool sure) {
     bool is_sure = !sure;
     assert_close(ty_shadow_visibility(lit, point, ty_vec_make(0, 1, 0), 0.1f, 0.3f, &is_sure), share, 1e-4);

@@ -1,5 +1,4 @@
 /* Smooth interfaces of media: the boundary condition of diffusion, and ordinates that reflect angle by angle. */
-#include "base/context.h"
 #include "checks.h"
 #include "scene/bsdf/fresnel.k.h"
 #include "solve/diffusion/fresnel_boundary.h"

@@ -32,7 +32,7 @@ static void limits_are_right(void** state) {
     for (int limiter = TY_LIMITER_SUM; limiter < TY_LIMITER_COUNT; ++limiter) {
         assert_close((double)ty_limiter_value(limiter, 2, 0), 1.0 / 3, 1e-7);
         assert_close(1e7 * (double)ty_limiter_value(limiter, 2, 1e7f), 1, 2e-6);
-        /* What squares to infinity is still 1 / R, or as good as that. */
+        /* Ratios that square to infinity still give 1 / R, or as good as that. */
         const float far = ty_limiter_value(limiter, 2, 1e30f);
         assert_true(far > 0 && far < 1e-17f);
     }

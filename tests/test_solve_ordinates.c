@@ -111,7 +111,7 @@ static void fill_problem(problem* p, void (*fill)(problem* p, size_t i, const do
 
 /* ---- media ---- */
 
-/* What a cell scatters first of a beam along -z through 1 m of the even scaled medium. */
+/* First-collision source of a cell for a beam along -z through 1 m of the even scaled medium. */
 static void fill_beam(problem* p, size_t i, const double at[3]) {
     const double forward = pow((double)p->g[i], p->def.bands), half = p->def.cell[2] / 2;
     const double sigma = (double)p->extinction[i] - forward * (double)p->scattering[i], depth = 1 - at[2];
@@ -341,7 +341,7 @@ static void fill_lamp(problem* p, size_t i, const double at[3]) {
     p->source[0][i] = off < 0.01 ? 1 : 0;
 }
 
-/* How far cells at some distance are off the inverse square of it, on the mean. */
+/* Mean relative error of cells at some distance from the inverse square of it. */
 static double off_inverse_square(const problem* p) {
     const int32_t n = p->def.size[0], middle = n / 2;
     double sum = 0;

@@ -1,4 +1,4 @@
-/* What must hold for any medium, size and solver: energy, the flux limit, one answer from all. */
+/* Invariants of any medium, size and solver: energy, the flux limit, one answer from all. */
 #include "diffusion_maker.h"
 #include "effort.h"
 
@@ -183,7 +183,7 @@ static void flux_never_exceeds_fluence(void** state) {
     }
 }
 
-/* What flows into each cell is what it absorbs less its source, and all of the flux is in the balance. */
+/* The flux into each cell is its absorption less its source, and all of the flux is in the balance. */
 static void fluxes_balance_in_every_cell(void** state) {
     problem p = make_case(&(medium_case){fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_BOUNDARY_MARSHAK, {9, 8, 7}, 1});
     float *fx = make_floats(10 * 8 * 7), *fy = make_floats(9 * 9 * 7), *fz = make_floats(9 * 8 * 8);

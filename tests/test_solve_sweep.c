@@ -1,6 +1,5 @@
 /* Sweeps of discrete ordinates. */
 #include "checks.h"
-#include "base/context.h"
 #include "base/isa.h"
 #include "solve/ordinates/sweep.h"
 

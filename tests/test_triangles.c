@@ -343,7 +343,7 @@ static made_mesh made_board(void) {
     return mesh;
 }
 
-/* How many of many rays along -z and around it meet something; each the same however often it is asked. */
+/* The number of rays along -z and around it that meet something; each the same however often it is asked. */
 static double share_met(const ty_scene* scene, float spread, bool random_depth) {
     enum { RAYS = 20000 };
     const ty_accel* traced = ty_scene_get_view(scene)->mesh;

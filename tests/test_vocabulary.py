@@ -3,10 +3,12 @@
 
 (a) Retired names occur no more often in code than the table below allows: words of this project's own for things that
     have a standard name, or one word for several things. Comments and strings do not count.
-(b) No comment has a sentence that begins with a bare What, Whether or How: such sentences lack their noun.
+(b) No comment and no page has a sentence that begins with a bare What, Whether or How: such sentences lack their noun.
+    Headings and questions may.
 (c) docs/method, and pages beside it with formulas: each row of "From equations to code" that names an equation, section
     or algorithm of a paper has the form `Eq. 3 (Billeter 2012)`, and names functions by NAME(). They exist, and each of
-    the row's equations is named, in the same form, in the comment above one of these functions or in its body.
+    the row's equations is named, in the same form, in the comment above one of these functions or in its body. A
+    function of the library is written NAME() in all rows.
 (d) docs/glossary.md: each row names a file that exists and one of the identifiers or words in it.
 
 --counts prints today's counts for the tables of (a) and (b) instead of failing."""
@@ -34,14 +36,14 @@ RETIRED = [
     (r"ty_stopped|ty_stopping_depth", "ty_collision_probability, ty_sample_collision_depth", 0),
     (r"ty_medium_glow|ty_spans_glow|glow\w*", "emission, emitted_radiance", 5),
     (r"ty_lamp_\w+|lamps?", "point_light, local_light", 0),
-    (r"ty_forward_(?:fit|lacking|fitted)\w*", "fitted_phase_function", 20),
+    (r"ty_forward_(?:fit|lacking|fitted)\w*", "fitted_phase_function", 19),
     (r"ty_share_between", "ty_lerpf", 0),
-    (r"shares?", "fraction, weight", 56),
-    (r"ways?", "omega, direction, wi, wo", 25),
+    (r"shares?", "fraction, weight", 24),
+    (r"ways?", "omega, direction, wi, wo", 0),
     (r"toward", "wi, direction; vector_irradiance in bakes", 3),
-    (r"least", "min", 5),
+    (r"least", "min", 0),
     (r"most", "max", 3),
-    (r"middle", "center", 20),
+    (r"middle", "center", 3),
     (r"TY_TURN_SIDE", "TY_TRANSPOSE_SIDE", 0),
     (r"turned", "transposed, deflected, rotated: one word each", 0),
     (r"ty_path_turn|ty_dom_turn_to_walls", "ty_path_sample_direction, ty_dom_first_moment_at_faces", 0),
@@ -71,7 +73,20 @@ RETIRED = [
     (r"skin\w*", "interface_face", 0),
     (r"judge\w*", "estimate_convergence", 0),
     (r"murk|glance", "occlusion_medium, visibility_sample", 0),
-    (r"mended", "nonfinite_fixed", 0),
+    (r"mend\w*", "nonfinite_fixed, inpaint", 0),
+    (r"survival", "rr_throughput", 0),
+    (r"mixture|lows", "anderson_iterate, low_order", 0),
+    (r"correction", "dsa: diffusion synthetic acceleration", 0),
+    (r"sight|carried|sharp", "hidden_cells, delta_source, fine_lights", 0),
+    (r"nearness", "inverse_depth", 0),
+    (r"beam_room|ty_stop_room", "scratch, ty_occlusion_box", 0),
+    (r"ty_mesh", "ty_accel, ty_triangle_mesh", 0),
+    (r"ty_pop_frame|ty_lpv_frame", "the state that it is", 0),
+    (r"ty_sharpen\w*", "ty_deconvolve_means", 0),
+    (r"tilts?|ty_phase_find_(?:tilt|below)", "one_minus_mu, cdf", 6),
+    (r"team|watches|called", "thread_pool, spins, wake", 0),
+    (r"borrow|senders", "prior_rays, virtual_emitters", 0),
+    (r"faint|seldom|needle", "min_opacity, few_scatterings, g_path_only", 0),
 ]
 
 # (b) sentences that may begin so.
@@ -106,7 +121,7 @@ def comments_of(text):
         if token.startswith("/*"):
             words = re.sub(r"\n[ \t]*\*", "\n", token[2:-2])
         elif token.startswith("//"):
-            words = token[2:]
+            words = token.lstrip("/<!")
         else:
             continue
         out.append((line, " ".join(words.split())))
@@ -129,13 +144,28 @@ def check_retired():
 
 # ---- (b) ----
 
-# A sentence begins at the comment's beginning or after a full stop, question mark or exclamation mark.
-BARE = re.compile(r"(?:^|[.?!] )[-*( ]*((?:What|Whether|How)\b[^.?!]{0,60})")
+# A sentence begins at the comment's beginning or after a full stop, question mark or exclamation mark, and is no question.
+BARE = re.compile(r"(?:^|[.?!] )[-*( ]*((?:What|Whether|How)\b[^.?!]*)(?=[.!]|$)")
+
+
+def sentences_of_page(text):
+    """The page's paragraphs, rows and entries of lists as running text, without headings and blocks of code."""
+    text = re.sub(r"^```.*?^```", lambda match: "\n" * match.group().count("\n"), text, flags=re.M | re.S)
+    out, begun = [], None
+    for line, words in enumerate(text.split("\n") + [""], 1):
+        if begun is not None and (not words.strip() or re.match(r"\s*([-*] |\d+\. |\||#| {4})", words)):
+            out.append(begun)
+            begun = None
+        if words.strip() and not re.match(r"#| {4}|\|", words):
+            begun = (line, words.strip()) if begun is None else (begun[0], begun[1] + " " + words.strip())
+    return out
 
 
 def check_sentences():
-    found = [(path, line, match) for path in files("src", "include", "examples")
-             for line, words in comments_of(read(path)) for match in BARE.findall(words)]
+    code = files("src", "include", "examples", "tools", "tests", suffixes=(".h", ".c", ".cpp", ".js"))
+    texts = [(path, comments_of(read(path))) for path in code]
+    texts += [(path, sentences_of_page(read(path))) for path in [*source.glob("*.md"), *sorted((source / "docs").rglob("*.md"))]]
+    found = [(path, line, match[:60]) for path, texts_of in texts for line, words in texts_of for match in BARE.findall(words)]
     if only_counts:
         print(f"BARE_SENTENCES = {len(found)}")
     elif len(found) > BARE_SENTENCES:
@@ -147,7 +177,7 @@ def check_sentences():
 # ---- (c) ----
 
 # Pages beside those of methods that have a table of equations.
-PAGES_OF_FORMULAS = ["marching.md", "materials.md", "phase.md", "sky.md"]
+PAGES_OF_FORMULAS = ["denoise.md", "direct.md", "marching.md", "materials.md", "phase.md", "sky.md"]
 
 TAG = re.compile(r"(Eq\.|Sec\.|Algorithm|Table|App\.) ([0-9A-Z][0-9A-Z., \-]*(?: and [0-9A-Z.]+)?) \(([A-Z]\w+) (\d{4})\)")
 LOOSE = re.compile(r"\b(?:Eq\.|Sec\.|Algorithm|Table|App\.) [0-9A-Z]")
@@ -197,6 +227,7 @@ def check_equations():
         for row in re.findall(r"^\|.*\|$", section.group(1) if section else "", flags=re.M):
             where, tags = f"{page.relative_to(source)}: {row[:70]}", tags_of(row)
             names = re.findall(r"`(\w+)\(\)`", row)
+            failures.extend(f"{where}: {name} is a function: {name}()" for name in re.findall(r"`(ty_\w+)`", row) if name in known)
             if LOOSE.search(TAG.sub("", row)):
                 failures.append(f"{where}: an equation without its paper, such as Eq. 3 (Billeter 2012)")
             for name in names:

@@ -10,7 +10,7 @@ enum { SOURCE_RADIUS = 10 }; /* of the medium, mean free paths */
 /* The exact fluence in a ball of SOURCE_RADIUS mean free paths about the source. tau phi solves the slab problem of
  * thickness 2 R with an odd source in its middle (the two have the same kernel, E1). So far from the surface, in mean
  * free paths, its discrete part is A sinh(x / nu0), x: from a point outside that is known from Milne's problem:
- * 0.710446 for albedo 1, and to 1% that over the albedo where light gets as far. What this takes from the endless
+ * 0.710446 for albedo 1, and to 1% that over the albedo where light gets as far. Its difference from the endless
  * medium's exp(-tau / nu0):
  */
 static inline double transport_in_ball(double albedo, double tau) {

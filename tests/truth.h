@@ -1,4 +1,4 @@
-/* What tests of the path tracer against closed forms share: scenes in few words, rays on faces, means with errors. */
+/* Shared by tests of the path tracer against closed forms: scenes in few words, rays on faces, means with errors. */
 #ifndef TY_TESTS_TRUTH_H
 #define TY_TESTS_TRUTH_H
 

@@ -51,10 +51,10 @@ static void compare_fog(ty_context* context, double sigma_s, double sigma_a, dou
         ty_bake_def def = ty_default_bake_def();
         def.method = TY_BAKE_PATH;
         def.scatterings = scatterings[b];
-        def.spp = 2048;
+        def.spp = fewer(2048, 2);
         def.seed = 1;
         must(context, ty_bake_surfaces(scene, &def, receivers, count, should, NULL));
-        def.spp = 1024;
+        def.spp = fewer(1024, 2);
         def.tables = tables;
         for (int way = 0; way < WAYS; ++way) {
             def.method = way == CELLS ? TY_BAKE_CACHE : TY_BAKE_IMPULSE;
@@ -143,7 +143,7 @@ static void sponza_probes(void** state) {
         positions[3 * i + 2] = i / 4 % 2 == 0 ? -0.3f : 2.9f;
     }
     ty_bake_def def = ty_default_bake_def();
-    def.spp = fewer(32768, 2);
+    def.spp = fewer(32768, 4);
     def.method = TY_BAKE_PATH;
     must(*state, ty_bake_probes(scene, &def, positions, PROBES, should, NULL));
     def.seed = 1;

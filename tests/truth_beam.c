@@ -6,7 +6,8 @@ enum { RAYS = 64 };
 
 static const double anisotropies[] = {0, 0.7, -0.3};
 
-/* What a ray collects: light that reaches a point of it, scattered towards the eye, and attenuated on both ways. */
+/* Radiance that a ray collects: light that reaches a point of it, scattered towards the eye, and attenuated on both
+ * ways. */
 typedef struct airlight {
     double origin[3], way[3]; /* of the ray */
     double sigma_s, sigma_t, g;

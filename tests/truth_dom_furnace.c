@@ -33,7 +33,7 @@ static ty_scene* white_box(ty_context* context, double half, double sigma, const
     return scene;
 }
 
-/* How far off numbers are from 1. */
+/* Errors of numbers that should be 1. */
 typedef struct spread {
     double mean, rms;
 } spread;
@@ -74,7 +74,7 @@ static spread picture_off(const ty_scene* scene, const ty_dom* light, ty_dom_def
     return spread_of(pixels, ACROSS * ACROSS);
 }
 
-/* How near the box is to what it should be: nowhere to be seen. Numbers below 0 are not looked at. */
+/* Error of the box, which should be nowhere to be seen. Numbers below 0 are not looked at. */
 typedef struct box_case {
     double half, sigma; /* m; 1/m */
     double emitted, fluence, picture;

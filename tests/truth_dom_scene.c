@@ -63,7 +63,8 @@ static ty_difference compare(ty_context* context, const char* name, ty_image* im
     return d;
 }
 
-/* Whether an image is as near to path tracing's as it was measured to be, and nearer than both others'. */
+/* An image is as near to path tracing's as it was measured to be and, in full runs, nearer than both others', whose
+ * own tests measure them always. */
 static bool is_near(ty_context* context, const scene_case* c, const char* what) {
     ty_scene* scene = read_case(context, c);
     ty_image* truth = path_image(scene, c, 0);
@@ -71,13 +72,17 @@ static bool is_near(ty_context* context, const scene_case* c, const char* what) 
     const ty_dom_def def = dom_def(c, surfaces);
     printf("%s, %s, mean ratio / relative RMSE:\n", c->path, what);
     const ty_difference dom = compare(context, "dom", dom_image(scene, &def), truth);
-    const ty_difference fld = compare(context, "fld", fld_image(scene, c, surfaces), truth);
-    const ty_difference pop = compare(context, "pop", pop_image(scene, c, surfaces), truth);
+    double others = INFINITY;
+    if (in_full()) {
+        const ty_difference fld = compare(context, "fld", fld_image(scene, c, surfaces), truth);
+        const ty_difference pop = compare(context, "pop", pop_image(scene, c, surfaces), truth);
+        others = fmin(fld.relative_rmse[3], pop.relative_rmse[3]);
+    }
     ty_image_destroy(truth);
     ty_image_destroy(surfaces);
     ty_scene_destroy(scene);
     return fabs(dom.mean_ratio[3] - c->ratio) <= ratio_margin && dom.relative_rmse[3] <= c->rmse + rmse_margin &&
-           dom.relative_rmse[3] < fld.relative_rmse[3] && dom.relative_rmse[3] < pop.relative_rmse[3];
+           dom.relative_rmse[3] < others;
 }
 
 static void cubes(void** state) {
@@ -90,11 +95,11 @@ static void cubes(void** state) {
 /* Where phase functions are fitted outside of their peaks: from the side. */
 static void narrow_lobes(void** state) {
     const scene_case cloud_in_sun = {
-        "builtin:cloud_sun", NULL, {"media[0].g=0.9"}, 48, 48, fewer(2048, 4), 0.017, 0, 0.997};
+        "builtin:cloud_sun", NULL, {"media[0].g=0.9"}, 48, 48, fewer(2048, 8), 0.017, 0, 0.997};
     static const char both[] = "lights=[{\"type\":\"directional\",\"direction\":[0.7,-0.5,-0.3],\"irradiance\":3},"
                                "{\"type\":\"environment\",\"radiance\":0.3}]";
     const scene_case cloud_in_sky = {
-        "builtin:cloud_sun", NULL, {"media[0].g=0.96", both}, 48, 48, fewer(1024, 4), 0.008, 0, 1.003};
+        "builtin:cloud_sun", NULL, {"media[0].g=0.96", both}, 48, 48, fewer(1024, 8), 0.008, 0, 1.003};
     const bool near = is_near(*state, &cloud_in_sun, "g 0.9"), in_sky = is_near(*state, &cloud_in_sky, "g 0.96, sky");
     assert_true(near && in_sky);
 }

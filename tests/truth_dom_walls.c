@@ -32,7 +32,7 @@ static ty_image* dom_image(const ty_scene* scene, const scene_case* c, const ty_
     return image;
 }
 
-/* Whether an image is as near to path tracing's as it was measured to be. */
+/* True if an image is as near to path tracing's as it was measured to be. */
 static bool is_near(ty_context* context, const scene_case* c, const char* what) {
     ty_difference d;
     ty_scene* scene = read_case(context, c);
@@ -134,7 +134,8 @@ static void walls_let_nothing_through(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* What few directions show on the walls beside a lamp in fog, against many: a last sweep of more of them takes it away.
+/* Artefacts of few directions on the walls beside a lamp in fog, against many: a last sweep of more of them takes it
+ * away.
  */
 static void a_last_sweep_shows_no_curtains(void** state) {
     static const char lamp[] = "lights[0]={\"type\":\"point\",\"position\":[-0.75,0.2,-0.2],\"intensity\":1}";

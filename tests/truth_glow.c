@@ -25,7 +25,7 @@ static ty_grid* column_grid(ty_context* context, int32_t size, double (*value)(d
     return grid;
 }
 
-/* What a ray along -z sees of the scene, all three channels. */
+/* Radiance of the scene along -z, all three channels. */
 static void along_z(ty_scene* scene, int32_t spp, estimate out[3]) {
     enum { ITEMS = 64 };
     double rays[6 * ITEMS], radiance[3 * ITEMS];

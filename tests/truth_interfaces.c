@@ -197,7 +197,7 @@ static void lamps_and_the_sun_shine_through_a_pane(void** state) {
     }
 }
 
-/* What a pane reflects and what it lets pass add up. */
+/* The light that a pane reflects and the light that it lets pass add up. */
 static void panes_before_a_white_sky(void** state) {
     ty_scene* scene = new_scene(*state);
     const ty_light_def sky = light_of(TY_LIGHT_ENVIRONMENT, 1);

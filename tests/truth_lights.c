@@ -182,8 +182,8 @@ static void constant_environments_are_right(void** state) {
 
 enum { MAP_WIDTH = 16, MAP_HEIGHT = 8, BRIGHT_ROW = 2 };
 
-/* What a bright row of a map brings to a board that faces up, at an angle from the vertical: radiance is linear between
- * the rows' middles. */
+/* Irradiance by a bright row of a map on a board that faces up, at an angle from the vertical: radiance is linear
+ * between the rows' middles. */
 static double bright_row(const void* user, double angle) {
     (void)user;
     const double rows = angle / pi * MAP_HEIGHT - (BRIGHT_ROW + 0.5);

@@ -10,7 +10,7 @@ static const char* const part_names[PARTS] = {"full method", "both added", "plai
 static const uint32_t parts[PARTS] = {TY_LPV_ALL, TY_LPV_PLAIN | TY_LPV_MARCH | TY_LPV_SINGLE,
                                       TY_LPV_PLAIN | TY_LPV_MARCH, 0};
 
-/* How near a picture comes: over all blocks, and over those which get no direct light. */
+/* The accuracy of a picture: over all blocks, and over those which get no direct light. */
 typedef struct nearness {
     double ratio, rmse;
     double shadowed_ratio, shadowed_rmse;

@@ -36,7 +36,7 @@ static ty_image* path_image(const ty_scene* scene, int32_t spp, int32_t depth) {
     return image;
 }
 
-/* How an image's layer differs from that of another, over blocks of pixels. */
+/* Difference of an image's layer from that of another, over blocks of pixels. */
 static ty_difference layer_difference(ty_context* context, const ty_image* image, const ty_image* truth,
                                       const char* layer, int32_t block) {
     ty_image* layers[2] = {NULL, NULL};
@@ -123,7 +123,8 @@ static void free_field(traced_field* traced) {
     ty_grid_medium_destroy(traced->coarse);
 }
 
-/* What scatters more than once, from cells of three voxels: guided by density it is nearer to the truth than plain. */
+/* Light that scattered more than once, from cells of three voxels: guided by density it is nearer to the truth than
+ * plain. */
 static void multiple_scattering(void** state) {
     static const float sigma_s[3] = {8, 8, 8};
     ty_light_def sun = ty_default_light_def();

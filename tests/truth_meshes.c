@@ -316,7 +316,7 @@ static void alpha_shadows_are_right(void** state) {
     }
 }
 
-/* What is not there does not glow: light sampling and rays that meet the board agree. */
+/* Holes do not emit: light sampling and rays that meet the board agree. */
 static void emissive_fences_are_right(void** state) {
     for (int mode = TY_ALPHA_MASK; mode <= TY_ALPHA_BLEND; ++mode) {
         made_mesh mesh = board_mesh(1, 0, 0);

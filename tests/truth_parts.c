@@ -232,7 +232,7 @@ static void transmittance_is_exact(void** state) {
     }
 }
 
-/* What neither passes nor scatters is absorbed: nothing, where the albedo is 1. */
+/* Light that neither passes nor scatters is absorbed: nothing, where the albedo is 1. */
 static void albedo_conserves_energy(void** state) {
     for (int absorbing = 0; absorbing < 2; ++absorbing) {
         ty_scene* scene = new_scene(*state);

@@ -31,7 +31,7 @@ static ty_image* fld_image(const ty_scene* scene, const scene_case* c) {
     return image;
 }
 
-/* What media scatter, without the sky behind them, which all methods have. */
+/* Light that media scatter, without the sky behind them, which all methods have. */
 static ty_image* scattered_part(ty_context* context, const ty_image* image) {
     static const char* const layers[] = {"single", "multiple"};
     const int32_t width = ty_image_width(image), height = ty_image_height(image);
@@ -118,7 +118,7 @@ typedef struct images {
     ty_image *truth, *pop, *fld;
 } images;
 
-/* Whether pop's image is as near to the truth as it was measured to be, and nearer than fld's. */
+/* True if pop's image is as near to the truth as it was measured to be, and nearer than fld's. */
 static bool is_nearer(ty_context* context, const images* i, const char* what, nearness expected) {
     printf(" %s\n", what);
     const ty_difference of_pop = compare(context, "pop", i->pop, i->truth);

@@ -115,7 +115,7 @@ static void assert_finite_numbers(const double* values, int count) {
 
 static void images_are_always_finite(void** state) {
     ty_scene* scene = nasty_scene(*state);
-    for (uint64_t seed = 0; seed < 3; ++seed) {
+    for (uint64_t seed = 0; seed < (in_full() ? 3 : 1); ++seed) {
         ty_image* image = render(scene, 64, 16, seed);
         assert_finite(image);
         ty_image_destroy(image);
@@ -137,7 +137,7 @@ static void images_are_always_finite(void** state) {
             else
                 set3(ray + 3, x[0] - 0.5, w % 2 ? 0 : x[1] - 0.5, x[2] - 0.5);
         }
-    radiance_along(scene, 7 * WAYS, rays, 64, 0, radiance, variance);
+    radiance_along(scene, 7 * WAYS, rays, fewer(64, 2), 0, radiance, variance);
     assert_finite_numbers(radiance, 7 * WAYS * 3);
     assert_finite_numbers(variance, 7 * WAYS * 3);
     /* Fluence where the lamp is. */

@@ -1,4 +1,4 @@
-/* What comparisons of whole scenes' images with path tracing's share. */
+/* Shared by comparisons of whole scenes' images with path tracing's. */
 #ifndef TY_TESTS_TRUTH_SCENE_H
 #define TY_TESTS_TRUTH_SCENE_H
 
@@ -6,7 +6,7 @@
 
 enum { BLOCK = 6, DETAILS = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE };
 
-/* How an image is to be overridden to read a file of TYNDALL_DATA. */
+/* Overrides of an image that make it read a file of TYNDALL_DATA. */
 #define DENSITY "media[0].density.file=\"%s\""
 
 /* A scene of the project's, and how near its images come. */
@@ -52,7 +52,7 @@ static inline ty_image* path_image(const ty_scene* scene, const scene_case* c, u
     return image;
 }
 
-/* What surfaces send through the media; NULL where there are none. */
+/* Light of surfaces through the media; NULL where there are none. */
 static inline ty_image* surfaces_of(const ty_scene* scene, const scene_case* c) {
     const ty_scene_info info = ty_scene_get_info(scene);
     if (info.shapes + info.meshes == 0) return NULL;

@@ -5,7 +5,7 @@
 
 enum { SIDE = 32, PIXEL_COUNT = SIDE * SIDE };
 
-/* What light from outside the picture counts. */
+/* Treatment of light from outside the picture. */
 typedef enum surroundings { NOTHING, IN_FULL, BALANCED } surroundings;
 
 static void add_square(ty_scene* scene, double x, double y, double z, const double u[3], const double v[3], double half,
@@ -87,7 +87,7 @@ static void find_radiance_around(const ty_scene* scene, float radiance[3]) {
     for (int c = 0; c < 3; ++c) radiance[c] = (float)(fluence[c] / (4 * pi));
 }
 
-/* What `tyndall render --method screen` does. */
+/* The image of `tyndall render --method screen`. */
 static ty_image* render_screen(const ty_scene* scene, int32_t spp, uint64_t seed, surroundings around) {
     ty_context* context = ty_scene_context(scene);
     ty_image* image = render_surfaces(scene, spp, seed, true);
@@ -110,7 +110,7 @@ static ty_image* render_screen(const ty_scene* scene, int32_t spp, uint64_t seed
     return image;
 }
 
-/* How the scene's screen image differs from the path-traced one, in means of blocks, since paths are noisy. */
+/* Difference of the scene's screen image from the path-traced one, in means of blocks, since paths are noisy. */
 static ty_difference measure(const char* name, const ty_scene* scene, const ty_image* truth, surroundings around,
                              int32_t block) {
     static const char* const words[] = {"nothing around", "around in full", "balanced"};

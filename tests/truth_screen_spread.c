@@ -1,4 +1,4 @@
-/* How fog spreads the image of a small bright emitter: path tracing against the widths that screen-space scattering can
+/* The spread of a small bright emitter's image in fog: path tracing against the widths that screen-space scattering can
  * take it to have. */
 #define _DEFAULT_SOURCE
 #include "truth.h"

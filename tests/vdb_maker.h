@@ -53,7 +53,7 @@ static inline void put_bit_mask(maker* m, size_t bits, int on) {
     if (on >= 0) m->bytes[start_at + (size_t)on / 8] |= (uint8_t)(1 << on % 8);
 }
 
-/* What a made file holds: one grid with a single active tile of 8^3 at tile (in voxels), background elsewhere. */
+/* Contents of a made file: one grid with a single active tile of 8^3 at tile (in voxels), background elsewhere. */
 typedef struct made {
     const char *name, *type, *parent, *map;
     bool is_double, statistics;

@@ -253,7 +253,7 @@ static inline void progress_runs_to_the_end(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* Whether stopping at the stop-th call cancelled; if so, nothing is handed out and all memory is back. */
+/* True if stopping at the stop-th call cancelled; if so, nothing is handed out and all memory is back. */
 static inline bool stops(const volume_calls* calls, const ty_scene* scene, volume_def* def, int stop,
                          const strict_memory* memory) {
     ty_context* context = ty_scene_context(scene);
@@ -295,7 +295,7 @@ static inline void callers_can_cancel_at_any_time(void** state) {
     for (int variant = 0; variant < calls->variants; ++variant) cancel_everywhere(calls, variant);
 }
 
-/* Whether memory that is refused after `count` allocations is missed; if so, nothing is handed out. */
+/* True if memory that is refused after `count` allocations is missed; if so, nothing is handed out. */
 static inline bool misses(const volume_calls* calls, const ty_scene* scene, const volume_def* def, int count,
                           strict_memory* memory) {
     ty_context* context = ty_scene_context(scene);

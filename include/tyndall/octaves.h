@@ -118,7 +118,7 @@ TY_API void ty_octaves_destroy(ty_octaves* light);
 TY_API ty_result ty_octaves_view(const ty_octaves* light, const ty_scene* scene, const ty_octaves_def* def,
                                  ty_image** out, ty_octaves_stats* stats);
 
-/// ty_octaves_solve() followed by ty_octaves_view().
+/// Solves and renders: ty_octaves_solve(), then ty_octaves_view().
 TY_API ty_result ty_octaves_render(const ty_scene* scene, const ty_octaves_def* def, ty_image** out,
                                    ty_octaves_stats* stats);
 

@@ -24,7 +24,7 @@ typedef bool (*ty_path_state_fn)(void* user, const void* state, size_t size);
 /// of false cancels the work. It is called like ty_path_state_fn.
 typedef bool (*ty_path_partial_fn)(void* user, const ty_image* image);
 
-/// What leads paths to the light.
+/// The guides of paths to the light.
 typedef enum ty_path_guide_kind {
     TY_PATH_GUIDE_NONE = 0, ///< Nothing but the lights themselves.
     TY_PATH_GUIDE_DOM = 1   ///< A coarse solve by discrete ordinates (docs/method/path.md, "Guided by dom").
@@ -82,7 +82,7 @@ typedef struct ty_path_def {
     void* partial_user;          ///< Passed on to `partial`; default NULL.
     const struct ty_enclosed_field* enclosed; ///< Light in media inside dielectrics, at whose first collision paths
                                               ///< end, as methods of the library solve it; default NULL.
-    ty_path_guide_kind guide; ///< What directions and distances are sampled by, beside the lights; default
+    ty_path_guide_kind guide; ///< The guide of sampled directions and distances, beside the lights; default
                               ///< TY_PATH_GUIDE_NONE. The mean stays the same. Its time counts as that of the work.
                               ///< Scenes without media have none.
 } ty_path_def;

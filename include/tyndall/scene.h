@@ -549,7 +549,7 @@ typedef struct ty_scene_info {
 
 /// Counts and memory of a scene, which are complete once it is committed.
 TY_API ty_scene_info ty_scene_get_info(const ty_scene* scene);
-/// Stores a medium in the `bytes` bytes of a ty_medium_def; ty_scene_get_medium() calls it.
+/// Stores a medium in the `bytes` bytes of a ty_medium_def. Errors: as ty_scene_get_medium(), which calls it.
 TY_API ty_result ty_scene_copy_medium(const ty_scene* scene, int32_t index, void* out, size_t bytes);
 /// Stores a medium as it was added. Its name, arrays, grids and shell belong to the scene; no reference is added.
 /// Errors: TY_ERROR_ARGUMENT (an index past the end).
@@ -558,7 +558,7 @@ static inline ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index
 }
 /// Stores the radiance of all environment lights together, mean over all directions, W m^-2 sr^-1; 0 without one.
 TY_API void ty_scene_environment(const ty_scene* scene, float radiance[3]);
-/// Stores a mesh in the `bytes` bytes of a ty_mesh_def; ty_scene_get_mesh() calls it.
+/// Stores a mesh in the `bytes` bytes of a ty_mesh_def. Errors: as ty_scene_get_mesh(), which calls it.
 TY_API ty_result ty_scene_copy_mesh(const ty_scene* scene, int32_t index, void* out, size_t bytes);
 /// Stores a mesh in the coordinates of the scene, with an identity transform. Its arrays and textures belong to the
 /// scene; no reference is added. Errors: TY_ERROR_ARGUMENT (an index past the end).

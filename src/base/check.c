@@ -55,15 +55,6 @@ ty_result ty_check_number(ty_context* context, const char* field, double value, 
     return ty_fail(context, TY_ERROR_ARGUMENT, "%s: %g is outside [%g, %g]", field, value, low, high);
 }
 
-ty_result ty_check_within(ty_context* context, const char* field, double value, double low, double high) {
-    if (value > low && value < high) return TY_OK;
-    return ty_fail(context, TY_ERROR_ARGUMENT, "%s: %g is outside (%g, %g)", field, value, low, high);
-}
-
-ty_result ty_check_choice(ty_context* context, const char* field, double value, double low, double high) {
-    return value == 0 ? TY_OK : ty_check_number(context, field, value, low, high);
-}
-
 ty_result ty_check_edges(ty_context* context, const char* field, const double u[3], const double v[3]) {
     for (int a = 0; a < 3; ++a)
         if (!(fabs(u[a]) <= POINT_MAX && fabs(v[a]) <= POINT_MAX))

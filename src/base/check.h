@@ -17,10 +17,6 @@ ty_result ty_check_affine(ty_context* context, const char* field, const ty_affin
 /* Each channel finite, in [low, high]. */
 ty_result ty_check_rgb(ty_context* context, const char* field, const float rgb[3], double low, double high);
 ty_result ty_check_number(ty_context* context, const char* field, double value, double low, double high);
-/* In (low, high). */
-ty_result ty_check_within(ty_context* context, const char* field, double value, double low, double high);
-/* 0 (method default), or in [low, high]. */
-ty_result ty_check_choice(ty_context* context, const char* field, double value, double low, double high);
 /* Edges that span an area. */
 ty_result ty_check_edges(ty_context* context, const char* field, const double u[3], const double v[3]);
 

@@ -3,7 +3,6 @@
 #include "choose/features.h"
 
 #include "base/context.h"
-#include "base/float_mode.h"
 #include "direct/media/grid_medium.h"
 #include "scene/camera.h"
 #include "scene/scene.h"

@@ -96,7 +96,7 @@ static int write_man_pages(const char* folder) {
 
 static int print_markdown(void) {
     fputs("# Commands\n\n"
-          "What `tyndall help COMMAND` says of each, from the tables that options are parsed by. Made by\n"
+          "The text of `tyndall help COMMAND` for each, from the tables that options are parsed by. Made by\n"
           "`tyndall help --markdown > docs/commands.md`; `ctest -R test_cli_help` fails where it is not what the "
           "program says.\n\n"
           "## Options of all commands\n\n",

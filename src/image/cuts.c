@@ -86,7 +86,7 @@ static void number_cuts(const cut_job* job) {
 
 /* Sums over the sides that make a plane. */
 typedef struct plane_sum {
-    ty_vec normal, place; /* in cells */
+    ty_vec normal, position; /* in cells */
     float count;
 } plane_sum;
 
@@ -99,19 +99,19 @@ static ty_vec unit(ty_vec v) {
     return ty_scale(v, 1 / sqrtf(ty_maxf(ty_dot(v, v), 1e-30f)));
 }
 
-/* Takes a surface at a place into the plane that it is of, or into a new one while there is room. */
-static void add_plane(plane_sums* sums, ty_vec normal, ty_vec place) {
+/* Adds a surface's position to the plane that it lies in, or to a new one while the list is not full. */
+static void add_plane(plane_sums* sums, ty_vec normal, ty_vec position) {
     for (int i = 0; i < sums->count; ++i) {
         plane_sum* plane = &sums->planes[i];
-        const ty_vec mean = unit(plane->normal), off = ty_sub(place, ty_scale(plane->place, 1 / plane->count));
+        const ty_vec mean = unit(plane->normal), off = ty_sub(position, ty_scale(plane->position, 1 / plane->count));
         const float cosine = ty_dot(mean, normal);
         if (!(fabsf(cosine) > alike && fabsf(ty_dot(mean, off)) < near)) continue;
         plane->normal = ty_add(plane->normal, ty_scale(normal, cosine < 0 ? -1.0f : 1.0f));
-        plane->place = ty_add(plane->place, place);
+        plane->position = ty_add(plane->position, position);
         plane->count += 1;
         return;
     }
-    if (sums->count < TY_CUT_PLANES) sums->planes[sums->count++] = (plane_sum){normal, place, 1};
+    if (sums->count < TY_CUT_PLANES) sums->planes[sums->count++] = (plane_sum){normal, position, 1};
 }
 
 /* The side of a cell's face, which is closed. */
@@ -119,11 +119,11 @@ static const ty_boundary_side* side_of(const ty_boundary_faces* walls, const int
     const size_t row = (size_t)at[2] * (size_t)walls->size[1] + (size_t)at[1];
     int32_t low = walls->first[row], high = walls->first[row + 1];
     while (low < high) {
-        const int32_t middle = low + (high - low) / 2;
-        if (walls->x[middle] < at[0] || (walls->x[middle] == at[0] && walls->face[middle] < face))
-            low = middle + 1;
+        const int32_t center = low + (high - low) / 2;
+        if (walls->x[center] < at[0] || (walls->x[center] == at[0] && walls->face[center] < face))
+            low = center + 1;
         else
-            high = middle;
+            high = center;
     }
     return &walls->sides[low];
 }
@@ -132,11 +132,11 @@ static const ty_boundary_side* side_of(const ty_boundary_faces* walls, const int
 static void add_side(const cut_job* job, const int32_t at[3], int face, plane_sums* sums) {
     const ty_boundary_side* side = side_of(job->walls, at, face);
     const double* edge = job->edge;
-    float place[3] = {(float)at[0] + 0.5f, (float)at[1] + 0.5f, (float)at[2] + 0.5f};
-    place[face / 2] += (face & 1) != 0 ? side->depth : -side->depth;
+    float position[3] = {(float)at[0] + 0.5f, (float)at[1] + 0.5f, (float)at[2] + 0.5f};
+    position[face / 2] += (face & 1) != 0 ? side->depth : -side->depth;
     const ty_vec normal =
         ty_vec_make(side->normal.x * (float)edge[0], side->normal.y * (float)edge[1], side->normal.z * (float)edge[2]);
-    add_plane(sums, unit(normal), ty_vec_load(place));
+    add_plane(sums, unit(normal), ty_vec_load(position));
 }
 
 static void find_planes(const cut_job* job, const int32_t base[3], plane_sums* sums) {
@@ -153,11 +153,11 @@ static void find_planes(const cut_job* job, const int32_t base[3], plane_sums* s
 
 /* ---- cuts ---- */
 
-static uint32_t side_at(const ty_cell_cut* cut, const float place[3]) {
+static uint32_t side_at(const ty_cell_cut* cut, const float position[3]) {
     uint32_t side = 0;
     for (uint32_t i = 0; i < TY_CUT_PLANES; ++i) {
         const float* plane = cut->plane[i];
-        if (plane[0] * place[0] + plane[1] * place[1] + plane[2] * place[2] + plane[3] < 0) side |= 1u << i;
+        if (plane[0] * position[0] + plane[1] * position[1] + plane[2] * position[2] + plane[3] < 0) side |= 1u << i;
     }
     return side;
 }
@@ -192,14 +192,14 @@ static void make_cut(const cut_job* job, const int32_t base[3], ty_cell_cut* cut
     find_planes(job, base, &sums);
     for (int i = 0; i < sums.count; ++i) {
         const ty_vec normal = unit(sums.planes[i].normal);
-        const float off = ty_dot(normal, sums.planes[i].place) / sums.planes[i].count;
+        const float off = ty_dot(normal, sums.planes[i].position) / sums.planes[i].count;
         const float plane[4] = {normal.x, normal.y, normal.z, -off};
         memcpy(cut->plane[i], plane, sizeof plane);
     }
     for (int i = 0; i < 8; ++i) {
-        const float place[3] = {(float)(base[0] + (i & 1)) + 0.5f, (float)(base[1] + (i >> 1 & 1)) + 0.5f,
-                                (float)(base[2] + (i >> 2)) + 0.5f};
-        sides[i] = side_at(cut, place);
+        const float position[3] = {(float)(base[0] + (i & 1)) + 0.5f, (float)(base[1] + (i >> 1 & 1)) + 0.5f,
+                                   (float)(base[2] + (i >> 2)) + 0.5f};
+        sides[i] = side_at(cut, position);
     }
     for (int i = 0; i < 8; ++i) cut->parts[i] = cells_of(part, part[i]);
     for (uint32_t side = 0; side < TY_CUT_SIDES; ++side)

@@ -8,7 +8,7 @@
 #include "image/froxels.h"
 #include "image/image.h"
 #include "image/kernel.h"
-#include "image/sharpen.h"
+#include "image/deconvolve.h"
 #include "image/spaced.h"
 #include "base/check.h"
 
@@ -189,8 +189,8 @@ static ty_result pack_field(march_job* job, const ty_source_field* field, const 
     pack_job pack = {field, view, cells->floats};
     ty_parallel_for(job->context, size[2], pack_plane, &pack);
     if (!job->def->preserve_means) return TY_OK;
-    return ty_sharpen_cells(job->context, size, view->floats, view->terms, view->channels * view->terms, cuts,
-                            field->at_face, cells->floats);
+    return ty_deconvolve_means(job->context, size, view->floats, view->terms, view->channels * view->terms, cuts,
+                               field->at_face, cells->floats);
 }
 
 static ty_result pack_fields(march_job* job) {

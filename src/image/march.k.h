@@ -90,14 +90,14 @@ static __attribute__((noinline)) void ty_march_add_octaves(ty_march_ray* ray, co
                                                            const ty_near_light* lights,
                                                            const ty_march_visibility* visibility) {
     TY_GLOBAL const ty_march_request* request = ray->request;
-    const ty_vec way = ty_scale(ray->direction, -1.0f);
+    const ty_vec omega = ty_scale(ray->direction, -1.0f);
     float sigma_s[3], g[3];
     ty_medium_sigma_s(track->medium, point, sigma_s);
     ty_medium_g(track->medium, point, g);
     for (int32_t i = 1; i < request->octaves.count; ++i) {
         const float* passed = request->octaves.scales_view ? visibility->octaves[i] : visibility->transmitted;
         float radiance[3];
-        ty_octave_scattered(request, i, point, lights, way, g, radiance);
+        ty_octave_scattered(request, i, point, lights, omega, g, radiance);
         for (int32_t c = 0; c < 3; ++c) ray->light.multiple[c] += passed[c] * track->column * sigma_s[c] * radiance[c];
     }
 }
@@ -177,9 +177,9 @@ TY_FN bool ty_march_update_live_channels(ty_march_ray* ray) {
 /* Visibility of a step of these optical depths; attenuates the transmittance by it. */
 TY_FN void ty_march_attenuate(const float depth[3], float transmittance[3], float visibility[3]) {
     for (int c = 0; c < 3; ++c) {
-        const float decay = ty_attenuation(depth[c]);
-        visibility[c] = transmittance[c] * ty_mean_attenuation(depth[c], decay);
-        transmittance[c] *= decay;
+        const float attenuation = ty_attenuation(depth[c]);
+        visibility[c] = transmittance[c] * ty_mean_attenuation(depth[c], attenuation);
+        transmittance[c] *= attenuation;
     }
 }
 

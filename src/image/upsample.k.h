@@ -38,9 +38,9 @@ TY_FN bool ty_cell_inside(const ty_cell_lattice* lattice, ty_vec cells) {
 
 /* Trilinear weights of eight cells, x fastest. */
 TY_FN void ty_upsample_weights(const ty_cell_point* at, float weight[8]) {
-    const float x[2] = {1.0f - at->share[0], at->share[0]};
-    const float y[2] = {1.0f - at->share[1], at->share[1]};
-    const float z[2] = {1.0f - at->share[2], at->share[2]};
+    const float x[2] = {1.0f - at->fraction[0], at->fraction[0]};
+    const float y[2] = {1.0f - at->fraction[1], at->fraction[1]};
+    const float z[2] = {1.0f - at->fraction[2], at->fraction[2]};
     for (int i = 0; i < 8; ++i) weight[i] = x[i & 1] * y[i >> 1 & 1] * z[i >> 2];
 }
 

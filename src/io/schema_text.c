@@ -5,11 +5,8 @@
 #include "base/number.h"
 #include "io/json_locate.h"
 
-#include <locale.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { WORD_MAX = 63, SHOWN_MAX = 60 };

@@ -1,4 +1,4 @@
-/* The command line: one argument a line, parsed by a table with options of every kind. What is accepted lies in the
+/* The command line: one argument a line, parsed by a table with options of every kind. Accepted values lie in the
  * ranges of the table. Help goes nowhere, and is not asked to write files. */
 #define _GNU_SOURCE
 #include "fuzz_target.h"

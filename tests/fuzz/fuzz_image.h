@@ -1,4 +1,4 @@
-/* What the fuzz targets of images share. */
+/* Shared by the fuzz targets of images. */
 #ifndef TY_TESTS_FUZZ_IMAGE_H
 #define TY_TESTS_FUZZ_IMAGE_H
 

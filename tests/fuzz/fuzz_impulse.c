@@ -5,7 +5,6 @@
 #include "method/impulse/tables.h"
 
 #include <math.h>
-#include <string.h>
 
 static void try_look(const ty_impulse* tables) {
     const ty_impulse_medium medium = {2, 1, 0.3f};

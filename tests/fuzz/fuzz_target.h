@@ -1,4 +1,4 @@
-/* What the fuzz targets share: a context that cannot take much memory, which also tests running out of it. */
+/* Shared by the fuzz targets: a context that cannot take much memory, which also tests running out of it. */
 #ifndef TY_TESTS_FUZZ_TARGET_H
 #define TY_TESTS_FUZZ_TARGET_H
 

@@ -61,6 +61,15 @@ const char* bench_isa(void);
 double bench_median(double* values, int count);
 /* Creates a folder for files of a bench, in TMPDIR or /tmp: CLI_GO, or CLI_FAILED after a message. */
 int bench_make_folder(char out[BENCH_PATH_SIZE]);
+/* A file of scenes/tools in a folder of its own, and the override by which it finds third-party data. */
+typedef struct bench_scene_file {
+    char folder[BENCH_PATH_SIZE], path[BENCH_PATH_SIZE + 16], override[BENCH_PATH_SIZE + 4096];
+} bench_scene_file;
+/* Writes a scene whose value `key`, such as "media[0].density.file", is a file of --data: CLI_GO, or CLI_FAILED after a
+ * message. */
+int bench_write_scene(const bench_options* options, const char* scene, const char* key, const char* file,
+                      bench_scene_file* out);
+void bench_remove_scene(const bench_scene_file* scene);
 /* Size of a bench's images, pixels: --size, else width x height, a quarter of each with --quick. */
 void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]);
 

@@ -10,7 +10,6 @@
 #include "solve/ordinates/sweep.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { DIRECTIONS = 96, SIDES = 2, RUNS_MAX = 99 };

@@ -1,13 +1,9 @@
 /* tyndall bench edit: time from a change of a scene that is shown to the committed scene, beside loading it. */
-#define _GNU_SOURCE
 #include "bench/bench.h"
 #include "io/scenes/scene_editor.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 enum { RUNS_MAX = 99, EDITS_MAX = 6 };
 
@@ -17,33 +13,31 @@ typedef struct timed_edit {
 } timed_edit;
 
 typedef struct edit_case {
-    const char *name, *scene; /* builtin:NAME, or text of a file with %s for the folder of third-party data */
-    const char* data;         /* file that it needs, or NULL */
+    const char *name, *scene; /* builtin:NAME, or a file of scenes/tools */
+    const char *key, *data;   /* value that names a file of third-party data, and that file; NULL: none */
     timed_edit edits[EDITS_MAX];
 } edit_case;
-
-#define SKY "{\"type\":\"environment\",\"scale\":4,\"sky\":{\"sun_direction\":[-0.5,-1,0.42]}}"
 
 static const edit_case cases[] = {
     {"cloud of noise",
      "builtin:cloud_sun",
+     NULL,
      NULL,
      {{"coefficient", "media[0].g"},
       {"camera", "camera.exposure"},
       {"light", "lights[0].irradiance"},
       {"noise", "media[0].density.noise.coverage"}}},
     {"cloud of a file",
-     "{\"tyndall\":1,\"media\":[{\"sigma_t\":0.5,\"albedo\":0.999,\"density\":{\"file\":\"%s/" DISNEY_CLOUD_FILE
-     "\",\"grid\":\"density\"}}],\"lights\":[" SKY "]}",
+     "bench_edit_cloud",
+     "media[0].density.file",
      DISNEY_CLOUD_FILE,
      {{"coefficient", "media[0].g"},
       {"camera", "camera.exposure"},
       {"light", "lights[0].scale"},
       {"sun", "lights[0].sky.sun_direction[0]"}}},
     {"sponza",
-     "{\"tyndall\":1,\"camera\":{\"position\":[-10.2,1.6,-1.7]},\"media\":[{\"sigma_t\":0.06,\"albedo\":1,"
-     "\"bounds\":[[-14,0,-6],[13,13,6]]}],\"lights\":[" SKY ",{\"type\":\"area\",\"origin\":[0,5,0],\"u\":[1,0,0],"
-     "\"v\":[0,0,1],\"radiance\":1}],\"geometry\":[{\"file\":\"%s/" SPONZA_FILE "\"}]}",
+     "bench_edit_sponza",
+     "geometry[0].file",
      SPONZA_FILE,
      {{"coefficient", "media[0].g"},
       {"camera", "camera.exposure"},
@@ -70,10 +64,11 @@ static ty_result time_edit(const bench_session* bench, ty_scene_editor* editor, 
     return TY_OK;
 }
 
-static ty_result run_edits(const bench_session* bench, const edit_case* edited, const char* path) {
+static ty_result run_edits(const bench_session* bench, const edit_case* edited, const char* path,
+                           const char* const* overrides, int32_t override_count) {
     ty_scene_editor* editor = NULL;
     const double start = cli_wall_seconds();
-    ty_result result = ty_scene_editor_open(bench->session->context, path, NULL, 0, &editor);
+    ty_result result = ty_scene_editor_open(bench->session->context, path, overrides, override_count, &editor);
     json_open_object(bench->json, edited->name);
     if (result == TY_OK) bench_numbers(bench->json, {"load_seconds", cli_wall_seconds() - start});
     for (int i = 0; i < EDITS_MAX && edited->edits[i].name != NULL && result == TY_OK; ++i) {
@@ -88,39 +83,21 @@ static ty_result run_edits(const bench_session* bench, const edit_case* edited, 
     return result;
 }
 
-/* Writes the scene's file, whose files are named by an absolute path. */
-static int write_scene(const edit_case* edited, const char* data, const char* path) {
-    char* folder = realpath(data, NULL);
-    FILE* file = folder != NULL ? fopen(path, "wb") : NULL;
-    bool written = false;
-    if (file != NULL) {
-        const char* place = strstr(edited->scene, "%s");
-        written = fprintf(file, "%.*s%s%s", (int)(place - edited->scene), edited->scene, folder, place + 2) > 0;
-        written = fclose(file) == 0 && written;
-    }
-    free(folder);
-    return written ? CLI_GO : cli_fail(CLI_FAILED, "%s: a scene for the bench cannot be written", path);
-}
-
 static int run_file(const bench_session* bench, const edit_case* edited) {
-    char folder[BENCH_PATH_SIZE], path[BENCH_PATH_SIZE + 16];
-    if (bench_make_folder(folder) != CLI_GO) return CLI_FAILED;
-    snprintf(path, sizeof path, "%s/scene.json", folder);
-    int status = write_scene(edited, bench->options->data, path);
-    if (status == CLI_GO) {
-        const ty_result result = run_edits(bench, edited, path);
-        status = result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
-    }
-    unlink(path);
-    rmdir(folder);
-    return status;
+    bench_scene_file file;
+    const int status = bench_write_scene(bench->options, edited->scene, edited->key, edited->data, &file);
+    if (status != CLI_GO) return status;
+    const char* const overrides[] = {file.override};
+    const ty_result result = run_edits(bench, edited, file.path, overrides, 1);
+    bench_remove_scene(&file);
+    return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
 }
 
 int bench_edit(const bench_session* bench) {
     for (int i = 0; i < CASES; ++i) {
         int status = CLI_DONE;
         if (cases[i].data == NULL) {
-            const ty_result result = run_edits(bench, &cases[i], cases[i].scene);
+            const ty_result result = run_edits(bench, &cases[i], cases[i].scene, NULL, 0);
             if (result != TY_OK) status = cli_fail_running(bench->session, result);
         } else if (tools_has_data(bench->options->data, cases[i].data)) {
             status = run_file(bench, &cases[i]);

@@ -2,8 +2,6 @@
  * complete frame. */
 #include "bench/tables.h"
 #include "scenes/scenes.h"
-#include "cli/methods/report.h"
-#include "method/lpv/lattice/lattice.h"
 #include "method/lpv/lpv_method.h"
 #include "method/lpv/propagate/propagate.h"
 

@@ -2,7 +2,6 @@
 #include "bench/milk.h"
 
 #include "bench/noise.h"
-#include "cli/methods/methods.h"
 #include "scenes/scenes.h"
 
 enum { WIDTH = 320, HEIGHT = 240, SPP = 4, BLOCK = 8, PATH_SPP = 64, RUNS_MAX = 99 };

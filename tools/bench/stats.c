@@ -1,10 +1,12 @@
 /* Medians, sizes and folders of benches, and the time of their reference. */
 #define _GNU_SOURCE
 #include "bench/bench.h"
+#include "scenes/scenes.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static int compare_numbers(const void* a, const void* b) {
     const double x = *(const double*)a, y = *(const double*)b;
@@ -25,6 +27,24 @@ int bench_make_folder(char out[BENCH_PATH_SIZE]) {
     snprintf(out, BENCH_PATH_SIZE, "%s/tyndall-bench-XXXXXX", folder != NULL && folder[0] != '\0' ? folder : "/tmp");
     if (mkdtemp(out) != NULL) return CLI_GO;
     return cli_fail(CLI_FAILED, "%s: a folder for the bench cannot be made: %s", out, strerror(errno));
+}
+
+int bench_write_scene(const bench_options* options, const char* scene, const char* key, const char* file,
+                      bench_scene_file* out) {
+    if (bench_make_folder(out->folder) != CLI_GO) return CLI_FAILED;
+    snprintf(out->path, sizeof out->path, "%s/scene.json", out->folder);
+    char* data = realpath(options->data, NULL);
+    const bool written = data != NULL && tools_write_scene(scene, out->path);
+    if (written) snprintf(out->override, sizeof out->override, "%s=%s/%s", key, data, file);
+    free(data);
+    if (written) return CLI_GO;
+    bench_remove_scene(out);
+    return cli_fail(CLI_FAILED, "%s: a scene for the bench cannot be written", out->path);
+}
+
+void bench_remove_scene(const bench_scene_file* scene) {
+    unlink(scene->path);
+    rmdir(scene->folder);
 }
 
 void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]) {

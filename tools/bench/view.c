@@ -26,7 +26,7 @@ typedef struct view_case {
 /* --scenes names others. */
 static const view_case cases[] = {
     {"cloud_sun", "builtin:cloud_sun", NULL, {"fld", "pop", "dom", "lpv"}},
-    {"disney_cloud", "dom_disney_cloud", DISNEY_CLOUD_FILE, {"fld", "pop", "dom"}}, /* lpv takes no environment */
+    {"disney_cloud", "dom_disney_cloud", DISNEY_CLOUD_FILE, {"fld", "pop", "dom"}},
     {"plume", "auto_plume", PLUME_FILE, {"fld", "pop", "dom"}},
     {"atrium", "builtin:atrium", NULL, {"fld", "pop", "dom", "lpv"}},
     {"fog_cornell", "builtin:fog_cornell", NULL, {"fld", "pop", "dom", "lpv"}},
@@ -316,18 +316,11 @@ static int measure_files(const bench_session* bench) {
 
 /* Measures a scene of scenes/tools, by way of a file. */
 static int measure_tool_scene(const bench_session* bench, const view_case* item, const char* method) {
-    char path[] = "/tmp/tyndall-bench-XXXXXX", override[BENCH_PATH_SIZE + 64];
-    char* data = realpath(bench->options->data, NULL);
-    const int file = mkstemp(path);
-    int status = CLI_DONE;
-    if (file >= 0) close(file);
-    snprintf(override, sizeof override, "media[0].density.file=%s/%s", data, item->file);
-    if (file >= 0 && data != NULL && tools_write_scene(item->scene, path))
-        status = measure_case(bench, path, method, override);
-    else
-        status = cli_fail(CLI_FAILED, "bench view: %s cannot be written", path);
-    unlink(path);
-    free(data);
+    bench_scene_file file;
+    int status = bench_write_scene(bench->options, item->scene, "media[0].density.file", item->file, &file);
+    if (status != CLI_GO) return status;
+    status = measure_case(bench, file.path, method, file.override);
+    bench_remove_scene(&file);
     return status;
 }
 

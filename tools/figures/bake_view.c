@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { SPP = 128, SPP_TRUTH = 512, SPP_QUICK = 8, SPP_TRUTH_QUICK = 32 };
 

@@ -2,6 +2,7 @@
  * window against ringing. */
 #include "figures/classical.h"
 
+#include "base/constants.h"
 #include "base/context.h"
 #include "image/march.h"
 #include "scene/scene.h"
@@ -18,7 +19,6 @@ enum {
     ITERATIONS = 60
 };
 
-static const double pi = 3.14159265358979323846;
 /* Convergence tolerance: relative change of the fluence. */
 static const double tolerance = 1e-3;
 
@@ -39,10 +39,10 @@ typedef struct classical_job {
 
 static void add_sky(classical_job* job, const ty_environment_view* environment) {
     for (int row = 0; row < SKY_HEIGHT; ++row) {
-        const double z = cos(pi * (row + 0.5) / SKY_HEIGHT), across = sqrt(1 - z * z);
-        const double solid_angle = 2 * pi / SKY_WIDTH * across * pi / SKY_HEIGHT;
+        const double z = cos(TY_PI_F64 * (row + 0.5) / SKY_HEIGHT), across = sqrt(1 - z * z);
+        const double solid_angle = 2 * TY_PI_F64 / SKY_WIDTH * across * TY_PI_F64 / SKY_HEIGHT;
         for (int column = 0; column < SKY_WIDTH; ++column) {
-            const double angle = 2 * pi * (column + 0.5) / SKY_WIDTH;
+            const double angle = 2 * TY_PI_F64 * (column + 0.5) / SKY_WIDTH;
             const double wi[3] = {across * cos(angle), across * sin(angle), z};
             const double omega[3] = {-wi[0], -wi[1], -wi[2]};
             double y[TERMS_MAX];
@@ -178,7 +178,7 @@ static ty_result open_job(classical_job* job, const classical_setting* setting) 
     ty_grid_box box;
     job->bands = setting->bands;
     job->terms = setting->bands * setting->bands;
-    for (int32_t l = 0; l < job->bands; ++l) job->window[l] = 0.5 * (1 + cos(pi * l / job->bands));
+    for (int32_t l = 0; l < job->bands; ++l) job->window[l] = 0.5 * (1 + cos(TY_PI_F64 * l / job->bands));
     ty_result result = ty_angular_quadrature_create(job->context, setting->directions, &job->set, NULL);
     if (result == TY_OK) result = ty_grid_box_fit(job->scene, setting->resolution, &box);
     if (result == TY_OK) result = ty_grid_medium_create(job->scene, &box, &job->medium);

@@ -27,7 +27,7 @@ static void fill_face(const point_case* which, const fld_box* box, float* face) 
         for (int32_t x = 0; x < n; ++x) {
             const double dx = (x - center) * cell, dy = (y - center) * cell;
             face[(size_t)y * (size_t)n + (size_t)x] =
-                (float)(transport_diffusion(which->albedo, sqrt(dx * dx + dy * dy + dz * dz)) / (4 * TRANSPORT_PI));
+                (float)(transport_diffusion(which->albedo, sqrt(dx * dx + dy * dy + dz * dz)) / (4 * TY_PI_F64));
         }
 }
 
@@ -39,7 +39,7 @@ static void collect_samples(const fld_box* box, point_profile* out) {
         const double length = box->def.cell[0] * sqrt(step[0] + step[1] + step[2]);
         for (int32_t i = 1; i <= center; ++i) {
             const size_t at = fld_box_at(box, center + i * step[0], center + i * step[1], center + i * step[2]);
-            out->samples[out->count++] = (point_sample){i * length, 4 * TRANSPORT_PI * (double)box->fluence[at]};
+            out->samples[out->count++] = (point_sample){i * length, 4 * TY_PI_F64 * (double)box->fluence[at]};
         }
     }
 }

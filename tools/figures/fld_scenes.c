@@ -2,7 +2,6 @@
 #include "figures/view.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { LIMITED, CLASSICAL, METHODS, PICTURE_WIDTH = 384 };
 

@@ -3,13 +3,12 @@
 #ifndef TY_FIGURES_IMPULSE_RAYS_H
 #define TY_FIGURES_IMPULSE_RAYS_H
 
+#include "base/constants.h"
 #include "base/quadrature.h"
 
 #include <math.h>
 #include <string.h>
 #include <tyndall/impulse.h>
-
-#define RAYS_PI 3.14159265358979323846
 
 enum { RAYS_PHASES = 3 };
 
@@ -36,7 +35,7 @@ static inline double rays_at(double a, double b, int i, double* weight) {
 }
 
 static inline double rays_phase(double cosine, double g) {
-    return (1 - g * g) / (4 * RAYS_PI * pow(1 + g * g - 2 * g * cosine, 1.5));
+    return (1 - g * g) / (4 * TY_PI_F64 * pow(1 + g * g - 2 * g * cosine, 1.5));
 }
 
 static inline void rays_panel(const rays_scene* scene, const double from[3], const double omega[3], double a, double b,
@@ -47,7 +46,7 @@ static inline void rays_panel(const rays_scene* scene, const double from[3], con
         for (int k = 0; k < 3; ++k) point[k] = from[k] + t * omega[k];
         const double light = weight * exp(-t) * scene->source(scene->user, point, arrives);
         if (scene->isotropic) {
-            out[1] += light / (4 * RAYS_PI);
+            out[1] += light / (4 * TY_PI_F64);
             continue;
         }
         const double mu = -(arrives[0] * omega[0] + arrives[1] * omega[1] + arrives[2] * omega[2]);
@@ -81,7 +80,7 @@ static inline void rays_radiance(const rays_scene* scene, const double from[3], 
 static inline void rays_zonal(double cosine, double out[TY_IMPULSE_TERMS]) {
     double before = 0, last = 1;
     for (int l = 0; l < TY_IMPULSE_TERMS; ++l) {
-        out[l] = sqrt((2 * l + 1) / (4 * RAYS_PI)) * last;
+        out[l] = sqrt((2 * l + 1) / (4 * TY_PI_F64)) * last;
         const double next = ((2 * l + 1) * cosine * last - l * before) / (l + 1);
         before = last;
         last = next;
@@ -98,15 +97,16 @@ static inline void rays_harmonics(const rays_scene* scene, const double from[3],
     for (int i = 0; i < 8 * 2 * theta_panels; ++i) {
         /* Nodes are denser near the axis and the equator: theta = pi/2 (half + s^2 (3 - 2 s)). */
         const int panel = i / 8 % theta_panels, half = i / (8 * theta_panels);
-        double s_weight, phi_weight = 2 * RAYS_PI;
+        double s_weight, phi_weight = 2 * TY_PI_F64;
         const double s = rays_at((double)panel / theta_panels, (double)(panel + 1) / theta_panels, i % 8, &s_weight);
         const double fraction = s * s * (3 - 2 * s), slope = 6 * s * (1 - s);
-        const double theta = 0.5 * RAYS_PI * (half + fraction);
-        const double weight = s_weight * slope * 0.5 * RAYS_PI * sin(theta);
+        const double theta = 0.5 * TY_PI_F64 * (half + fraction);
+        const double weight = s_weight * slope * 0.5 * TY_PI_F64 * sin(theta);
         for (int j = 0; j < (phi_panels > 0 ? 8 * phi_panels : 1); ++j) {
             double phi = 0, zonal[TY_IMPULSE_TERMS], radiance[RAYS_PHASES];
             if (phi_panels > 0) {
-                phi = rays_at(RAYS_PI * (j / 8) / phi_panels, RAYS_PI * (j / 8 + 1) / phi_panels, j % 8, &phi_weight);
+                phi =
+                    rays_at(TY_PI_F64 * (j / 8) / phi_panels, TY_PI_F64 * (j / 8 + 1) / phi_panels, j % 8, &phi_weight);
                 phi_weight *= 2;
             }
             const double omega[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), up * cos(theta)};

@@ -99,7 +99,7 @@ static void note_points(figure_run* run, const ty_impulse* tables, plot_table* t
             ty_impulse_response r;
             if (albedos[a] > 0.8 && taus[i] > 10) continue;
             ty_impulse_look(tables, TY_IMPULSE_POINT, &medium, (float)taus[i], 1, TY_IMPULSE_BOUNCES_MAX, &r);
-            const double is = sqrt(4 * RAYS_PI) * (double)(r.single[0] + r.multiple[0]);
+            const double is = sqrt(4 * TY_PI_F64) * (double)(r.single[0] + r.multiple[0]);
             const double should = transport_fluence(albedos[a], taus[i]) - exp(-taus[i]) / (taus[i] * taus[i]);
             snprintf(item, sizeof item, "point, albedo %g, optical distance %g", albedos[a], taus[i]);
             plot_set_cell(table, 1 + i, 0, "%g", taus[i]);
@@ -109,7 +109,7 @@ static void note_points(figure_run* run, const ty_impulse* tables, plot_table* t
     }
     for (size_t i = 0; i < sizeof spheres / sizeof spheres[0]; ++i) {
         const ty_impulse_response r = interpolate(tables, TY_IMPULSE_POINT, spheres[i], 0, 1, TY_IMPULSE_BOUNCES_MAX);
-        const double flux = spheres[i] * spheres[i] * sqrt(4 * RAYS_PI / 3) * (double)(r.single[1] + r.multiple[1]);
+        const double flux = spheres[i] * spheres[i] * sqrt(4 * TY_PI_F64 / 3) * (double)(r.single[1] + r.multiple[1]);
         snprintf(item, sizeof item, "point, albedo 1, optical distance %g", spheres[i]);
         figure_expect(run, item, "64 bounces' net flux over power", "1", exp(-spheres[i]) + flux, 1, 0.02);
     }

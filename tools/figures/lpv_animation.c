@@ -1,4 +1,5 @@
 /* Temporal stability of the lattice: light and camera move in small steps. */
+#include "base/constants.h"
 #include "figures/view.h"
 
 #include <math.h>
@@ -25,7 +26,7 @@ typedef struct frame {
 
 static void write_override(int motion, int f, char out[96]) {
     if (motion == SUN) {
-        const double angle = (20 + sun_step * f) * 3.14159265358979323846 / 180;
+        const double angle = (20 + sun_step * f) * TY_PI_F64 / 180;
         snprintf(out, 96, "lights[0].direction=[%.9f,-1,%.9f]", 0.5 * cos(angle), 0.5 * sin(angle));
         return;
     }

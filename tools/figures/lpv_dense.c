@@ -2,8 +2,6 @@
 #include "figures/view.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { DEPTHS = 4, MODES = 2, ALONG = 8, SAMPLES = 4096, SAMPLES_QUICK = 64 };
 

@@ -1,10 +1,10 @@
 /* Energy balance per iteration: in the lattice, escaped, absorbed, blocked; and the balance of in-scattering as printed
  * in the paper. */
+#include "base/constants.h"
 #include "figures/view.h"
 #include "method/lpv/propagate/transfer.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MODES = 2, DEPTHS = 5, ITERATIONS = 8, CHARTS = 3 };
@@ -87,7 +87,7 @@ static double printed_fraction(void) {
     double sum = 0;
     ty_lpv_transfer_make(2, false, &transfer);
     for (int j = 0; j < TY_LPV_LINKS; ++j) sum += (double)transfer.G[j][0];
-    return sqrt(4 * 3.14159265358979323846) / sum;
+    return TY_SQRT_4PI_F64 / sum;
 }
 
 /* The remaining energy in an infinite lattice. */

@@ -1,4 +1,5 @@
 /* Fig. 6 of the paper: a thin wall with a strong light on its far side, a small bright spot, a single iteration. */
+#include "base/constants.h"
 #include "figures/view.h"
 
 #include <math.h>
@@ -8,7 +9,7 @@ enum { COLUMNS = 3, ROWS = 3, BLEEDING = 0, LINKS = 1, WIDTH = 240, HEIGHT = 160
 
 /* The wall is 10 cm thick, cells are half a metre wide. */
 /* Radiance of the wall on the light's axis: albedo 0.7, 400 W sr^-1 at 4.1 m. */
-static const double lit_radiance = 0.7 * 400 / (4.1 * 4.1) / 3.14159265;
+static const double lit_radiance = 0.7 * 400 / (4.1 * 4.1) / TY_PI_F64;
 
 static const char to_lit_side[] = "camera.position=[3,2.6,7]";
 static const struct {

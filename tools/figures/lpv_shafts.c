@@ -1,7 +1,6 @@
 /* Single scattering with sharp shadows, against the path tracer's channel of single scattering. */
 #include "figures/view.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { SCENES = 3, ROWS = 3, PATH_SAMPLES = 256, PATH_SAMPLES_QUICK = 8, PICTURE_WIDTH = 320 };

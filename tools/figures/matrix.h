@@ -28,7 +28,7 @@ typedef enum matrix_state {
     MATRIX_TOO_LONG /* ended after matrix_seconds_max of processor time */
 } matrix_state;
 
-/* What became of a method on a scene. */
+/* Outcome of a method on a scene. */
 typedef struct matrix_cell {
     matrix_state state;
     char words[MATRIX_WORDS_SIZE]; /* the program's message, if it rendered nothing */

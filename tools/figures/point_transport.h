@@ -3,11 +3,10 @@
 #ifndef TY_FIGURES_POINT_TRANSPORT_H
 #define TY_FIGURES_POINT_TRANSPORT_H
 
+#include "base/constants.h"
 #include "base/quadrature.h"
 
 #include <math.h>
-
-#define TRANSPORT_PI 3.14159265358979323846
 
 /* Fluence phi at tau mean free paths from a source of unit intensity, over sigma_t^2 (that is 4 pi phi / sigma_t^2 for
  * unit power): Case, de Hoffmann and Placzek 1953; Case and Zweifel, Linear Transport Theory, 1967, chapter 5, with
@@ -24,7 +23,7 @@ static inline double transport_continuum(const void* user, double w) {
     const transport* t = user;
     const double beyond = exp(w), nu = 1 / (1 + beyond);
     const double atanh_nu = 0.5 * (log(2 + beyond) - w);
-    const double a = 1 - t->albedo * nu * atanh_nu, b = 0.5 * TRANSPORT_PI * t->albedo * nu;
+    const double a = 1 - t->albedo * nu * atanh_nu, b = 0.5 * TY_PI_F64 * t->albedo * nu;
     return exp(-t->tau * (1 + beyond)) / (a * a + b * b) * beyond;
 }
 

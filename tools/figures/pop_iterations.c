@@ -1,8 +1,6 @@
 /* Fig. 13 of the paper: convergence of the published propagation in the cube of Fig. 12. */
 #include "figures/pop_cube.h"
 
-#include <math.h>
-
 enum { STEPS = 6, SAMPLES = 8192, ALONG = 16 };
 
 static const int32_t steps[STEPS] = {1, 4, 16, 64, 256, 1024};

@@ -1,4 +1,5 @@
 /* Fig. 12 of the paper: a cube in a parallel beam; radiance by direction at points of a slice, and fluence. */
+#include "base/constants.h"
 #include "figures/pop_cube.h"
 
 #include <math.h>
@@ -6,7 +7,6 @@
 enum { COSINES = 3, MODES = 4, LATTICE = 8, DIRECTIONS = 72, SAMPLES = 256, FLUENCE_SAMPLES = 512, SHOWN = 3 };
 
 static const double cosines[COSINES] = {0, 0.7, 0.96};
-static const double full_turn = 6.28318530717958647693;
 
 /* iterations: 0: until 0.1 % is left, with the isotropic residuum. ratio: expected ratio of scattered fluence to path
  * tracing, from a prototype; NaN: none. */
@@ -35,7 +35,7 @@ static void point_of(int index, double point[3]) {
 }
 
 static void direction_of(int index, double direction[3]) {
-    const double angle = full_turn * index / DIRECTIONS;
+    const double angle = 2 * TY_PI_F64 * index / DIRECTIONS;
     direction[0] = cos(angle);
     direction[1] = 0;
     direction[2] = sin(angle);

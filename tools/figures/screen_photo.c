@@ -1,7 +1,6 @@
 /* Fig. 9 of the paper: a photograph with depth, seen through three media. */
 #include "figures/screen_view.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

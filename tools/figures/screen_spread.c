@@ -1,5 +1,6 @@
 /* Fig. 4 of the paper: the width of the spread over distance, Eq. 2 (Elek 2013), and its profile, compared with the
  * spread of one pixel by the exact function and by the filters. */
+#include "base/constants.h"
 #include "figures/screen_view.h"
 
 #include <math.h>
@@ -162,7 +163,7 @@ static ty_result fill_shape(figure_run* run, int shape, plot_series* law, plot_s
     for (int i = 0; i < SHAPE_POINTS && result == TY_OK; ++i) {
         const int at = 2 * (i - SHAPE_POINTS / 2);
         const double x = at * pixel;
-        plot_add_point(law, x, exp(-0.5 * x * x / (width * width)) / (width * sqrt(2 * 3.14159265358979)), 0);
+        plot_add_point(law, x, exp(-0.5 * x * x / (width * width)) / (width * sqrt(2 * TY_PI_F64)), 0);
         if (i % 2 == 0) plot_add_point(measured, x, (double)d.out[0][CENTER * SIDE + CENTER + at] / sum / pixel, 0);
     }
     close_dot(&d);

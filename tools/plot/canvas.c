@@ -1,6 +1,8 @@
 /* The canvas: the only user of the drawing library. All calls are recorded, and drawn on writing. */
 #include "plot/canvas.h"
 
+#include "base/constants.h"
+
 #include <cairo.h>
 #include <math.h>
 #include <stdlib.h>
@@ -75,7 +77,7 @@ void plot_draw_text(plot_canvas* canvas, double x, double y, const plot_text* st
 void plot_draw_text_upwards(plot_canvas* canvas, double x, double y, const plot_text* style, const char* text) {
     cairo_save(canvas->cairo);
     cairo_translate(canvas->cairo, x, y);
-    cairo_rotate(canvas->cairo, -0.5 * 3.14159265358979323846);
+    cairo_rotate(canvas->cairo, -0.5 * TY_PI_F64);
     plot_draw_text(canvas, 0, 0, style, text);
     cairo_restore(canvas->cairo);
 }
@@ -107,7 +109,7 @@ void plot_draw_frame(plot_canvas* canvas, double x, double y, double width, doub
 void plot_draw_disc(plot_canvas* canvas, double x, double y, double radius, plot_color color) {
     set_color(canvas, color);
     cairo_new_sub_path(canvas->cairo);
-    cairo_arc(canvas->cairo, x, y, radius, 0, 2 * 3.14159265358979323846);
+    cairo_arc(canvas->cairo, x, y, radius, 0, 2 * TY_PI_F64);
     cairo_fill(canvas->cairo);
 }
 

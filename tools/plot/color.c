@@ -1,6 +1,8 @@
 /* Colors of lines, and color maps in Oklab, which is perceptually uniform. */
 #include "plot/color.h"
 
+#include "base/constants.h"
+
 #include <math.h>
 
 const plot_color plot_ink = {0.13, 0.13, 0.15};
@@ -27,7 +29,7 @@ static void from_oklab(double lightness, double chroma, double hue, float rgb[3]
 /* From nearly black over violet and orange to a light yellow. */
 static void sequential(double t, float rgb[3]) {
     const double hue = -1.35 + 3.25 * t;
-    from_oklab(0.16 + 0.8 * t, 0.03 + 0.16 * sin(3.14159265358979323846 * pow(t, 0.8)), hue, rgb);
+    from_oklab(0.16 + 0.8 * t, 0.03 + 0.16 * sin(TY_PI_F64 * pow(t, 0.8)), hue, rgb);
 }
 
 static void diverging(double t, float rgb[3]) {

@@ -1,6 +1,8 @@
 /* Drawing lobes. */
 #include "plot/lobes.h"
 
+#include "base/constants.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,7 +11,7 @@ enum { TITLE = 26, LEGEND = 22, GAP = 10 };
 static const plot_text title_text = {15, true, PLOT_LEFT, {0.13, 0.13, 0.15}};
 static const plot_text legend_text = {13, false, PLOT_LEFT, {0.13, 0.13, 0.15}};
 static const plot_color lattice_color = {0.88, 0.88, 0.89};
-static const double full_turn = 6.28318530717958647693;
+static const double full_turn = 2 * TY_PI_F64;
 
 static void draw_lattice(plot_canvas* canvas, double x, double y, const plot_lobes* lobes) {
     const double width = lobes->cell * lobes->columns, height = lobes->cell * lobes->rows;

@@ -17,7 +17,7 @@ enum {
     MATRIX_SAMPLES_QUICK = 2
 };
 
-/* What scenes differ in. */
+/* Factors in which scenes differ. */
 typedef enum matrix_factor {
     MATRIX_LIGHT,
     MATRIX_SURROUNDINGS,

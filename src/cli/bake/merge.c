@@ -1,8 +1,6 @@
 /* tyndall bake: merging the lightmaps of a mesh's primitives into one. */
 #include "cli/bake/bake.h"
 
-#include <string.h>
-
 /* Two primitives do not share a map if more than this fraction of a primitive's texels is covered by the other, too. */
 static const double overlap_tolerance = 0.05;
 

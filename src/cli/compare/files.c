@@ -7,7 +7,6 @@
 #include "cli/text/text_file.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 char* cli_comparison_path(const char* folder, const char* prefix, const char* name, const char* extension) {
     char* path = NULL;

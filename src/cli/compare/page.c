@@ -9,8 +9,8 @@
 #include <string.h>
 
 /* The files of the page, page.*; the scripts follow each other in one element. */
-extern const char cli_page_html_text[], cli_page_css_text[], cli_page_pixels_js_text[], cli_page_viewer_js_text[],
-    cli_page_magnifier_js_text[], cli_page_charts_js_text[], cli_page_main_js_text[];
+extern const char cli_page_html_text[], cli_page_css_text[], cli_page_color_maps_js_text[], cli_page_pixels_js_text[],
+    cli_page_viewer_js_text[], cli_page_magnifier_js_text[], cli_page_charts_js_text[], cli_page_main_js_text[];
 
 /* Wider frames are downsampled for the page. */
 enum { WIDTH_MAX = 1280 };
@@ -69,9 +69,19 @@ static ty_result write_all_data(ty_context* context, FILE* file, const cli_compa
     return result;
 }
 
+/* Writes a module as a plain script, of which nothing is exported. */
+static void write_module(FILE* file, const char* text) {
+    static const char word[] = "export ";
+    for (const char* found; (found = strstr(text, word)) != NULL; text = found + strlen(word))
+        fwrite(text, 1, (size_t)(found - text), file);
+    fputs(text, file);
+}
+
 static void write_scripts(FILE* file) {
     const char* const parts[] = {cli_page_pixels_js_text, cli_page_viewer_js_text, cli_page_magnifier_js_text,
                                  cli_page_charts_js_text, cli_page_main_js_text};
+    fputs("\"use strict\";\n", file);
+    write_module(file, cli_page_color_maps_js_text);
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) fputs(parts[i], file);
 }
 

@@ -4,7 +4,7 @@
 const colorOf = entry => `var(--c${report.images.indexOf(entry) % 8})`;
 const dot = entry => make("span", { class: "dot", style: `--of: ${colorOf(entry)}` });
 
-/* What is left without noise is not told from none below a third of it: noise is not known to a tenth of its square. */
+/* Errors without noise are not told from none below a third of the noise, which is not known to a tenth of its square. */
 const belowNoise = (entry, channel) => entry[channel].rmse > 0 &&
   3 * entry.relative_rmse_without_noise[channel] < report.reference.relative_noise[channel];
 

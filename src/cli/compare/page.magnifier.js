@@ -35,7 +35,7 @@ const drawMagnifier = () => {
   });
 };
 
-/* What a screen reader says after a key. */
+/* Words of a screen reader after a key. */
 const sayReading = () => {
   const [, , , [, a, b]] = rowsAt();
   find("#reading").textContent =

@@ -1,4 +1,3 @@
-"use strict";
 const find = selector => document.querySelector(selector);
 /* An element with attributes and children. */
 const make = (name, attributes, ...children) => {
@@ -11,13 +10,6 @@ const make = (name, attributes, ...children) => {
 const report = JSON.parse(find("#comparison").textContent);
 const columns = Math.ceil(report.width / report.shrink), rows = Math.ceil(report.height / report.shrink);
 const pixelCount = columns * rows;
-
-/* What every half float is worth. */
-const halfValues = Float32Array.from({ length: 65536 }, (_, bits) => {
-  const sign = bits & 0x8000 ? -1 : 1, exponent = bits >> 10 & 31, mantissa = bits & 1023;
-  if (exponent === 31) return mantissa > 0 ? NaN : sign * Infinity;
-  return sign * (exponent === 0 ? mantissa * 2 ** -24 : (1024 + mantissa) * 2 ** (exponent - 25));
-});
 
 const images = [report.reference, ...report.images].map((entry, index) => {
   const element = document.querySelectorAll(".pixels")[index];
@@ -63,7 +55,7 @@ const sumAt = (image, at) => valueAt(image, 0, at) + valueAt(image, 1, at) + val
 const luminanceAt = (image, at) =>
   0.2126 * valueAt(image, 0, at) + 0.7152 * valueAt(image, 1, at) + 0.0722 * valueAt(image, 2, at);
 
-/* Whether an image has this pixel: its window may be a part of the frame. */
+/* True if an image has this pixel: its window may be a part of the frame. */
 const covers = (image, x, y) => {
   const [left, top, width, height] = image.window, k = report.shrink;
   return x * k >= left && x * k < left + width && y * k >= top && y * k < top + height;
@@ -71,32 +63,14 @@ const covers = (image, x, y) => {
 
 /* ---- colours ---- */
 
-const srgb = x => x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055;
-
 /* The display transform of the PNGs: linear up to 1/2, then a shoulder that tends to 1. */
 const toByte = x => {
   if (!(x > 0)) return 0;
   const y = 2 * x - 1;
   const shown = x <= 0.5 ? x : y === Infinity ? 1 : 0.5 + 0.5 * y / (1 + y);
-  return Math.floor(255 * srgb(Math.min(shown, 1)) + 0.5);
+  return Math.floor(255 * toSrgb(Math.min(shown, 1)) + 0.5);
 };
 
-const fromOklab = (lightness, chroma, hue) => {
-  const a = chroma * Math.cos(hue), b = chroma * Math.sin(hue);
-  const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
-  const m = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3;
-  const s = (lightness - 0.0894841775 * a - 1.2914855480 * b) ** 3;
-  const linear = [4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
-    -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s, -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s];
-  return linear.map(x => Math.floor(255 * srgb(Math.min(Math.max(x, 0), 1)) + 0.5));
-};
-/* Dark violet over orange to light yellow; blue over white to red. */
-const sequential = t =>
-  fromOklab(0.16 + 0.8 * t, 0.03 + 0.16 * Math.sin(Math.PI * t ** 0.8), -1.35 + 3.25 * t);
-const diverging = t => {
-  const amount = Math.abs(2 * t - 1);
-  return fromOklab(0.98 - 0.52 * amount ** 1.1, 0.17 * amount ** 0.8, t < 0.5 ? 4.5 : 0.45);
-};
 const makeRamp = map => Uint8Array.from({ length: 768 }, (_, i) => map(Math.floor(i / 3) / 255)[i % 3]);
 const ramps = { luminance: makeRamp(sequential), error: makeRamp(diverging) };
 

@@ -1,7 +1,6 @@
 /* The path-traced reference of a scene, with samples added until its noise is well below the differences. Image and
  * resume state are stored in the folder, so that a later comparison of the same scene continues from them. */
 #include "cli/compare/reference.h"
-#include "cli/compare/command_line.h"
 #include "cli/compare/files.h"
 #include "cli/compare/keep.h"
 #include "cli/compare/measure.h"

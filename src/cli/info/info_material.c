@@ -1,6 +1,5 @@
 /* A material of a mesh file in tyndall info, by the keys of scene files. */
 #include "cli/info/info.h"
-#include "cli/text/text.h"
 
 #include <stdlib.h>
 

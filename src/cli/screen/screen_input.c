@@ -1,5 +1,7 @@
 /* tyndall screen: reading images and distances. */
 #include "cli/screen/screen_input.h"
+
+#include "base/constants.h"
 #include "cli/session/metadata.h"
 
 #include <math.h>
@@ -166,10 +168,9 @@ static int set_camera(const screen_options* options, const screen_input* input, 
 /* The mean over all directions of a latitude-longitude map, top row at the zenith. */
 static void mean_radiance(const ty_image* map, const float* const planes[3], double out[3]) {
     const int32_t width = ty_image_width(map), height = ty_image_height(map);
-    const double pi = 3.14159265358979323846;
     double total = 0;
     for (int32_t y = 0; y < height; ++y) {
-        const double weight = cos(pi * y / height) - cos(pi * (y + 1) / height);
+        const double weight = cos(TY_PI_F64 * y / height) - cos(TY_PI_F64 * (y + 1) / height);
         for (int32_t x = 0; x < width; ++x)
             for (int c = 0; c < 3; ++c) {
                 const double value = (double)planes[c][(int64_t)y * width + x];

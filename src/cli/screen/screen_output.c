@@ -1,5 +1,7 @@
 /* tyndall screen: the output image, messages and reports. */
 #include "cli/screen/screen_output.h"
+
+#include "base/constants.h"
 #include "cli/session/metadata.h"
 #include "cli/text/text.h"
 
@@ -218,7 +220,7 @@ static ty_result set_numbers(ty_image* image, const screen_report* report) {
         const char* key;
         double value;
     } numbers[] = {
-        {cli_fov_key, atan(0.5 * frame[3] / def->focal[1]) * (360 / 3.14159265358979323846)},
+        {cli_fov_key, atan(0.5 * frame[3] / def->focal[1]) * (360 / TY_PI_F64)},
         {"tyndall.screen.filter", def->filter},
         {"tyndall.screen.levels", report->stats.levels},
         {"tyndall.screen.missing_depth", (double)def->missing_depth},

@@ -2,7 +2,6 @@
 #define _GNU_SOURCE
 #include "cli/view/live_state.h"
 
-#include "base/number.h"
 #include "cli/session/session.h"
 
 #include <stdio.h>

@@ -3,7 +3,6 @@
 
 #include "cli/screen/screen_output.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static ty_result apply(view_live* live, const ty_scene_change* changes, int32_t count, uint32_t* edited) {

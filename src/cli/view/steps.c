@@ -1,11 +1,9 @@
 /* The steps from a change to its final image. */
 #include "cli/view/live_state.h"
 
-#include "base/number.h"
 #include "cli/session/session.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double full_surface_seconds = 0.2; /* between two full images of noisy surfaces */

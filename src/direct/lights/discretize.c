@@ -1,7 +1,6 @@
 /* Directions and points that stand for the lights of a scene. */
 #include "direct/lights/discretize.h"
 
-#include "base/context.h"
 #include "base/check.h"
 #include "scene/scene.h"
 

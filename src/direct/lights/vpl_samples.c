@@ -91,7 +91,7 @@ static bool place_parallel(const sample_job* job) {
         along[a] = range[0];
     }
     for (int a = 0; a < 3; ++a) samples->origin = ty_mad(samples->origin, samples->axis[a], (float)along[a]);
-    samples->share = samples->span[0] * samples->span[1] / ((float)samples->side * (float)samples->side);
+    samples->measure = samples->span[0] * samples->span[1] / ((float)samples->side * (float)samples->side);
     return true;
 }
 
@@ -99,7 +99,7 @@ static void place_cone(const sample_job* job) {
     ty_vpl_samples* samples = job->samples;
     samples->origin = job->light->position;
     samples->cap = job->light->kind == TY_KIND_SPOT ? 1.0f - job->light->cos_outer : 1.0f;
-    samples->share = 2.0f * TY_PI * samples->cap / ((float)samples->side * (float)samples->side);
+    samples->measure = 2.0f * TY_PI * samples->cap / ((float)samples->side * (float)samples->side);
 }
 
 /* ---- tracing ---- */
@@ -107,7 +107,7 @@ static void place_cone(const sample_job* job) {
 /* Power of a sample's ray, W. */
 static void find_light(const sample_job* job, ty_vec origin, ty_vec direction, float distance, float light[3]) {
     const ty_vpl_samples_def* def = job->def;
-    float depth[3] = {0, 0, 0}, falloff = job->samples->share;
+    float depth[3] = {0, 0, 0}, falloff = job->samples->measure;
     if (def->medium != NULL) ty_grid_depth(def->medium, def->extinction, origin, direction, distance, depth);
     if (job->light->kind == TY_KIND_SPOT)
         falloff *= ty_spot_falloff(job->light, ty_dot(direction, job->light->direction));
@@ -126,7 +126,7 @@ static void describe(const void* user, size_t index, const ty_ray* ray, const ty
     texel->position = ty_hit_leave(hit, point->ng);
     texel->normal = point->ns;
     texel->distance = hit->distance;
-    texel->area = job->samples->share * across / ty_maxf(facing, 1e-2f);
+    texel->area = job->samples->measure * across / ty_maxf(facing, 1e-2f);
     for (int c = 0; c < 3; ++c) texel->flux[c] = light[c] * point->albedo[c];
 }
 

@@ -30,7 +30,7 @@ typedef struct ty_vpl_samples {
     ty_vec origin;        /* start of the ray of corner (0, 0) if parallel, else the light's position, m */
     float span[2];        /* size of the grid if parallel, m */
     float cap;            /* if not parallel: 1 - cosine of the half angle of a face */
-    float share;          /* of a stratum: area across the light, m^2, or solid angle, sr */
+    float measure;        /* of a stratum: area across the light, m^2, or solid angle, sr */
     uint64_t seed;        /* of the jitter */
     ty_vpl_sample* items; /* face by face, row by row */
     double flux[3];       /* sum over all samples, W */

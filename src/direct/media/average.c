@@ -1,6 +1,5 @@
 /* Overlap-weighted means of cells over other cells of the same box. */
 #include "base/float_mode.h"
-#include "base/context.h"
 #include "direct/media/grid_medium.h"
 
 #include <math.h>

@@ -60,8 +60,8 @@ float ty_rsm_texel_measure(const ty_rsm* map, const ty_light_view* light, int32_
 
 /* Two unit vectors orthogonal to a direction. They rotate continuously with it except at straight up, so that the
  * texels of a moving light do not jump. */
-static void frame_about(ty_axis up, ty_vec way, double right[3], double above[3]) {
-    const double n[3] = {(double)way.x, (double)way.y, (double)way.z};
+static void frame_about(ty_axis up, ty_vec omega, double right[3], double above[3]) {
+    const double n[3] = {(double)omega.x, (double)omega.y, (double)omega.z};
     const int w = up == TY_AXIS_Z ? 2 : 1, v = 3 - w;
     const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     const double u0 = n[0] / length, v0 = n[v] / length, w0 = n[w] / length;
@@ -117,10 +117,10 @@ static void place(const ty_scene* scene, const ty_light_view* light, const ty_rs
         place_cube(map);
         return;
     }
-    const ty_vec way = ty_normalize(light->direction);
-    map->forward[0][0] = (double)way.x;
-    map->forward[0][1] = (double)way.y;
-    map->forward[0][2] = (double)way.z;
+    const ty_vec omega = ty_normalize(light->direction);
+    map->forward[0][0] = (double)omega.x;
+    map->forward[0][1] = (double)omega.y;
+    map->forward[0][2] = (double)omega.z;
     if (light->kind == TY_KIND_SPOT)
         place_cone(scene, light, map);
     else

@@ -95,8 +95,8 @@ static void fill_blocks(void* user, int64_t row, int32_t worker) {
             const size_t next_x = low_x + i % 2, next_y = low_y + i / 2;
             if (next_x >= below || next_y >= below) continue;
             const ty_shadow_range other = range_below(job, next_x, next_y);
-            range.least = ty_minf(range.least, other.least);
-            range.greatest = ty_maxf(range.greatest, other.greatest);
+            range.min = ty_minf(range.min, other.min);
+            range.max = ty_maxf(range.max, other.max);
         }
         out[x] = range;
     }
@@ -105,7 +105,7 @@ static void fill_blocks(void* user, int64_t row, int32_t worker) {
 /* ---- maps ---- */
 
 /* One row of the affine map from points to face coordinates or depth; `axis` is half a side of the face. */
-static void find_row(double scale, const double axis[3], const double forward[3], double middle, const double origin[3],
+static void find_row(double scale, const double axis[3], const double forward[3], double center, const double origin[3],
                      float row[4]) {
     const double square = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
     double offset = 0;
@@ -114,7 +114,7 @@ static void find_row(double scale, const double axis[3], const double forward[3]
         row[a] = (float)factor;
         offset -= factor * origin[a];
     }
-    row[3] = (float)(offset + middle);
+    row[3] = (float)(offset + center);
 }
 
 static void place_face(const ty_shadow_hierarchy* map, int32_t index, ty_shadow_face* face) {
@@ -123,9 +123,9 @@ static void place_face(const ty_shadow_hierarchy* map, int32_t index, ty_shadow_
                                 (double)map->light.position.z};
     const double* origin = is_parallel(map) ? of->origin : position;
     const double* forward = is_parallel(map) ? NULL : of->forward[index];
-    const double half = 0.5 * of->side, middle = is_parallel(map) ? half : 0;
-    find_row(half, of->right[index], forward, middle, origin, face->to_map);
-    find_row(half, of->up[index], forward, middle, origin, face->to_map + 4);
+    const double half = 0.5 * of->side, center = is_parallel(map) ? half : 0;
+    find_row(half, of->right[index], forward, center, origin, face->to_map);
+    find_row(half, of->up[index], forward, center, origin, face->to_map + 4);
     find_row(1, of->forward[index], NULL, 0, origin, face->to_map + 8);
 }
 
@@ -191,7 +191,7 @@ void ty_shadow_hierarchy_destroy(ty_shadow_hierarchy* map) {
 /* A ray in the coordinates of a face, and its interval in which surfaces may occlude it. */
 typedef struct face_ray {
     const ty_shadow_face* face;
-    ty_vec at, way; /* in face coordinates */
+    ty_vec at, omega; /* in face coordinates */
     ty_ray_interval interval;
 } face_ray;
 
@@ -200,19 +200,19 @@ static bool find_face(const ty_shadow_hierarchy* map, int32_t index, ty_vec orig
     const ty_shadow_face* face = &map->faces[index];
     const float side = (float)map->map->side;
     if (isinf(face->nearest)) return false;
-    const ty_vec at = ty_map_point(face->to_map, origin), way = ty_map_direction(face->to_map, direction);
+    const ty_vec at = ty_map_point(face->to_map, origin), omega = ty_map_direction(face->to_map, direction);
     const bool flat = is_parallel(map);
-    *out = (face_ray){.face = face, .at = at, .way = way, .interval = interval};
-    const float span = flat ? side : side * at.z, span_way = flat ? 0.0f : side * way.z;
-    return ty_ray_interval_clip(at.z - 0.999f * face->nearest, way.z, &out->interval) &&
-           ty_ray_interval_clip(at.x, way.x, &out->interval) &&
-           ty_ray_interval_clip(span - at.x, span_way - way.x, &out->interval) &&
-           ty_ray_interval_clip(at.y, way.y, &out->interval) &&
-           ty_ray_interval_clip(span - at.y, span_way - way.y, &out->interval);
+    *out = (face_ray){.face = face, .at = at, .omega = omega, .interval = interval};
+    const float span = flat ? side : side * at.z, span_slope = flat ? 0.0f : side * omega.z;
+    return ty_ray_interval_clip(at.z - 0.999f * face->nearest, omega.z, &out->interval) &&
+           ty_ray_interval_clip(at.x, omega.x, &out->interval) &&
+           ty_ray_interval_clip(span - at.x, span_slope - omega.x, &out->interval) &&
+           ty_ray_interval_clip(at.y, omega.y, &out->interval) &&
+           ty_ray_interval_clip(span - at.y, span_slope - omega.y, &out->interval);
 }
 
 static ty_shadow_line line_of(const ty_shadow_hierarchy* map, const face_ray* ray, float from) {
-    ty_vec begin = ty_mad(ray->at, ray->way, from), end = ty_mad(ray->at, ray->way, ray->interval.to);
+    ty_vec begin = ty_mad(ray->at, ray->omega, from), end = ty_mad(ray->at, ray->omega, ray->interval.to);
     ty_shadow_line line = {.from = from, .length = ray->interval.to - from, .depth = {1.0f, 1.0f}};
     if (is_parallel(map)) {
         begin.z = -begin.z;
@@ -342,23 +342,23 @@ static bool is_outside_cone(const ty_light_view* light, ty_vec point) {
 /* The tangent plane of a receiver in face coordinates: 1 / depth is linear in them for local lights, depth for
  * directional lights. */
 typedef struct receiver_plane {
-    float depth, facing, along[2]; /* at the receiver: depth, and the cosine with its change per texel */
+    float depth, cosine, along[2]; /* at the receiver: depth, and the cosine with its change per texel */
 } receiver_plane;
 
 static receiver_plane plane_before(const ty_shadow_hierarchy* map, int32_t face, ty_vec at, ty_vec normal) {
     const ty_rsm* of = map->map;
     const float per_texel = 2.0f / (float)of->side;
     const double n[3] = {(double)normal.x, (double)normal.y, (double)normal.z};
-    double facing = 0, along[2] = {0, 0};
+    double cosine = 0, along[2] = {0, 0};
     for (int a = 0; a < 3; ++a) {
-        facing -= n[a] * of->forward[face][a];
+        cosine -= n[a] * of->forward[face][a];
         along[0] -= n[a] * of->right[face][a];
         along[1] -= n[a] * of->up[face][a];
     }
-    receiver_plane plane = {.depth = at.z, .facing = (float)facing};
+    receiver_plane plane = {.depth = at.z, .cosine = (float)cosine};
     for (int i = 0; i < 2; ++i) plane.along[i] = (float)along[i] * per_texel;
     if (!is_parallel(map))
-        plane.facing +=
+        plane.cosine +=
             plane.along[0] * (at.x - 0.5f * (float)of->side) + plane.along[1] * (at.y - 0.5f * (float)of->side);
     return plane;
 }
@@ -366,9 +366,9 @@ static receiver_plane plane_before(const ty_shadow_hierarchy* map, int32_t face,
 /* Depth of the plane at an offset in texels; INFINITY if the plane is behind the light there. */
 static float plane_depth(const ty_shadow_hierarchy* map, const receiver_plane* plane, float x, float y) {
     const float change = plane->along[0] * x + plane->along[1] * y;
-    if (is_parallel(map)) return plane->depth - change / plane->facing;
-    const float facing = plane->facing + change;
-    return facing > 0.0f ? plane->depth * plane->facing / facing : INFINITY;
+    if (is_parallel(map)) return plane->depth - change / plane->cosine;
+    const float cosine = plane->cosine + change;
+    return cosine > 0.0f ? plane->depth * plane->cosine / cosine : INFINITY;
 }
 
 float ty_shadow_visibility(const ty_shadow_hierarchy* map, ty_vec point, ty_vec normal, float slack, float close,
@@ -380,11 +380,11 @@ float ty_shadow_visibility(const ty_shadow_hierarchy* map, ty_vec point, ty_vec 
     if (!locate(map, point, &face, &at)) return 1.0f;
     const hierarchy_job job = {.map = map, .face = face};
     const receiver_plane plane = plane_before(map, face, at, normal);
-    if (!(plane.facing > 0.0f)) return 0.0f;
+    if (!(plane.cosine > 0.0f)) return 0.0f;
     const int32_t last = map->map->side - 1;
     const float x = floorf(at.x - 0.5f), y = floorf(at.y - 0.5f);
     const float across = at.x - 0.5f - x, down = at.y - 0.5f - y;
-    float share = 0.0f;
+    float fraction = 0.0f;
     int32_t lit = 0;
     for (int32_t i = 0; i < 4; ++i) {
         const int32_t column = ty_shadow_clamp((int32_t)x + i % 2, 0, last);
@@ -392,10 +392,10 @@ float ty_shadow_visibility(const ty_shadow_hierarchy* map, ty_vec point, ty_vec 
         const float nearer = plane_depth(map, &plane, (float)column + 0.5f - at.x, (float)row + 0.5f - at.y) -
                              depth_at(&job, column, row);
         const bool shines = !(nearer > slack);
-        if (shines) share += (i % 2 == 0 ? 1.0f - across : across) * (i / 2 == 0 ? 1.0f - down : down);
+        if (shines) fraction += (i % 2 == 0 ? 1.0f - across : across) * (i / 2 == 0 ? 1.0f - down : down);
         lit += shines;
         if (!(nearer <= slack || nearer > close)) *sure = false;
     }
     if (lit != 0 && lit != 4) *sure = false;
-    return share;
+    return fraction;
 }

@@ -14,7 +14,7 @@ enum { TY_SHADOW_LEVELS_MAX = 14, TY_LIT_SEGMENTS_MAX = 64, TY_SHADOW_RAYS_MAX =
 
 /* The inverse depths of a block of texels. */
 typedef struct ty_shadow_range {
-    float least, greatest;
+    float min, max;
 } ty_shadow_range;
 
 typedef struct ty_shadow_face {

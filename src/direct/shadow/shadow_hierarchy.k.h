@@ -102,8 +102,8 @@ TY_FN void ty_shadow_cross_texel(const ty_shadow_line* line, float texel, float 
     const int32_t lit = above >= 0.0f, lit_leave = above_leave >= 0.0f;
     if (lit != list->lit) ty_lit_segments_switch(list, ty_shadow_line_distance(line, u), lit);
     if (lit == lit_leave) return;
-    const float share = above / (above - above_leave);
-    ty_lit_segments_switch(list, ty_shadow_line_distance(line, u + (leave - u) * share), lit_leave);
+    const float fraction = above / (above - above_leave);
+    ty_lit_segments_switch(list, ty_shadow_line_distance(line, u + (leave - u) * fraction), lit_leave);
 }
 
 /* Compares the line between u and `leave` with a block: 1 in front of all texels, 0 behind all of them, -1 undecided.
@@ -111,8 +111,8 @@ TY_FN void ty_shadow_cross_texel(const ty_shadow_line* line, float texel, float 
 TY_FN int32_t ty_shadow_compare(const ty_shadow_line* line, ty_shadow_range range, float u, float leave) {
     const float a = line->inverse_depth + u * line->inverse_depth_change,
                 b = line->inverse_depth + leave * line->inverse_depth_change;
-    if (ty_minf(a, b) >= range.greatest) return 1;
-    return ty_maxf(a, b) < range.least ? 0 : -1;
+    if (ty_minf(a, b) >= range.max) return 1;
+    return ty_maxf(a, b) < range.min ? 0 : -1;
 }
 
 /* Bounds a slope away from 0, so that no line is parallel to an axis. */

@@ -2,7 +2,7 @@
  *
  * Unscattered light falls off as U = e^-tau, tau being the integral of sigma_t. After n collisions the l-th Legendre
  * moment of the radiance about the beam is g^(n l); the Poisson mean over n gives e^-tau_l with tau_l the integral of
- * sigma_t - g^l sigma_s (exact form of Eq. 4, Elek 2014, which holds for g -> 1). Diffusion solves for two moments. It
+ * sigma_t - g^l sigma_s (exact form of Eq. 4 (Elek 2014), which holds for g -> 1). Diffusion solves for two moments. It
  * stays exact in both if the light that is withheld from its source is the reduced beam R = e^-tau_1, as fluence and as
  * flux (similarity; Joseph, Wiscombe and Weinman 1976). So the collided light in the forward lobe has the moments R -
  * U, R - U, S - U, ... with S = e^-tau_2. With b = (S - U) / (R - U), moment l is taken as (R - U) b^(l - 1): the lobe

@@ -50,7 +50,7 @@ TY_FN TY_GLOBAL const float* ty_light_fluence_plane(const ty_light_fluence* ligh
 typedef struct ty_cell_point {
     size_t base;    /* lowest of the eight cells */
     size_t step[3]; /* offset to the next cell along each axis, 0 at the upper edge */
-    float share[3];
+    float fraction[3];
 } ty_cell_point;
 
 TY_FN ty_cell_point ty_cell_locate(const int32_t size[3], ty_vec cells) {
@@ -61,7 +61,7 @@ TY_FN ty_cell_point ty_cell_locate(const int32_t size[3], ty_vec cells) {
     for (int32_t a = 0; a < 3; ++a) {
         const float from = ty_clampf(at[a], 0.0f, (float)(size[a] - 1));
         const int32_t cell = (int32_t)from;
-        point.share[a] = from - (float)cell;
+        point.fraction[a] = from - (float)cell;
         point.base += stride * (size_t)cell;
         point.step[a] = cell + 1 < size[a] ? stride : 0;
         stride *= (size_t)size[a];
@@ -73,11 +73,11 @@ TY_FN float ty_cell_value(TY_GLOBAL const float* plane, const ty_cell_point* p) 
     float layer[2];
     for (int k = 0; k < 2; ++k) {
         TY_GLOBAL const float* row = plane + p->base + (k != 0 ? p->step[2] : 0);
-        const float first = ty_lerp_exact(row[0], row[p->step[0]], p->share[0]);
+        const float first = ty_lerp_exact(row[0], row[p->step[0]], p->fraction[0]);
         row += p->step[1];
-        layer[k] = ty_lerp_exact(first, ty_lerp_exact(row[0], row[p->step[0]], p->share[0]), p->share[1]);
+        layer[k] = ty_lerp_exact(first, ty_lerp_exact(row[0], row[p->step[0]], p->fraction[0]), p->fraction[1]);
     }
-    return ty_lerp_exact(layer[0], layer[1], p->share[2]);
+    return ty_lerp_exact(layer[0], layer[1], p->fraction[2]);
 }
 
 /* The fluences R (the whole fluence where lobe_order is 0), U and S. */

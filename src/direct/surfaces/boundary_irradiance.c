@@ -156,7 +156,8 @@ static void reach_open(flood* f, const ty_grid_medium* medium) {
 }
 
 /* Reaches the cells around a point light whose centers it sees. */
-static void reach_lamp(flood* f, const ty_scene* scene, const ty_grid_medium* medium, const ty_discrete_light* source) {
+static void reach_point_light(flood* f, const ty_scene* scene, const ty_grid_medium* medium,
+                              const ty_discrete_light* source) {
     const float position[3] = {source->position.x, source->position.y, source->position.z};
     const float normal[3] = {source->direction.x, source->direction.y, source->direction.z};
     int32_t home[3];
@@ -193,7 +194,7 @@ ty_result ty_unlit_cells_find(const ty_scene* scene, const ty_boundary_faces* fa
     reach_open(&f, medium);
     for (int32_t i = 0; i < count; ++i)
         if (sources[i].kind == TY_DISCRETE_POINT && sources[i].is_virtual == 0)
-            reach_lamp(&f, scene, medium, &sources[i]);
+            reach_point_light(&f, scene, medium, &sources[i]);
     spread(&f);
     ty_free_array(faces->context, f.cells, medium->cells, sizeof *f.cells);
     return TY_OK;

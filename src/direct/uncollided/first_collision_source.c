@@ -1,7 +1,5 @@
 #include "direct/uncollided/first_collision_source.h"
 
-#include "base/context.h"
-
 enum { CHUNK = 1 << 15 };
 
 void ty_scaled_extinction(const ty_grid_medium* medium, int32_t order, float* const planes[3]) {

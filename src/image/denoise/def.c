@@ -1,5 +1,4 @@
 /* Options of denoising, and their checks. */
-#include "base/context.h"
 #include "image/denoise/job.h"
 #include "option/option.h"
 

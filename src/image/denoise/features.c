@@ -1,7 +1,5 @@
 /* Features: channels of first hits and the caller's images, smoothed by NL-means where they are noisy, and scaled. */
-#include "base/context.h"
 #include "image/denoise/job.h"
-#include "image/image.h"
 
 #include <math.h>
 

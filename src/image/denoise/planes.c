@@ -2,7 +2,6 @@
 #include "base/context.h"
 #include "base/parallel.h"
 #include "image/denoise/job.h"
-#include "image/image.h"
 
 #include <math.h>
 #include <stdio.h>

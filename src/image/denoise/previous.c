@@ -1,5 +1,4 @@
 /* Light of the image before in a sequence, blended in where both agree. */
-#include "base/context.h"
 #include "image/denoise/job.h"
 #include "image/image.h"
 

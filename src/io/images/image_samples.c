@@ -3,8 +3,6 @@
 
 #include "base/context.h"
 
-#include <string.h>
-
 ty_result ty_create_samples(ty_context* context, int32_t width, int32_t height, int32_t channels, bool wide,
                             ty_samples* out) {
     const size_t pixels = (size_t)width * (size_t)height, pixel_size = (size_t)channels * (wide ? 2 : 1);

@@ -1,6 +1,5 @@
 /* glTF materials and textures. Of the specular-glossiness model only the diffuse color is used. */
 #include "base/context.h"
-#include "io/file.h"
 #include "io/images/image_file.h"
 #include "io/meshes/gltf.h"
 

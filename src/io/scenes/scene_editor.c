@@ -9,7 +9,6 @@
 #include "io/scenes/scene_schema.h"
 #include "scene/scene.h"
 
-#include <stdio.h>
 #include <string.h>
 
 enum { PATH_SIZE = 512, ALL_SECTIONS = (1 << TY_SECTIONS) - 1 };

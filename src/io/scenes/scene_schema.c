@@ -6,8 +6,6 @@
 #include "option/option.h"
 
 #include <pthread.h>
-#include <stdlib.h>
-#include <string.h>
 #include <tyndall/io.h>
 
 static int set_range(json_t* schema, const ty_option* option) {

@@ -1,5 +1,4 @@
 /* Writing NRRD. */
-#include "io/volumes/nrrd.h"
 
 #include "base/context.h"
 #include "grid/grid.h"

@@ -18,7 +18,8 @@ static const ty_option options[] = {
      .max = 1, .preset = TY_AUTO, .flags = TY_OPTION_AUTO | TY_OPTION_OPEN_MIN,
      .doc =
          "Largest ratio of flux to fluence; 1 is the paper's; auto is 0.55, and up to 0.8 with the fraction of light "
-         "that comes from local lights within the media."},
+         "that comes from local lights within the media; larger values suit emissive media, and 0.8 a light within "
+         "media that auto weighs too little beside others."},
     {TY_OPTION_FIELD(ty_fld_def, boundary), .type = TY_OPTION_WORD, .words = boundaries,
      .doc = "Boundary condition on the faces of the box around all media; dirichlet is the paper's."},
     {TY_OPTION_FIELD(ty_fld_def, beam), .type = TY_OPTION_WORD, .words = beams,
@@ -31,10 +32,11 @@ static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_fld_def, ratio), .type = TY_OPTION_DOUBLE, .min = 1, .max = 64, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO,
      .doc = "Cells of direct light per cell of diffusion along each side; auto is 3, or 2 where that leaves less than "
-            "48 along the longest; the paper's is 4."},
+            "48 along the longest; the paper's is 4; 1 resolves more and takes some 60 times as long to solve as 3."},
     {TY_OPTION_FIELD(ty_fld_def, sigma_eps), .type = TY_OPTION_DOUBLE, .min = 0, .max = TY_COLOR_MAX, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO | TY_OPTION_OPEN_MIN, .unit = "1/m",
-     .doc = "Least extinction; auto is 1e-3 over the longest side."},
+     .doc = "Least extinction; auto is 1e-3 over the longest side; larger values take fewer iterations in vacuum, and "
+            "hold light back there."},
     {TY_OPTION_FIELD(ty_fld_def, solver), .type = TY_OPTION_WORD, .words = solvers,
      .doc = "Solver of the diffusion equation; sor is the paper's, and all agree within the tolerance."},
     {TY_OPTION_FIELD(ty_fld_def, relaxation), .type = TY_OPTION_DOUBLE, .min = 0, .max = 2, .preset = 1.85,

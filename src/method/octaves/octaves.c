@@ -4,7 +4,6 @@
 #include "base/context.h"
 #include "image/froxels.h"
 #include "method/volume_method.h"
-#include "scene/scene.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,8 +5,6 @@
 #include "direct/uncollided/first_collision_source.h"
 #include "method/pop/job.h"
 
-#include <math.h>
-
 /* Order l of the scaled extinction sigma_t - g^l sigma_s of each fluence. */
 static const int32_t orders[TY_FLUENCE_COUNT] = {
     [TY_FLUENCE_ORDER_L] = 1, [TY_FLUENCE_UNSCATTERED] = 0, [TY_FLUENCE_NEXT_ORDER] = 2};

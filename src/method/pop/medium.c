@@ -2,7 +2,6 @@
 #include "base/context.h"
 #include "method/pop/job.h"
 
-#include <math.h>
 #include <string.h>
 
 /* Voxels along an axis that the sample points of one cell resolve (ty_grid_medium_create). */

@@ -6,7 +6,6 @@
 #include "method/pop/published/propagate.h"
 #include "method/pop/published/residuum.h"
 
-#include <math.h>
 #include <string.h>
 
 /* Grids in memory at a time: a few per thread, so that they are still in the caches when they are merged, limited to

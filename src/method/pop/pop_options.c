@@ -39,20 +39,22 @@ static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_pop_def, vpl_min_distance), .formerly = "clamp", .type = TY_OPTION_DOUBLE, .min = 0, .max = 1,
      .preset = 0.05,
      .doc = "Distance below which virtual point lights get no brighter, as a fraction of the longest side of the box "
-            "around all media."},
+            "around all media; smaller values lose less light near surfaces and show single virtual lights."},
     {TY_OPTION_FIELD(ty_pop_def, iterations), .type = TY_OPTION_INT, .min = 1, .max = 10000, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO,
      .doc = "Iterations of propagation in the modes published and collided; auto is as many as light needs."},
     {TY_OPTION_FIELD(ty_pop_def, residuum), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1, .preset = 0.1,
      .doc =
          "Mean cosine below which light goes on as isotropic, for all ordinates together, in the same modes; 0 means "
-         "never."},
+         "never, 0.02 errs by 0.4 % and 0.3 by 10 %, at 63 and 20 iterations."},
     {TY_OPTION_FIELD(ty_pop_def, residuum_iterations), .type = TY_OPTION_INT, .min = 1, .max = 10000, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO, .doc = "Iterations of that light at most; auto ends when a thousandth is left."},
     {TY_OPTION_FIELD(ty_pop_def, max_flux_fraction), .formerly = "streaming", .type = TY_OPTION_DOUBLE, .min = 0,
      .max = 1, .preset = TY_AUTO, .flags = TY_OPTION_AUTO | TY_OPTION_OPEN_MIN,
-     .doc = "Largest ratio of flux to fluence, as of fld, in mode split; auto is 0.5, and up to 0.8 with the fraction "
-            "of light that comes from local lights within the media."},
+     .doc =
+         "Largest ratio of flux to fluence, as of fld, in mode split; auto is 0.5, and up to 0.8 with the fraction "
+         "of light that comes from local lights within the media; 0.8 suits a light within media that auto weighs too "
+         "little beside others."},
     {TY_OPTION_FIELD(ty_pop_def, tolerance), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1, .preset = 1e-2,
      .flags = TY_OPTION_OPEN,
      .doc = "Residual of the diffusion over its source (root mean squares), as of fld, in mode split."},

@@ -4,8 +4,6 @@
 
 #include "base/context.h"
 
-#include <math.h>
-
 enum { FILL_LEVELS = 17 }; /* 65536 pixels halved down to one */
 
 typedef struct fill_level {

@@ -1,5 +1,5 @@
-/* The pyramid of Elek 2013: the mask between levels (Eq. 7), the level of a distance (Eq. 10), and interpolation
- * between texels and levels (Section 3.5). */
+/* The paper's pyramid: the mask between levels, Eq. 7 (Elek 2013), the level of a distance, Eq. 10 (Elek 2013), and
+ * interpolation between texels and levels, Sec. 3.5 (Elek 2013). */
 #ifndef TY_METHOD_SCREEN_GATHER_K_H
 #define TY_METHOD_SCREEN_GATHER_K_H
 

@@ -1,8 +1,8 @@
 /* Scattering pyramid: the fraction of light that stays at a level, the fraction passed to the next, and the filters
  * between levels.
  *
- * A texel holds, per channel, light E and its moment Q = E times a measure of spread: the variance of its Gaussian (Eq.
- * 2, Elek 2013), or the optical thickness it was scattered over. Both are linear, so filtering keeps Q / E the
+ * A texel holds, per channel, light E and its moment Q = E times a measure of spread: the variance of its Gaussian, Eq. 2
+ * (Elek 2013), or the optical thickness it was scattered over. Both are linear, so filtering keeps Q / E the
  * light-weighted mean. Descending one level and ascending again adds a known variance; light whose variance lies
  * between those of two levels is divided between them such that the variance of the sum is right. */
 #ifndef TY_METHOD_SCREEN_SCATTER_K_H

@@ -7,7 +7,6 @@
 
 #include <tyndall/screen.h>
 
-#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 

@@ -1,4 +1,5 @@
 /* Screen-space scattering as a method, applied to the path-traced image of the scene without media. */
+#include "base/constants.h"
 #include "base/context.h"
 #include "image/image.h"
 #include "method/method.h"
@@ -6,7 +7,7 @@
 
 #include <string.h>
 
-static const double full_sphere = 4 * 3.14159265358979323846;
+static const double full_sphere = 4 * TY_PI_F64;
 
 _Static_assert(sizeof(ty_screen_stats) <= TY_METHOD_STATS_MAX, "ty_method_run holds the stats");
 

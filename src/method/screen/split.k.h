@@ -1,5 +1,5 @@
 /* Attenuation of a pixel's light by the medium, and the spread of its scattered light: Eq. 2-5 (Elek 2013), with the
- * coefficients of Eq. 4 corrected (absorption first, then scattering). */
+ * coefficients of Eq. 4 (Elek 2013) corrected (absorption first, then scattering). */
 #ifndef TY_METHOD_SCREEN_SPLIT_K_H
 #define TY_METHOD_SCREEN_SPLIT_K_H
 

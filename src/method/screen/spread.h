@@ -16,7 +16,7 @@ double ty_screen_wider_fraction(double width, double tau, double variance);
 double ty_screen_half_radius(double width, double tau);
 
 /* Fractions passed from a level of variance levels[k] to the next, for each k < count; levels has count + 1 entries.
- * gaussian: as a function of variance (Eq. 2, Elek 2013), else of optical thickness. */
+ * gaussian: as a function of variance, Eq. 2 (Elek 2013), else of optical thickness. */
 void ty_screen_gaussian_fractions(const float* levels, int32_t count, ty_screen_down_fraction* fractions);
 void ty_screen_small_angle_fractions(double width, const float* levels, int32_t count,
                                      ty_screen_down_fraction* fractions);

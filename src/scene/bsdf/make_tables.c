@@ -2,6 +2,7 @@
  *
  * Directional albedos of microfacets are means over directions of visible normals, sampled at the points of a grid
  * (Heitz 2018), whose weight is G2 / G1. */
+#include "base/constants.h"
 #include "scene/bsdf/dielectric.k.h"
 #include "scene/bsdf/microfacet.k.h"
 #include "scene/bsdf/tables.k.h"
@@ -12,7 +13,7 @@
 enum { CAP_STEPS = 192, TURN_STEPS = 64, MEAN_STEPS = 4096, SHEEN_STEPS = 128, VISIBLE_STEPS = 1024 };
 
 /* Of a step in t^2 and in azimuth: elevations reach pi / 2, azimuths twice pi. */
-#define SHEEN_STEP_AREA (3.14159265358979323846 * 3.14159265358979323846 / (SHEEN_STEPS * SHEEN_STEPS))
+#define SHEEN_STEP_AREA (TY_PI_F64 * TY_PI_F64 / (SHEEN_STEPS * SHEEN_STEPS))
 
 static ty_bsdf_tables tables;
 

@@ -105,26 +105,26 @@ bool ty_phase_copy_tables(ty_context* context, const ty_phase_lobe* lobes, int32
 /* ---- tables ---- */
 
 /* Nodes of the table of a phase function that is not bounded in the forward direction, evenly spaced in the logarithm
- * of the tilt from NARROW on. Below, within 0.06 degrees, single precision knows no cosines. */
+ * of 1 - mu from NARROW on. Below, within 0.06 degrees, single precision knows no cosines. */
 enum { FORMULA_NODES = 512 };
 static const double narrow = 5e-7;
 
 /* Twice pi times the integral of the table from each node to the next. */
-static double panel(const ty_phase_node* nodes, const double* tilts, int32_t i) {
-    return TY_PI_F64 * (tilts[i + 1] - tilts[i]) * ((double)nodes[i].value + (double)nodes[i + 1].value);
+static double panel(const ty_phase_node* nodes, const double* one_minus_mu, int32_t i) {
+    return TY_PI_F64 * (one_minus_mu[i + 1] - one_minus_mu[i]) * ((double)nodes[i].value + (double)nodes[i + 1].value);
 }
 
 /* Tilts in double precision, nodes in the single precision of kernels, whose integral becomes 1. */
-static void normalize_nodes(ty_phase_node* nodes, const double* tilts, int32_t count) {
-    double sum = 0, below = 0;
-    for (int32_t i = 0; i + 1 < count; ++i) sum += panel(nodes, tilts, i);
+static void normalize_nodes(ty_phase_node* nodes, const double* one_minus_mu, int32_t count) {
+    double sum = 0, cdf = 0;
+    for (int32_t i = 0; i + 1 < count; ++i) sum += panel(nodes, one_minus_mu, i);
     for (int32_t i = 0; i < count; ++i) {
-        nodes[i].tilt = (float)tilts[i];
+        nodes[i].one_minus_mu = (float)one_minus_mu[i];
         nodes[i].value = (float)((double)nodes[i].value / sum);
     }
     for (int32_t i = 0; i < count; ++i) {
-        nodes[i].below = (float)below;
-        if (i + 1 < count) below += panel(nodes, tilts, i);
+        nodes[i].cdf = (float)cdf;
+        if (i + 1 < count) cdf += panel(nodes, one_minus_mu, i);
     }
 }
 
@@ -134,27 +134,27 @@ static int32_t node_count(const ty_phase_lobe* lobe) {
 
 /* The nodes of a given table, forward first. Values are scaled to those of a float; cosines that a float does not tell
  * apart keep their order. */
-static void fill_from_table(const ty_phase_lobe* lobe, ty_phase_node* nodes, double* tilts) {
+static void fill_from_table(const ty_phase_lobe* lobe, ty_phase_node* nodes, double* one_minus_mu) {
     double largest = 0;
     for (int32_t i = 0; i < lobe->count; ++i) largest = fmax(largest, lobe->values[i]);
     const bool ascending = lobe->cosines[0] < 0;
     for (int32_t i = 0; i < lobe->count; ++i) {
         const int32_t from = ascending ? lobe->count - 1 - i : i;
-        tilts[i] = 1 - lobe->cosines[from];
+        one_minus_mu[i] = 1 - lobe->cosines[from];
         nodes[i].value = (float)(lobe->values[from] / largest);
     }
 }
 
-static void fill_from_formula(const ty_phase_lobe* lobe, ty_phase_node* nodes, double* tilts) {
+static void fill_from_formula(const ty_phase_lobe* lobe, ty_phase_node* nodes, double* one_minus_mu) {
     const bool given = lobe->n > 0;
     const double slope = given ? lobe->mu : ty_fournier_forand_slope(lobe->backscatter),
                  n = given ? lobe->n : ty_fournier_forand_index(slope);
     double sum = 0;
-    tilts[0] = 0;
+    one_minus_mu[0] = 0;
     for (int32_t i = 1; i < FORMULA_NODES; ++i) {
-        tilts[i] = i + 1 < FORMULA_NODES ? narrow * pow(2 / narrow, (i - 1) / (FORMULA_NODES - 2.0)) : 2;
-        nodes[i].value = (float)fmax(0, ty_fournier_forand(n, slope, tilts[i]));
-        if (i > 1) sum += panel(nodes, tilts, i - 1);
+        one_minus_mu[i] = i + 1 < FORMULA_NODES ? narrow * pow(2 / narrow, (i - 1) / (FORMULA_NODES - 2.0)) : 2;
+        nodes[i].value = (float)fmax(0, ty_fournier_forand(n, slope, one_minus_mu[i]));
+        if (i > 1) sum += panel(nodes, one_minus_mu, i - 1);
     }
     /* The function integrates to 1, so that the rest belongs to the first panel. */
     const double mean = fmax(0, 1 - sum) / (2 * TY_PI_F64 * narrow);
@@ -162,12 +162,12 @@ static void fill_from_formula(const ty_phase_lobe* lobe, ty_phase_node* nodes, d
 }
 
 static void fill_nodes(const ty_phase_lobe* lobe, ty_phase_node* nodes) {
-    double tilts[TY_PHASE_NODES_MAX];
+    double one_minus_mu[TY_PHASE_NODES_MAX];
     if (lobe->kind == TY_PHASE_TABLE)
-        fill_from_table(lobe, nodes, tilts);
+        fill_from_table(lobe, nodes, one_minus_mu);
     else
-        fill_from_formula(lobe, nodes, tilts);
-    normalize_nodes(nodes, tilts, node_count(lobe));
+        fill_from_formula(lobe, nodes, one_minus_mu);
+    normalize_nodes(nodes, one_minus_mu, node_count(lobe));
 }
 
 /* ---- moments ---- */
@@ -178,12 +178,13 @@ typedef struct moment {
 } moment;
 
 /* The integrand of a Legendre moment between two nodes. */
-static double table_moment(const void* user, double tilt) {
+static double table_moment(const void* user, double one_minus_mu) {
     const moment* m = user;
-    const double fraction = (tilt - (double)m->nodes[0].tilt) / (double)(m->nodes[1].tilt - m->nodes[0].tilt);
+    const double fraction = (one_minus_mu - (double)m->nodes[0].one_minus_mu) /
+                            (double)(m->nodes[1].one_minus_mu - m->nodes[0].one_minus_mu);
     double before = 0, now = 1;
     for (int32_t l = 0; l < m->order; ++l) {
-        const double next = ty_legendre_next_f64(l, 1 - tilt, now, before);
+        const double next = ty_legendre_next_f64(l, 1 - one_minus_mu, now, before);
         before = now;
         now = next;
     }
@@ -206,8 +207,9 @@ static double term_moment(const ty_phase_term* term, int32_t l) {
     double sum = 0;
     for (int32_t i = 0; i + 1 < term->node_count; ++i) {
         const moment m = {&term->nodes[i], l};
-        if (!(m.nodes[1].tilt > m.nodes[0].tilt)) continue; /* cosines that a float does not tell apart */
-        sum += ty_integrate(table_moment, &m, (double)m.nodes[0].tilt, (double)m.nodes[1].tilt, 1);
+        if (!(m.nodes[1].one_minus_mu > m.nodes[0].one_minus_mu))
+            continue; /* cosines that a float does not tell apart */
+        sum += ty_integrate(table_moment, &m, (double)m.nodes[0].one_minus_mu, (double)m.nodes[1].one_minus_mu, 1);
     }
     return sum;
 }

@@ -55,12 +55,12 @@ static double forward_term(double delta, double nu, double half_sine2) {
 }
 
 /* Fournier and Forand (1994), in the form of Fournier and Jonasz (1999). */
-double ty_fournier_forand(double n, double slope, double tilt) {
-    const double nu = exponent(slope), back = delta_at(n, 1), mu = 1 - tilt, back_power = pow(back, nu);
-    const double scale = delta_at(n, 1), delta = scale * tilt / 2;
+double ty_fournier_forand(double n, double slope, double one_minus_mu) {
+    const double nu = exponent(slope), back = delta_at(n, 1), mu = 1 - one_minus_mu, back_power = pow(back, nu);
+    const double scale = delta_at(n, 1), delta = scale * one_minus_mu / 2;
     double first;
     if (fabs(delta - 1) >= singular) {
-        first = forward_term(delta, nu, tilt / 2);
+        first = forward_term(delta, nu, one_minus_mu / 2);
     } else {
         const double low = forward_term(1 - singular, nu, (1 - singular) / scale),
                      high = forward_term(1 + singular, nu, (1 + singular) / scale);

@@ -11,8 +11,8 @@ typedef struct ty_mie_fit {
 ty_mie_fit ty_mie_fit_of(double diameter);
 
 /* The phase function of particles of relative refractive index n whose radii r have the distribution r^-slope, 1/sr, at
- * tilt = 1 - mu in (0, 2]; and the fraction of light that it scatters back. */
-double ty_fournier_forand(double n, double slope, double tilt);
+ * 1 - mu in (0, 2]; and the fraction of light that it scatters back. */
+double ty_fournier_forand(double n, double slope, double one_minus_mu);
 double ty_fournier_forand_backscatter(double n, double slope);
 
 /* The index that goes with a slope in natural water, and the slope of such a pair that scatters a fraction back

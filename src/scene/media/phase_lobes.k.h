@@ -8,11 +8,11 @@
 /* Terms of a phase function, and Legendre moments 0..13. */
 enum { TY_PHASE_TERMS_MAX = 16, TY_PHASE_MOMENTS = 14 };
 
-/* A node of a table that is linear in the cosine, from forward (tilt 0) to backward (tilt 2). */
+/* A node of a table that is linear in the cosine mu, from forward to backward. */
 typedef struct ty_phase_node {
-    float tilt;  /* 1 - mu */
+    float one_minus_mu;
     float value; /* 1/sr */
-    float below; /* integral of the function up to the node */
+    float cdf;   /* integral of the function up to the node */
 } ty_phase_node;
 
 typedef struct ty_phase_term {
@@ -32,12 +32,12 @@ typedef struct ty_phase_view {
 
 /* ---- tables ---- */
 
-/* The last node at or before which `tilt` (or, by the integral up to it, `below`) lies. */
-TY_FN int32_t ty_phase_find_tilt(TY_GLOBAL const ty_phase_term* term, float tilt) {
+/* The last node at or before 1 - mu, and the last one whose integral is at most `cdf`. */
+TY_FN int32_t ty_phase_find_node(TY_GLOBAL const ty_phase_term* term, float one_minus_mu) {
     int32_t low = 0, high = term->node_count - 1;
     while (high - low > 1) {
         const int32_t center = (low + high) / 2;
-        if (term->nodes[center].tilt <= tilt)
+        if (term->nodes[center].one_minus_mu <= one_minus_mu)
             low = center;
         else
             high = center;
@@ -45,11 +45,11 @@ TY_FN int32_t ty_phase_find_tilt(TY_GLOBAL const ty_phase_term* term, float tilt
     return low;
 }
 
-TY_FN int32_t ty_phase_find_below(TY_GLOBAL const ty_phase_term* term, float below) {
+TY_FN int32_t ty_phase_find_cdf(TY_GLOBAL const ty_phase_term* term, float cdf) {
     int32_t low = 0, high = term->node_count - 1;
     while (high - low > 1) {
         const int32_t center = (low + high) / 2;
-        if (term->nodes[center].below <= below)
+        if (term->nodes[center].cdf <= cdf)
             low = center;
         else
             high = center;
@@ -57,19 +57,21 @@ TY_FN int32_t ty_phase_find_below(TY_GLOBAL const ty_phase_term* term, float bel
     return low;
 }
 
-TY_FN float ty_phase_table_value(TY_GLOBAL const ty_phase_term* term, float tilt) {
-    TY_GLOBAL const ty_phase_node* node = &term->nodes[ty_phase_find_tilt(term, tilt)];
-    return ty_lerpf(node[0].value, node[1].value, (tilt - node[0].tilt) / ty_maxf(node[1].tilt - node[0].tilt, 1e-9f));
+TY_FN float ty_phase_table_value(TY_GLOBAL const ty_phase_term* term, float one_minus_mu) {
+    TY_GLOBAL const ty_phase_node* node = &term->nodes[ty_phase_find_node(term, one_minus_mu)];
+    return ty_lerpf(node[0].value, node[1].value,
+                    (one_minus_mu - node[0].one_minus_mu) /
+                        ty_maxf(node[1].one_minus_mu - node[0].one_minus_mu, 1e-9f));
 }
 
-/* Inverse of the integral up to a tilt, which is quadratic between nodes. */
+/* 1 - mu at which the integral is u; the integral is quadratic between nodes. */
 TY_FN float ty_phase_table_sample(TY_GLOBAL const ty_phase_term* term, float u) {
-    TY_GLOBAL const ty_phase_node* node = &term->nodes[ty_phase_find_below(term, u)];
-    const float width = ty_maxf(node[1].tilt - node[0].tilt, 1e-9f);
+    TY_GLOBAL const ty_phase_node* node = &term->nodes[ty_phase_find_cdf(term, u)];
+    const float width = ty_maxf(node[1].one_minus_mu - node[0].one_minus_mu, 1e-9f);
     const float slope = (node[1].value - node[0].value) / width;
-    const float rest = ty_maxf(0.0f, u - node[0].below) * (1.0f / (2.0f * TY_PI));
+    const float rest = ty_maxf(0.0f, u - node[0].cdf) * (1.0f / (2.0f * TY_PI));
     const float root = sqrtf(ty_maxf(0.0f, node[0].value * node[0].value + 2.0f * slope * rest));
-    return node[0].tilt + ty_minf(width, 2.0f * rest / ty_maxf(node[0].value + root, 1e-30f));
+    return node[0].one_minus_mu + ty_minf(width, 2.0f * rest / ty_maxf(node[0].value + root, 1e-30f));
 }
 
 /* ---- Draine ---- */

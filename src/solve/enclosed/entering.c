@@ -1,5 +1,4 @@
 /* Light that enters an interior: of lights, and of other surfaces along rays. */
-#include "base/constants.h"
 #include "base/context.h"
 #include "base/parallel.h"
 #include "scene/bsdf/fresnel.k.h"

@@ -1,6 +1,7 @@
 /* Frames from the server: docs/view_protocol.md. */
 
-import { fromFilmic, fromSrgb, halfValues } from "./color.js";
+import { fromFilmic, fromSrgb } from "./color.js";
+import { halfValues } from "./color_maps.js";
 
 const HEADER = 64;
 

@@ -41,7 +41,7 @@ export const emit = (event, detail) => {
 export const methodShown = () =>
   state.view.method === "auto" ? state.status?.method || state.view.chosen || "auto" : state.view.method;
 
-/* What the second channel shows: path, or the photograph that the first shows through a medium. */
+/* Content of the second channel: path, or the photograph that the first shows through a medium. */
 export const referenceName = () => state.welcome?.reference ?? "path";
 export const isPhoto = () => state.welcome?.kind === "photograph";
 

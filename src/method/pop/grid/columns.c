@@ -1,7 +1,6 @@
 /* Columns of a grid: rays, entry and exit distances, light profiles and shadow rays. */
 #include "method/pop/grid/columns.h"
 
-#include "direct/lights/discretize.h"
 #include "scene/scene.h"
 
 typedef struct column_ray {

@@ -1,7 +1,6 @@
 /* Conversion of a scene's lights to ordinates. */
 #include "method/pop/ordinate/ordinate.h"
 
-#include "base/context.h"
 #include "direct/lights/environment_clusters.h"
 #include "direct/lights/discretize.h"
 #include "scene/scene.h"

@@ -35,8 +35,8 @@ typedef struct plane_arrays {
     float* light;                            /* fluence not yet propagated, per unit color */
     float *pass[2], *anisotropy_retained[2]; /* as in ty_pop_half_cells */
     float* uncollided;
-    float* next_g; /* factor on the mean cosine of light scattered towards the eye; 1: no further scattering (Eq. 8,
-                      Elek 2014) */
+    float* next_g; /* factor on the mean cosine of light scattered towards the eye; 1: no further scattering. Eq. 8
+                      (Elek 2014) */
 } plane_arrays;
 
 typedef struct propagation {

@@ -58,9 +58,9 @@ static void deposit_trilinear(const int32_t size[3], ty_vec at, float amount, fl
     const ty_cell_point p = ty_cell_locate(size, at);
     for (int k = 0; k < 2; ++k) {
         float* layer = left + p.base + (k != 0 ? p.step[2] : 0);
-        const float in_layer = amount * (k != 0 ? p.share[2] : 1 - p.share[2]);
-        add_pair(layer, p.step[0], p.share[0], (1 - p.share[1]) * in_layer);
-        add_pair(layer + p.step[1], p.step[0], p.share[0], p.share[1] * in_layer);
+        const float in_layer = amount * (k != 0 ? p.fraction[2] : 1 - p.fraction[2]);
+        add_pair(layer, p.step[0], p.fraction[0], (1 - p.fraction[1]) * in_layer);
+        add_pair(layer + p.step[1], p.step[0], p.fraction[0], p.fraction[1] * in_layer);
     }
 }
 

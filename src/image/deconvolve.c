@@ -1,5 +1,5 @@
 /* Richardson's iteration: values grow by what their interpolant's means lack. */
-#include "image/sharpen.h"
+#include "image/deconvolve.h"
 
 #include "base/context.h"
 #include "base/kernel.h"
@@ -13,7 +13,7 @@ enum { ITERATIONS = 3 };
 /* Largest factor between the mean radiance that is interpolated and that of the cell. */
 static const float farthest = 3;
 
-typedef struct sharpen_job {
+typedef struct deconvolve_job {
     const int32_t* size;
     int32_t floats, term;
     bool positive;
@@ -22,7 +22,7 @@ typedef struct sharpen_job {
     const float* cells;     /* the means to be had, with all other floats of cells */
     const float* from;      /* this term's values, and the next */
     float* to;
-} sharpen_job;
+} deconvolve_job;
 
 static int32_t neighbour(int32_t at, int32_t step, int32_t size) {
     const int32_t next = at + step;
@@ -32,7 +32,7 @@ static int32_t neighbour(int32_t at, int32_t step, int32_t size) {
 static const float weight[3] = {0.125f, 0.75f, 0.125f};
 
 /* 1 6 1 / 8 along all axes at a cell by cuts: in place of those beyond there is itself. */
-static float mean_on_side(const sharpen_job* job, const int32_t at[3]) {
+static float mean_on_side(const deconvolve_job* job, const int32_t at[3]) {
     const int32_t* size = job->size;
     const size_t own = ((size_t)at[2] * (size_t)size[1] + (size_t)at[1]) * (size_t)size[0] + (size_t)at[0];
     float sum = 0;
@@ -41,27 +41,27 @@ static float mean_on_side(const sharpen_job* job, const int32_t at[3]) {
         int32_t next[3];
         for (int a = 0; a < 3; ++a) next[a] = neighbour(at[a], off[a] - 1, size[a]);
         const size_t other = ((size_t)next[2] * (size_t)size[1] + (size_t)next[1]) * (size_t)size[0] + (size_t)next[0];
-        const float share = weight[off[0]] * weight[off[1]] * weight[off[2]];
-        sum += share * job->from[ty_cuts_join(job->cuts, at, next) ? other : own];
+        const float factor = weight[off[0]] * weight[off[1]] * weight[off[2]];
+        sum += factor * job->from[ty_cuts_join(job->cuts, at, next) ? other : own];
     }
     return sum;
 }
 
 /* 1 6 1 / 8 across rows. */
-static void add_rows(const sharpen_job* job, int32_t y, int32_t z, float* sum) {
+static void add_rows(const deconvolve_job* job, int32_t y, int32_t z, float* sum) {
     const int32_t* size = job->size;
     memset(sum, 0, sizeof *sum * (size_t)size[0]);
     for (int32_t k = -1; k <= 1; ++k)
         for (int32_t j = -1; j <= 1; ++j) {
             const size_t row = (size_t)neighbour(z, k, size[2]) * (size_t)size[1] + (size_t)neighbour(y, j, size[1]);
             const float* from = job->from + row * (size_t)size[0];
-            const float share = weight[k + 1] * weight[j + 1];
-            for (int32_t x = 0; x < size[0]; ++x) sum[x] += share * from[x];
+            const float factor = weight[k + 1] * weight[j + 1];
+            for (int32_t x = 0; x < size[0]; ++x) sum[x] += factor * from[x];
         }
 }
 
 /* One row of the next values; `to` holds the sums across rows until they are no longer needed. */
-static void sharpen_row(const sharpen_job* job, int32_t y, int32_t z) {
+static void deconvolve_row(const deconvolve_job* job, int32_t y, int32_t z) {
     const size_t count = (size_t)job->size[0], begin = ((size_t)z * (size_t)job->size[1] + (size_t)y) * count;
     float* to = job->to + begin;
     add_rows(job, y, z, to);
@@ -81,31 +81,31 @@ static void sharpen_row(const sharpen_job* job, int32_t y, int32_t z) {
     }
 }
 
-static void sharpen_plane(void* user, int64_t z, int32_t worker) {
+static void deconvolve_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
-    const sharpen_job* job = user;
-    for (int32_t y = 0; y < job->size[1]; ++y) sharpen_row(job, y, (int32_t)z);
+    const deconvolve_job* job = user;
+    for (int32_t y = 0; y < job->size[1]; ++y) deconvolve_row(job, y, (int32_t)z);
 }
 
-ty_result ty_sharpen_cells(ty_context* context, const int32_t size[3], int32_t floats, int32_t terms, int32_t used,
-                           const ty_cuts* cuts, const uint8_t* at_face, float* cells) {
+ty_result ty_deconvolve_means(ty_context* context, const int32_t size[3], int32_t floats, int32_t terms, int32_t used,
+                              const ty_cuts* cuts, const uint8_t* at_face, float* cells) {
     const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     float* values[2] = {NULL, NULL};
     for (int i = 0; i < 2; ++i) values[i] = ty_alloc_array(context, count, sizeof(float), false);
     const bool whole = values[0] != NULL && values[1] != NULL;
     for (int32_t term = 0; term < used && whole; ++term) {
-        sharpen_job job = {.size = size,
-                           .floats = floats,
-                           .term = term,
-                           .positive = term % terms == 0,
-                           .cuts = cuts,
-                           .at_face = at_face,
-                           .cells = cells};
+        deconvolve_job job = {.size = size,
+                              .floats = floats,
+                              .term = term,
+                              .positive = term % terms == 0,
+                              .cuts = cuts,
+                              .at_face = at_face,
+                              .cells = cells};
         for (size_t i = 0; i < count; ++i) values[0][i] = cells[i * (size_t)floats + (size_t)term];
         for (int n = 0; n < ITERATIONS; ++n) {
             job.from = values[n % 2];
             job.to = values[(n + 1) % 2];
-            ty_parallel_flushed(context, size[2], sharpen_plane, &job);
+            ty_parallel_flushed(context, size[2], deconvolve_plane, &job);
         }
         for (size_t i = 0; i < count; ++i) cells[i * (size_t)floats + (size_t)term] = job.to[i];
     }
