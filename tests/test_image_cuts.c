@@ -145,9 +145,9 @@ static void sharp_cells_know_of_walls(void** state) {
     float cells[CELLS];
     const int32_t* size = made.made.medium->box.size;
     for (int i = 0; i < CELLS; ++i) cells[i] = i % SIDE < 6 ? 3.0f : 1.0f;
-    check_result(*state, ty_deconvolve_means(*state, size, 1, 1, 1, made.cuts, cells));
+    check_result(*state, ty_deconvolve_means(*state, size, 1, 1, 1, made.cuts, NULL, cells));
     for (int i = 0; i < CELLS; ++i) assert_close((double)cells[i], i % SIDE < 6 ? 3 : 1, 1e-5);
-    check_result(*state, ty_deconvolve_means(*state, size, 1, 1, 1, NULL, cells));
+    check_result(*state, ty_deconvolve_means(*state, size, 1, 1, 1, NULL, NULL, cells));
     assert_true(cells[5] > 3.2f && cells[6] < 0.8f);
     end(&made);
 }

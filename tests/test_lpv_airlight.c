@@ -44,7 +44,8 @@ static void air_begin(air_case* made, ty_scene* scene, made_depth depth) {
         made_trace(&made->maps[i], light, depth, NULL);
         check_result(context, ty_shadow_hierarchy_create(context, light, &made->maps[i], &made->lit[i]));
     }
-    const ty_airlight_def def = {made->made.medium, (const ty_shadow_hierarchy* const*)made->lit, view->lights.count};
+    const ty_airlight_def def = {
+        .medium = made->made.medium, .maps = (const ty_shadow_hierarchy* const*)made->lit, .count = view->lights.count};
     check_result(context, ty_airlight_create(scene, &def, &made->airlight));
 }
 

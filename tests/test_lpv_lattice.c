@@ -684,6 +684,63 @@ static void nested_lattices_blend(void** state) {
     ty_lattice_destroy(lattices[1]);
 }
 
+/* ---- media that the lattice cannot hold ---- */
+
+/* Delta scaling keeps sigma_t - g sigma_s and absorption; phase functions up to g = 1/2 are kept. */
+static void forward_peaks_are_unscattered_light(void** state) {
+    static const double cosines[3] = {-0.3, 0.5, 0.9};
+    for (int i = 0; i < 3; ++i) {
+        ty_lattice* lattice = make_lattice(*state, 4, 4, 4, 2);
+        set_medium(lattice, 2, 0.5, cosines[i], false);
+        lattice->reduces = true;
+        const ty_lpv_cell_medium medium = ty_lattice_medium_in(lattice, 0, 5);
+        const double g = (double)medium.g, scattering = (double)medium.scattering;
+        assert_close((double)medium.extinction - g * scattering, 2.5 - 2 * cosines[i], 1e-5);
+        assert_close((double)medium.extinction - scattering, 0.5, 1e-5);
+        assert_close(g, fmin(cosines[i], 0.5), 1e-6);
+        ty_lattice_destroy(lattice);
+    }
+}
+
+/* Reduced depths of 20 a cell: cells at the border have 2 * 0.71 if nothing absorbs, those inside are as they are. */
+static void dense_cells_at_borders_are_as_deep_as_a_step(void** state) {
+    ty_lattice* lattice = make_lattice(*state, 5, 5, 5, 2);
+    set_medium(lattice, 40, 0, 0, false);
+    assert_int_equal(ty_lattice_find_border_scale(lattice), TY_OK);
+    const double depth = 40 * (double)lattice->cell;
+    assert_close((double)lattice->border_scale[0][cell_at(lattice, 0, 2, 2)] * depth, 2 * 0.7104, 1e-4);
+    assert_close((double)lattice->border_scale[0][cell_at(lattice, 2, 2, 2)], 1, 1e-6);
+    assert_close((double)ty_lattice_medium_in(lattice, 0, cell_at(lattice, 0, 2, 2)).extinction,
+                 2 * 0.7104 / (double)lattice->cell, 1e-3);
+    ty_lattice_destroy(lattice);
+}
+
+/* A landscape of 40 m with a cloud of 8 m: cells as small as the cloud needs, as far as a cube of them suffices. */
+static void landscapes_have_finer_cells(void** state) {
+    static const float cloud_side[2] = {8, 40};
+    static const int32_t along[2] = {40, 16};
+    for (int i = 0; i < 2; ++i) {
+        const double half = 0.5 * (double)cloud_side[i], lower[3] = {-half, 0, -half}, upper[3] = {half, 1, half};
+        ty_scene* scene = make_scene(*state);
+        const ty_medium_def cloud = box_medium(lower, upper, 1, 0);
+        ty_shape_def floor = ty_default_shape_def();
+        ty_grid_box boxes[TY_LPV_CASCADES_MAX];
+        ty_lpv_def def = ty_default_lpv_def();
+        int32_t count;
+        floor.kind = TY_SHAPE_QUAD;
+        set3(floor.origin, -20, 0, 20);
+        set3(floor.u, 40, 0, 0);
+        set3(floor.v, 0, 0, -40);
+        def.resolution = 16;
+        assert_int_equal(ty_scene_add_medium(scene, &cloud), TY_OK);
+        assert_int_equal(ty_scene_add_shape(scene, &floor), TY_OK);
+        assert_int_equal(ty_scene_commit(scene), TY_OK);
+        assert_int_equal(ty_lattice_place(scene, &def, boxes, &count), TY_OK);
+        assert_int_equal(boxes[0].size[0], along[i]);
+        ty_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(links_share_all_light),
@@ -708,6 +765,9 @@ int main(void) {
         cmocka_unit_test_setup_teardown(lookups_are_linear, start_context, stop_context),
         cmocka_unit_test_setup_teardown(lookups_stay_on_their_side, start_context, stop_context),
         cmocka_unit_test_setup_teardown(nested_lattices_blend, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(forward_peaks_are_unscattered_light, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(dense_cells_at_borders_are_as_deep_as_a_step, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(landscapes_have_finer_cells, start_context, stop_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -262,6 +262,43 @@ static void beams_scatter_once(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* Light from above in a cube of cells 5 mean free paths thick, seen at its front below the upper side: the first cell's
+ * mean is 0.2 of the light, of which a constant would show as much everywhere. */
+static void beams_enter_thick_cells(void** state) {
+    enum { CELLS = 8 };
+    static float fluence[CELLS * CELLS * CELLS];
+    const double cell = 2.0 / CELLS, extinction = 5 / cell, below[] = {0.01, 0.05, 0.1, 0.2};
+    for (int i = 0; i < CELLS * CELLS * CELLS; ++i) {
+        const double top = extinction * cell * (CELLS - 1 - i / CELLS % CELLS);
+        fluence[i] = (float)(5 * exp(-top) * -expm1(-extinction * cell) / (extinction * cell));
+    }
+    for (int i = 0; i < 4; ++i) {
+        ty_scene* scene = make_scene(*state);
+        march_look(scene, 0, 1 - below[i], 50, 0, 1 - below[i], 0);
+        ty_medium_def medium = box_medium(low, high, (float)(0.5 * extinction), (float)(0.5 * extinction));
+        add_medium(scene, &medium);
+        ty_light_def sun = ty_default_light_def();
+        set3f(sun.color, 5, 5, 5);
+        sun.direction[0] = sun.direction[2] = 0;
+        sun.direction[1] = -1;
+        check_result(*state, ty_scene_add_light(scene, &sun));
+        commit(scene);
+        ty_march_def def = march_def(1, 1);
+        ty_light_fluence light = {.kind = TY_FLUENCE_DIRECTIONAL, .anchor = ty_vec_make(0, -1, 0)};
+        for (int c = 0; c < 3; ++c) {
+            light.fluence[c] = fluence;
+            def.light_box.lower[c] = -1;
+            def.light_box.upper[c] = 1;
+            def.light_box.size[c] = CELLS;
+        }
+        def.lights = &light;
+        def.light_count = 1;
+        const double expected = 0.5 * 5 / (4 * 3.14159265358979) * exp(-extinction * below[i]);
+        assert_close(march_once(scene, &def, "R") / expected, 1, 1e-3);
+        ty_scene_destroy(scene);
+    }
+}
+
 /* ---- fields ---- */
 
 static void fields_have_directions_and_ends(void** state) {
@@ -372,7 +409,7 @@ static void sharp_cells_keep_their_means(void** state) {
             cells[i][2] = i < CELLS / 2 ? 0.0f : 1.0f;
             cells[i][3] = 7;
         }
-        check_result(*state, ty_deconvolve_means(*state, size, 4, 1, 3, NULL, cells[0]));
+        check_result(*state, ty_deconvolve_means(*state, size, 4, 1, 3, NULL, NULL, cells[0]));
         float sharp[CELLS];
         for (int i = 0; i < CELLS; ++i) sharp[i] = cells[i][0];
         for (int i = 0; i < CELLS; ++i) {
@@ -394,6 +431,7 @@ int main(void) {
         cmocka_unit_test(depths_of_transfer_functions),
         cmocka_unit_test(steps_converge),
         cmocka_unit_test(beams_scatter_once),
+        cmocka_unit_test(beams_enter_thick_cells),
         cmocka_unit_test(fields_have_directions_and_ends),
         cmocka_unit_test(shared_fields_are_the_same),
         cmocka_unit_test(guides_choose_cells),

@@ -156,7 +156,7 @@ static void check(ty_context* context, const char* name, const ty_light_def* lig
     must(context, ty_rsm_trace(scene, &map_def, 0, &map, NULL));
     must(context, ty_shadow_hierarchy_create(context, view, map, &lit));
     const ty_shadow_hierarchy* const maps[1] = {lit};
-    const ty_airlight_def def = {medium, maps, 1};
+    const ty_airlight_def def = {.medium = medium, .maps = maps, .count = 1};
     must(context, ty_airlight_create(scene, &def, &airlight));
     const double seconds = airlight_image(scene, airlight, image);
     for (int i = 0; i < 2; ++i) path_image(scene, PASSES, 1 + (uint64_t)i, halves[i]);

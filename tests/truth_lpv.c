@@ -22,16 +22,16 @@ enum { ATRIUM, BOX_IN_FOG, SMOKE_IN_A_BOX, SPONZA, SCENES };
  * twice that in shadow, where blocks are few. RMSEs are held to 1 + rmse_margin times these: path tracing's noise is a
  * part of them. */
 static const nearness measured[SCENES] = {
-    [ATRIUM] = {1.056, 0.111, 1.219, 0.236},
-    [BOX_IN_FOG] = {1.011, 0.126, 1.033, 0.157},
-    [SMOKE_IN_A_BOX] = {0.993, 0.187, 1.000, 0.204},
-    [SPONZA] = {0.940, 0.106, 1.001, 0.083},
+    [ATRIUM] = {1.071, 0.118, 1.244, 0.261},
+    [BOX_IN_FOG] = {1.022, 0.121, 1.044, 0.144},
+    [SMOKE_IN_A_BOX] = {1.010, 0.172, 1.026, 0.189},
+    [SPONZA] = {0.953, 0.097, 1.019, 0.079},
 };
 static const double ratio_margin = 0.015, rmse_margin = 0.08;
 
 /* Fluence of scattered light about a point light in fog of 0.25, 1 and 4 per metre, over path tracing's, as measured.
  */
-static const double fog_measured[3] = {1.174, 0.930, 0.929}, fog_margin = 0.015;
+static const double fog_measured[3] = {1.183, 0.952, 0.984}, fog_margin = 0.015;
 
 static nearness compare(const ty_image* image, const ty_image* truth, const ty_image* direct) {
     double sum[2] = {0}, true_sum[2] = {0}, square[2] = {0};

@@ -41,9 +41,11 @@ typedef struct ty_dom_def {
     int32_t resolution; ///< Cells of the sweep along the longest side of the box around all media, 4..512.
                         ///< TY_AUTO (default): a third of the voxels (of 64 without voxels), 24..64; up to twice as
                         ///< many, at most 64, where cells would be thicker than four mean free paths.
-    int32_t direct; ///< Cells of uncollided light along that side, 4..1024. TY_AUTO (default): as fine as the finest
-                    ///< voxels, or twice as fine where transfer functions make edges, at most 256, of these 192
-                    ///< unless all lights shine from one direction or point; 64 for media without voxels.
+    int32_t
+        direct; ///< Cells of uncollided light along that side, 4..1024. TY_AUTO (default): as fine as the finest
+                ///< voxels, or twice as fine where transfer functions make edges, at most 256, of these 192
+                ///< unless all lights shine from one direction or point; 64 for media without voxels. Voxels thicker
+                ///< than 1.5 mean free paths under point lights are divided into up to 4 per side, up to 128 cells.
     int32_t directions;      ///< Number of ordinates, 8..1024; default 96.
     int32_t last_directions; ///< Number of ordinates of one more sweep at the end, 8..1024, against ray effects: 400
                              ///< here cost four sweeps of 96, and look like 400 throughout; 0 (default): no such sweep.

@@ -78,7 +78,8 @@ typedef struct ty_lpv_def {
     ty_lpv_mode mode; ///< Default TY_LPV_MODE_LINKS.
     uint32_t parts;   ///< Flags of ty_lpv_feature; default TY_LPV_ALL.
 
-    int32_t resolution; ///< Cells, which are cubes, along the longest side of the lattice, 4..256; default 32.
+    int32_t resolution; ///< Cells, which are cubes, along the longest side of the lattice, in landscapes along that of
+                        ///< the media, 4..256; default 32.
     ty_lpv_place place; ///< Default TY_LPV_PLACE_SCENE.
     double extent;      ///< Side of the cube around the camera, m, > 0; TY_LPV_PLACE_CAMERA; default 32.
     int32_t

@@ -17,9 +17,10 @@ typedef struct deconvolve_job {
     const int32_t* size;
     int32_t floats, term;
     bool positive;
-    const ty_cuts* cuts; /* NULL: none */
-    const float* cells;  /* the means to be had, with all other floats of cells */
-    const float* from;   /* this term's values, and the next */
+    const ty_cuts* cuts;    /* NULL: none */
+    const uint8_t* at_face; /* NULL: none */
+    const float* cells;     /* the means to be had, with all other floats of cells */
+    const float* from;      /* this term's values, and the next */
     float* to;
 } deconvolve_job;
 
@@ -72,7 +73,10 @@ static void deconvolve_row(const deconvolve_job* job, int32_t y, int32_t z) {
         const float mean = cut ? mean_on_side(job, at) : 0.125f * (before + 6 * here + after);
         const float asked = job->cells[(begin + x) * (size_t)job->floats + (size_t)job->term];
         const float value = job->from[begin + x] + (asked - mean);
-        to[x] = job->positive ? ty_clampf(value, asked / farthest, asked * farthest) : value;
+        if (job->at_face != NULL && job->at_face[begin + x] != 0)
+            to[x] = asked;
+        else
+            to[x] = job->positive ? ty_clampf(value, asked / farthest, asked * farthest) : value;
         before = here;
     }
 }
@@ -84,14 +88,19 @@ static void deconvolve_plane(void* user, int64_t z, int32_t worker) {
 }
 
 ty_result ty_deconvolve_means(ty_context* context, const int32_t size[3], int32_t floats, int32_t terms, int32_t used,
-                              const ty_cuts* cuts, float* cells) {
+                              const ty_cuts* cuts, const uint8_t* at_face, float* cells) {
     const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     float* values[2] = {NULL, NULL};
     for (int i = 0; i < 2; ++i) values[i] = ty_alloc_array(context, count, sizeof(float), false);
     const bool whole = values[0] != NULL && values[1] != NULL;
     for (int32_t term = 0; term < used && whole; ++term) {
-        deconvolve_job job = {
-            .size = size, .floats = floats, .term = term, .positive = term % terms == 0, .cuts = cuts, .cells = cells};
+        deconvolve_job job = {.size = size,
+                              .floats = floats,
+                              .term = term,
+                              .positive = term % terms == 0,
+                              .cuts = cuts,
+                              .at_face = at_face,
+                              .cells = cells};
         for (size_t i = 0; i < count; ++i) values[0][i] = cells[i * (size_t)floats + (size_t)term];
         for (int n = 0; n < ITERATIONS; ++n) {
             job.from = values[n % 2];

@@ -20,6 +20,9 @@ enum { TY_NEAR_PIECES = 8, TY_NEAR_SAMPLES_MIN = 3, TY_NEAR_SAMPLES_MAX = 8 };
 #define TY_NEAR_BLACK 8.0f
 #define TY_NEAR_UNIFORM 0.3f
 #define TY_NEAR_EMPTY 0.02f
+/* Rays to a light with extent, per axis, and the part of the distance to a light that is free of its own surface. */
+enum { TY_NEAR_SIDE = 2 };
+#define TY_NEAR_VISIBLE 0.999f
 
 /* A light at a point. */
 typedef struct ty_near_light {
@@ -114,11 +117,12 @@ TY_FN void ty_near_depths(TY_GLOBAL const ty_march_request* request, ty_vec from
 typedef struct ty_near_ray {
     ty_vec origin, wi;
     float piece, max_distance; /* lengths, m */
+    float inner[2];            /* its part between the centers of the outer cells, m */
 } ty_near_ray;
 
 /* Adds the optical depths along the ray piece by piece, until it is opaque or the media are uniform: from there the
- * cells are accurate. Media with unresolved edges never count as uniform. Returns the distance reached, m. extinction:
- * at the origin. */
+ * cells are accurate, but for the outer halves of outer cells, whose light is not interpolated. Media with unresolved
+ * edges never count as uniform. Returns the distance reached, m. extinction: at the origin. */
 TY_FN float ty_near_integrate(TY_GLOBAL const ty_march_request* request, const ty_near_ray* near, float extinction,
                               float depth[TY_FLUENCE_COUNT][3]) {
     const float* sums = depth[TY_FLUENCE_UNSCATTERED];
@@ -130,13 +134,64 @@ TY_FN float ty_near_integrate(TY_GLOBAL const ty_march_request* request, const t
         sum = next;
         before = piece / length;
         at += length;
-        if (sum > TY_NEAR_BLACK || fabsf(piece - expected) < TY_NEAR_UNIFORM * expected + TY_NEAR_EMPTY) break;
+        if (sum > TY_NEAR_BLACK) break;
+        if (at >= near->inner[0] && at <= near->inner[1] &&
+            fabsf(piece - expected) < TY_NEAR_UNIFORM * expected + TY_NEAR_EMPTY)
+            break;
     }
     return at;
 }
 
-/* One light, traced through the media to cells farther along; false if there are none, beyond the centers of the outer
- * cells, or a surface is in between. */
+/* The ray from a point in the cells' box towards a light: to the box's end, or as far as attenuation is traced. Returns
+ * whether it reaches the end. */
+TY_FN bool ty_near_aim(TY_GLOBAL const ty_march_request* request, ty_vec from, ty_vec cells, float distance,
+                       ty_near_ray* ray) {
+    const ty_cell_lattice* lattice = &request->light;
+    const ty_vec size = ty_vec_make((float)lattice->size[0], (float)lattice->size[1], (float)lattice->size[2]);
+    const ty_vec half = ty_vec_make(0.5f, 0.5f, 0.5f);
+    float begin = 0.0f, end = distance;
+    ray->piece = TY_NEAR_CELLS / sqrtf(ty_dot(cells, cells));
+    ray->max_distance = ty_minf((float)TY_NEAR_PIECES * ray->piece, 0.5f * distance);
+    ray->inner[0] = 0.0f;
+    ray->inner[1] = TY_FLOAT_MAX;
+    if (!ty_clip_box(from, cells, half, ty_sub(size, half), &ray->inner[0], &ray->inner[1])) ray->inner[1] = -1.0f;
+    ty_clip_box(from, cells, ty_vec_make(0.0f, 0.0f, 0.0f), size, &begin, &end);
+    if (end > (float)TY_NEAR_PIECES * ray->piece || !(end < distance)) return false;
+    ray->max_distance = end;
+    return true;
+}
+
+/* Fluence of a light at a point that no media attenuate it up to, W m^-2, with the shadows of surfaces. */
+TY_FN void ty_near_unattenuated(TY_GLOBAL const ty_scene_view* scene, const ty_discrete_light* sample, ty_vec point,
+                                float fluence[3]) {
+    TY_GLOBAL const ty_light_view* light = &scene->lights.lights[sample->light];
+    const int32_t side = sample->kind == TY_DISCRETE_POINT && sample->is_point == 0 ? TY_NEAR_SIDE : 1;
+    for (int32_t c = 0; c < 3; ++c) fluence[c] = 0.0f;
+    for (int32_t i = 0; i < side * side; ++i) {
+        const float u = ((float)(i % side) + 0.5f) / (float)side, v = ((float)(i / side) + 0.5f) / (float)side;
+        ty_light_sample to;
+        if (!ty_light_sample_from(light, point, u, v, &to)) continue;
+        if (scene->mesh != NULL && sample->shadowed != 0 &&
+            ty_accel_occluded(scene->mesh, point, to.wi, TY_NEAR_VISIBLE * to.distance))
+            continue;
+        for (int32_t c = 0; c < 3; ++c) fluence[c] += to.radiance[c] / (float)(side * side);
+    }
+}
+
+/* Divides the unattenuated fluence by that of the cell where it is looked up, whose mean the media in it attenuate. */
+TY_FN void ty_near_enter(TY_GLOBAL const ty_light_fluence* light, const float unattenuated[3], ty_near_light* out) {
+    for (int32_t f = 0; f < (light->lobe_order != 0 ? TY_FLUENCE_COUNT : 1); ++f)
+        for (int32_t c = 0; c < 3; ++c) {
+            const int32_t plane = light->shared != 0 ? 0 : c;
+            TY_GLOBAL const float* planes[TY_FLUENCE_COUNT] = {light->fluence[plane], light->unscattered[plane],
+                                                               light->next_order[plane]};
+            const float value = ty_cell_value(planes[f], &out->at) * (light->shared != 0 ? light->color[c] : 1.0f);
+            out->transmittance[f][c] *= value > 0.0f ? unattenuated[c] / value : 0.0f;
+        }
+}
+
+/* One light, traced through the media to cells farther along, or to the end of the box, where nothing has attenuated
+ * it; false if a surface is in between, or the cells there are outer ones. */
 TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_light_fluence* light,
                           ty_vec point, float extinction, ty_near_light* out) {
     TY_GLOBAL const ty_scene_view* scene = request->scene;
@@ -150,26 +205,28 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     const ty_vec cells = ty_vec_make(wi.x * request->light.per_cell.x, wi.y * request->light.per_cell.y,
                                      wi.z * request->light.per_cell.z);
     const ty_vec from = ty_cell_coordinates(&request->light, point);
-    const ty_vec first = ty_vec_make(0.5f, 0.5f, 0.5f);
-    const ty_vec last = ty_vec_make((float)request->light.size[0] - 0.5f, (float)request->light.size[1] - 0.5f,
-                                    (float)request->light.size[2] - 0.5f);
-    const float piece = TY_NEAR_CELLS / sqrtf(ty_dot(cells, cells));
-    float near = 0.0f, max_distance = ty_minf((float)TY_NEAR_PIECES * piece, 0.5f * distance);
-    if (!ty_near_in_box(from, first, last)) return false;
-    if (!ty_near_in_box(ty_mad(from, cells, max_distance), first, last))
-        ty_clip_box(from, cells, first, last, &near, &max_distance);
+    ty_near_ray ray = {.origin = point, .wi = wi};
+    if (!ty_cell_inside(&request->light, from)) return false;
+    const bool enters = ty_near_aim(request, from, cells, distance, &ray) && light->sample.light < scene->lights.count;
     float depth[TY_FLUENCE_COUNT][3];
     memset(depth, 0, sizeof depth);
-    const ty_near_ray ray = {point, wi, piece, max_distance};
-    max_distance = ty_near_integrate(request, &ray, extinction, depth);
-    if (scene->mesh != NULL && ty_accel_occluded(scene->mesh, point, wi, max_distance)) return false;
-    const float distance_ratio = distance < TY_FLOAT_MAX ? (distance - max_distance) / distance : 1.0f;
-    for (int32_t f = 0; f < (light->lobe_order != 0 ? TY_FLUENCE_COUNT : 1); ++f)
-        for (int32_t c = 0; c < 3; ++c)
-            out->transmittance[f][c] = distance_ratio * distance_ratio * ty_attenuation(depth[f][c]);
-    for (int32_t c = 0; c < 3; ++c) out->depth[c] = depth[TY_FLUENCE_UNSCATTERED][c];
+    const float reached = ty_near_integrate(request, &ray, extinction, depth);
+    const bool outside = enters && reached >= ray.max_distance;
+    const float* sums = depth[TY_FLUENCE_UNSCATTERED];
+    const bool opaque = sums[0] + sums[1] + sums[2] > 3.0f * TY_NEAR_BLACK;
+    if (!outside && !opaque && (reached < ray.inner[0] || reached > ray.inner[1])) return false;
+    if (scene->mesh != NULL && ty_accel_occluded(scene->mesh, point, wi, reached)) return false;
+    const float distance_ratio = distance < TY_FLOAT_MAX ? (distance - reached) / distance : 1.0f;
     out->falloff = distance_ratio * distance_ratio;
-    out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, max_distance));
+    const float falloff = outside ? 1.0f : out->falloff;
+    for (int32_t f = 0; f < (light->lobe_order != 0 ? TY_FLUENCE_COUNT : 1); ++f)
+        for (int32_t c = 0; c < 3; ++c) out->transmittance[f][c] = falloff * ty_attenuation(depth[f][c]);
+    for (int32_t c = 0; c < 3; ++c) out->depth[c] = sums[c];
+    out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, reached));
+    if (!outside) return true;
+    float unattenuated[3];
+    ty_near_unattenuated(scene, &light->sample, point, unattenuated);
+    ty_near_enter(light, unattenuated, out);
     return true;
 }
 

@@ -69,7 +69,7 @@ static ty_result pack_field(const ty_packed_request* packed, const ty_march_def*
     ty_parallel_for(packed->context, size[2], pack_plane, &pack);
     if (!def->preserve_means) return TY_OK;
     return ty_deconvolve_means(packed->context, size, view->floats, view->terms, view->channels * view->terms, cuts,
-                               cells->floats);
+                               field->at_face, cells->floats);
 }
 
 static ty_result pack_fields(const ty_march_def* def, ty_packed_request* packed) {

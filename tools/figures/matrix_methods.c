@@ -62,11 +62,12 @@ static void take_parts(const char* folder, bool path, matrix_cell* out) {
 static ty_result fill_cell(figure_run* run, const char* folder, const matrix_table* table, const matrix_row* row,
                            const char* method, double loading, matrix_cell* out) {
     char scene[MATRIX_PATH_SIZE];
-    char samples[16];
-    const char* const arguments[] = {"--method", method, "--spp", samples, NULL};
+    char samples[16], lpv_samples[32];
+    const char* const arguments[] = {"--method", method, "--spp", samples, "-D", lpv_samples, NULL};
     matrix_process process;
     matrix_scene_path(folder, row, scene);
     snprintf(samples, sizeof samples, "%d", table->samples);
+    snprintf(lpv_samples, sizeof lpv_samples, "render.lpv.spp=%d", table->samples); /* it shades surfaces itself */
     *out = (matrix_cell){.state = MATRIX_RENDERED, .ratio = NAN, .rmse = NAN};
     const ty_result result = matrix_render(folder, scene, arguments, &process);
     out->seconds = fmax(process.seconds - loading, 0);

@@ -24,54 +24,87 @@ static size_t width_at(const ty_shadow_hierarchy* map, int32_t level) {
     return ((size_t)map->map->side + ((size_t)1 << level) - 1) >> level;
 }
 
-static float inverse_depth_of(const ty_shadow_hierarchy* map, float depth) {
-    return is_parallel(map) ? -ty_minf(depth, TY_FLOAT_MAX) : 1.0f / ty_maxf(depth, 1e-30f);
+static inline float inverse_depth_of(bool parallel, float depth) {
+    return parallel ? -ty_minf(depth, TY_FLOAT_MAX) : 1.0f / ty_maxf(depth, 1e-30f);
 }
 
-static float depth_at(const hierarchy_job* job, int32_t x, int32_t y) {
-    const size_t side = (size_t)job->map->map->side;
-    return job->map->map->depth[((size_t)job->face * side + (size_t)y) * side + (size_t)x];
+static const float* depths_of_row(const hierarchy_job* job, int64_t y) {
+    const int64_t side = job->map->map->side;
+    return job->map->map->depth + ((int64_t)job->face * side + y) * side;
 }
 
-/* The change of inverse depth to a neighbouring texel; INFINITY if that texel is empty or outside. */
-static float change_beside(const hierarchy_job* job, int32_t x, int32_t y, float inverse_depth) {
-    const int32_t side = job->map->map->side;
-    if (x < 0 || y < 0 || x >= side || y >= side) return INFINITY;
-    const float depth = depth_at(job, x, y);
-    return isinf(depth) ? INFINITY : fabsf(inverse_depth - inverse_depth_of(job->map, depth));
+/* Texels of a row that are filled together. */
+enum { CHUNK = 256 };
+
+/* Inverse depths of a chunk and the texels around it; INFINITY of empty texels and outside of the face. */
+typedef struct texel_chunk {
+    float above[CHUNK + 2], center[CHUNK + 2], below[CHUNK + 2]; /* from the texel before the chunk on */
+} texel_chunk;
+
+/* The texels from x - 1 to x + CHUNK of a row. */
+static inline void find_inverse_depths(const hierarchy_job* job, bool parallel, int64_t x, int64_t y,
+                                       float out[CHUNK + 2]) {
+    const int64_t side = job->map->map->side, first = x == 0 ? 1 : 0;
+    const int64_t end = y < 0 || y >= side ? first : side - x + 1 < CHUNK + 2 ? side - x + 1 : CHUNK + 2;
+    const float* depth = depths_of_row(job, end > first ? y : 0);
+    out[0] = INFINITY;
+#pragma omp simd
+    for (int64_t i = first; i < end; ++i) {
+        const float inverse_depth = inverse_depth_of(parallel, depth[x - 1 + i]);
+        out[i] = depth[x - 1 + i] <= TY_FLOAT_MAX ? inverse_depth : INFINITY;
+    }
+    for (int64_t i = end; i < CHUNK + 2; ++i) out[i] = INFINITY;
 }
 
-/* The smaller change of both sides, because the other side may be a silhouette edge. */
-static float slope_of(const hierarchy_job* job, int32_t x, int32_t y, int32_t along_x, float inverse_depth) {
-    const int32_t along_y = 1 - along_x;
-    const float slope = ty_minf(change_beside(job, x - along_x, y - along_y, inverse_depth),
-                                change_beside(job, x + along_x, y + along_y, inverse_depth));
-    return isinf(slope) ? 0.0f : slope;
+/* The smaller change of inverse depth towards both sides, because one side may be a silhouette edge; 0 where both are
+ * empty. */
+static inline float slope_of(float before, float inverse_depth, float after) {
+    const float slope = ty_minf(fabsf(inverse_depth - before), fabsf(inverse_depth - after));
+    return slope <= TY_FLOAT_MAX ? slope : 0.0f;
 }
 
-static float texel_width(const hierarchy_job* job, float depth) {
+/* Width of a texel of parallel rays, else at unit depth, m. */
+static float texel_width(const hierarchy_job* job) {
     const ty_rsm* map = job->map->map;
     const double* right = map->right[job->face];
     const double half = sqrt(right[0] * right[0] + right[1] * right[1] + right[2] * right[2]);
-    return (float)(2 * half / map->side) * (is_parallel(job->map) ? 1.0f : depth);
+    return (float)(2 * half / map->side);
 }
 
-static float texel_of(const hierarchy_job* job, int32_t x, int32_t y) {
-    const float depth = depth_at(job, x, y), inverse_depth = inverse_depth_of(job->map, depth);
-    if (isinf(depth)) return inverse_depth;
-    const float width = texel_width(job, depth);
-    const float corner =
-        inverse_depth - 0.5f * (slope_of(job, x, y, 1, inverse_depth) + slope_of(job, x, y, 0, inverse_depth));
-    return ty_clampf(corner, inverse_depth_of(job->map, depth + STEEPEST_SLOPE * width),
-                     inverse_depth_of(job->map, depth + LEAST_BIAS * width));
+/* Inverse depths at the farthest corners of the texels' surfaces. */
+static inline void fill_chunk(const texel_chunk* chunk, bool parallel, float texel, const float* depth, int64_t count,
+                              float* out) {
+#pragma omp simd
+    for (int64_t i = 0; i < count; ++i) {
+        const float center = chunk->center[i + 1], width = texel * (parallel ? 1.0f : depth[i]);
+        const float corner = center - 0.5f * (slope_of(chunk->center[i], center, chunk->center[i + 2]) +
+                                              slope_of(chunk->above[i + 1], center, chunk->below[i + 1]));
+        const float biased = ty_clampf(corner, inverse_depth_of(parallel, depth[i] + STEEPEST_SLOPE * width),
+                                       inverse_depth_of(parallel, depth[i] + LEAST_BIAS * width));
+        out[i] = depth[i] <= TY_FLOAT_MAX ? biased : inverse_depth_of(parallel, depth[i]);
+    }
+}
+
+static inline void fill_texel_row(const hierarchy_job* job, bool parallel, int64_t row) {
+    const int64_t side = job->map->map->side;
+    const float texel = texel_width(job);
+    float* out = job->map->faces[job->face].texels + row * side;
+    for (int64_t x = 0; x < side; x += CHUNK) {
+        texel_chunk chunk;
+        find_inverse_depths(job, parallel, x, row - 1, chunk.above);
+        find_inverse_depths(job, parallel, x, row, chunk.center);
+        find_inverse_depths(job, parallel, x, row + 1, chunk.below);
+        fill_chunk(&chunk, parallel, texel, depths_of_row(job, row) + x, side - x < CHUNK ? side - x : CHUNK, out + x);
+    }
 }
 
 static void fill_texels(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const hierarchy_job* job = user;
-    const int32_t side = job->map->map->side;
-    float* out = job->map->faces[job->face].texels + row * side;
-    for (int32_t x = 0; x < side; ++x) out[x] = texel_of(job, x, (int32_t)row);
+    if (is_parallel(job->map))
+        fill_texel_row(job, true, row);
+    else
+        fill_texel_row(job, false, row);
 }
 
 /* ---- blocks ---- */
@@ -390,7 +423,7 @@ float ty_shadow_visibility(const ty_shadow_hierarchy* map, ty_vec point, ty_vec 
         const int32_t column = ty_shadow_clamp((int32_t)x + i % 2, 0, last);
         const int32_t row = ty_shadow_clamp((int32_t)y + i / 2, 0, last);
         const float nearer = plane_depth(map, &plane, (float)column + 0.5f - at.x, (float)row + 0.5f - at.y) -
-                             depth_at(&job, column, row);
+                             depths_of_row(&job, row)[column];
         const bool shines = !(nearer > slack);
         if (shines) fraction += (i % 2 == 0 ? 1.0f - across : across) * (i / 2 == 0 ? 1.0f - down : down);
         lit += shines;

@@ -58,8 +58,8 @@ static void meet_all(const ty_texels* texels, const packet* rays, const ty_hit h
     for (int32_t i = 0; i < rays->count; ++i) {
         ty_surface_point point;
         if (hits[i].surface < 0) continue;
-        ty_surface_evaluate(&texels->scene->view.surfaces[hits[i].surface], &hits[i],
-                            ty_vec_load(rays->rays[i].direction), &point);
+        ty_surface_evaluate_fetched(&texels->scene->view.surfaces[hits[i].surface], &hits[i],
+                                    ty_vec_load(rays->rays[i].direction), &point);
         texels->meet(texels->user, rays->texels[i], &rays->rays[i], &hits[i], &point);
     }
 }

@@ -19,6 +19,9 @@ typedef struct ty_source_field {
     const float* terms[3][TY_FIELD_TERMS]; /* per channel, x fastest */
     bool shared; /* all channels are the first one's terms times color, and the others' are not read */
     float color[3];
+    /* Nonzero for cells so thick that only light near a face of theirs is seen: their values are that, and no means.
+     * NULL: none. */
+    const uint8_t* at_face;
     const float* guide; /* mean extinction over channels, 1/m; NULL: no bilateral upsampling */
 } ty_source_field;
 

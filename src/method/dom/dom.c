@@ -14,7 +14,10 @@ static const double medium_until = 0.1, direct_until = 0.4, ordinates_until = 0.
 
 static void end_job(ty_dom_job* job) {
     const size_t terms = (size_t)job->light->bands * (size_t)job->light->bands;
-    for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
+    for (int c = 0; c < 3; ++c) {
+        ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
+        ty_free_array(job->context, job->centers[c], job->light->cells, 4 * sizeof(float));
+    }
     ty_discrete_light_set_destroy(job->context, &job->sources);
     ty_dom_free_boundary(job);
     ty_free_array(job->context, job->set, 1, sizeof *job->set);
@@ -77,6 +80,8 @@ void ty_dom_destroy(ty_dom* light) {
     ty_dom_clusters_destroy(light);
     for (int c = 0; c < 3; ++c) {
         ty_free_array(context, light->g[c], light->cells, sizeof(float));
+        ty_free_array(context, light->extinction[c], light->cells, sizeof(float));
+        ty_free_array(context, light->darkening[c], light->cells, sizeof(float));
         ty_free_array(context, light->moments[c], light->cells, bytes);
         if (light->face_fluence[c] != NULL)
             ty_free_array(context, light->face_fluence[c], 6 * light->cells, sizeof(float));

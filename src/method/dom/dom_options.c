@@ -20,9 +20,11 @@ static const ty_option options[] = {
             "a transfer function makes edges and they would be thicker than 2); time grows with its third power."},
     {TY_OPTION_FIELD(ty_dom_def, direct), .type = TY_OPTION_INT, .min = 4, .max = 1024, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO, .unit = "cells",
-     .doc = "Cells of uncollided light along that side; auto is as fine as the finest voxels, or twice as fine where a "
-            "transfer function makes edges within them, 256 at most (192 of these where not all lights shine from one "
-            "direction or position), and 64 without voxels."},
+     .doc =
+         "Cells of uncollided light along that side; auto is as fine as the finest voxels, or twice as fine where a "
+         "transfer function makes edges within them, 256 at most (192 of these where not all lights shine from one "
+         "direction or position), and 64 without voxels; voxels thicker than 1.5 mean free paths that point and "
+         "spot lights alone, or with directional ones, shine on are divided into up to 4 per side, 128 cells at most."},
     {TY_OPTION_FIELD(ty_dom_def, bands), .type = TY_OPTION_INT, .min = 1, .max = TY_DOM_BANDS_MAX, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO,
      .doc = "L, the number of Legendre terms that the phase function keeps without its forward peak; auto follows from "

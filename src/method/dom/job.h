@@ -15,6 +15,8 @@ typedef struct ty_dom_job {
     ty_angular_quadrature* last_set; /* of the last sweep; NULL: the same */
     ty_grid_medium* fine;            /* cells of uncollided light */
     ty_grid_medium* coarse;          /* cells of ordinates */
+    double diffusive_paths;          /* of ty_ordinates_def */
+    bool even_light;                 /* all lights are soft environments */
     ty_discrete_light_set sources;
     const ty_boundary_faces* boundary; /* the solution's, between coarse cells; NULL: there are none */
     float* wall_albedo[3];             /* per side, for each channel that is solved for */
@@ -22,6 +24,8 @@ typedef struct ty_dom_job {
     float* incident_radiance[3];       /* boundary source of surfaces outside of the box, for each channel: planes of
                                           ty_boundary_radiance, axis by axis; NULL: there are none */
     float* source[3];                  /* q_lm, W m^-3: bands^2 planes of coarse cells for each channel */
+    float* centers[3]; /* q_00 that uncollided light makes in thick cells, and that times its center along
+                          x, y and z, -1..1 in the cell: four planes; NULL: there are no such cells */
     ty_dom* light;
     ty_dom_stats stats;
 } ty_dom_job;

@@ -58,8 +58,12 @@ struct ty_dom {
     /* Collided light: output_bands^2 planes of cells, one per real spherical harmonic. */
     bool shared; /* all channels are the first one's planes, times color */
     float color[3];
-    float* moments[3];      /* phi_lm of collided light, W m^-2 */
-    float* face_fluence[3]; /* ty_ordinates_def.seen; NULL: there are no diffusive cells */
+    float* moments[3]; /* phi_lm of collided light, W m^-2 */
+    /* Of ty_ordinates_def.face_fluence, what scatters last in the cell: less the emission that is seen there, over the
+       albedo. NULL: there are no diffusive cells; then extinction, per plane of g, is NULL, too. */
+    float* face_fluence[3];
+    float* extinction[3];   /* sigma_t, 1/m */
+    float* darkening[3];    /* likewise: slope of the radiance of faces in the cosine, over that at cosine 0 */
     float* wall_moments[3]; /* of light from surfaces that has not scattered since; NULL: none */
     /* Boundary faces: per side, the irradiance of collided light on the cell's face, and on the surface itself the part
        of the uncollided light that is in the forward lobe. */

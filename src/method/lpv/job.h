@@ -27,6 +27,7 @@ struct ty_lpv {
     size_t source_capacity;
     ty_extended_lights* extended; /* the other lights; NULL: none */
     ty_grid_medium* medium;       /* fine cells; NULL: vacuum */
+    ty_reduced_media reduced;     /* of medium, through which the light of lights comes; mode links */
 };
 
 typedef struct ty_lpv_job {

@@ -38,7 +38,10 @@ static ty_result place(ty_lpv_job* job) {
         result = ty_lattice_create(job->context, &boxes[i], job->def->bands, &light->lattices[i]);
         if (result != TY_OK) break;
         ++light->count;
+        light->lattices[i]->reduces = job->def->mode == TY_LPV_MODE_LINKS;
         if (scatters(job)) result = ty_grid_medium_create(job->scene, &boxes[i], &light->lattices[i]->medium);
+        if (result == TY_OK && job->def->mode == TY_LPV_MODE_LINKS)
+            result = ty_lattice_find_border_scale(light->lattices[i]);
         if (result == TY_OK && job->def->mode == TY_LPV_MODE_LINKS)
             result = ty_lattice_find_extinction_floor(light->lattices[i], ty_scene_get_view(job->scene)->lights.lights,
                                                       untriangulated_lights(job));
@@ -49,6 +52,8 @@ static ty_result place(ty_lpv_job* job) {
         ty_grid_box fine;
         result = ty_grid_box_fit(job->scene, ty_grid_box_longest(job->scene, 0), &fine);
         if (result == TY_OK) result = ty_grid_medium_create(job->scene, &fine, &light->medium);
+        if (result == TY_OK && job->def->mode == TY_LPV_MODE_LINKS)
+            result = ty_reduced_media_create(job->scene, light->medium, &light->reduced);
     }
     job->stats.medium_seconds = ty_wall_seconds() - begun;
     return result;
@@ -59,7 +64,8 @@ typedef ty_result (*inject_fn)(ty_lattice* lattice, const ty_lpv_def* def, const
 
 static ty_result inject(ty_lpv_job* job, ty_lattice* lattice, inject_fn function, double power[3], double* seconds) {
     const double begun = ty_wall_seconds();
-    const ty_grid_medium* medium = scatters(job) ? job->light->medium : NULL;
+    const ty_grid_medium* reduced = job->light->reduced.medium;
+    const ty_grid_medium* medium = !scatters(job) ? NULL : reduced != NULL ? reduced : job->light->medium;
     ty_result result = TY_OK;
     for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i)
         result = function(lattice, job->def, &job->light->sources[i], medium, power);
@@ -200,6 +206,7 @@ void ty_lpv_destroy(ty_lpv* light) {
     ty_lpv_free_maps(light);
     ty_extended_lights_destroy(light->extended);
     ty_grid_medium_destroy(light->medium);
+    ty_reduced_media_destroy(light->context, &light->reduced);
     ty_free_array(light->context, light, 1, sizeof *light);
 }
 
@@ -210,7 +217,7 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
     const ty_camera_def camera = ty_scene_camera(scene);
     const size_t count = (size_t)light->source_count;
     ty_lpv_def sized = *def;
-    ty_airlight* airlight = NULL;
+    ty_airlight *airlight = NULL, *single = NULL;
     const ty_shadow_hierarchy** maps = ty_alloc_array(light->context, count, sizeof(const ty_shadow_hierarchy*), false);
     if (maps == NULL) return TY_ERROR_MEMORY;
     sized.width = def->width > 0 ? def->width : camera.resolution[0];
@@ -218,19 +225,26 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
     for (size_t i = 0; i < count; ++i) maps[i] = light->sources[i].hierarchy;
     ty_result result = TY_OK;
     if (light->medium != NULL) {
-        const ty_airlight_def airlight_def = {.medium = light->medium, .maps = maps, .count = light->source_count};
+        ty_airlight_def airlight_def = {
+            .medium = light->medium, .reduced = &light->reduced, .maps = maps, .count = light->source_count};
+        const bool splits = light->reduced.medium != NULL && (def->aovs & (TY_AOV_SINGLE | TY_AOV_MULTIPLE)) != 0;
         result = ty_airlight_create(scene, &airlight_def, &airlight);
+        airlight_def.reduced = NULL;
+        if (result == TY_OK && splits) result = ty_airlight_create(scene, &airlight_def, &single);
     }
     const ty_lpv_image_job job = {.scene = scene,
                                   .def = &sized,
                                   .light = {light->lattices, light->count},
                                   .extended = light->extended,
                                   .medium = light->medium,
+                                  .reduced = &light->reduced,
                                   .airlight = airlight,
+                                  .single = single,
                                   .shadow_maps = maps,
                                   .shadow_map_count = light->source_count};
     if (result == TY_OK) result = ty_lpv_image(&job, out, stats);
     ty_airlight_destroy(airlight);
+    ty_airlight_destroy(single);
     ty_free_array(light->context, maps, count, sizeof(const ty_shadow_hierarchy*));
     return result;
 }

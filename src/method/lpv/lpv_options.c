@@ -20,7 +20,7 @@ static const ty_option options[] = {
             "(c) plain, with light propagation volumes on surfaces that ignore media; (e) plain_march, these marched, "
             "too; (d) single, single scattering; (f) both, (e) and (d) together."},
     {TY_OPTION_FIELD(ty_lpv_def, resolution), .type = TY_OPTION_INT, .min = 4, .max = TY_LPV_CELLS_MAX, .preset = 32,
-     .unit = "cells", .doc = "Cells of the lattice along its longest side."},
+     .unit = "cells", .doc = "Cells of the lattice along its longest side; in landscapes along that of the media."},
     {TY_OPTION_FIELD(ty_lpv_def, place), .type = TY_OPTION_WORD, .words = places,
      .doc =
          "Position of the lattice: around media and surfaces, or a cube about the camera that moves by whole cells."},

@@ -27,7 +27,9 @@ static inline void ty_fetch_texels(const ty_surface* surface, const ty_hit* hit)
     const int32_t column = ty_texture_wrap((int32_t)x, texture->width, texture->wrap[0]);
     for (int32_t j = 0; j < 2; ++j) {
         const int32_t line = ty_texture_wrap((int32_t)y + j, texture->height, texture->wrap[1]);
-        __builtin_prefetch(texture->rgba8 + 4 * ((size_t)column + (size_t)texture->width * (size_t)line));
+        const uint8_t* texel = texture->rgba8 + 4 * ((size_t)column + (size_t)texture->width * (size_t)line);
+        __builtin_prefetch(texel);
+        __builtin_prefetch(texel + 4);
     }
 }
 
@@ -39,6 +41,17 @@ static inline void ty_surfaces_fetch(const ty_surface* surfaces, const ty_hit* h
     for (int32_t i = 0; i < count; ++i)
         if (hits[i].surface >= 0 && surfaces[hits[i].surface].indices != NULL)
             ty_fetch_texels(&surfaces[hits[i].surface], &hits[i]);
+}
+
+/* ty_surface_evaluate, inlined whole for Lambertian surfaces. */
+__attribute__((flatten)) static inline void ty_surface_evaluate_fetched(const ty_surface* surface, const ty_hit* hit,
+                                                                        ty_vec direction, ty_surface_point* out) {
+    if (surface->gloss != NULL) {
+        ty_surface_evaluate(surface, hit, direction, out);
+        return;
+    }
+    ty_surface_evaluate_color(surface, hit, direction, out);
+    out->glossy = 0;
 }
 
 #endif

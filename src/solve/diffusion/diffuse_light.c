@@ -21,6 +21,10 @@ static const float MAX_DIFFERENCE = 1e-6f;
  * cell takes up the light. */
 static const double MAX_THICKNESS_INSIDE = 2.5, MAX_THICKNESS_AT_FACES = 1.5;
 
+/* Residual, relative to the source, above which a solve with limited flux counts as divergent: D and the fluence then
+ * grow in turn. Diffusion without a limiter is linear and converges; it takes its place. */
+static const double max_residual = 1;
+
 /* Channels are solved concurrently, one thread each, with few threads and on boxes of limited size: a loop over planes
  * of a small box ends before other threads have woken up. */
 enum { CONCURRENT_THREADS = 4, CONCURRENT_CELLS = 1 << 20 };
@@ -297,6 +301,11 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
     }
     const ty_diffusion_out out = {.fluence = terms[0], .flux = {terms[1], terms[2], terms[3]}};
     solve->result = ty_diffusion_solve(work->context, &def, &out, &solve->stats);
+    if (solve->result == TY_OK && !(solve->stats.residual <= max_residual)) {
+        def.limiter = TY_LIMITER_NONE;
+        def.start = NULL;
+        solve->result = ty_diffusion_solve(work->context, &def, &out, &solve->stats);
+    }
     if (solve->result == TY_OK) ty_diffuse_terms_make(work->medium->box.size, terms, NULL, NULL);
 }
 

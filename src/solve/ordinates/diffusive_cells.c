@@ -6,9 +6,11 @@
 #include <math.h>
 #include <string.h>
 
-/* Minimum of a diffusive cell's longest edge in mean free paths, and of its shortest edge in transport mean free paths.
- */
-static const double MIN_THICKNESS = TY_DIFFUSIVE_FREE_PATHS, MIN_REDUCED_THICKNESS = 1.5;
+/* Minimum of a diffusive cell's shortest edge in transport mean free paths. */
+static const double MIN_REDUCED_THICKNESS = 1.5;
+/* The same of cells that scatter forwards and absorb more than this part of sigma_tr: there two moments do
+ * not tell how much light turns round before it is absorbed. */
+static const double MAX_FORWARD_ABSORPTION = 0.5, MIN_ABSORBING_THICKNESS = 2.2;
 /* Reduction of P1's D for a black cell, which then emits a quarter of its fluence. */
 static const double BLACK_REDUCTION = 0.1339745962155614; /* 1 - sqrt(3) / 2 */
 /* Maximum of the logarithmic growth of a source from cell to cell, per optical thickness of a cell. */
@@ -40,8 +42,10 @@ static search begin_search(const ty_ordinates_def* def, const float* extinction,
 }
 
 static bool is_diffusive(const search* f, int64_t cell) {
-    return (double)f->extinction[cell] * f->longest > MIN_THICKNESS &&
-           (double)f->reduced[cell] * f->shortest > MIN_REDUCED_THICKNESS;
+    const double reduced = (double)f->reduced[cell], extinction = (double)f->extinction[cell];
+    const bool absorbs = reduced < extinction && (double)f->absorption[cell] > MAX_FORWARD_ABSORPTION * reduced;
+    return extinction * f->longest > f->def->diffusive_paths &&
+           reduced * f->shortest > (absorbs ? MIN_ABSORBING_THICKNESS : MIN_REDUCED_THICKNESS);
 }
 
 /* ---- cells ---- */
@@ -137,12 +141,21 @@ static double exponential_center(double growth) {
     return fabs(half) < 1e-2 ? half / 3 : 1 / tanh(half) - 1 / half;
 }
 
+/* Center of the source along an axis, -1..1: as far as it is known, and of the rest by its growth. */
+static double isotropic_center(const search* f, const ty_diffusive_cell* cell, int axis) {
+    const float* const* known = f->def->source_center;
+    const double by_growth = exponential_center(growth_of(f, cell, axis));
+    if (known == NULL) return by_growth;
+    const double part = (double)known[0][cell->index], all = fmax(part, (double)f->def->source[0][cell->index]);
+    return ((double)known[1 + axis][cell->index] + (all - part) * by_growth) / all;
+}
+
 /* Center of the source along an axis, -1..1, displaced by the transport mean free path in the direction of its first
  * moment. */
 static double source_center(const search* f, const ty_diffusive_cell* cell, int axis, double reduced) {
     static const int terms[3] = {3, 1, 2};
     const double emission = (double)f->def->source[0][cell->index], half = f->def->cell[axis] / 2;
-    double center = exponential_center(growth_of(f, cell, axis));
+    double center = isotropic_center(f, cell, axis);
     if (f->def->source_terms > 1)
         center += (double)f->def->source[terms[axis]][cell->index] / (sqrt(3) * emission * reduced * half);
     return fmax(fmin(center, 1), -1);

@@ -11,7 +11,12 @@
 static const double MIN_BOX_THICKNESS = 6;
 
 ty_ordinates_def ty_default_ordinates_def(void) {
-    return (ty_ordinates_def){.bands = 4, .output_order = 4, .source_terms = 1, .accelerated = true, .tolerance = 1e-3};
+    return (ty_ordinates_def){.bands = 4,
+                              .output_order = 4,
+                              .source_terms = 1,
+                              .accelerated = true,
+                              .diffusive_paths = TY_DIFFUSIVE_FREE_PATHS,
+                              .tolerance = 1e-3};
 }
 
 /* ---- checks ---- */

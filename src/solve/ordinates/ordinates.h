@@ -15,7 +15,7 @@
 #include "solve/angular/quadrature.h"
 
 enum { TY_SCATTERING_ORDER_MAX = 12 };
-/* Minimum edge of a diffusive cell, mean free paths. */
+/* Default minimum edge of a diffusive cell, mean free paths. */
 enum { TY_DIFFUSIVE_FREE_PATHS = 6 };
 
 /* Boundary faces, laid out as in ty_sweep_faces: opaque ones, whose reflection is diffuse, and smooth interfaces of
@@ -75,11 +75,15 @@ typedef struct ty_ordinates_def {
                                 and its complement is the forward peak; NULL (default): from g */
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
+    /* Four planes: the part of q_00 whose positions within cells are known, and that times their center along x, y and
+     * z, -1..1; diffusive cells use them. NULL (default): positions follow from the neighbours' sources. */
+    const float* const* source_center;
     ty_ordinates_faces walls;
     ty_boundary_radiance boundary_radiance; /* default: 0 */
     bool accelerated;                       /* diffusion synthetic acceleration, 2 to 12 sweeps, with diffusive cells
                                                (solve/ordinates/diffusive_cells.h); false: source iteration, as many sweeps as scattering
                                                orders */
+    double diffusive_paths;    /* minimum edge of a diffusive cell, mean free paths; default TY_DIFFUSIVE_FREE_PATHS */
     double tolerance;          /* bound of the estimated remaining error, relative rms of the fluence; default 1e-3 */
     int32_t sweeps;            /* maximum; 0 (default): 100 accelerated, else 10000 */
     float* face_fluence;       /* out: per cell, six numbers, one per face (2 * axis + (1 for the upper face)). For a

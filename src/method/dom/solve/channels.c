@@ -127,6 +127,7 @@ static ty_ordinates_def define_solve(const ty_dom_job* job) {
     def.output_order = light->output_bands;
     def.source_terms = (int32_t)term_count(light->bands);
     def.accelerated = dom->acceleration == TY_DOM_ACCELERATION_DIFFUSION;
+    def.diffusive_paths = job->diffusive_paths;
     def.tolerance = dom->tolerance;
     def.sweeps = dom->iterations == TY_AUTO ? 0 : dom->iterations;
     def.walls.count = job->boundary != NULL ? job->boundary->count : 0;
@@ -154,12 +155,38 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;
     def.progress_user = solve;
+    const float* centers[4] = {NULL};
+    for (size_t n = 0; n < 4 && job->centers[channel] != NULL; ++n)
+        centers[n] = job->centers[channel] + light->cells * n;
+    def.source_center = centers[0] != NULL ? centers : NULL;
     float* zeros = NULL;
     ty_result result = ty_dom_solve_boundary_light(solve->all->job, channel, &def, &solve->boundary);
     if (result == TY_OK) result = ty_dom_set_reflection(solve->all->job, channel, &def, &zeros);
     if (result == TY_OK) result = ty_ordinates_solve(job->context, &def, moments, NULL, 0, &solve->stats);
     if (zeros != NULL) ty_free_array(job->context, zeros, (size_t)job->boundary->count, sizeof *zeros);
     return result;
+}
+
+/* Turns the fluence of faces into what scatters last in their cells, which the marcher multiplies with sigma_s and
+ * attenuates by sigma_t, or by sigma* where the phase function is fitted. */
+static void keep_scattered(const ty_dom_job* job, int32_t channel) {
+    const ty_dom* light = job->light;
+    const ty_grid_medium* medium = job->coarse;
+    const int32_t plane = light->planes == 3 ? channel : 0;
+    const float total = light->color[0] + light->color[1] + light->color[2];
+    float* faces = light->face_fluence[channel];
+    for (size_t i = 0; faces != NULL && i < light->cells; ++i) {
+        const float sigma_t = medium->extinction[plane][i], sigma_s = medium->scattering[plane][i];
+        const float attenuating = sigma_t - (light->fit.bands > 0 ? light->fit.forward_fraction * sigma_s : 0);
+        float emission = medium->emission[0] != NULL ? medium->emission[channel][i] : 0;
+        if (light->shared && medium->emission[0] != NULL)
+            emission = (medium->emission[0][i] + medium->emission[1][i] + medium->emission[2][i]) / total;
+        for (size_t face = 6 * i; face < 6 * i + 6; ++face)
+            if (faces[face] >= 0)
+                faces[face] =
+                    sigma_s > 0 ? ty_maxf(0, faces[face] - (float)TY_SH_0 * emission / sigma_t) * attenuating / sigma_s
+                                : 0;
+    }
 }
 
 static void solve_channel(void* user, int64_t index, int32_t worker) {
@@ -171,6 +198,7 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
     solve->result = allocate_start(job, light->shared ? brightest(light) : solve->channel, &start);
     if (solve->result != TY_OK) return;
     solve->result = solve_from(solve, &start);
+    keep_scattered(job, solve->channel);
     ty_free_array(job->context, start.floats, start.floats != NULL ? light->cells : 0,
                   term_count(light->bands) * sizeof(float));
 }
@@ -188,14 +216,39 @@ static bool has_diffusive_cells(const ty_dom_job* job, int32_t channel) {
     const float* extinction = job->coarse->extinction[job->light->planes == 3 ? channel : 0];
     const double longest = fmax(fmax(cell[0], cell[1]), cell[2]);
     for (size_t i = 0; i < job->light->cells; ++i)
-        if ((double)extinction[i] * longest > TY_DIFFUSIVE_FREE_PATHS) return true;
+        if ((double)extinction[i] * longest > job->diffusive_paths) return true;
     return false;
+}
+
+/* Slope of the multiply scattered radiance that leaves a half-space without absorption, in the cosine: of H(mu) H(mu_0)
+ * - 1 over 1 + mu / mu_0, by Chandrasekhar's H. It falls off with absorption as the fourth power of P1's weight. Even
+ * light leaves evenly. */
+static const double max_darkening = 0.57;
+
+/* Keeps what images need of media with diffusive cells. */
+static ty_result keep_media(ty_dom_job* job) {
+    ty_dom* light = job->light;
+    const ty_grid_medium* medium = job->coarse;
+    for (int32_t p = 0; p < light->planes; ++p) {
+        light->extinction[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
+        light->darkening[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
+        if (light->extinction[p] == NULL || light->darkening[p] == NULL) return TY_ERROR_MEMORY;
+        memcpy(light->extinction[p], medium->extinction[p], light->cells * sizeof(float));
+        for (size_t i = 0; i < light->cells; ++i) {
+            const double sigma_t = (double)medium->extinction[p][i], sigma_s = (double)medium->scattering[p][i];
+            const double reduced = sigma_t - (double)medium->g[p][i] * sigma_s;
+            const double weight = 1 - sqrt(reduced > 0 ? fmax(0, fmin((sigma_t - sigma_s) / reduced, 1)) : 1);
+            light->darkening[p][i] = job->even_light ? 0 : (float)(max_darkening * pow(weight, 4));
+        }
+    }
+    return TY_OK;
 }
 
 /* Allocates the channels' moments and lists the channels with a source. */
 static ty_result choose_channels(scattering* all) {
     ty_dom_job* job = all->job;
     ty_dom* light = job->light;
+    bool diffusive = false;
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
         const bool without_source = is_dark(job, c);
         light->moments[c] =
@@ -205,9 +258,10 @@ static ty_result choose_channels(scattering* all) {
         if (has_diffusive_cells(job, c))
             light->face_fluence[c] = ty_alloc_array(job->context, 6 * light->cells, sizeof(float), false);
         if (has_diffusive_cells(job, c) && light->face_fluence[c] == NULL) return TY_ERROR_MEMORY;
+        diffusive = diffusive || light->face_fluence[c] != NULL;
         all->solves[all->count++] = (channel_solve){.all = all, .channel = c};
     }
-    return TY_OK;
+    return diffusive ? keep_media(job) : TY_OK;
 }
 
 static int32_t count_concurrent(const scattering* all) {

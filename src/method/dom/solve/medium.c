@@ -45,6 +45,14 @@ static bool is_soft(const ty_environment_view* environment) {
     return max <= max_cell_fraction * sum;
 }
 
+/* True if all lights are soft environments. */
+static bool has_even_light(const ty_scene* scene) {
+    const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
+    for (int32_t i = 0; i < lights->count; ++i)
+        if (lights->lights[i].kind != TY_KIND_ENVIRONMENT || !is_soft(&lights->lights[i].environment)) return false;
+    return true;
+}
+
 /* True if all lights are soft environments and few directional, point or spot lights. */
 static bool has_fitted_lights(const ty_scene* scene) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
@@ -182,12 +190,51 @@ static bool has_edges(const ty_scene* scene) {
     return false;
 }
 
+/* True if point or spot lights shine on voxels. */
+static bool has_points_over_voxels(const ty_scene* scene) {
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    bool points = false, voxels = false;
+    for (int32_t i = 0; i < view->lights.count; ++i)
+        points = points || ty_light_is_point_or_spot(view->lights.lights[i].kind);
+    for (int32_t m = 0; m < view->medium_count; ++m) voxels = voxels || view->media[m].has_grid != 0;
+    return points && voxels;
+}
+
+/* Parts of a voxel's side, so that fine cells are at most MAX_FINE_THICKNESS mean free paths thick: in thicker ones,
+ * the light of points that cells scatter does not add up to what reaches them, because it is found from the optical
+ * depths of their centers. At most MAX_THICK_REFINEMENT, and MAX_FINE_THICK cells along the longest side. */
+enum { MAX_THICK_REFINEMENT = 4, MAX_FINE_THICK = 128 };
+static const double MAX_FINE_THICKNESS = 1.5;
+
+static int32_t find_thick_refinement(const ty_dom_job* job) {
+    const ty_grid_medium* fine = job->fine;
+    if (job->def->direct != TY_AUTO || !has_few_lights(job->scene) || !has_points_over_voxels(job->scene)) return 1;
+    const double thickness = mean_extinction(fine) * fmax(fine->cell[0], fmax(fine->cell[1], fine->cell[2]));
+    const int32_t max = MAX_FINE_THICK / longest_side(fine->box.size);
+    return (int32_t)fmax(
+        1, fmin(ceil(thickness / MAX_FINE_THICKNESS), max < MAX_THICK_REFINEMENT ? max : MAX_THICK_REFINEMENT));
+}
+
+/* Minimum thickness of diffusive cells, mean free paths; the larger one for media with edges, whose cells are full in
+ * part. */
+static const double diffusive_paths = 2, diffusive_paths_edged = TY_DIFFUSIVE_FREE_PATHS;
+
 /* Fine cells per cell of a box without refinement. */
 static int32_t find_refinement(const ty_dom_job* job, const int32_t size[3]) {
     const int32_t max = has_few_lights(job->scene) ? MAX_FINE_FEW_LIGHTS : MAX_FINE_MANY_LIGHTS;
     const bool finer =
         job->def->direct == TY_AUTO && EDGE_REFINEMENT * longest_side(size) <= max && has_edges(job->scene);
     return finer ? EDGE_REFINEMENT : 1;
+}
+
+/* Samples the media on finer cells where they are thick. */
+static ty_result refine_thick(ty_dom_job* job, ty_grid_box* box) {
+    const int32_t refinement = find_thick_refinement(job);
+    if (refinement == 1) return TY_OK;
+    for (int a = 0; a < 3; ++a) box->size[a] *= refinement;
+    ty_grid_medium_destroy(job->fine);
+    job->fine = NULL;
+    return ty_grid_medium_create(job->scene, box, &job->fine);
 }
 
 static ty_result sample(ty_dom_job* job) {
@@ -202,6 +249,8 @@ static ty_result sample(ty_dom_job* job) {
     result = ty_grid_medium_create(job->scene, &box, &job->fine);
     if (result != TY_OK) return result;
     ty_grid_box_cut(&box, choose_cells(def, job->fine, refinement), size);
+    result = refine_thick(job, &box);
+    if (result != TY_OK) return result;
     return ty_grid_medium_resize(job->fine, size, &job->coarse);
 }
 
@@ -230,6 +279,8 @@ static ty_result make_set(const ty_dom_job* job, int32_t count, ty_angular_quadr
 
 ty_result ty_dom_sample_media(ty_dom_job* job) {
     int32_t exact = 0;
+    job->even_light = has_even_light(job->scene);
+    job->diffusive_paths = has_edges(job->scene) ? diffusive_paths_edged : diffusive_paths;
     ty_result result = make_set(job, job->def->directions, &job->set, &exact);
     if (result == TY_OK && job->def->last_directions > 0)
         result = make_set(job, job->def->last_directions, &job->last_set, NULL);

@@ -28,6 +28,9 @@ void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch);
 void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, const ty_light_fluence* uncollided,
                                  float mean_cosine, ty_dom_scratch* scratch);
 
+/* Fills job->centers, from the uncollided fluence of all lights. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_find_centers(ty_dom_job* job);
+
 /* Several directional samples without dedicated fields, whose moments are added to q_lm in one pass over its planes. */
 enum { TY_DOM_BATCH = 8 };
 

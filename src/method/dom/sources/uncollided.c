@@ -261,6 +261,7 @@ ty_result ty_dom_find_uncollided(ty_dom_job* job) {
                                                   TY_DOM_DEDICATED_MAX, direct.groups);
         result = light_all_groups(&direct);
     }
+    if (result == TY_OK) result = ty_dom_find_centers(job);
     if (result == TY_OK) add_emission(job);
     free_memory(&direct);
     return result;

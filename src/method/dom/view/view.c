@@ -20,8 +20,9 @@ typedef struct fields {
     float* collided_radiance[3];        /* radiance that cells scatter to the eye, per scattering coefficient */
     float* incident[3][TY_FIELD_TERMS]; /* incident radiance for surfaces, as terms of a source field */
     ty_light_fluence lights[TY_DOM_DEDICATED_MAX + 1];
-    ty_cuts* cuts;   /* surfaces between cells; NULL: none */
-    uint8_t* hidden; /* state of cells behind surfaces; NULL: none */
+    ty_cuts* cuts;    /* surfaces between cells; NULL: none */
+    uint8_t* hidden;  /* state of cells behind surfaces; NULL: none */
+    uint8_t* at_face; /* nonzero for diffusive cells that show the eye a face; NULL: none */
     size_t fine_cells;
     float* blurred;               /* environments behind media, with a fit */
     float* aggregate_radiance[3]; /* of fine cells: scattered radiance of lights without dedicated fields, times 4 pi */
@@ -34,20 +35,6 @@ typedef struct collided_job {
     const double* eye;
     float* const* out;
 } collided_job;
-
-/* Excess of a diffusive cell's face fluence towards the eye over its mean. */
-static double face_excess(const ty_dom* light, int32_t channel, size_t cell, const double omega[3]) {
-    double sum = 0, weights = 0;
-    if (light->face_fluence[channel] == NULL) return 0;
-    for (int face = 0; face < 6; ++face) {
-        const double collided = (double)light->face_fluence[channel][6 * cell + (size_t)face];
-        const double weight = (face & 1) != 0 ? omega[face / 2] : -omega[face / 2];
-        if (collided < 0 || weight <= 0) continue;
-        sum += weight * collided;
-        weights += weight;
-    }
-    return weights > 0 ? sum / weights - (double)light->moments[channel][cell] : 0;
-}
 
 static void collided_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
@@ -63,9 +50,8 @@ static void collided_row(void* user, int64_t row, int32_t worker) {
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
             const double g = (double)light->g[light->planes == 3 ? c : 0][at];
             const float* surfaces = light->wall_moments[c];
-            const ty_forward_fit* fit = light->fit.bands > 0 ? &light->fit : NULL;
-            const float* moments = fit != NULL ? fit->moments : ty_dom_legendre(light);
-            double sum = y[0] * face_excess(light, c, at, omega) * (moments != NULL ? (double)moments[0] : 1), g_l = 1;
+            const float* moments = light->fit.bands > 0 ? light->fit.moments : ty_dom_legendre(light);
+            double sum = 0, g_l = 1;
             for (int32_t l = 0; l < light->output_bands; ++l, g_l *= g) {
                 const double power = moments != NULL ? (double)moments[l] : g_l;
                 for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
@@ -89,6 +75,12 @@ static ty_result make_collided(const ty_dom* light, const double eye[3], fields*
     collided_job job = {light, eye, f->collided_radiance};
     ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], collided_row, &job);
     if (light->has_lobes && light->fit.bands == 0) ty_dom_correct_lobes(light, eye, f->collided_radiance);
+    if (light->extinction[0] != NULL) {
+        f->at_face = ty_alloc_array(light->context, light->cells, 1, true);
+        if (f->at_face == NULL) return TY_ERROR_MEMORY;
+        f->collided.at_face = f->at_face;
+        ty_dom_show_faces(light, f->lights, eye, f->collided_radiance, f->at_face);
+    }
     for (int32_t c = 0; c < ty_dom_channels(light); ++c)
         ty_hidden_cells_fill(light->context, &light->box, f->cuts, f->hidden, f->collided_radiance[c]);
     return TY_OK;
@@ -205,6 +197,7 @@ static ty_result make_blurred(const ty_dom* light, fields* f) {
 static void free_fields(const ty_dom* light, fields* f) {
     ty_cuts_destroy(f->cuts);
     ty_free_array(light->context, f->hidden, light->cells, 1);
+    ty_free_array(light->context, f->at_face, light->cells, 1);
     ty_free_array(light->context, f->blurred, TY_DOM_ENVIRONMENT_TEXELS, 3 * sizeof(float));
     for (int c = 0; c < 3; ++c) {
         ty_free_array(light->context, f->collided_radiance[c], light->cells, sizeof(float));
@@ -222,9 +215,9 @@ static ty_result make_fields(ty_volume_call* call, const double eye[3], fields* 
     ty_result result = ty_cuts_find(light->context, light->boundary, &light->box, &f->cuts);
     if (result == TY_OK && light->unlit != NULL)
         result = ty_hidden_cells_find(light->context, call->scene, &light->box, eye, &f->hidden);
+    if (result == TY_OK) result = make_lights(light, eye, &call->progress, f);
     if (result == TY_OK) result = make_collided(light, eye, f);
     if (result == TY_OK && surfaces) result = ty_dom_make_incident(light, f->hidden, f->incident, &f->surfaces);
-    if (result == TY_OK) result = make_lights(light, eye, &call->progress, f);
     if (result == TY_OK) result = make_blurred(light, f);
     return result;
 }

@@ -6,6 +6,11 @@
 #include "image/cuts.h"
 #include "method/dom/job.h"
 
+/* Replaces the radiance of diffusive cells, per scattering coefficient, by that which their faces show the eye besides
+ * what the lights scatter once, and marks these cells. */
+void ty_dom_show_faces(const ty_dom* light, const ty_light_fluence* lights, const double eye[3],
+                       float* const radiance[3], uint8_t* at_face);
+
 /* Corrects the outgoing radiance for lateral spread, which the lights' lobes neglect. */
 void ty_dom_correct_lobes(const ty_dom* light, const double eye[3], float* const radiance[3]);
 

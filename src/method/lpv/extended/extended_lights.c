@@ -82,8 +82,14 @@ void ty_light_points_destroy(ty_light_points* points) {
 }
 
 ty_extended_view ty_extended_view_of(const ty_scene* scene, const ty_extended_lights* lights,
-                                     const ty_light_points* points, const ty_grid_medium* medium) {
-    ty_extended_view view = {.scene = &scene->view, .lights = lights, .points = points, .medium = medium};
+                                     const ty_light_points* points, const ty_grid_medium* medium,
+                                     const ty_reduced_media* reduced) {
+    ty_extended_view view = {
+        .scene = &scene->view, .lights = lights, .points = points, .media = scene->view.media, .medium = medium};
+    if (reduced->medium != NULL && medium != NULL && reduced->view_count == scene->view.medium_count) {
+        view.media = reduced->views;
+        view.medium = reduced->medium;
+    }
     for (int32_t m = 0; m < scene->view.medium_count; ++m) view.on_cells |= scene->view.media[m].heterogeneous != 0;
     return view;
 }
@@ -95,31 +101,54 @@ typedef struct sample_packet {
     const ty_extended_view* view;
     int32_t count, traced;
     ty_ray rays[TY_PACKET];
-    float light[TY_PACKET][3];       /* contribution if the ray is unoccluded and media do not attenuate it */
-    float* sum;                      /* irradiance */
-    float (*terms)[TY_SH_TERMS_MAX]; /* of radiance, per channel, in place of sum; NULL: a surface receives the light */
+    bool beams[TY_PACKET];      /* whether the light goes to a cell's beam */
+    float light[TY_PACKET][3];  /* contribution if the ray is unoccluded and media do not attenuate it */
+    float* sum;                 /* irradiance */
+    const ty_light_cell* cell;  /* NULL: a surface receives the light */
+    ty_cell_radiance* radiance; /* in place of sum */
 } sample_packet;
 
-static void attenuate(const ty_extended_view* view, const ty_ray* ray, float light[3]) {
-    const ty_vec from = ty_vec_load(ray->origin), wi = ty_vec_load(ray->direction);
-    const float far = ty_minf(ray->far, TY_FLOAT_MAX);
+/* Multiplies light by the transmittance of the media on a ray from `begin` on. */
+static void attenuate(const ty_extended_view* view, const ty_ray* ray, float begin, float light[3]) {
+    const ty_vec wi = ty_vec_load(ray->direction), from = ty_mad(ty_vec_load(ray->origin), wi, begin);
+    const float far = ty_minf(ray->far, TY_FLOAT_MAX) - begin;
     float passing[3];
-    if (view->medium == NULL) return;
+    if (view->medium == NULL || !(far > 0.0f)) return;
     if (view->on_cells) {
         ty_grid_depth(view->medium, NULL, from, wi, far, passing);
         for (int c = 0; c < 3; ++c) passing[c] = ty_attenuation(passing[c]);
     } else {
-        ty_transmittance(view->scene->media, view->scene->medium_count, from, wi, far, NULL, passing);
+        ty_transmittance(view->media, view->scene->medium_count, from, wi, far, NULL, passing);
     }
     for (int c = 0; c < 3; ++c) light[c] *= passing[c];
 }
 
-/* The terms of light that travels along a ray's opposite direction. */
-static void add_terms(sample_packet* packet, int32_t ray) {
-    float y[TY_SH_TERMS_MAX];
-    ty_sh_all(ty_scale(ty_vec_load(packet->rays[ray].direction), -1.0f), y);
-    for (int c = 0; c < 3; ++c)
-        for (int t = 0; t < TY_SH_TERMS_MAX; ++t) packet->terms[c][t] += packet->light[ray][c] * y[t];
+/* Optical depth of the lit layer of a dense cell that an eye on the light's side sees. */
+static const float visible_depth = 1.0f;
+
+/* Adds light that travels along a ray's opposite direction. Its mean over the chord of optical depth x through the
+ * center is the fraction (1 - e^-x) / x of the light that enters. */
+static void add_to_cell(sample_packet* packet, int32_t ray) {
+    const ty_light_cell* cell = packet->cell;
+    const ty_vec wi = ty_vec_load(packet->rays[ray].direction);
+    const float half = 0.5f * cell->side / ty_maxf(fabsf(wi.x), ty_maxf(fabsf(wi.y), fabsf(wi.z)));
+    const float before = ty_minf(half, packet->rays[ray].far);
+    const float kept = ty_beam_cosine(cell->side, packet->rays[ray].far * packet->rays[ray].far);
+    float y[TY_SH_TERMS_MAX], *light = packet->light[ray];
+    ty_sh_all(ty_scale(wi, -1.0f), y);
+    attenuate(packet->view, &packet->rays[ray], before, light);
+    for (int c = 0; c < 3; ++c) {
+        const float depth = packet->view->medium != NULL ? cell->extinction[c] * (before + half) : 0.0f;
+        const float shallow = ty_minf(depth, visible_depth);
+        const float mean = light[c] * ty_mean_attenuation(depth, ty_attenuation(depth));
+        const float visible = light[c] * ty_mean_attenuation(shallow, ty_attenuation(shallow));
+        for (int t = 0; t < TY_SH_TERMS_MAX; ++t) packet->radiance->mean[c][t] += mean * y[t];
+        for (int t = 0; t < TY_SH_TERMS_MAX && !packet->beams[ray]; ++t)
+            packet->radiance->visible[c][t] += visible * y[t];
+        const float beam[TY_BEAM_TERMS] = {visible, -visible * kept * wi.x, -visible * kept * wi.y,
+                                           -visible * kept * wi.z};
+        for (int t = 0; t < TY_BEAM_TERMS && packet->beams[ray]; ++t) packet->radiance->beam[c][t] += beam[t];
+    }
 }
 
 static void trace(sample_packet* packet) {
@@ -131,11 +160,12 @@ static void trace(sample_packet* packet) {
     }
     for (int32_t i = 0; i < packet->count; ++i) {
         if (occluded[i]) continue;
-        attenuate(packet->view, &packet->rays[i], packet->light[i]);
-        if (packet->terms != NULL)
-            add_terms(packet, i);
-        else
-            for (int c = 0; c < 3; ++c) packet->sum[c] += packet->light[i][c];
+        if (packet->cell != NULL) {
+            add_to_cell(packet, i);
+            continue;
+        }
+        attenuate(packet->view, &packet->rays[i], 0.0f, packet->light[i]);
+        for (int c = 0; c < 3; ++c) packet->sum[c] += packet->light[i][c];
     }
     packet->count = 0;
 }
@@ -146,14 +176,16 @@ static void add_sample(sample_packet* packet, int32_t light, const ty_light_rece
                        float weight) {
     ty_light_sample sample;
     if (!ty_light_sample_from(&packet->view->scene->lights.lights[light], receiver->point, u, v, &sample)) return;
-    const float cosine = packet->terms != NULL ? 1.0f : ty_dot(sample.wi, receiver->normal);
-    if (!(cosine > 0.0f) || !(packet->terms != NULL || ty_dot(sample.wi, receiver->facing) > 0.0f)) return;
+    const float cosine = packet->cell != NULL ? 1.0f : ty_dot(sample.wi, receiver->normal);
+    if (!(cosine > 0.0f) || !(packet->cell != NULL || ty_dot(sample.wi, receiver->facing) > 0.0f)) return;
     float* out = packet->light[packet->count];
     for (int c = 0; c < 3; ++c) out[c] = sample.radiance[c] * cosine * weight;
     if (!(out[0] + out[1] + out[2] > 0.0f && out[0] + out[1] + out[2] < TY_FLOAT_MAX)) return;
     const ty_vec from = receiver->point, wi = sample.wi;
     const float far = sample.distance < TY_FLOAT_MAX ? sample.distance * 0.9999f : INFINITY;
     packet->rays[packet->count] = (ty_ray){{from.x, from.y, from.z}, {wi.x, wi.y, wi.z}, far};
+    packet->beams[packet->count] =
+        packet->cell != NULL && packet->cell->narrow && is_positioned(&packet->view->scene->lights.lights[light]);
     if (++packet->count == TY_PACKET) trace(packet);
 }
 
@@ -181,10 +213,10 @@ int32_t ty_extended_irradiance(const ty_extended_view* view, const ty_light_rece
     return packet.traced;
 }
 
-int32_t ty_extended_radiance(const ty_extended_view* view, ty_vec point, float terms[3][TY_SH_TERMS_MAX]) {
-    const ty_light_receiver receiver = {.point = point};
-    sample_packet packet = {.view = view, .terms = terms};
-    memset(terms, 0, 3 * sizeof *terms);
+int32_t ty_extended_radiance(const ty_extended_view* view, const ty_light_cell* cell, ty_cell_radiance* out) {
+    const ty_light_receiver receiver = {.point = cell->center};
+    sample_packet packet = {.view = view, .cell = cell, .radiance = out};
+    memset(out, 0, sizeof *out);
     add_points(&packet, &receiver, 0, TY_LIGHT_PATTERN * view->points->count);
     return packet.traced;
 }

@@ -7,7 +7,7 @@
 #define TY_METHOD_LPV_EXTENDED_LIGHTS_H
 
 #include "base/sh.k.h"
-#include "direct/media/grid_medium.h"
+#include "method/lpv/lattice/lattice.h"
 #include "scene/lights/light_tree.h"
 #include "scene/scene.h"
 
@@ -44,12 +44,15 @@ typedef struct ty_extended_view {
     const ty_scene_view* scene;
     const ty_extended_lights* lights;
     const ty_light_points* points;
-    const ty_grid_medium* medium; /* attenuates the light where media are heterogeneous; NULL: no medium attenuates */
+    const ty_medium_view* media;  /* attenuate the light where all of them are homogeneous */
+    const ty_grid_medium* medium; /* attenuates it elsewhere; NULL: no medium attenuates */
     bool on_cells;                /* whether any medium is heterogeneous */
 } ty_extended_view;
 
+/* medium: on cells; NULL: no medium attenuates. reduced: in place of the scene's media, if it has any. */
 ty_extended_view ty_extended_view_of(const ty_scene* scene, const ty_extended_lights* lights,
-                                     const ty_light_points* points, const ty_grid_medium* medium);
+                                     const ty_light_points* points, const ty_grid_medium* medium,
+                                     const ty_reduced_media* reduced);
 
 /* A point on a surface, off it by the rounding error, with its geometric and shading normals, unit, on the lit side. */
 typedef struct ty_light_receiver {
@@ -60,8 +63,23 @@ typedef struct ty_light_receiver {
  * number of shadow rays. */
 int32_t ty_extended_irradiance(const ty_extended_view* view, const ty_light_receiver* receiver, int32_t place,
                                float irradiance[3]);
-/* Radiance at a point in media as spherical harmonics of the direction of travel, per channel, W m^-2 sr^-1, by the
- * points of all places. Returns the number of shadow rays. */
-int32_t ty_extended_radiance(const ty_extended_view* view, ty_vec point, float terms[3][TY_SH_TERMS_MAX]);
+/* A cell of media. */
+typedef struct ty_light_cell {
+    ty_vec center;
+    float side, extinction[3]; /* m; mean, 1/m */
+    bool narrow; /* whether its phase function is too narrow for the bands: lights with a place go to a beam */
+} ty_light_cell;
+
+/* Spherical harmonics of the direction of travel of the uncollided radiance in a cell, per channel, W m^-2 sr^-1. */
+typedef struct ty_cell_radiance {
+    float mean[3][TY_SH_TERMS_MAX];    /* of the whole cell, attenuated by its own extinction: what scatters in it */
+    float visible[3][TY_SH_TERMS_MAX]; /* of the part that an eye on the light's side sees; the mean of thin cells */
+    float beam[3][TY_BEAM_TERMS];      /* the same of lights with a place, in narrow cells */
+} ty_cell_radiance;
+
+/* The radiance by the points of all places, whose rays are traced from the cell's center. Attenuation is exact up to
+ * the cell's face and that of the cell's extinction within, so no more is scattered than enters. Returns the number of
+ * shadow rays. */
+int32_t ty_extended_radiance(const ty_extended_view* view, const ty_light_cell* cell, ty_cell_radiance* out);
 
 #endif

@@ -18,7 +18,7 @@ static void classify_media(ty_airlight* airlight) {
     for (int32_t m = 0; m < airlight->scene->medium_count; ++m) {
         const ty_medium_view* medium = &airlight->scene->media[m];
         if (!is_homogeneous(medium)) airlight->on_cells = 1;
-        if (medium->gray == 0) airlight->channels = 3;
+        if (medium->gray == 0 || airlight->light_media[m].gray == 0) airlight->channels = 3;
         if (medium->sigma_t_max > 0) airlight->collide |= (uint64_t)1 << m;
     }
 }
@@ -38,7 +38,7 @@ static bool is_within_all(const ty_airlight* airlight, ty_vec point) {
 /* ---- lights ---- */
 
 static ty_result find_planes(const ty_airlight* airlight, ty_airlight_source* light) {
-    const ty_grid_medium* medium = airlight->medium;
+    const ty_grid_medium* medium = airlight->light_medium;
     const ty_discrete_light source = {.kind = light->light->kind == TY_KIND_DIRECTIONAL ? TY_DISCRETE_DIRECTIONAL
                                                                                         : TY_DISCRETE_POINT,
                                       .direction = light->light->direction,
@@ -69,7 +69,12 @@ ty_result ty_airlight_create(const ty_scene* scene, const ty_airlight_def* def, 
     if (airlight == NULL) return TY_ERROR_MEMORY;
     airlight->context = scene->context;
     airlight->scene = view;
-    airlight->medium = def->medium;
+    airlight->medium = airlight->light_medium = def->medium;
+    airlight->light_media = view->media;
+    if (def->reduced != NULL && def->reduced->medium != NULL && def->reduced->view_count == view->medium_count) {
+        airlight->light_medium = def->reduced->medium;
+        airlight->light_media = def->reduced->views;
+    }
     airlight->count = def->count;
     classify_media(airlight);
     airlight->lights = ty_alloc_array(scene->context, (size_t)def->count, sizeof *airlight->lights, true);
@@ -140,5 +145,5 @@ void ty_airlight_transmittance(const ty_airlight* airlight, int32_t light, ty_ve
         far = sqrtf(ty_dot(to, to));
         back = ty_scale(to, 1.0f / ty_maxf(far, 1e-30f));
     }
-    ty_transmittance(airlight->scene->media, airlight->scene->medium_count, point, back, far, NULL, transmittance);
+    ty_transmittance(airlight->light_media, airlight->scene->medium_count, point, back, far, NULL, transmittance);
 }

@@ -7,13 +7,14 @@
 #ifndef TY_METHOD_LPV_IMAGE_AIRLIGHT_H
 #define TY_METHOD_LPV_IMAGE_AIRLIGHT_H
 
-#include "direct/media/grid_medium.h"
 #include "direct/shadow/shadow_hierarchy.h"
+#include "method/lpv/lattice/reduced_media.h"
 
 typedef struct ty_airlight_def {
     const ty_grid_medium* medium; /* the scene's media on cells, used if any of them is heterogeneous; not NULL */
     const ty_shadow_hierarchy* const* maps; /* one per light, at most 64 */
     int32_t count;
+    const ty_reduced_media* reduced; /* between the lights and where their light scatters; NULL: the scene's media */
 } ty_airlight_def;
 
 typedef struct ty_airlight ty_airlight;
@@ -30,7 +31,8 @@ typedef struct ty_eye_ray {
     float far, offset;
 } ty_eye_ray;
 
-/* Single-scattered radiance, W m^-2 sr^-1, that arrives at the origin from [0, far] of each ray, attenuated on both the
+/* Radiance, W m^-2 sr^-1, of the lights' light that scatters towards the eye, single scattering without reduced media,
+ * that arrives at the origin from [0, far] of each ray, attenuated on both the
  * path from the light and the path to the eye, without the media's emission; and the transmittance of [0, far] (may be
  * NULL). Callable from any thread; a packet of coherent rays is faster than single rays. */
 void ty_airlight_rays(const ty_airlight* airlight, ty_vec origin, const ty_eye_ray* rays, int32_t count,

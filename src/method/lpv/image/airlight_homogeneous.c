@@ -238,7 +238,7 @@ static void find_sun(const airlight_ray* ray, const ty_light_view* light, sun_pa
             sun->curved = 1;
             continue;
         }
-        sun->of[sun->boxes] = medium;
+        sun->of[sun->boxes] = &ray->airlight->light_media[m];
         find_box(ray, sun->back, medium, &sun->box[sun->boxes]);
         add_box_kinks(ray, &sun->box[sun->boxes++], (throughout >> m & 1) != 0, kinks);
     }
@@ -285,8 +285,8 @@ static void take_curved(const airlight_ray* ray, const sun_paths* sun, const lit
     for (int32_t i = 0; i < panels * NODES; ++i) {
         const float t = lit_part->from + size * ((float)(i / NODES) + 0.5f + 0.5f * node[i % NODES]);
         float passing[3];
-        ty_transmittance(scene->media, scene->medium_count, ty_mad(ray->origin, ray->direction, t), sun->back,
-                         TY_FLOAT_MAX, NULL, passing);
+        ty_transmittance(ray->airlight->light_media, scene->medium_count, ty_mad(ray->origin, ray->direction, t),
+                         sun->back, TY_FLOAT_MAX, NULL, passing);
         for (int c = 0; c < 3; ++c)
             light[c] += size * node_weight[i % NODES] * passing[c] *
                         ty_attenuation(interval->depth[c] + interval->extinction[c] * (t - interval->from));
@@ -341,7 +341,8 @@ static void passing_to(const airlight_ray* ray, const local_light* local, const 
                        float distance, float passing[3]) {
     const ty_scene_view* scene = ray->airlight->scene;
     const media_interval* interval = lit_part->interval;
-    const bool simple = local->of->inside != 0 && (ray->airlight->collide & ~interval->media) == 0;
+    const bool simple = local->of->inside != 0 && (ray->airlight->collide & ~interval->media) == 0 &&
+                        ray->airlight->light_media == scene->media;
     const float travelled = t - interval->from + (simple ? distance : 0.0f);
     for (int c = 0; c < ray->airlight->channels; ++c)
         passing[c] = ty_attenuation(interval->depth[c] + interval->extinction[c] * travelled);
@@ -350,8 +351,8 @@ static void passing_to(const airlight_ray* ray, const local_light* local, const 
     float from_light[3];
     const ty_vec off = ty_sub(ty_mad(ray->origin, ray->direction, t), local->of->light->position);
     const float length = ty_maxf(sqrtf(ty_dot(off, off)), 1e-30f);
-    ty_transmittance(scene->media, scene->medium_count, local->of->light->position, ty_scale(off, 1.0f / length),
-                     length, NULL, from_light);
+    ty_transmittance(ray->airlight->light_media, scene->medium_count, local->of->light->position,
+                     ty_scale(off, 1.0f / length), length, NULL, from_light);
     for (int c = 0; c < 3; ++c) passing[c] *= from_light[c];
 }
 

@@ -25,6 +25,8 @@ struct ty_airlight {
     ty_context* context;
     const ty_scene_view* scene;
     const ty_grid_medium* medium;
+    const ty_medium_view* light_media; /* between the lights and where their light scatters: the scene's, or reduced */
+    const ty_grid_medium* light_medium;
     int32_t on_cells; /* whether any medium is heterogeneous: then all are evaluated on cells */
     int32_t channels; /* 1: extinction is equal in all channels; 3: it is not */
     uint64_t collide; /* bit mask of the homogeneous media with extinction */

@@ -142,6 +142,20 @@ static void add(float* const planes[3], size_t at, const float values[3]) {
     for (int c = 0; c < 3 && planes[c] != NULL; ++c) planes[c][at] += finite(values[c]);
 }
 
+/* Counts light that came to the place where it scatters by forward scattering as multiple scattering. */
+static void split_scattering(const ty_lpv_march_state* state, int32_t x, int32_t y, ty_lpv_media_radiance* radiance) {
+    const ty_media_ray ray = ty_lpv_media_ray_of(state, x, y, ty_lpv_step_offset(state, x, y));
+    float all[3], single[3];
+    if ((state->job->def->parts & TY_LPV_SINGLE) == 0) return;
+    ty_airlight_ray(state->job->airlight, ray.origin, ray.direction, ray.far, ray.offset, all, NULL);
+    ty_airlight_ray(state->job->single, ray.origin, ray.direction, ray.far, ray.offset, single, NULL);
+    for (int c = 0; c < 3; ++c) {
+        const float forward = ty_clampf(all[c] - single[c], 0.0f, radiance->single[c]);
+        radiance->single[c] -= forward;
+        radiance->multiple[c] += forward;
+    }
+}
+
 static void add_pixel(const ty_lpv_march_state* state, int32_t x, int32_t y, const ty_lpv_media_radiance* radiance) {
     const float* surface = state->surface + 3 * ty_lpv_band_index(state, x, y);
     const size_t at = (size_t)y * (size_t)state->width + (size_t)x;
@@ -150,10 +164,13 @@ static void add_pixel(const ty_lpv_march_state* state, int32_t x, int32_t y, con
         color[c] = surface[c] * radiance->transmittance[c] + radiance->emission[c] + radiance->single[c] +
                    radiance->multiple[c];
     add(state->planes.color, at, color);
+    ty_lpv_media_radiance split = *radiance;
     add(state->planes.transmittance, at, radiance->transmittance);
     add(state->planes.albedo, at, radiance->scattered);
-    add(state->planes.single, at, radiance->single);
-    add(state->planes.multiple, at, radiance->multiple);
+    if (state->job->single != NULL && (state->planes.single[0] != NULL || state->planes.multiple[0] != NULL))
+        split_scattering(state, x, y, &split);
+    add(state->planes.single, at, split.single);
+    add(state->planes.multiple, at, split.multiple);
 }
 
 void ty_lpv_composite_tile(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t right, int32_t bottom) {

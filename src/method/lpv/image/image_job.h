@@ -11,7 +11,11 @@ typedef struct ty_lpv_image_job {
     const ty_lpv_def* def;                         /* with width and height filled in */
     ty_lpv_light_view light;                       /* propagated light */
     const ty_grid_medium* medium;                  /* fine cells; NULL: vacuum */
-    const ty_airlight* airlight;                   /* single scattering; NULL: vacuum */
+    const ty_reduced_media* reduced;               /* through which the light of lights comes */
+    const ty_airlight* airlight;                   /* light that scatters towards the eye, of lights through `reduced`;
+                                                      NULL: vacuum */
+    const ty_airlight* single;                     /* single scattering of lights through the media as they are; NULL:
+                                                      that of airlight, or no channel needs it */
     const ty_extended_lights* extended;            /* lights without shadow maps; NULL: none */
     const ty_shadow_hierarchy* const* shadow_maps; /* one per directional, point and spot light */
     int32_t shadow_map_count;

@@ -117,8 +117,8 @@ typedef struct direct_tile {
 } direct_tile;
 
 static void find_direct(ty_lpv_march_state* state, const ty_lpv_tile* tile, direct_tile* direct) {
-    const ty_extended_view view =
-        ty_extended_view_of(state->job->scene, state->job->extended, &state->light_points, state->job->medium);
+    const ty_extended_view view = ty_extended_view_of(state->job->scene, state->job->extended, &state->light_points,
+                                                      state->job->medium, state->job->reduced);
     const int64_t begun = ty_lpv_clock_now();
     int64_t rays = 0;
     memset(direct->pixels, 0, sizeof direct->pixels);

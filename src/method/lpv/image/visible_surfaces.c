@@ -1,6 +1,8 @@
 /* Surfaces that the camera sees. */
 #include "method/lpv/image/visible_surfaces.h"
 
+#include "scene/surfaces/fetch.h"
+
 static void list_pixels(const ty_lpv_march_state* state, int32_t x, int32_t y, int32_t right, int32_t bottom,
                         ty_lpv_tile* tile) {
     tile->count = 0;
@@ -33,7 +35,7 @@ static void add_environment(const ty_lpv_march_state* state, ty_lpv_pixel* pixel
 
 static void set_surface(const ty_lpv_march_state* state, const ty_hit* hit, ty_lpv_pixel* pixel) {
     ty_surface_point point;
-    ty_surface_evaluate(&state->scene->surfaces[hit->surface], hit, pixel->direction, &point);
+    ty_surface_evaluate_fetched(&state->scene->surfaces[hit->surface], hit, pixel->direction, &point);
     pixel->distance = hit->distance;
     pixel->position = hit->position;
     pixel->normal = point.ns;
@@ -45,25 +47,57 @@ static void set_surface(const ty_lpv_march_state* state, const ty_hit* hit, ty_l
     }
 }
 
-static void trace(ty_lpv_march_state* state, ty_lpv_tile* tile) {
+/* Packets that are traced before their hits are shaded, so that surface data can be prefetched. */
+enum { PACKETS = 8 };
+
+typedef struct packet_group {
+    int32_t first, packets; /* first pixel of the tile; number of packets */
+    ty_hit hits[PACKETS][TY_PACKET];
+} packet_group;
+
+static int32_t packet_size(const ty_lpv_tile* tile, const packet_group* group, int32_t packet) {
+    const int32_t left = tile->count - group->first - packet * TY_PACKET;
+    return left < TY_PACKET ? left : TY_PACKET;
+}
+
+static void trace_packet(const ty_lpv_march_state* state, const ty_lpv_pixel* pixels, int32_t count, ty_hit* hits) {
     const ty_vec origin = state->camera.origin;
-    for (int32_t first = 0; first < tile->count; first += TY_PACKET) {
-        const int32_t count = tile->count - first < TY_PACKET ? tile->count - first : TY_PACKET;
-        ty_ray rays[TY_PACKET];
-        ty_hit hits[TY_PACKET];
-        for (int32_t i = 0; i < count; ++i) {
-            const ty_vec direction = tile->pixels[first + i].direction;
-            rays[i] = (ty_ray){{origin.x, origin.y, origin.z}, {direction.x, direction.y, direction.z}, INFINITY};
-        }
-        const int64_t begun = ty_lpv_clock_now();
-        ty_accel_intersect_packet(state->scene->mesh, rays, count, hits);
-        ty_lpv_clock_add(&state->clocks, TY_CLOCK_RAYS, begun);
-        for (int32_t i = 0; i < count; ++i) {
-            if (hits[i].surface >= 0)
-                set_surface(state, &hits[i], &tile->pixels[first + i]);
-            else
-                add_environment(state, &tile->pixels[first + i]);
-        }
+    ty_ray rays[TY_PACKET];
+    for (int32_t i = 0; i < count; ++i) {
+        const ty_vec direction = pixels[i].direction;
+        rays[i] = (ty_ray){{origin.x, origin.y, origin.z}, {direction.x, direction.y, direction.z}, INFINITY};
+    }
+    ty_accel_intersect_packet(state->scene->mesh, rays, count, hits);
+}
+
+static void shade_hits(const ty_lpv_march_state* state, const ty_hit* hits, int32_t count, ty_lpv_pixel* pixels) {
+    for (int32_t i = 0; i < count; ++i) {
+        if (hits[i].surface >= 0)
+            set_surface(state, &hits[i], &pixels[i]);
+        else
+            add_environment(state, &pixels[i]);
+    }
+}
+
+static void trace_group(ty_lpv_march_state* state, ty_lpv_tile* tile, packet_group* group) {
+    const ty_surface* surfaces = state->scene->surfaces;
+    const int64_t begun = ty_lpv_clock_now();
+    for (int32_t p = 0; p < group->packets; ++p)
+        trace_packet(state, &tile->pixels[group->first + p * TY_PACKET], packet_size(tile, group, p), group->hits[p]);
+    ty_lpv_clock_add(&state->clocks, TY_CLOCK_RAYS, begun);
+    ty_surfaces_fetch(surfaces, group->hits[0], packet_size(tile, group, 0));
+    for (int32_t p = 0; p < group->packets; ++p) {
+        if (p + 1 < group->packets) ty_surfaces_fetch(surfaces, group->hits[p + 1], packet_size(tile, group, p + 1));
+        shade_hits(state, group->hits[p], packet_size(tile, group, p), &tile->pixels[group->first + p * TY_PACKET]);
+    }
+}
+
+static void trace(ty_lpv_march_state* state, ty_lpv_tile* tile) {
+    packet_group group;
+    for (group.first = 0; group.first < tile->count; group.first += PACKETS * TY_PACKET) {
+        const int32_t packets = (tile->count - group.first + TY_PACKET - 1) / TY_PACKET;
+        group.packets = packets < PACKETS ? packets : PACKETS;
+        trace_group(state, tile, &group);
     }
     atomic_fetch_add(&state->rays, tile->count);
 }

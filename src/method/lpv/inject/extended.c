@@ -60,13 +60,13 @@ ty_result ty_lpv_inject_extended_reflected(ty_lpv_job* job, ty_lattice* lattice,
     ty_result result =
         ty_light_points_create(job->context, (job->def->light_samples + 1) / 2, job->def->seed, 0, &points);
     if (result != TY_OK) return result;
-    const surfel_job reflection = {
-        .lattice = lattice,
-        .surfels = surfels->items,
-        .count = surfels->count,
-        .view = ty_extended_view_of(job->scene, job->light->extended, &points, dims ? job->light->medium : NULL),
-        .cells = ty_splat_cells_of(lattice),
-        .counter = &job->counter};
+    const surfel_job reflection = {.lattice = lattice,
+                                   .surfels = surfels->items,
+                                   .count = surfels->count,
+                                   .view = ty_extended_view_of(job->scene, job->light->extended, &points,
+                                                               dims ? job->light->medium : NULL, &job->light->reduced),
+                                   .cells = ty_splat_cells_of(lattice),
+                                   .counter = &job->counter};
     ty_splat_rows rows = {.rows = (int64_t)((surfels->count + ROW_SURFELS - 1) / ROW_SURFELS),
                           .max_splats = 2 * ROW_SURFELS,
                           .user = &reflection,
@@ -99,16 +99,32 @@ static bool scatters_or_emits(const ty_grid_medium* medium, size_t cell) {
     return sum > 0.0f;
 }
 
+/* True if a cell or one around it scatters: images interpolate between them. */
+static bool scatters_nearby(const ty_lattice* lattice, int32_t x, int32_t y, int32_t z) {
+    const int32_t* size = lattice->box.size;
+    for (int32_t i = 0; i < 27; ++i) {
+        const int32_t at[3] = {x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1};
+        bool inside = true;
+        for (int a = 0; a < 3; ++a) inside = inside && at[a] >= 0 && at[a] < size[a];
+        if (inside && scatters_or_emits(lattice->medium, (size_t)(at[0] + size[0] * (at[1] + size[1] * at[2]))))
+            return true;
+    }
+    return false;
+}
+
 /* Injects the power that a cell scatters by direction, its volume times sigma_s times each term times its moment g^l of
  * the phase function, and the power that it emits, its volume times j, isotropically. */
-static void inject(const cell_job* job, size_t cell, int64_t row, float terms[3][TY_SH_TERMS_MAX]) {
+static void inject(const cell_job* job, size_t cell, int64_t row, float (*terms)[TY_SH_TERMS_MAX]) {
     ty_lattice* lattice = job->lattice;
     const ty_grid_medium* medium = lattice->medium;
     const float volume = lattice->cell * lattice->cell * lattice->cell;
     for (int32_t c = 0; c < 3; ++c) {
-        const float scattering = volume * medium->scattering[c][cell];
-        const float emitted = medium->emission[0] != NULL ? volume * medium->emission[c][cell] : 0.0f;
-        const float directed = scattering * medium->g[c][cell] * job->band1;
+        const float g = medium->g[c][cell], kept = lattice->reduces ? 1.0f - ty_reduced_forward_fraction(g) : 1.0f;
+        const float scattering = volume * kept * medium->scattering[c][cell];
+        const float* border_scale = lattice->border_scale[medium->planes == 1 ? 0 : c];
+        const float emitting = border_scale != NULL ? volume * border_scale[cell] : volume;
+        const float emitted = medium->emission[0] != NULL ? emitting * medium->emission[c][cell] : 0.0f;
+        const float directed = scattering * (lattice->reduces ? ty_reduced_g(g) : g) * job->band1;
         lattice->propagated_sh[c][0][cell] += scattering * terms[c][0] + TY_SH_0 * emitted;
         for (int t = 1; t < 4; ++t) lattice->propagated_sh[c][t][cell] += directed * terms[c][t];
         job->scattered[3 * row + c] += (double)(scattering * terms[c][0]) / (double)TY_SH_0;
@@ -116,37 +132,69 @@ static void inject(const cell_job* job, size_t cell, int64_t row, float terms[3]
     }
 }
 
+/* Extinction of the light of lights, 1/m. */
+static float extinction_in(const ty_lattice* lattice, int32_t c, size_t cell) {
+    const ty_grid_medium* medium = lattice->medium;
+    const float fraction = lattice->reduces ? ty_reduced_forward_fraction(medium->g[c][cell]) : 0.0f;
+    return medium->extinction[c][cell] - fraction * medium->scattering[c][cell];
+}
+
+/* Mean cosine above which five bands blur a phase function. */
+static const float narrow_g = 0.8f;
+
+static ty_light_cell cell_at(const ty_lattice* lattice, int32_t x, int32_t y, int32_t z) {
+    const double *lower = lattice->box.lower, side = (double)lattice->cell;
+    const size_t cell = (size_t)(x + lattice->box.size[0] * (y + lattice->box.size[1] * z));
+    ty_light_cell out = {.side = lattice->cell,
+                         .center =
+                             ty_vec_make((float)(lower[0] + side * (x + 0.5)), (float)(lower[1] + side * (y + 0.5)),
+                                         (float)(lower[2] + side * (z + 0.5)))};
+    for (int32_t c = 0; c < 3; ++c) {
+        out.extinction[c] = extinction_in(lattice, c, cell);
+        out.narrow = out.narrow || lattice->medium->g[c][cell] > narrow_g;
+    }
+    return out;
+}
+
+static void store_visible(ty_lattice* lattice, int c, size_t cell, const ty_cell_radiance* radiance) {
+    for (int t = 0; t < TY_SH_TERMS_MAX; ++t) lattice->uncollided[c][t][cell] = radiance->visible[c][t];
+    for (int t = 0; t < TY_BEAM_TERMS; ++t) lattice->beam[c][t][cell] = radiance->beam[c][t];
+}
+
 static void fill_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const cell_job* job = user;
     ty_lattice* lattice = job->lattice;
-    const int32_t* size = lattice->box.size;
-    const double* lower = lattice->box.lower;
-    const double side = (double)lattice->cell, begun = ty_wall_seconds();
+    const int32_t *size = lattice->box.size, y = (int32_t)(row % size[1]), z = (int32_t)(row / size[1]);
+    const double begun = ty_wall_seconds();
+    const bool is_seen = lattice->uncollided[0][0] != NULL;
     int64_t rays = 0;
     for (int32_t x = 0; x < size[0]; ++x) {
         const size_t cell = (size_t)row * (size_t)size[0] + (size_t)x;
-        float terms[3][TY_SH_TERMS_MAX] = {{0}};
-        const ty_vec center = ty_vec_make((float)(lower[0] + side * (x + 0.5)),
-                                          (float)(lower[1] + side * ((double)(row % size[1]) + 0.5)),
-                                          (float)(lower[2] + side * ((double)(row / size[1]) + 0.5)));
-        if (!scatters_or_emits(lattice->medium, cell)) continue;
-        if (job->view != NULL) rays += ty_extended_radiance(job->view, center, terms);
-        for (int c = 0; c < 3 && lattice->uncollided[0][0] != NULL; ++c)
-            for (int t = 0; t < TY_SH_TERMS_MAX; ++t) lattice->uncollided[c][t][cell] = terms[c][t];
-        if (job->injects) inject(job, cell, row, terms);
+        const bool scatters = scatters_or_emits(lattice->medium, cell);
+        if (!scatters && !(is_seen && scatters_nearby(lattice, x, y, z))) continue;
+        const ty_light_cell light_cell = cell_at(lattice, x, y, z);
+        ty_cell_radiance radiance = {.mean = {{0}}};
+        if (job->view != NULL) rays += ty_extended_radiance(job->view, &light_cell, &radiance);
+        for (int c = 0; c < 3 && is_seen; ++c) store_visible(lattice, c, cell, &radiance);
+        if (job->injects && scatters) inject(job, cell, row, radiance.mean);
     }
     ty_ray_counter_add(job->counter, rays, ty_wall_seconds() - begun);
 }
 
 static ty_result allocate_uncollided(ty_lattice* lattice) {
-    const double bytes = 3.0 * TY_SH_TERMS_MAX * sizeof(float) * (double)lattice->cells;
+    const double bytes = 3.0 * (TY_SH_TERMS_MAX + TY_BEAM_TERMS) * sizeof(float) * (double)lattice->cells;
     const ty_result result = ty_check_memory(lattice->context, bytes, "the light of extended lights in a lattice");
     if (result != TY_OK) return result;
     for (int c = 0; c < 3; ++c)
         for (int t = 0; t < TY_SH_TERMS_MAX; ++t) {
             lattice->uncollided[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), true);
             if (lattice->uncollided[c][t] == NULL) return TY_ERROR_MEMORY;
+        }
+    for (int c = 0; c < 3; ++c)
+        for (int t = 0; t < TY_BEAM_TERMS; ++t) {
+            lattice->beam[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), true);
+            if (lattice->beam[c][t] == NULL) return TY_ERROR_MEMORY;
         }
     return TY_OK;
 }
@@ -179,7 +227,8 @@ ty_result ty_lpv_inject_in_media(ty_lpv_job* job, ty_lattice* lattice, double sc
     /* Half of the points of all pixels of a pattern. */
     ty_result result =
         ty_light_points_create(job->context, (job->def->light_samples + 1) / 2, job->def->seed, 0, &points);
-    const ty_extended_view view = ty_extended_view_of(job->scene, job->light->extended, &points, job->light->medium);
+    const ty_extended_view view =
+        ty_extended_view_of(job->scene, job->light->extended, &points, job->light->medium, &job->light->reduced);
     if (extended) cells.view = &view;
     if (result == TY_OK && extended && is_seen) result = allocate_uncollided(lattice);
     if (result == TY_OK) result = fill_cells(job, &cells, scattered, emitted);

@@ -44,8 +44,9 @@ static void sort_row(void* user, int64_t index, int32_t worker) {
 static float band_in(const splat_job* job, int32_t cell, int c, int32_t l) {
     const ty_grid_medium* medium = job->lattice->medium;
     float factor = job->rows->band[l];
-    if (!job->rows->anisotropic || medium == NULL) return factor;
-    for (int32_t i = 0; i < l; ++i) factor *= medium->g[medium->planes == 1 ? 0 : c][cell];
+    if (l == 0 || !job->rows->anisotropic || medium == NULL) return factor;
+    const float g = medium->g[medium->planes == 1 ? 0 : c][cell];
+    for (int32_t i = 0; i < l; ++i) factor *= job->lattice->reduces ? ty_reduced_g(g) : g;
     return factor;
 }
 

@@ -90,7 +90,7 @@ static void add_surfel(surfel_job* job, const ray_field* field, const ty_ray* ra
         return;
     }
     ty_surface_point point;
-    ty_surface_evaluate(&job->scene->view.surfaces[hit->surface], hit, ty_vec_load(ray->direction), &point);
+    ty_surface_evaluate_fetched(&job->scene->view.surfaces[hit->surface], hit, ty_vec_load(ray->direction), &point);
     /* A hit represents the surface area `area / facing`. Weighted by facing^2, the three axes together count it once.
      */
     ty_surfel* surfel = &list->items[list->count++];

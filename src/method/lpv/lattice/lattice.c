@@ -60,6 +60,7 @@ void ty_lattice_destroy(ty_lattice* lattice) {
         give_planes(lattice, lattice->propagated_sh[c], lattice->terms);
         give_planes(lattice, lattice->light[c], lattice->terms);
         give_planes(lattice, lattice->uncollided[c], TY_SH_TERMS_MAX);
+        give_planes(lattice, lattice->beam[c], TY_BEAM_TERMS);
     }
     give_planes(lattice, lattice->albedo, 3);
     ty_free_array(lattice->context, lattice->surface_depth_index, lattice->cells, sizeof *lattice->surface_depth_index);
@@ -67,6 +68,7 @@ void ty_lattice_destroy(ty_lattice* lattice) {
                   sizeof *lattice->surface_depths);
     for (int32_t k = 0; k < TY_LPV_LINKS; ++k)
         ty_free_array(lattice->context, lattice->transmission[k], lattice->cells, 1);
+    give_planes(lattice, lattice->border_scale, 3);
     ty_grid_medium_destroy(lattice->medium);
     ty_free_array(lattice->context, lattice->extinction_floor, lattice->cells, sizeof *lattice->extinction_floor);
     ty_free_array(lattice->context, lattice, 1, sizeof *lattice);

@@ -2,6 +2,7 @@
 #include "method/lpv/lattice/packed_lattice.h"
 
 #include "base/context.h"
+#include "scene/media/phase.k.h"
 
 typedef struct pack_job {
     const ty_lattice* lattice;
@@ -15,6 +16,18 @@ static size_t cell_count(const ty_packed_lattice* lattice) {
     return (size_t)lattice->size[0] * (size_t)lattice->size[1] * (size_t)lattice->size[2];
 }
 
+/* The radiance that a cell scatters out of its beam in a direction per scattering coefficient: by Henyey-Greenstein of
+ * the product of the mean cosines, which is exact in two moments. */
+static float scattered_beam(const ty_lattice* lattice, int c, size_t cell, ty_vec to_eye, float distance2) {
+    float* const* beam = lattice->beam[c];
+    const ty_vec flux = ty_vec_make(beam[1][cell], beam[2][cell], beam[3][cell]);
+    const float fluence = beam[0][cell], size = sqrtf(ty_dot(flux, flux));
+    if (!(fluence > 0.0f && size > 0.0f)) return fluence * TY_INV_4PI;
+    const float cosine =
+        ty_minf(1.0f, size / fluence) * ty_beam_cosine(lattice->cell, distance2) * lattice->medium->g[c][cell];
+    return fluence * ty_hg(ty_dot(flux, to_eye) / size, cosine);
+}
+
 /* The radiance that a cell scatters towards the eye per scattering coefficient, sum over l of its phase function's
  * moment g^l times the uncollided radiance's band l in that direction, as an isotropic term. */
 static void pack_in_scattered(const pack_job* job, size_t cell, float* to) {
@@ -25,12 +38,13 @@ static void pack_in_scattered(const pack_job* job, size_t cell, float* to) {
     const ty_vec off = ty_sub(*job->eye, ty_mad(job->packed->lower, place, lattice->cell));
     const float distance2 = ty_dot(off, off);
     float y[TY_SH_TERMS_MAX];
-    ty_sh_all(distance2 > 0.0f ? ty_scale(off, 1.0f / sqrtf(distance2)) : ty_vec_make(0, 0, 1), y);
+    const ty_vec to_eye = distance2 > 0.0f ? ty_scale(off, 1.0f / sqrtf(distance2)) : ty_vec_make(0, 0, 1);
+    ty_sh_all(to_eye, y);
     for (int c = 0; c < 3; ++c) {
         float sum = 0.0f, moment = 1.0f;
         for (int l = 0; l < TY_SH_BANDS_MAX; ++l, moment *= lattice->medium->g[c][cell])
             for (int t = l * l; t < (l + 1) * (l + 1); ++t) sum += moment * lattice->uncollided[c][t][cell] * y[t];
-        to[4 * c] = ty_maxf(0.0f, sum) / TY_SH_0;
+        to[4 * c] = (ty_maxf(0.0f, sum) + scattered_beam(lattice, c, cell, to_eye, distance2)) / TY_SH_0;
     }
 }
 

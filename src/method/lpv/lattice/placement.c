@@ -22,6 +22,25 @@ static void set_upper(ty_grid_box* box, double cell) {
     for (int a = 0; a < 3; ++a) box->upper[a] = box->lower[a] + cell * box->size[a];
 }
 
+/* Scenes that fill less than this fraction of a cube are flat. */
+static const double flat = 0.25;
+
+/* Number of cells along the longest side of a box. In a flat scene, a landscape, whose media fill less than half of
+ * its length, the media have `resolution` cells along theirs as far as no more than resolution^3 cells are needed. */
+static int32_t cells_along(const ty_scene* scene, const double lower[3], const double upper[3], int32_t resolution) {
+    double from[3] = {INFINITY, INFINITY, INFINITY}, to[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double longest = 0, media = 0, filled = 1;
+    for (size_t m = 0; m < scene->medium_count; ++m) ty_medium_extent(&scene->media[m], from, to);
+    for (int a = 0; a < 3; ++a) {
+        longest = fmax(longest, upper[a] - lower[a]);
+        media = fmax(media, to[a] - from[a]);
+    }
+    for (int a = 0; a < 3; ++a) filled *= fmax((upper[a] - lower[a]) / longest, 1.0 / resolution);
+    if (!(media > 0 && 2 * media < longest && filled < flat)) return resolution;
+    const double fitting = floor(resolution / cbrt(filled)), wanted = ceil(resolution * longest / media);
+    return (int32_t)fmin(fmin(fitting, wanted), TY_LPV_CELLS_MAX);
+}
+
 /* The lattice around a whole scene. */
 static void place_about(const double lower[3], const double upper[3], int32_t resolution, ty_grid_box* box) {
     double longest = 0;
@@ -70,7 +89,7 @@ ty_result ty_lattice_place(const ty_scene* scene, const ty_lpv_def* def, ty_grid
     double lower[3], upper[3];
     if (!find_extent(scene, view, lower, upper))
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "lpv: the scene has neither media nor surfaces");
-    place_about(lower, upper, def->resolution, &boxes[def->cascades - 1]);
+    place_about(lower, upper, cells_along(scene, lower, upper, def->resolution), &boxes[def->cascades - 1]);
     for (int32_t i = def->cascades - 2; i >= 0; --i) place_within(&boxes[i + 1], scene->camera.position, &boxes[i]);
     return TY_OK;
 }

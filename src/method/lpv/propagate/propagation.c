@@ -33,6 +33,8 @@ static bool is_homogeneous(const ty_lattice* lattice) {
     if (lattice->extinction_floor != NULL) return false;
     if (medium == NULL) return true;
     for (int32_t c = 0; c < medium->planes; ++c) {
+        for (size_t i = 0; i < medium->cells && lattice->border_scale[c] != NULL; ++i)
+            if (lattice->border_scale[c][i] < 1.0f) return false;
         const float *t = medium->extinction[c], *s = medium->scattering[c], *g = medium->g[c];
         for (size_t i = 1; i < medium->cells; ++i)
             if (t[i] != t[0] || s[i] != s[0] || g[i] != g[0]) return false;

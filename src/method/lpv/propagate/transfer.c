@@ -132,7 +132,9 @@ ty_lpv_links_step ty_lpv_links_step_in(const ty_lpv_transfer* transfer, float ce
                  remaining = exp(-depth); /* 1 - lambda, Eq. 3 (Billeter 2012) */
     const double absorption = fmax(extinction - scattering, 0), reduced_extinction = extinction - g * scattering;
     const double lambda_s = extinction > 0 ? (1 - remaining) * scattering / extinction : 0; /* Eq. 3 (Billeter 2012) */
-    double length = depth > 1e-6 ? (1 - remaining) / extinction : side * transfer->length;
+    const double reduced_albedo = reduced_extinction > 0 ? (1 - g) * scattering / reduced_extinction : 0;
+    const double flight = side * transfer->length, ending = extinction - reduced_albedo * reduced_albedo * scattering;
+    double length = ending * flight > 1e-6 ? (1 - exp(-ending * flight)) / ending : flight;
     double scatter_factor = 1 - absorption * length, momentum_factor = momentum_retained * scatter_factor;
     const double inverse_diffusivity =
         3 * reduced_extinction * side * side; /* length / inverse_diffusivity is D in cells^2 per step */
@@ -146,13 +148,13 @@ ty_lpv_links_step ty_lpv_links_step_in(const ty_lpv_transfer* transfer, float ce
         momentum_factor = fmin(momentum_for(transfer, drift), momentum_factor);
     }
     const double injected_fraction = 1 - 0.5 * remaining,
-                 flight = reduced_extinction * length > 1 ? 1 / (reduced_extinction * length) : 1;
+                 uncollided = reduced_extinction * length > 1 ? 1 / (reduced_extinction * length) : 1;
     return (ty_lpv_links_step){.scatter_factor = scatter_factor,
                                .momentum_factor = momentum_factor,
                                .length = length,
                                .band2_factor = remaining + lambda_s * g * g,
                                .injected_fraction = injected_fraction,
-                               .injected_directed = fmin(injected_fraction, flight)};
+                               .injected_directed = fmin(injected_fraction, uncollided)};
 }
 
 /* Sums of outgoing light are divided by this factor, which therefore must not be 0. */
@@ -213,8 +215,12 @@ ty_lpv_cell_medium ty_lattice_medium_in(const ty_lattice* lattice, int32_t chann
     ty_lpv_cell_medium out = {.extinction_floor =
                                   lattice->extinction_floor != NULL ? lattice->extinction_floor[cell] : 0.0f};
     if (medium == NULL) return out;
-    out.extinction = medium->extinction[channel][cell];
-    out.scattering = medium->scattering[channel][cell];
-    out.g = medium->g[channel][cell];
+    const float* border_scale = lattice->border_scale[medium->planes == 1 ? 0 : channel];
+    const float scale = border_scale != NULL ? border_scale[cell] : 1.0f;
+    const float g = medium->g[channel][cell], scattering = medium->scattering[channel][cell];
+    const float forward = lattice->reduces ? ty_reduced_forward_fraction(g) * scattering : 0.0f;
+    out.extinction = scale * (medium->extinction[channel][cell] - forward);
+    out.scattering = scale * (scattering - forward);
+    out.g = lattice->reduces ? ty_reduced_g(g) : g;
     return out;
 }
