@@ -197,11 +197,11 @@ typedef struct golden {
 static const golden table[] = {
     {"path", hash_path, {0x3501547bd5d0ac53, 0xd1da618d25197ecd, 0xd1da618d25197ecd}},
     {"screen", hash_screen, {0x8f6b85b66741a6dd, 0x4762fb6f13246ca6, 0x3bb1bdcb3ddf4f6c}},
-    {"fld", hash_fld, {0xe389a7bfbbada375, 0x52d038afc10ae3f6, 0x52d038afc10ae3f6}},
-    {"pop", hash_pop, {0x65bdb96bbd85ab07, 0x7e3b816f1c6df8a4, 0x7e3b816f1c6df8a4}},
-    {"dom", hash_dom, {0x07f4a01685fa79bf, 0xa085d5797792be0c, 0x9cf5397998e62256}},
-    {"octaves", hash_octaves, {0x5e077b56d501c87d, 0xa52b80a3862da1bd, 0xa52b80a3862da1bd}},
-    {"lpv", hash_lpv, {0x8e3b7c9c033d9a61, 0xaf7eedad0f7c3bfe, 0xaf7eedad0f7c3bfe}},
+    {"fld", hash_fld, {0x94cff3808bdb591b, 0xdfe27303cc362cf0, 0xdfe27303cc362cf0}},
+    {"pop", hash_pop, {0x53fd09d2d48193e9, 0x25f1aa39df9da148, 0x25f1aa39df9da148}},
+    {"dom", hash_dom, {0x4c8ecc84b5703f6c, 0xfb9d43467647ecb2, 0xffd35c218800a521}},
+    {"octaves", hash_octaves, {0x5e077b56d501c87d, 0xbb1fc4d72e13e945, 0xbb1fc4d72e13e945}},
+    {"lpv", hash_lpv, {0xbbb75dd7927c2694, 0xd25f1c38fc2f9ba2, 0xd25f1c38fc2f9ba2}},
     {"bake", hash_bake, {0xe9c6909a97e6b588, 0x7481e8be08ae38ad, 0x7481e8be08ae38ad}},
 };
 
@@ -211,11 +211,11 @@ enum { METHODS = sizeof table / sizeof table[0] };
 static const uint64_t expected_of_clang[METHODS][TY_ISA_COUNT] = {
     {0x3501547bd5d0ac53, 0xb7344b775ad04179, 0xb7344b775ad04179}, /* path */
     {0x8f6b85b66741a6dd, 0x521a95b60736ce68, 0x521a95b60736ce68}, /* screen */
-    {0xe389a7bfbbada375, 0xe286ae86e86e1bb2, 0xe286ae86e86e1bb2}, /* fld */
-    {0x65bdb96bbd85ab07, 0xf9b34c40a7b040ad, 0xf9b34c40a7b040ad}, /* pop */
-    {0x4a70da218937b397, 0x61863a2aa4e58385, 0x629d2b98fc63e46d}, /* dom */
-    {0x5e077b56d501c87d, 0xc65003e749009942, 0xc65003e749009942}, /* octaves */
-    {0x8e3b7c9c033d9a61, 0x2002bd8c8114dfa5, 0xfd7b748804e5d5c2}, /* lpv */
+    {0x94cff3808bdb591b, 0x25ee051cc642ebf1, 0x25ee051cc642ebf1}, /* fld */
+    {0x53fd09d2d48193e9, 0x175ab49f82f9902c, 0xb5de7335875ac7eb}, /* pop */
+    {0xb71fbcf3ed55446d, 0xcbcaa730e50865ed, 0x622ddb25fc2b0bd6}, /* dom */
+    {0x5e077b56d501c87d, 0xd3815d14cce1d9dd, 0xd3815d14cce1d9dd}, /* octaves */
+    {0xbbb75dd7927c2694, 0x56ec0c3a7a9f317f, 0x83e9466023c53756}, /* lpv */
     {0xe9c6909a97e6b588, 0xaf18462a4856df28, 0xaf18462a4856df28}, /* bake */
 };
 

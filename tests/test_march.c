@@ -293,6 +293,7 @@ static void beams_enter_thick_cells(void** state) {
         }
         def.lights = &light;
         def.light_count = 1;
+        def.traces_faces = true;
         const double expected = 0.5 * 5 / (4 * 3.14159265358979) * exp(-extinction * below[i]);
         assert_close(march_once(scene, &def, "R") / expected, 1, 1e-3);
         ty_scene_destroy(scene);

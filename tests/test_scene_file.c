@@ -492,7 +492,7 @@ static const char every_key[] =
     "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":\"auto\",\"environment\":"
     "\"none\","
     "\"balance\":false},"
-    "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"max_flux_fraction\":1,\"boundary\":\"dirichlet\",\"solver\":"
+    "\"fld\":{\"interreflection\":false,\"limiter\":\"larsen\",\"larsen_power\":3,\"max_flux_fraction\":1,\"boundary\":\"dirichlet\",\"solver\":"
     "\"sor\","
     "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
     "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"interior_resolution\":40,\"spp\":2,\"step\":0.5,\"ray_"

@@ -36,8 +36,9 @@ typedef struct ty_march_request {
     ty_cell_lattice light; /* lattice of the lights' fluence */
     const ty_light_fluence* lights;
     int32_t light_count;
-    int32_t reduced;     /* as in ty_march_def */
-    int32_t has_forward; /* 1: forward fractions of orders L and L + 1 are given in place of powers of g */
+    int32_t reduced;      /* as in ty_march_def */
+    int32_t traces_faces; /* 1: light through the outer halves of outer cells is traced; 0: it is those cells' */
+    int32_t has_forward;  /* 1: forward fractions of orders L and L + 1 are given in place of powers of g */
     float forward[2];
     ty_forward_fit fit;       /* bands 0: none */
     ty_march_octaves octaves; /* count 0: none */

@@ -48,6 +48,8 @@ typedef struct ty_march_def {
     ty_grid_box light_box;  /* lattice of the lights' fluence; unused without lights */
     const ty_light_fluence* lights; /* uncollided light; default none */
     int32_t light_count;            /* 0..TY_MARCH_LIGHTS_MAX */
+    bool traces_faces; /* traces these lights through the outer halves of outer cells to the box's faces; false
+                          (default): their light there is the cells' mean */
     int32_t reduced; /* order L of the scaled extinction sigma_t - g^L sigma_s that attenuated that light, 1..12 (1, for
                         g above 0 only: a reduced beam); default 0: sigma_t */
     const float* legendre; /* orders 0..13 of the media's common phase function, by which reduced light was attenuated

@@ -155,6 +155,11 @@ TY_FN bool ty_near_aim(TY_GLOBAL const ty_march_request* request, ty_vec from, t
     ray->inner[0] = 0.0f;
     ray->inner[1] = TY_FLOAT_MAX;
     if (!ty_clip_box(from, cells, half, ty_sub(size, half), &ray->inner[0], &ray->inner[1])) ray->inner[1] = -1.0f;
+    if (request->traces_faces == 0) {
+        ray->max_distance = ty_minf(ray->max_distance, ray->inner[1]);
+        ray->inner[1] = TY_FLOAT_MAX;
+        return false;
+    }
     ty_clip_box(from, cells, ty_vec_make(0.0f, 0.0f, 0.0f), size, &begin, &end);
     if (end > (float)TY_NEAR_PIECES * ray->piece || !(end < distance)) return false;
     ray->max_distance = end;
@@ -208,6 +213,7 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     ty_near_ray ray = {.origin = point, .wi = wi};
     if (!ty_cell_inside(&request->light, from)) return false;
     const bool enters = ty_near_aim(request, from, cells, distance, &ray) && light->sample.light < scene->lights.count;
+    if (request->traces_faces == 0 && (ray.inner[0] > 0.0f || ray.max_distance < 0.0f)) return false;
     float depth[TY_FLUENCE_COUNT][3];
     memset(depth, 0, sizeof depth);
     const float reached = ty_near_integrate(request, &ray, extinction, depth);

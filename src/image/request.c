@@ -101,6 +101,7 @@ ty_result ty_march_request_make(const ty_scene* scene, const ty_march_def* def, 
     for (int32_t l = 0; l < 2 && def->legendre != NULL; ++l)
         request->forward[l] = ty_maxf(0, def->legendre[def->reduced + l]);
     request->has_forward = def->legendre != NULL;
+    request->traces_faces = def->traces_faces;
     if (def->fit != NULL) request->fit = *def->fit;
     if (def->octaves != NULL) request->octaves = *def->octaves;
     request->blurred = def->blurred;

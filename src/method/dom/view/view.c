@@ -246,6 +246,7 @@ ty_result ty_dom_march(ty_volume_call* call, ty_image** out) {
     ty_result result = make_fields(call, camera.position, &f);
     march.cuts = f.cuts;
     march.blurred = f.blurred;
+    march.traces_faces = true;
     if (result == TY_OK) result = ty_march(call->scene, &march, out, NULL);
     free_fields(light, &f);
     return result;
