@@ -3,7 +3,7 @@
 #define TY_TESTS_MARCH_MAKER_H
 
 #include "direct_maker.h"
-#include "image/march.h"
+#include "image/march/march.h"
 
 /* A camera so far away, and so narrow, that its rays are all but parallel to -z; the pixel in the middle looks along
  * the axis. */

@@ -1,7 +1,7 @@
 /* Interpolation between cells that surfaces keep apart. */
 #include "direct_maker.h"
-#include "image/deconvolve.h"
-#include "image/upsample.k.h"
+#include "image/march/deconvolve.h"
+#include "image/march/upsample.k.h"
 
 #include <string.h>
 

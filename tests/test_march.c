@@ -1,7 +1,7 @@
 /* The marcher against closed forms and fine quadrature. */
 #include "march_maker.h"
 
-#include "image/deconvolve.h"
+#include "image/march/deconvolve.h"
 #include "scene/media/phase.k.h"
 
 static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};

@@ -1,11 +1,12 @@
 /* The ray march and the airlight of light propagation volumes beside the marcher that the other methods share
- * (image/march with uncollided light on cells), on the same lattice: errors against path tracing, and processor time.
+ * (image/march/march with uncollided light on cells), on the same lattice: errors against path tracing, and processor
+ * time.
  */
 #include "truth_scene.h"
 
 #include "direct/uncollided/uncollided.h"
-#include "image/cuts.h"
-#include "image/march.h"
+#include "image/march/cuts.h"
+#include "image/march/march.h"
 #include "scene/scene.h"
 
 #include <string.h>

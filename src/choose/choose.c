@@ -3,7 +3,7 @@
 #include "choose/features.h"
 #include "choose/predict.h"
 #include "choose/trial.h"
-#include "image/march.h"
+#include "image/march/march.h"
 #include "method/method.h"
 #include "scene/scene.h"
 

@@ -3,7 +3,7 @@
 #include "method/diffuse_view.h"
 
 #include "base/context.h"
-#include "image/hidden_cells.h"
+#include "image/march/hidden_cells.h"
 #include "scene/scene.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_DIFFUSE_VIEW_H
 #define TY_METHOD_DIFFUSE_VIEW_H
 
-#include "image/cuts.h"
+#include "image/march/cuts.h"
 #include "solve/diffusion/diffuse_light.h"
 
 typedef struct ty_diffuse_view {

@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_INTERREFLECTION_H
 #define TY_METHOD_INTERREFLECTION_H
 
-#include "image/irradiance_cache.h"
+#include "image/march/irradiance_cache.h"
 #include "solve/diffusion/diffuse_light.h"
 
 /* Fraction of the light that media emit or scatter for the first time below which what surfaces return is neglected. */

@@ -4,7 +4,7 @@
 #define TY_METHOD_VOLUME_METHOD_H
 
 #include "base/progress.h"
-#include "image/march.h"
+#include "image/march/march.h"
 #include "method/method.h"
 
 /* Fields that the defs of these methods have in this order, from `seed` to `progress_user`. */

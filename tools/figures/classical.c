@@ -4,7 +4,7 @@
 
 #include "base/constants.h"
 #include "base/context.h"
-#include "image/march.h"
+#include "image/march/march.h"
 #include "scene/scene.h"
 #include "solve/angular/harmonics.h"
 #include "solve/ordinates/sweep.h"

@@ -4,7 +4,7 @@
 
 #include "direct/surfaces/boundary_faces.h"
 #include "direct/uncollided/light_groups.h"
-#include "image/irradiance_cache.h"
+#include "image/march/irradiance_cache.h"
 
 #include <tyndall/dom.h>
 

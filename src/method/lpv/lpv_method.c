@@ -1,7 +1,7 @@
 /* Light propagation volumes with scattering as a method, which shades surfaces itself. */
 #include "method/lpv/lpv_method.h"
 
-#include "image/march.h"
+#include "image/march/march.h"
 #include "method/lpv/job.h"
 #include "method/method.h"
 

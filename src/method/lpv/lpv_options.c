@@ -1,6 +1,6 @@
 /* Options of light propagation volumes, and checks of shadow maps. */
 #include "base/context.h"
-#include "image/march.h"
+#include "image/march/march.h"
 #include "method/lpv/job.h"
 
 static const char* const modes[] = {"links", "published", NULL};

@@ -4,7 +4,7 @@
 
 #include "direct/lights/discretize.h"
 #include "direct/uncollided/light_groups.h"
-#include "image/march.h"
+#include "image/march/march.h"
 #include "method/volume_method.h"
 
 #include <tyndall/octaves.h>

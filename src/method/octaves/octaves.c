@@ -2,7 +2,7 @@
 #include "method/octaves/job.h"
 
 #include "base/context.h"
-#include "image/froxels.h"
+#include "image/march/froxels.h"
 #include "method/volume_method.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Options of multiple scattering octaves. */
-#include "image/froxels.h"
+#include "image/march/froxels.h"
 #include "image/options.h"
 #include "method/octaves/job.h"
 

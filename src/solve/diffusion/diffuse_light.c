@@ -423,12 +423,6 @@ static ty_result run(solve_work* work, ty_diffuse_light** out) {
     return result;
 }
 
-ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
-                                 float* const source[3], ty_part_progress* progress, ty_diffuse_light** out,
-                                 ty_diffuse_stats* stats) {
-    return ty_diffuse_light_refine(NULL, solver, reduced, medium, source, NULL, progress, out, stats);
-}
-
 ty_result ty_diffuse_light_solve_between(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
                                          ty_diffuse_surfaces* surfaces, float* const source[3],
                                          const ty_incident_flux* incident, ty_part_progress* progress,

@@ -38,12 +38,9 @@ typedef struct ty_incident_flux {
 /* Diffuse light of a source (per channel, W m^-3; the media's emission is added to it) in a medium on the same cells.
  * solver: limiter, boundaries, solver and bounds; its cells, coefficients, sources, progress and memory are ignored.
  * reduced: use the reduced extinction sigma_t - g sigma_s; false treats media as isotropic. stats is required. Errors:
- * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED. */
-ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
-                                 float* const source[3], ty_part_progress* progress, ty_diffuse_light** out,
-                                 ty_diffuse_stats* stats);
-/* The same between surfaces, whose faces become the light's: they send their radiosity into the media, and reflect and
- * absorb diffuse light. incident: light that enters through Marshak boundaries; NULL: none. */
+ * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED.
+ * surfaces: their faces become the light's; they send their radiosity into the media, and reflect and absorb diffuse
+ * light. incident: light that enters through Marshak boundaries; NULL: none. */
 ty_result ty_diffuse_light_solve_between(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
                                          ty_diffuse_surfaces* surfaces, float* const source[3],
                                          const ty_incident_flux* incident, ty_part_progress* progress,

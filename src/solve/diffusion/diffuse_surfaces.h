@@ -23,7 +23,7 @@ typedef struct ty_diffuse_surfaces {
  * also after an error. */
 ty_result ty_diffuse_surfaces_find(const ty_scene* scene, const ty_grid_medium* medium, ty_diffuse_surfaces* out);
 /* Lights them by samples, some of which may be VPLs. reduced: light that scatters nearly straight on goes on, as in
- * ty_diffuse_light_solve. Errors: TY_ERROR_MEMORY. */
+ * ty_diffuse_light_solve_between. Errors: TY_ERROR_MEMORY. */
 ty_result ty_diffuse_surfaces_light(const ty_scene* scene, const ty_grid_medium* medium, bool reduced,
                                     const ty_discrete_light_set* sources, ty_diffuse_surfaces* surfaces);
 /* Corrects a first-collision source that was averaged from finer cells: what a surface cuts off goes to the cell behind

@@ -3,7 +3,7 @@
 #define TY_METHOD_DOM_SOURCES_ENVIRONMENT_H
 
 #include "direct/single/forward.k.h"
-#include "image/march.h"
+#include "image/march/march.h"
 #include "method/dom/solution.h"
 
 /* Number of tabulated mean cosines from 0 to 1; texels of the map of directions. */

@@ -1,7 +1,7 @@
 /* Images: radiance that cells scatter towards an eye. */
 #include "base/context.h"
 #include "base/sh.k.h"
-#include "image/hidden_cells.h"
+#include "image/march/hidden_cells.h"
 #include "method/dom/solution.h"
 #include "method/dom/sources/environment.h"
 #include "method/dom/sources/sources.h"

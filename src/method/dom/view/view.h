@@ -3,7 +3,7 @@
 #define TY_METHOD_DOM_VIEW_VIEW_H
 
 #include "direct/single/source_field.h"
-#include "image/cuts.h"
+#include "image/march/cuts.h"
 #include "method/dom/job.h"
 
 /* Replaces the radiance of diffusive cells, per scattering coefficient, by that which their faces show the eye besides

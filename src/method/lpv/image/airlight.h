@@ -2,7 +2,7 @@
  * radiance scattered on a segment is integrated in closed form or by fast converging quadrature in homogeneous media,
  * and in steps in heterogeneous media.
  *
- * The shared marcher (image/march) with uncollided light on cells (direct/uncollided, direct/single/single.k.h)
+ * The shared marcher (image/march/march) with uncollided light on cells (direct/uncollided, direct/single/single.k.h)
  * computes the same quantity; docs/method/lpv.md compares both in accuracy and time. */
 #ifndef TY_METHOD_LPV_IMAGE_AIRLIGHT_H
 #define TY_METHOD_LPV_IMAGE_AIRLIGHT_H

@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_LPV_IMAGE_UPSAMPLE_K_H
 #define TY_METHOD_LPV_IMAGE_UPSAMPLE_K_H
 
-#include "image/similarity.k.h"
+#include "image/march/similarity.k.h"
 
 enum { TY_LPV_UPSAMPLE_PERIOD = 8, TY_LPV_UPSAMPLE_FLOATS = 16 };
 

@@ -1,0 +1,77 @@
+/* Rays of a pixel: their places in it, the offsets of their first steps, what they see behind the media. */
+#ifndef TY_IMAGE_PIXEL_K_H
+#define TY_IMAGE_PIXEL_K_H
+
+#include "base/octahedral.k.h"
+#include "image/march/reflect.k.h"
+
+/* A golden-ratio lattice over the pixel; a single ray goes through the center. */
+TY_FN void ty_pixel_place(int32_t sample, int32_t spp, float* dx, float* dy) {
+    const float phase = 0.5f + 0.618033989f * (float)sample;
+    *dx = ((float)sample + 0.5f) / (float)spp;
+    *dy = phase - floorf(phase);
+}
+
+/* End of the first step of a pixel's ray, as a fraction of a step: maximally different between neighbours (R2, Roberts
+ * 2018) and between the rays of a pixel. */
+TY_FN float ty_pixel_offset(TY_GLOBAL const ty_march_request* request, int32_t x, int32_t y, int32_t sample) {
+    const double lattice_position = 0.7548776662466927 * x + 0.5698402909980532 * y + (double)sample / request->spp;
+    const float value = (float)(lattice_position - floor(lattice_position)) + request->step_offset;
+    return 1.0f - (value - floorf(value));
+}
+
+TY_FN void ty_pixel_add_environment(TY_GLOBAL const ty_march_request* request, ty_vec direction,
+                                    const float transmittance[3], float unscattered[3]) {
+    TY_GLOBAL const ty_light_set* lights = &request->scene->lights;
+    for (int32_t i = 0; i < lights->distant_count; ++i) {
+        TY_GLOBAL const ty_light_view* light = &lights->lights[lights->distant[i]];
+        float radiance[3];
+        if (light->kind != TY_KIND_ENVIRONMENT) continue;
+        ty_environment_radiance(&light->environment, direction, radiance);
+        for (int c = 0; c < 3; ++c) unscattered[c] += transmittance[c] * radiance[c];
+    }
+}
+
+/* Environments seen through media that scatter nearly straight on. */
+TY_FN void ty_pixel_add_blurred(TY_GLOBAL const ty_march_request* request, ty_vec direction,
+                                const ty_march_light* light, float multiple[3]) {
+    int32_t cell[4];
+    float weight[4];
+    ty_octahedral_around(TY_MARCH_BLUR_CELLS, direction, cell, weight);
+    for (int32_t k = 0; k < 4; ++k)
+        for (int c = 0; c < 3; ++c)
+            multiple[c] += (light->scaled[c] - light->transmittance[c]) * weight[k] * request->blurred[3 * cell[k] + c];
+}
+
+/* Adds the media's light along a ray of the camera up to the surface that it hits, with the environment behind; hit:
+ * NULL for none. */
+TY_FN void ty_pixel_add_light(TY_GLOBAL const ty_march_request* request, const ty_march_light* light, ty_vec direction,
+                              const ty_hit* hit, ty_march_pixel* pixel) {
+    for (int c = 0; c < 3; ++c) {
+        pixel->unscattered[c] += light->emission[c];
+        pixel->single[c] += light->single[c];
+        pixel->multiple[c] += light->multiple[c];
+        pixel->transmittance[c] += light->transmittance[c];
+    }
+    if (hit == NULL) {
+        if (request->blurred != NULL) ty_pixel_add_blurred(request, direction, light, pixel->multiple);
+        if (request->has_background != 0)
+            ty_pixel_add_environment(request, direction, light->transmittance, pixel->unscattered);
+        return;
+    }
+    pixel->depth += hit->distance;
+    pixel->hits += 1.0f;
+}
+
+/* Marches a ray of the camera through (x, y) up to the surface that it hits, and adds it; hit: NULL for none. */
+TY_FN void ty_pixel_add_ray(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, ty_vec direction,
+                            const ty_hit* hit, float x, float y, float offset, ty_march_pixel* pixel) {
+    ty_march_follow(ray, request, request->camera.origin, direction, hit != NULL ? hit->distance : TY_FLOAT_MAX, offset,
+                    1.0f);
+    const ty_march_light light = ray->light;
+    ty_pixel_add_light(request, &light, direction, hit, pixel);
+    if (hit != NULL && request->has_field != 0)
+        ty_reflect_media(request, ray, direction, hit, x, y, offset, light.transmittance, pixel->multiple);
+}
+
+#endif
