@@ -51,7 +51,8 @@ step "the tool"
 get $(cd "$root/packages" && printf './packages/%s\n' tyndall_*.deb)
 inside tyndall --version
 inside tyndall render builtin:demo --spp 4 --size 160x90 -q -o /trial/demo.exr --png /trial/demo.png
-inside tyndall info /trial/demo.exr | grep -q '^size  *160x90$'
+inside tyndall info /trial/demo.exr > "$root/trial/info.txt"
+grep -q '^size  *160x90$' "$root/trial/info.txt"
 inside tyndall figure list > "$root/trial/figures.txt"
 grep -q '^screen-truth ' "$root/trial/figures.txt"
 for file in usr/share/man/man1/tyndall.1.gz usr/share/man/man1/tyndall-render.1.gz \
@@ -59,7 +60,8 @@ for file in usr/share/man/man1/tyndall.1.gz usr/share/man/man1/tyndall-render.1.
   [ -s "$root/$file" ] || { echo "try_package: $file is missing" >&2; exit 1; }
 done
 # The page of the tool is not in minbase's man, which is absent; it is read as text.
-zcat "$root/usr/share/man/man1/tyndall.1.gz" | grep -q '^\.TH'
+zcat "$root/usr/share/man/man1/tyndall.1.gz" > "$root/trial/manual.txt"
+grep -q '^\.TH' "$root/trial/manual.txt"
 
 step "the library"
 get $(cd "$root/packages" && printf './packages/%s\n' lib*.deb) gcc libc6-dev pkg-config cmake make
@@ -70,7 +72,8 @@ inside sh -ec 'cd /trial
   cmake --build by_cmake > cmake.log
   by_cmake/fog' | tee "$root/trial/out.txt"
 grep -q '^transmittance 0.549$' "$root/trial/out.txt"
-inside tyndall info /trial/by_pkg_config.exr | grep -q '^size  *64x48$'
+inside tyndall info /trial/by_pkg_config.exr > "$root/trial/info.txt"
+grep -q '^size  *64x48$' "$root/trial/info.txt"
 
 step "removal"
 mapfile -t names < <(for file in "$root"/packages/*.deb; do dpkg-deb -f "$file" Package; done)

@@ -6,7 +6,8 @@ folders="$2 $3"
 
 # Without the library: a machine where it is installed has nothing to say here.
 usage_error_without_library() {
-  (LD_LIBRARY_PATH=; ldconfig -p 2> ldconfig.txt) | grep -q libOpenImageDenoise && return
+  (LD_LIBRARY_PATH=; ldconfig -p > ldconfig.txt 2>&1)
+  grep -q libOpenImageDenoise ldconfig.txt && return
   usage_error 'Open Image Denoise is not installed' render builtin:cube_g0 --method path -o x.exr --size 8x8 --spp 4 --denoise --denoiser oidn
   absent x.exr
   usage_error 'Open Image Denoise is not installed' denoise missing.exr -o x.exr --denoiser oidn
