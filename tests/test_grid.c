@@ -350,6 +350,58 @@ static void exponentials_fall_off(void** state) {
     assert_null(grid);
 }
 
+static void end_loan(void* user) {
+    ++*(int*)user;
+}
+
+/* Borrowed values are read where they lie, stay as they are, and are given back once. */
+static void values_are_borrowed(void** state) {
+    ty_context* context = *state;
+    float values[] = {1, 2, 3, 4, 5, 6, 7, 8};
+    int ended = 0;
+    ty_grid_def def = sized(2, 2, 2, values);
+    def.release = end_loan;
+    def.release_user = &ended;
+    ty_grid* grid = make_grid(context, &def);
+    assert_ptr_equal(ty_grid_values(grid), values);
+    assert_float_equal(ty_grid_get_info(grid).max, 8, 0);
+    assert_float_equal(ty_grid_voxel(grid, 1, 0, 1), 6, 0);
+    ty_grid_retain(grid);
+    ty_grid_release(grid);
+    assert_int_equal(ended, 0);
+    ty_grid_release(grid);
+    assert_int_equal(ended, 1);
+
+    values[3] = NAN; /* a copy, and the loan ends at once */
+    grid = make_grid(context, &def);
+    assert_int_equal(ended, 2);
+    assert_ptr_not_equal(ty_grid_values(grid), values);
+    assert_float_equal(ty_grid_voxel(grid, 1, 1, 0), 0, 0);
+    assert_true(isnan(values[3]));
+    ty_grid_release(grid);
+    assert_int_equal(ended, 2);
+
+    uint16_t halves[8] = {0x3c00, 0, 0, 0, 0, 0, 0, 0x4000};
+    def.values = halves;
+    def.type = TY_GRID_F16;
+    grid = make_grid(context, &def);
+    assert_ptr_equal(ty_grid_values(grid), halves);
+    assert_float_equal(ty_grid_get_info(grid).max, 2, 0);
+    ty_grid_release(grid);
+    assert_int_equal(ended, 3);
+
+    grid = NULL; /* failures give nothing back */
+    def.values = (const char*)halves + 1;
+    assert_int_equal(ty_grid_create(context, &def, &grid), TY_ERROR_ARGUMENT);
+    def.values = NULL;
+    assert_int_equal(ty_grid_create(context, &def, &grid), TY_ERROR_ARGUMENT);
+    def.values = halves;
+    def.size[0] = 0;
+    assert_int_equal(ty_grid_create(context, &def, &grid), TY_ERROR_ARGUMENT);
+    assert_int_equal(ended, 3);
+    assert_null(grid);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_defs_are_refused),
@@ -365,6 +417,7 @@ int main(void) {
         cmocka_unit_test(owners_share_a_grid),
         cmocka_unit_test(jittered_lookups_average_to_the_trilinear_value),
         cmocka_unit_test(exponentials_fall_off),
+        cmocka_unit_test(values_are_borrowed),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -38,6 +38,10 @@ typedef enum ty_grid_type {
     TY_GRID_F16 = 1  ///< 16-bit floats.
 } ty_grid_type;
 
+/// Receives the end of a loan: the library does not read the values of a grid any more. It is called once, from any
+/// thread.
+typedef void (*ty_grid_release_fn)(void* user);
+
 /// The content and placement of a grid. Create it with ty_default_grid_def().
 typedef struct ty_grid_def {
     uint32_t cookie;          ///< Set by ty_default_grid_def() and checked.
@@ -49,6 +53,11 @@ typedef struct ty_grid_def {
     bool placed;              ///< True: `index_to_local` places the grid, as in VDB files. False (default): the grid
                               ///< fills the bounds of the medium that uses it, voxel i being [i, i + 1] / n of the box.
     float background;         ///< Value outside of a placed grid; default 0.
+    ty_grid_release_fn release; ///< Not NULL: `values`, aligned to their size, are borrowed, not copied. They must not
+                                ///< change until `release` is called: when the last reference to the grid is dropped,
+                                ///< or by ty_grid_create() itself where it copies values that are not all finite.
+                                ///< It is not called if ty_grid_create() fails. Default NULL.
+    void* release_user;         ///< Passed on to `release`; default NULL.
 } ty_grid_def;
 
 /// Sets the `bytes` bytes of a ty_grid_def to the defaults, as ty_init_context_def() does.
@@ -61,7 +70,7 @@ static inline ty_grid_def ty_default_grid_def(void) {
 }
 
 /// Creates a grid with one reference. Values that are not finite become 0, with a warning that counts them. The arrays
-/// of `def` may be freed after the call.
+/// of `def` may be freed after the call, unless they are lent by def->release.
 /// Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY (also when the size overflows).
 TY_API ty_result ty_grid_create(ty_context* context, const ty_grid_def* def, ty_grid** out);
 /// Adds a reference and returns the grid; NULL is allowed.
@@ -86,6 +95,8 @@ typedef struct ty_grid_info {
 /// Size, placement, range and memory of a grid.
 TY_API ty_grid_info ty_grid_get_info(const ty_grid* grid);
 
+/// The values of a grid, of its type, x fastest; valid as long as the grid.
+TY_API const void* ty_grid_values(const ty_grid* grid);
 /// The trilinear value at a point in index space. Outside, the value is the background of a placed grid, or that of the
 /// nearest edge.
 TY_API float ty_grid_sample(const ty_grid* grid, const double index[3]);

@@ -79,6 +79,12 @@ static const float* row_of(const ty_grid* grid, int32_t j, int32_t k, float* buf
     return buffer;
 }
 
+static size_t replace_nonfinite(const ty_grid* grid, size_t start, size_t count) {
+    if (grid->release != NULL) return 0; /* all are finite, and the memory may be read-only */
+    return grid->type == TY_GRID_F16 ? replace_nonfinite_halves((uint16_t*)grid->values + start, count)
+                                     : replace_nonfinite_floats((float*)grid->values + start, count);
+}
+
 /* Replaces NaN and Inf by 0, then computes the extremes and the sum, in voxel order. */
 static void compute_slice_range(void* user, int64_t k, int32_t worker) {
     const grid_job* job = user;
@@ -87,8 +93,7 @@ static void compute_slice_range(void* user, int64_t k, int32_t worker) {
     slice_range range = {.min = TY_FLOAT_MAX, .max = -TY_FLOAT_MAX};
     for (int32_t j = 0; j < grid->size[1]; ++j) {
         const size_t start = row_start(grid, j, (int32_t)k);
-        range.replaced += grid->type == TY_GRID_F16 ? replace_nonfinite_halves((uint16_t*)grid->values + start, nx)
-                                                    : replace_nonfinite_floats((float*)grid->values + start, nx);
+        range.replaced += replace_nonfinite(grid, start, nx);
         const float* row = row_of(grid, j, (int32_t)k, job->rows + 3 * nx * (size_t)worker);
         float low = range.min, high = range.max;
         double sum = range.sum;
@@ -196,14 +201,15 @@ static size_t brick_count(const ty_grid* grid) {
     return (size_t)grid->bricks[0] * (size_t)grid->bricks[1] * (size_t)grid->bricks[2];
 }
 
-ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* values, ty_grid** out) {
+/* A grid of values that are borrowed if def->release is not NULL, and else its own; these are freed on failure. */
+static ty_result create_grid(ty_context* context, const ty_grid_def* def, void* values, ty_grid** out) {
     const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
     const size_t bytes = ty_grid_value_size(def->type);
     ty_grid_def own;
     ty_result result = check_def(context, &def, &own);
     ty_grid* grid = result == TY_OK ? ty_alloc_array(context, 1, sizeof *grid, true) : NULL;
     if (grid == NULL) {
-        ty_free_array(context, values, voxels, bytes);
+        if (def->release == NULL) ty_free_array(context, values, voxels, bytes);
         return result == TY_OK ? TY_ERROR_MEMORY : result;
     }
     grid->context = context;
@@ -213,15 +219,15 @@ ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* value
     grid->placed = def->placed;
     grid->background = def->background;
     grid->index_to_local = def->index_to_local;
+    grid->release = def->release;
+    grid->release_user = def->release_user;
     grid->voxels = voxels;
     grid->values = values != NULL ? values : ty_alloc_array(context, voxels, bytes, true);
     for (int a = 0; a < 3; ++a) grid->bricks[a] = (def->size[a] + TY_BRICK) / TY_BRICK;
     grid->extremes = ty_alloc_array(context, brick_count(grid), 2 * sizeof(float), false);
-    if (grid->values == NULL || grid->extremes == NULL) {
-        ty_grid_release(grid);
-        return TY_ERROR_MEMORY;
-    }
-    if (compute_extremes(grid) != TY_OK) {
+    if (grid->values == NULL || grid->extremes == NULL || compute_extremes(grid) != TY_OK) {
+        grid->release = NULL; /* a failure leaves borrowed values to the caller */
+        if (def->release != NULL) grid->values = NULL;
         ty_grid_release(grid);
         return TY_ERROR_MEMORY;
     }
@@ -229,10 +235,56 @@ ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* value
     return TY_OK;
 }
 
+ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* values, ty_grid** out) {
+    ty_grid_def own = *def;
+    own.release = NULL;
+    return create_grid(context, &own, values, out);
+}
+
+/* ---- borrowed values ---- */
+
+typedef struct finite_job {
+    const ty_grid_def* def;
+    _Atomic bool all_finite;
+} finite_job;
+
+static void check_finite_slice(void* user, int64_t k, int32_t worker) {
+    finite_job* job = user;
+    const size_t count = (size_t)job->def->size[0] * (size_t)job->def->size[1], start = count * (size_t)k;
+    const float* floats = (const float*)job->def->values + start;
+    const uint16_t* halves = (const uint16_t*)job->def->values + start;
+    uint32_t bad = 0;
+    (void)worker;
+    if (job->def->type == TY_GRID_F16)
+        for (size_t i = 0; i < count; ++i) bad |= (halves[i] & 0x7c00u) == 0x7c00u;
+    else
+        for (size_t i = 0; i < count; ++i) bad |= (ty_bits_from_float(floats[i]) & 0x7f800000u) == 0x7f800000u;
+    if (bad != 0) atomic_store(&job->all_finite, false);
+}
+
+static bool is_finite(ty_context* context, const ty_grid_def* def) {
+    finite_job job = {.def = def, .all_finite = true};
+    ty_parallel_for(context, def->size[2], check_finite_slice, &job);
+    return atomic_load(&job.all_finite);
+}
+
+/* The borrowed values as a grid; where some are not finite, a copy, and the loan ends. */
+static ty_result borrow_values(ty_context* context, const ty_grid_def* def, ty_grid** out) {
+    if (def->values == NULL || (uintptr_t)def->values % ty_grid_value_size(def->type) != 0)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "a grid's borrowed values are NULL, or not aligned to their size");
+    if (is_finite(context, def)) return create_grid(context, def, (void*)def->values, out);
+    ty_grid_def copied = *def;
+    copied.release = NULL;
+    const ty_result result = ty_grid_create(context, &copied, out);
+    if (result == TY_OK) def->release(def->release_user);
+    return result;
+}
+
 ty_result ty_grid_create(ty_context* context, const ty_grid_def* def, ty_grid** out) {
     ty_grid_def own;
     const ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
+    if (def->release != NULL) return borrow_values(context, def, out);
     void* values = NULL;
     if (def->values != NULL) {
         const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
@@ -241,7 +293,7 @@ ty_result ty_grid_create(ty_context* context, const ty_grid_def* def, ty_grid** 
         if (values == NULL) return TY_ERROR_MEMORY;
         memcpy(values, def->values, voxels * bytes);
     }
-    return ty_grid_adopt(context, def, values, out);
+    return create_grid(context, def, values, out);
 }
 
 ty_grid* ty_grid_retain(ty_grid* grid) {
@@ -252,7 +304,10 @@ ty_grid* ty_grid_retain(ty_grid* grid) {
 void ty_grid_release(ty_grid* grid) {
     if (grid == NULL || atomic_fetch_sub(&grid->owners, 1) > 1) return;
     ty_context* context = grid->context;
-    ty_free_array(context, grid->values, grid->voxels, ty_grid_value_size(grid->type));
+    if (grid->release != NULL)
+        grid->release(grid->release_user);
+    else
+        ty_free_array(context, grid->values, grid->voxels, ty_grid_value_size(grid->type));
     ty_free_array(context, grid->extremes, brick_count(grid), 2 * sizeof(float));
     ty_free_array(context, grid, 1, sizeof *grid);
 }
@@ -269,6 +324,10 @@ ty_grid_info ty_grid_get_info(const ty_grid* grid) {
         .bytes = sizeof *grid + grid->voxels * ty_grid_value_size(grid->type) + brick_count(grid) * 2 * sizeof(float),
         .index_to_local = grid->index_to_local,
     };
+}
+
+const void* ty_grid_values(const ty_grid* grid) {
+    return grid->values;
 }
 
 float ty_grid_sample(const ty_grid* grid, const double index[3]) {

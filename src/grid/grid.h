@@ -22,6 +22,8 @@ struct ty_grid {
     double mean;
     ty_affine index_to_local;
     void* values;
+    ty_grid_release_fn release; /* the values are borrowed; NULL: they are the grid's own */
+    void* release_user;
     size_t voxels;
     /* Extremes of the trilinear function over brick (i, j, k), which spans index coordinates [-1 + TY_BRICK i, -1 +
      * TY_BRICK (i + 1)] etc.: pairs (min, max). The offset -1 accounts for trilinear interpolation reaching one voxel
@@ -34,7 +36,7 @@ struct ty_grid {
 size_t ty_grid_value_size(ty_grid_type type);
 
 /* Takes ownership of values, an array from ty_alloc_array of exactly the voxels' bytes (or NULL for zeros); def->values
- * is ignored. values is freed on failure. */
+ * and def->release are ignored. values is freed on failure. */
 ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* values, ty_grid** out);
 
 #endif
