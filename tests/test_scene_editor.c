@@ -612,6 +612,142 @@ static void arrays_change_everywhere(void** state) {
     }
 }
 
+/* ---- content in memory ---- */
+
+static ty_grid* two_voxels(float first, float second) {
+    ty_grid_def def = ty_default_grid_def();
+    const float values[] = {first, second};
+    ty_grid* grid = NULL;
+    def.size[0] = 2;
+    def.size[1] = def.size[2] = 1;
+    def.values = values;
+    def.placed = true;
+    expect_ok(ty_grid_create(context, &def, &grid));
+    return grid;
+}
+
+static void set_volume(ty_scene_editor* editor, const char* name, float first, float second) {
+    ty_grid* grid = two_voxels(first, second);
+    expect_ok(ty_scene_editor_set_volume(editor, name, &grid, 1));
+    ty_grid_release(grid);
+}
+
+/* The mean of R. */
+static double mean_of(const ty_scene_editor* editor, const char* method) {
+    ty_image* image = NULL;
+    expect_ok(render(ty_scene_editor_scene(editor), method, &image));
+    const float* plane = ty_image_plane_const(image, 0);
+    double sum = 0;
+    for (int i = 0; i < 24 * 16; ++i) sum += (double)plane[i];
+    ty_image_destroy(image);
+    return sum / (24 * 16);
+}
+
+static void refuse_one(ty_scene_editor* editor, const char* path, const char* value, const char* message) {
+    const ty_scene_change change = {path, value};
+    assert_int_equal(ty_scene_editor_apply(editor, &change, 1, NULL), TY_ERROR_INPUT);
+    const char* text = ty_take_error(context);
+    if (strstr(text, message) == NULL) fail_msg("\"%s\" lacks \"%s\"", text, message);
+}
+
+static ty_scene_editor* open_in_memory(const char* text) {
+    ty_scene_editor* editor = NULL;
+    expect_ok(ty_scene_editor_open_text(context, text, strlen(text), "scene", NULL, NULL, 0, &editor));
+    return editor;
+}
+
+/* A volume in memory is the same as its file. */
+static void volumes_are_in_memory(void** state) {
+    (void)state;
+    static const char medium[] = "[{\"density\":{\"file\":\"%s\"},\"sigma_t\":2,\"albedo\":0.5}]";
+    static const char lights[] = "[{\"type\":\"environment\",\"radiance\":1}]";
+    char text[256];
+    ty_scene_editor* file = open_text("{ \"tyndall\": 1 }");
+    apply(file, "lights", lights);
+    snprintf(text, sizeof text, medium, "gray.nrrd");
+    apply(file, "media", text);
+    ty_scene_editor* editor = open_in_memory("{\"tyndall\":1}");
+    apply(editor, "lights", lights);
+    snprintf(text, sizeof text, medium, "memory:gray");
+    refuse_one(editor, "media", text, "media[0].density.file: \"memory:gray\": the program has given nothing");
+    set_volume(editor, "gray", 0.25f, 0.75f);
+    assert_int_equal(apply(editor, "media", text), TY_EDIT_LIGHT);
+    assert_true(mean_of(editor, "path") == mean_of(file, "path"));
+    assert_true(mean_of(editor, "fld") == mean_of(file, "fld"));
+
+    /* other content under the same name shows after the next change */
+    const double before = mean_of(editor, "path");
+    const uint64_t hash = ty_scene_hash(ty_scene_editor_scene(editor));
+    set_volume(editor, "gray", 3, 3);
+    assert_true(mean_of(editor, "path") == before);
+    uint32_t edited = 0;
+    expect_ok(ty_scene_editor_apply(editor, NULL, 0, &edited));
+    assert_int_equal(edited, TY_EDIT_LIGHT);
+    assert_true(mean_of(editor, "path") != before);
+    assert_true(ty_scene_hash(ty_scene_editor_scene(editor)) != hash);
+    expect_ok(ty_scene_editor_apply(editor, NULL, 0, &edited));
+    assert_int_equal(edited, TY_EDIT_NOTHING);
+
+    /* what was forgotten stays in the scene until it is made anew */
+    ty_scene_editor_drop(editor, "gray");
+    assert_int_equal(apply(editor, "camera", "{\"fov_y\":30}"), TY_EDIT_CAMERA);
+    refuse_one(editor, "media[0].albedo", "0.25", "the program has given nothing");
+    ty_scene_editor_close(editor);
+    ty_scene_editor_close(file);
+}
+
+/* Three grids are red, green and blue of an albedo; one of another kind or name is refused. */
+static void colors_meshes_and_maps_are_in_memory(void** state) {
+    (void)state;
+    ty_scene_editor* editor = open_in_memory("{\"tyndall\":1}");
+    ty_grid* grids[3] = {two_voxels(1, 1), two_voxels(0.5f, 0.5f), two_voxels(0, 0)};
+    expect_ok(ty_scene_editor_set_volume(editor, "albedo", grids, 3));
+    assert_int_equal(ty_scene_editor_set_volume(editor, "two", grids, 2), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_scene_editor_set_volume(editor, "a name", grids, 1), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_scene_editor_set_volume(editor, "", grids, 1), TY_ERROR_ARGUMENT);
+    ty_take_error(context);
+    for (int c = 0; c < 3; ++c) ty_grid_release(grids[c]);
+    set_volume(editor, "gray", 1, 1);
+    apply(editor, "media",
+          "[{\"density\":{\"file\":\"memory:gray\"},\"sigma_t\":2,\"albedo\":{\"file\":\"memory:albedo\"}}]");
+    ty_medium_def medium;
+    expect_ok(ty_scene_get_medium(ty_scene_editor_scene(editor), 0, &medium));
+    assert_float_equal(ty_grid_get_info(medium.albedo_grid[1]).max, 0.5, 0);
+    refuse_one(editor, "media[0].density.file", "\"memory:albedo\"", "has 3 values per voxel");
+    refuse_one(editor, "media[0].density.grid", "\"density\"", "others hold one grid");
+
+    static const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const uint32_t indices[] = {0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3};
+    ty_mesh_def mesh = ty_default_mesh_def();
+    mesh.vertex_count = mesh.triangle_count = 4;
+    mesh.positions = positions;
+    mesh.indices = indices;
+    expect_ok(ty_scene_editor_set_mesh(editor, "tetra", &mesh));
+    assert_int_equal(apply(editor, "geometry", "[{\"file\":\"memory:tetra\",\"transform\":{\"scale\":2}}]"),
+                     TY_EDIT_GEOMETRY);
+    ty_mesh_def placed;
+    expect_ok(ty_scene_get_mesh(ty_scene_editor_scene(editor), 0, &placed));
+    assert_float_equal(placed.positions[3], 2, 0);
+    apply(editor, "media", "[{\"bounds\":{\"file\":\"memory:tetra\"},\"sigma_s\":1}]");
+    refuse_one(editor, "media[0].bounds.file", "\"memory:gray\"", "memory:gray is a volume, not a mesh");
+    mesh.triangle_count = 0;
+    assert_int_equal(ty_scene_editor_set_mesh(editor, "none", &mesh), TY_ERROR_ARGUMENT);
+    ty_take_error(context);
+
+    ty_image* image = NULL;
+    expect_ok(ty_image_create_rgb(context, 8, 4, &image));
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 32; ++i) ty_image_plane(image, c)[i] = 2;
+    expect_ok(ty_scene_editor_set_image(editor, "sky", image));
+    ty_image_destroy(image);
+    apply(editor, "lights", "[{\"type\":\"environment\",\"file\":\"memory:sky\"}]");
+    float radiance[3];
+    ty_scene_environment(ty_scene_editor_scene(editor), radiance);
+    assert_float_equal(radiance[1], 2, 1e-4);
+    refuse_one(editor, "lights[0].file", "\"memory:tetra\"", "is a mesh, not an image");
+    ty_scene_editor_close(editor);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cloud_is_edited),
@@ -628,6 +764,8 @@ int main(void) {
         cmocka_unit_test(text_keeps_its_form),
         cmocka_unit_test(tabs_and_single_lines_stay),
         cmocka_unit_test(arrays_change_everywhere),
+        cmocka_unit_test(volumes_are_in_memory),
+        cmocka_unit_test(colors_meshes_and_maps_are_in_memory),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

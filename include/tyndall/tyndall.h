@@ -20,6 +20,7 @@
 #include <tyndall/path.h>
 #include <tyndall/pop.h>
 #include <tyndall/scene.h>
+#include <tyndall/scene_editor.h>
 #include <tyndall/screen.h>
 
 #endif

@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "grid/grid.h"
 #include "io/file.h"
+#include "io/scenes/memory_files.h"
 #include "io/scenes/scene_reader.h"
 #include "scene/surfaces/closed_mesh.h"
 #include "scene/surfaces/texture.h"
@@ -100,7 +101,7 @@ ty_result ty_assets_keep(ty_asset_cache* cache, const ty_asset* asset) {
 
 /* ---- limits ---- */
 
-static void drop_content(ty_asset_cache* cache, const ty_asset_file* file) {
+void ty_assets_drop_content(ty_asset_cache* cache, const ty_asset_file* file) {
     size_t kept = 0;
     for (size_t i = 0; i < cache->asset_count; ++i)
         if (cache->assets[i]->file == file)
@@ -111,7 +112,7 @@ static void drop_content(ty_asset_cache* cache, const ty_asset_file* file) {
 }
 
 static void drop_file(ty_asset_cache* cache, const ty_asset_file* file) {
-    drop_content(cache, file);
+    ty_assets_drop_content(cache, file);
     size_t at = 0;
     while (cache->files[at] != file) ++at;
     ty_free_text(cache->context, cache->files[at]->path);
@@ -147,7 +148,7 @@ static void drop_asset(ty_asset_cache* cache, size_t index) {
     const ty_asset_file* file = cache->assets[index]->file;
     destroy_asset(cache->context, cache->assets[index]);
     cache->assets[index] = cache->assets[--cache->asset_count];
-    if (file != NULL && !has_content(cache, file)) drop_file(cache, file);
+    if (file != NULL && file->memory == NULL && !has_content(cache, file)) drop_file(cache, file);
 }
 
 void ty_assets_trim(ty_asset_cache* cache) {
@@ -214,13 +215,14 @@ static ty_result add_file(ty_asset_cache* cache, const char* path, ty_asset_file
 /* Hashes a file again that was changed; what was made of it before goes. */
 static ty_result refresh_file(ty_asset_cache* cache, ty_asset_file* file) {
     if (file->used == cache->reading || is_unchanged(file)) return TY_OK;
-    drop_content(cache, file);
+    ty_assets_drop_content(cache, file);
     file->size = -1;
     return hash_file(cache, file);
 }
 
 ty_result ty_assets_file(ty_asset_cache* cache, const char* path, const ty_asset_file** out) {
     ty_asset_file* file = NULL;
+    if (ty_is_memory_name(path)) return ty_memory_find(cache, path, out);
     for (size_t i = 0; i < cache->file_count && file == NULL; ++i)
         if (strcmp(cache->files[i]->path, path) == 0) file = cache->files[i];
     const ty_result result = file != NULL ? refresh_file(cache, file) : add_file(cache, path, &file);
@@ -232,6 +234,7 @@ ty_result ty_assets_file(ty_asset_cache* cache, const char* path, const ty_asset
 
 void ty_assets_release(ty_asset_cache* cache) {
     ty_sky_table_release(cache->context, &cache->sky_table);
+    ty_memory_release(cache);
     for (size_t i = 0; i < cache->asset_count; ++i) destroy_asset(cache->context, cache->assets[i]);
     for (size_t i = 0; i < cache->file_count; ++i) {
         ty_free_text(cache->context, cache->files[i]->path);

@@ -8,12 +8,15 @@
 
 #include <tyndall/io.h>
 
+struct ty_memory_file;
+
 /* A file that was hashed; its path is that by which it is opened. */
 typedef struct ty_asset_file {
     char* path;
-    int64_t size, seconds, nanoseconds; /* of the file when it was hashed */
-    uint64_t digest;                    /* of the file and the files that it names */
-    uint64_t used;                      /* number of the last reading that used it */
+    int64_t size, seconds, nanoseconds;  /* of the file when it was hashed */
+    uint64_t digest;                     /* of the file and the files that it names */
+    uint64_t used;                       /* number of the last reading that used it */
+    const struct ty_memory_file* memory; /* content in memory instead of a file; NULL: a file */
 } ty_asset_file;
 
 typedef enum ty_asset_kind {
@@ -72,6 +75,8 @@ typedef struct ty_asset_cache {
     ty_asset** assets;
     size_t asset_count, asset_capacity;
     ty_sky_table sky_table;
+    struct ty_memory_file** memory; /* given by the program; see memory_files.h */
+    size_t memory_count, memory_capacity;
 } ty_asset_cache;
 
 void ty_assets_release(ty_asset_cache* cache);
@@ -85,6 +90,8 @@ void ty_assets_trim(ty_asset_cache* cache);
 /* The record of a file, which lives until ty_assets_trim. Hashes the file if it is new, or if its size or time of
  * modification have changed since it was hashed: content made from it is dropped then. */
 ty_result ty_assets_file(ty_asset_cache* cache, const char* path, const ty_asset_file** out);
+/* Drops what was made of a file. */
+void ty_assets_drop_content(ty_asset_cache* cache, const ty_asset_file* file);
 /* Content made from the same as that of key; NULL if there is none. */
 const ty_asset* ty_assets_find(ty_asset_cache* cache, const ty_asset* key);
 /* Keeps content; the grid, map, closed mesh or texture of *asset is taken over, also on failure, and strings are

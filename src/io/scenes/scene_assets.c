@@ -1,6 +1,7 @@
 /* Files that a scene names, located from its folder, and noise; each is read or made once. */
 #include "base/context.h"
 #include "io/file.h"
+#include "io/scenes/memory_files.h"
 #include "io/scenes/scene_reader.h"
 
 #include <stdio.h>
@@ -39,9 +40,10 @@ void ty_free_digests(ty_scene_reader* reader) {
 
 ty_result ty_find_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,
                        const ty_asset_file** file) {
-    if (reader->folder == NULL)
+    const bool memory = ty_is_memory_name(name);
+    if (reader->folder == NULL && !memory)
         return ty_reader_fail(reader, json_path, TY_ERROR_INPUT, "this scene may not name files");
-    char* path = ty_join_path(reader->context, reader->folder, name);
+    char* path = memory ? ty_copy_text(reader->context, name) : ty_join_path(reader->context, reader->folder, name);
     if (path == NULL) return TY_ERROR_MEMORY;
     ty_result result = ty_reader_prefix_error(reader, json_path, ty_assets_file(reader->assets, path, file));
     ty_free_text(reader->context, path);
@@ -69,7 +71,9 @@ ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* json_path, co
         return TY_OK;
     }
     ty_image* image = NULL;
-    result = ty_reader_prefix_error(reader, json_path, ty_image_read(reader->context, map.file->path, &image));
+    result = map.file->memory != NULL ? ty_memory_image(reader->assets, map.file, &image)
+                                      : ty_image_read(reader->context, map.file->path, &image);
+    result = ty_reader_prefix_error(reader, json_path, result);
     if (result == TY_OK) result = keep_map(reader, json_path, image, &map);
     if (result == TY_OK) *out = map.map;
     return result;
@@ -96,7 +100,7 @@ ty_result ty_make_sky(ty_scene_reader* reader, const ty_json_path* json_path, co
 
 ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* json_path, const char* name,
                             const ty_asset_file** file) {
-    if (!ty_has_extension(name, ty_mesh_extensions))
+    if (!ty_has_extension(name, ty_mesh_extensions) && !ty_is_memory_name(name))
         return ty_reader_fail(reader, json_path, TY_ERROR_INPUT,
                               "cannot read meshes of this type; known: .gltf, .glb, .obj, .ply");
     return ty_find_file(reader, json_path, name, file);
@@ -110,8 +114,10 @@ ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* json_path, 
         *out = found->shell;
         return TY_OK;
     }
-    ty_result result = ty_reader_prefix_error(
-        reader, json_path, ty_mesh_file_create_closed_mesh(reader->context, file->path, def, &shell.shell));
+    ty_result result = file->memory != NULL
+                           ? ty_memory_closed_mesh(reader->assets, file, def, &shell.shell)
+                           : ty_mesh_file_create_closed_mesh(reader->context, file->path, def, &shell.shell);
+    result = ty_reader_prefix_error(reader, json_path, result);
     if (result == TY_OK) result = ty_assets_keep(reader->assets, &shell);
     if (result == TY_OK) *out = shell.shell;
     return result;
@@ -164,7 +170,8 @@ static ty_result check_volume_type(const ty_scene_reader* reader, const json_t* 
     const ty_json_path grid = ty_json_path_key(json_path, "grid");
     if (json_object_get(volume, "grid") != NULL && !has_names(volume))
         return ty_reader_fail(reader, &grid, TY_ERROR_INPUT, "is for .vdb and .nvdb files; others hold one grid");
-    const bool known = ty_has_extension(json_string_value(json_object_get(volume, "file")), ty_volume_extensions);
+    const char* name = json_string_value(json_object_get(volume, "file"));
+    const bool known = ty_has_extension(name, ty_volume_extensions) || ty_is_memory_name(name);
     const bool raw = json_object_get(volume, "raw") != NULL;
     const ty_json_path key = ty_json_path_key(json_path, raw ? "raw" : "file");
     if (known && raw)
@@ -199,6 +206,8 @@ static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t
 
 static ty_result read_grid(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
                            const ty_volume_def* def, ty_grid** out) {
+    if (file->memory != NULL)
+        return ty_reader_prefix_error(reader, json_path, ty_memory_grid(reader->assets, file, def->component, out));
     ty_asset volume = {.kind = TY_ASSET_GRID, .file = file, .volume = *def};
     const ty_asset* found = ty_assets_find(reader->assets, &volume);
     if (found != NULL) {
@@ -214,6 +223,8 @@ static ty_result read_grid(ty_scene_reader* reader, const ty_json_path* json_pat
 
 static ty_result count_components(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
                                   const ty_volume_def* def, int32_t* components) {
+    if (file->memory != NULL)
+        return ty_reader_prefix_error(reader, json_path, ty_memory_components(reader->assets, file, components));
     ty_asset volume = {.kind = TY_ASSET_COMPONENTS, .file = file, .volume = *def};
     const ty_asset* found = ty_assets_find(reader->assets, &volume);
     if (found != NULL) {

@@ -4,6 +4,7 @@
 #include "io/json_edit.h"
 #include "io/json_patch.h"
 #include "io/json_text.h"
+#include "io/scenes/memory_files.h"
 #include "io/schema_text.h"
 #include "io/scenes/scene_reader.h"
 #include "io/scenes/scene_schema.h"
@@ -24,6 +25,7 @@ struct ty_scene_editor {
     ty_asset_cache assets;
     ty_file_digests files[TY_SECTIONS];
     size_t listed_lights; /* lights of the scene before those of meshes' files */
+    unsigned replaced;    /* bits of the sections that may show content in memory which was replaced since */
     ty_scene* scene;
 };
 
@@ -138,18 +140,19 @@ static ty_result load(ty_scene_editor* editor, const char* const* overrides, int
     return result;
 }
 
-ty_result ty_scene_editor_open(ty_context* context, const char* path, const char* const* overrides,
-                               int32_t override_count, ty_scene_editor** out) {
-    if (context == NULL || path == NULL || out == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_scene_editor_open: context, path or out is NULL");
+/* An editor of an opened source, which is taken over, also on failure. */
+static ty_result open_editor(ty_context* context, const char* name, ty_scene_source* source,
+                             const char* const* overrides, int32_t override_count, ty_scene_editor** out) {
     ty_scene_editor* editor = ty_alloc_array(context, 1, sizeof *editor, true);
-    if (editor == NULL) return TY_ERROR_MEMORY;
-    editor->context = editor->assets.context = context;
-    ty_result result = ty_open_source(context, path, &editor->source);
-    if (result == TY_OK) {
-        editor->name = ty_copy_text(context, path);
-        if (editor->name == NULL) result = TY_ERROR_MEMORY;
+    if (editor == NULL) {
+        ty_close_source(context, source);
+        return TY_ERROR_MEMORY;
     }
+    editor->context = editor->assets.context = context;
+    editor->source = *source;
+    ty_result result = TY_OK;
+    editor->name = ty_copy_text(context, name);
+    if (editor->name == NULL) result = TY_ERROR_MEMORY;
     if (result == TY_OK) {
         editor->schema = ty_scene_schema_tree();
         if (editor->schema == NULL) result = ty_fail(context, TY_ERROR_MEMORY, "not enough memory for the schema");
@@ -160,6 +163,31 @@ ty_result ty_scene_editor_open(ty_context* context, const char* path, const char
     else
         ty_scene_editor_close(editor);
     return result;
+}
+
+ty_result ty_scene_editor_open(ty_context* context, const char* path, const char* const* overrides,
+                               int32_t override_count, ty_scene_editor** out) {
+    if (context == NULL || path == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_scene_editor_open: context, path or out is NULL");
+    ty_scene_source source;
+    const ty_result result = ty_open_source(context, path, &source);
+    if (result != TY_OK) {
+        ty_close_source(context, &source);
+        return result;
+    }
+    return open_editor(context, path, &source, overrides, override_count, out);
+}
+
+ty_result ty_scene_editor_open_text(ty_context* context, const char* text, size_t length, const char* name,
+                                    const char* folder, const char* const* overrides, int32_t override_count,
+                                    ty_scene_editor** out) {
+    if (context == NULL || text == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_scene_editor_open_text: context, text or out is NULL");
+    ty_scene_source source;
+    const ty_result result = ty_copy_source(context, text, length, folder, &source);
+    return result == TY_OK
+               ? open_editor(context, name != NULL ? name : "scene", &source, overrides, override_count, out)
+               : result;
 }
 
 void ty_scene_editor_close(ty_scene_editor* editor) {
@@ -300,6 +328,12 @@ static unsigned sections_of(const json_t* before, const json_t* after) {
     return sections;
 }
 
+/* Flags of sections that show other content. */
+static uint32_t flags_of(unsigned sections) {
+    if (sections == ALL_SECTIONS) return TY_EDIT_LIGHT | TY_EDIT_GEOMETRY;
+    return sections != 0 ? TY_EDIT_LIGHT : TY_EDIT_NOTHING;
+}
+
 static bool same_camera(const ty_camera_def* a, const ty_camera_def* b) {
     return memcmp(a->position, b->position, sizeof a->position) == 0 &&
            memcmp(a->target, b->target, sizeof a->target) == 0 && memcmp(a->up, b->up, sizeof a->up) == 0 &&
@@ -311,14 +345,15 @@ static ty_result apply(ty_scene_editor* editor, const ty_scene_change* changes, 
     ty_scene_reader reader = start_reading(editor);
     reader.bare = true;
     ty_result result = change_copy(editor, changes, count, &reader.root);
-    if (result == TY_OK && !json_equal(editor->root, reader.root)) {
+    if (result == TY_OK && (editor->replaced != 0 || !json_equal(editor->root, reader.root))) {
         const ty_camera_def camera = ty_scene_camera(editor->scene);
         uint32_t flags = TY_EDIT_NOTHING;
         result = ty_reader_check(&reader, NULL);
         if (result == TY_OK) {
-            flags = compare(editor->root, reader.root);
-            result = build(editor, &reader, sections_of(editor->root, reader.root));
+            flags = compare(editor->root, reader.root) | flags_of(editor->replaced);
+            result = build(editor, &reader, sections_of(editor->root, reader.root) | editor->replaced);
         }
+        if (result == TY_OK) editor->replaced = 0;
         const ty_camera_def now = ty_scene_camera(editor->scene);
         if (!same_camera(&camera, &now)) flags |= TY_EDIT_CAMERA; /* that of a geometry's file */
         if (result == TY_OK) *edited = flags;
@@ -337,6 +372,35 @@ ty_result ty_scene_editor_apply(ty_scene_editor* editor, const ty_scene_change* 
     if (edited != NULL) *edited = flags;
     return result;
 }
+
+/* ---- content in memory ---- */
+
+ty_result ty_scene_editor_set_volume(ty_scene_editor* editor, const char* name, ty_grid* const* grids, int32_t count) {
+    bool replaced = false;
+    const ty_result result = ty_memory_set_volume(&editor->assets, name, grids, count, &replaced);
+    if (replaced) editor->replaced |= 1u << TY_SECTION_MEDIA;
+    return result;
+}
+
+ty_result ty_scene_editor_set_mesh(ty_scene_editor* editor, const char* name, const ty_mesh_def* def) {
+    bool replaced = false;
+    const ty_result result = ty_memory_set_mesh(&editor->assets, name, def, &replaced);
+    if (replaced) editor->replaced |= ALL_SECTIONS;
+    return result;
+}
+
+ty_result ty_scene_editor_set_image(ty_scene_editor* editor, const char* name, const ty_image* image) {
+    bool replaced = false;
+    const ty_result result = ty_memory_set_image(&editor->assets, name, image, &replaced);
+    if (replaced) editor->replaced |= 1u << TY_SECTION_LIGHTS;
+    return result;
+}
+
+void ty_scene_editor_drop(ty_scene_editor* editor, const char* name) {
+    ty_memory_drop(&editor->assets, name);
+}
+
+/* ---- saving ---- */
 
 ty_result ty_scene_editor_save_text(const ty_scene_editor* editor, char** out) {
     *out = ty_json_patch(editor->context, editor->source.text, editor->source.length, editor->opened, editor->root);

@@ -208,6 +208,21 @@ ty_result ty_open_source(ty_context* context, const char* path, ty_scene_source*
     return source->folder != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
+ty_result ty_copy_source(ty_context* context, const char* text, size_t length, const char* folder,
+                         ty_scene_source* source) {
+    *source = (ty_scene_source){.length = length};
+    source->bytes = ty_alloc_array(context, length + 1, 1, false); /* the size that ty_free_file takes */
+    source->folder = folder != NULL ? ty_copy_text(context, folder) : NULL;
+    if (source->bytes == NULL || (folder != NULL && source->folder == NULL)) {
+        ty_close_source(context, source);
+        return TY_ERROR_MEMORY;
+    }
+    memcpy(source->bytes, text, length);
+    source->bytes[length] = '\0';
+    source->text = (const char*)source->bytes;
+    return TY_OK;
+}
+
 void ty_close_source(ty_context* context, ty_scene_source* source) {
     ty_free_text(context, source->folder);
     if (source->bytes != NULL) ty_free_file(context, source->bytes, source->length);

@@ -1,4 +1,5 @@
 /* Surfaces of a scene file. */
+#include "io/scenes/memory_files.h"
 #include "io/scenes/scene_reader.h"
 
 #include <string.h>
@@ -56,8 +57,11 @@ static ty_result read_mesh_file(ty_scene_reader* reader, const json_t* item, con
     ty_material_def own = ty_default_material_def();
     result = ty_read_material(reader, item, path, &own);
     if (json_object_get(item, "material") != NULL) def.material = &own;
-    if (result == TY_OK)
-        result = ty_reader_prefix_error(reader, &json_path, ty_scene_add_mesh_file(reader->scene, file->path, &def));
+    if (result == TY_OK) {
+        result = file->memory != NULL ? ty_memory_add_mesh(reader->assets, file, &def, reader->scene)
+                                      : ty_scene_add_mesh_file(reader->scene, file->path, &def);
+        result = ty_reader_prefix_error(reader, &json_path, result);
+    }
     ty_release_material(&own);
     return result;
 }

@@ -63,7 +63,10 @@ static void keep_channel(texels* image, int kept) {
 static ty_result find_image(ty_scene_reader* reader, const json_t* object, const ty_json_path* path,
                             const ty_asset_file** file) {
     const ty_json_path json_path = ty_json_path_key(path, "file");
-    return ty_find_file(reader, &json_path, json_string_value(json_object_get(object, "file")), file);
+    const char* name = json_string_value(json_object_get(object, "file"));
+    const ty_result result = ty_find_file(reader, &json_path, name, file);
+    if (result != TY_OK || (*file)->memory == NULL) return result;
+    return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "textures are PNG, JPEG or WebP files");
 }
 
 /* The texture of an object at path; the caller has a reference. */

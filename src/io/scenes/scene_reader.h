@@ -40,6 +40,9 @@ typedef struct ty_scene_source {
 
 /* ty_close_source must follow, also after a failure. */
 ty_result ty_open_source(ty_context* context, const char* path, ty_scene_source* source);
+/* A copy of text; folder may be NULL. Nothing is to be closed after a failure. */
+ty_result ty_copy_source(ty_context* context, const char* text, size_t length, const char* folder,
+                         ty_scene_source* source);
 void ty_close_source(ty_context* context, ty_scene_source* source);
 
 typedef struct ty_scene_reader {
