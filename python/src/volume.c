@@ -1,0 +1,304 @@
+/* Grids, and files of volumes and meshes. */
+#include "module.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+PyTypeObject* grid_type;
+
+PyObject* wrap_grid(context_object* context, ty_grid* grid) {
+    grid_object* self = new_object(grid_type);
+    if (self == NULL) {
+        ty_grid_release(grid);
+        return NULL;
+    }
+    Py_INCREF((PyObject*)context);
+    self->context = context;
+    self->grid = grid;
+    return (PyObject*)self;
+}
+
+static void destroy(PyObject* self) {
+    grid_object* grid = (grid_object*)self;
+    ty_grid_release(grid->grid);
+    Py_XDECREF((PyObject*)grid->context);
+    free_object(self);
+}
+
+/* ---- grids of arrays ---- */
+
+/* The end of a loan, on any thread, with or without the interpreter's lock. */
+static void end_loan(void* user) {
+    input* in = user;
+    const PyGILState_STATE state = PyGILState_Ensure();
+    input_close(in);
+    PyGILState_Release(state);
+    free(in);
+}
+
+typedef struct create_work {
+    ty_context* context;
+    ty_grid_def def;
+    ty_grid* out;
+} create_work;
+
+static ty_result create(void* user) {
+    create_work* w = user;
+    return ty_grid_create(w->context, &w->def, &w->out);
+}
+
+/* Values that are lent as they are: float32 in C order. Others are converted; *converted is freed by the caller. */
+static int lend_values(input* in, ty_grid_def* def, float** converted) {
+    const bool aligned = (uintptr_t)in->data % sizeof(float) == 0;
+    if (in->kind == 'f' && in->itemsize == 4 && aligned && input_is_contiguous(in)) {
+        def->values = in->data;
+        def->release = end_loan;
+        def->release_user = in;
+        return 0;
+    }
+    *converted = malloc((size_t)in->count * sizeof(float));
+    if (*converted == NULL) {
+        PyErr_NoMemory();
+        return -1;
+    }
+    input_to_floats(in, *converted);
+    def->values = *converted;
+    return 0;
+}
+
+static PyObject* grid_from(context_object* context, input* in, PyObject* placement, double background) {
+    create_work w = {.context = context->context, .def = ty_default_grid_def()};
+    float* converted = NULL;
+    PyObject* grid = NULL;
+    bool lent = false;
+    if (in->ndim != 3) {
+        raise_argument("a volume has %d axes, not 3: z, y and x", in->ndim);
+    } else if (placement == Py_None || doubles_of(placement, "placement", 12, w.def.index_to_local.m) == 0) {
+        for (int a = 0; a < 3; ++a) w.def.size[a] = in->shape[2 - a] <= INT32_MAX ? (int32_t)in->shape[2 - a] : -1;
+        w.def.placed = placement != Py_None;
+        w.def.background = (float)background;
+        if (lend_values(in, &w.def, &converted) == 0 && call_simple(context, create, &w) == 0) {
+            lent = w.def.release != NULL;
+            grid = wrap_grid(context, w.out);
+        } else if (w.out != NULL) { /* an interrupt came after the grid */
+            lent = w.def.release != NULL;
+            ty_grid_release(w.out);
+        }
+    }
+    free(converted);
+    if (!lent) {
+        input_close(in);
+        free(in);
+    }
+    return grid;
+}
+
+static PyObject* grid_create(PyObject* module, PyObject* arguments) {
+    context_object* context;
+    PyObject *object, *placement;
+    double background;
+    (void)module;
+    if (!PyArg_ParseTuple(arguments, "O!OOd", context_type, &context, &object, &placement, &background)) return NULL;
+    input* in = malloc(sizeof *in);
+    if (in == NULL) return PyErr_NoMemory();
+    if (input_open(object, "volume", in) != 0) {
+        free(in);
+        return NULL;
+    }
+    return grid_from(context, in, placement, background);
+}
+
+/* ---- attributes ---- */
+
+static PyObject* get_info(PyObject* self, void* closure) {
+    const ty_grid_info info = ty_grid_get_info(((grid_object*)self)->grid);
+    (void)closure;
+    return Py_BuildValue("{s:N,s:s,s:N,s:d,s:d,s:d,s:d,s:n,s:N}", "size", tuple_of_ints(info.size, 3), "type",
+                         info.type == TY_GRID_F16 ? "float16" : "float32", "placed", PyBool_FromLong(info.placed),
+                         "background", (double)info.background, "min", (double)info.min, "max", (double)info.max,
+                         "mean", info.mean, "bytes", (Py_ssize_t)info.bytes, "placement",
+                         tuple_of_doubles(info.index_to_local.m, 12));
+}
+
+static PyObject* get_values(PyObject* self, void* closure) {
+    const ty_grid* grid = ((grid_object*)self)->grid;
+    const ty_grid_info info = ty_grid_get_info(grid);
+    const Py_ssize_t shape[3] = {info.size[2], info.size[1], info.size[0]};
+    (void)closure;
+    return array_view_const(self, ty_grid_values(grid), info.type == TY_GRID_F16 ? 'e' : 'f', 3, shape);
+}
+
+static PyGetSetDef properties[] = {
+    {"info", get_info, NULL, "Size, placement, range and memory.", NULL},
+    {"values", get_values, NULL, "The values, (nz, ny, nx) float32 or float16, read-only.", NULL},
+    {NULL, NULL, NULL, NULL, NULL}};
+
+/* ---- files ---- */
+
+typedef struct file_work {
+    ty_context* context;
+    const char *path, *name, *codec;
+    ty_volume_def def;
+    const ty_grid* grid;
+    ty_grid* out;
+    ty_vdb_entry* entries;
+    int32_t capacity, count;
+    ty_scene_info info;
+    ty_mesh_file_entry* meshes;
+} file_work;
+
+static ty_result write_volume(void* user) {
+    file_work* w = user;
+    if (strcmp(w->codec, "nrrd") == 0) return ty_nrrd_write(w->context, w->grid, TY_NRRD_CODEC_GZIP, w->path);
+    if (strcmp(w->codec, "nvdb") == 0) return ty_nanovdb_write(w->context, w->grid, w->name, "zip", w->path);
+    return ty_vdb_write(w->context, w->grid, w->name, w->codec, w->path);
+}
+
+static PyObject* grid_write(PyObject* self, PyObject* arguments) {
+    grid_object* grid = (grid_object*)self;
+    file_work w = {.context = grid->context->context, .grid = grid->grid};
+    if (!PyArg_ParseTuple(arguments, "sss", &w.path, &w.name, &w.codec)) return NULL;
+    if (call_simple(grid->context, write_volume, &w) != 0) return NULL;
+    Py_RETURN_NONE;
+}
+
+static PyMethodDef methods[] = {{"write", grid_write, METH_VARARGS, "write(path, name, codec)\n--\n\nWrites a file."},
+                                {NULL, NULL, 0, NULL}};
+
+static PyType_Slot slots[] = {{Py_tp_doc, "Values on a regular grid of voxels."},
+                              {Py_tp_dealloc, destroy},
+                              {Py_tp_methods, methods},
+                              {Py_tp_getset, properties},
+                              {0, NULL}};
+
+static PyType_Spec spec = {"tyndall._core.Grid", sizeof(grid_object), 0,
+                           Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION, slots};
+
+int add_grid_type(PyObject* module) {
+    return add_type(module, &spec, &grid_type);
+}
+
+static ty_result read_volume(void* user) {
+    file_work* w = user;
+    return ty_volume_read(w->context, w->path, &w->def, &w->out);
+}
+
+/* raw: None, or (size, type, big_endian, offset, spacing). */
+static int read_raw(PyObject* raw, ty_volume_def* def) {
+    PyObject *size, *spacing;
+    const char* type;
+    int big_endian;
+    long long offset;
+    if (raw == Py_None) return 0;
+    if (!PyArg_ParseTuple(raw, "OspLO", &size, &type, &big_endian, &offset, &spacing)) return -1;
+    if (ints_of(size, "raw size", 3, def->raw_size) != 0) return -1;
+    if (doubles_of(spacing, "raw spacing", 3, def->raw_spacing) != 0) return -1;
+    if (strlen(type) >= sizeof def->raw_type) {
+        raise_argument("raw type: \"%.32s\" is none", type);
+        return -1;
+    }
+    memcpy(def->raw_type, type, strlen(type) + 1);
+    def->raw_big_endian = big_endian != 0;
+    def->raw_offset = offset;
+    return 0;
+}
+
+static PyObject* volume_read(PyObject* module, PyObject* arguments) {
+    context_object* context;
+    PyObject* raw;
+    file_work w = {.def = ty_default_volume_def()};
+    int component, frame;
+    (void)module;
+    if (!PyArg_ParseTuple(arguments, "O!ssiiO", context_type, &context, &w.path, &w.def.grid, &component, &frame, &raw))
+        return NULL;
+    w.context = context->context;
+    w.def.component = component;
+    w.def.frame = frame;
+    if (read_raw(raw, &w.def) != 0) return NULL;
+    if (call_simple(context, read_volume, &w) == 0) return wrap_grid(context, w.out);
+    ty_grid_release(w.out);
+    return NULL;
+}
+
+static ty_result list_vdb(void* user) {
+    file_work* w = user;
+    return ty_vdb_list(w->context, w->path, w->entries, w->capacity, &w->count);
+}
+
+static PyObject* vdb_entry(const ty_vdb_entry* entry) {
+    return Py_BuildValue("{s:s,s:s,s:L,s:N,s:N,s:N}", "name", entry->name, "type", entry->type, "active_voxels",
+                         (long long)entry->active_voxels, "lower", tuple_of_ints(entry->lower, 3), "upper",
+                         tuple_of_ints(entry->upper, 3), "voxel_size", tuple_of_doubles(entry->voxel_size, 3));
+}
+
+static PyObject* mesh_entry(const ty_mesh_file_entry* entry) {
+    if (entry->camera)
+        return Py_BuildValue("{s:s,s:s,s:d}", "kind", "camera", "name", entry->name, "fov_y", entry->fov_y);
+    return Py_BuildValue("{s:s,s:s,s:N,s:N,s:N}", "kind", "material", "name", entry->name, "albedo",
+                         tuple_of_floats(entry->material.albedo, 3), "emission",
+                         tuple_of_floats(entry->material.emission, 3), "glossy", PyBool_FromLong(entry->glossy));
+}
+
+static int append(PyObject* list, PyObject* item) {
+    const int status = item != NULL ? PyList_Append(list, item) : -1;
+    Py_XDECREF(item);
+    return status;
+}
+
+static PyObject* vdb_list(PyObject* module, PyObject* arguments) {
+    enum { CAPACITY = 256 };
+    context_object* context;
+    file_work w = {.capacity = CAPACITY};
+    (void)module;
+    if (!PyArg_ParseTuple(arguments, "O!s", context_type, &context, &w.path)) return NULL;
+    w.context = context->context;
+    w.entries = calloc(CAPACITY, sizeof *w.entries);
+    if (w.entries == NULL) return PyErr_NoMemory();
+    PyObject* list = call_simple(context, list_vdb, &w) == 0 ? PyList_New(0) : NULL;
+    for (int32_t i = 0; list != NULL && i < w.count && i < CAPACITY; ++i)
+        if (append(list, vdb_entry(&w.entries[i])) != 0) {
+            Py_DECREF(list);
+            list = NULL;
+        }
+    free(w.entries);
+    return list;
+}
+
+static ty_result list_mesh(void* user) {
+    file_work* w = user;
+    return ty_mesh_file_list(w->context, w->path, &w->info, w->meshes, w->capacity, &w->count);
+}
+
+static PyObject* mesh_list(PyObject* module, PyObject* arguments) {
+    enum { CAPACITY = 1024 };
+    context_object* context;
+    file_work w = {.capacity = CAPACITY};
+    (void)module;
+    if (!PyArg_ParseTuple(arguments, "O!s", context_type, &context, &w.path)) return NULL;
+    w.context = context->context;
+    w.meshes = calloc(CAPACITY, sizeof *w.meshes);
+    if (w.meshes == NULL) return PyErr_NoMemory();
+    PyObject* list = call_simple(context, list_mesh, &w) == 0 ? PyList_New(0) : NULL;
+    for (int32_t i = 0; list != NULL && i < w.count && i < CAPACITY; ++i)
+        if (append(list, mesh_entry(&w.meshes[i])) != 0) {
+            Py_DECREF(list);
+            list = NULL;
+        }
+    free(w.meshes);
+    if (list == NULL) return NULL;
+    return Py_BuildValue("{s:i,s:L,s:i,s:N,s:N,s:N}", "meshes", (int)w.info.meshes, "triangles",
+                         (long long)w.info.triangles, "lights", (int)w.info.lights, "lower",
+                         tuple_of_doubles(w.info.lower, 3), "upper", tuple_of_doubles(w.info.upper, 3), "entries",
+                         list);
+}
+
+PyMethodDef volume_functions[] = {
+    {"grid_create", grid_create, METH_VARARGS,
+     "grid_create(context, array, placement, background)\n--\n\nA grid of an array, (nz, ny, nx), which is borrowed if "
+     "it is "
+     "float32 in C order and all finite. placement: 12 numbers of a map from voxel indices to metres, or None."},
+    {"volume_read", volume_read, METH_VARARGS,
+     "volume_read(context, path, grid, component, frame, raw)\n--\n\nReads a volume file."},
+    {"vdb_list", vdb_list, METH_VARARGS, "vdb_list(context, path)\n--\n\nThe grids of a file."},
+    {"mesh_list", mesh_list, METH_VARARGS, "mesh_list(context, path)\n--\n\nThe content of a mesh file."},
+    {NULL, NULL, 0, NULL}};
