@@ -281,6 +281,23 @@ class Scenes(unittest.TestCase):
             scene.add_medium(density={"file": scene["geometry[0].file"]}, sigma_s=1)
 
     @needs_numpy
+    def test_copies(self):
+        scene = tyndall.Scene(FOG)
+        scene["media[0].density"] = cloud()
+        scene.add_geometry(tyndall.Mesh([[-1, -2, -1], [1, -2, -1], [0, -2, 1]], [[0, 2, 1]]))
+        copy = scene.copy()
+        self.assertEqual(copy.hash, scene.hash)
+        np.testing.assert_array_equal(copy.render().rgb, scene.render().rgb)
+        copy["media[0].g"] = 0.9
+        self.assertEqual(scene["media[0].g"], 0.3)
+        os.makedirs("folder", exist_ok=True)
+        tyndall.Volume(cloud()).save("folder/cloud.nrrd")
+        pathlib.Path("folder/cloud.json").write_text(json.dumps(
+            {"tyndall": 1, "media": [{**FOG["media"][0], "density": {"file": "cloud.nrrd"}}]}))
+        loaded = tyndall.Scene("folder/cloud.json")
+        self.assertEqual(loaded.copy().hash, loaded.hash)
+
+    @needs_numpy
     def test_placed_volumes(self):
         """An array with spacing and origin is the same as the box of cells that it fills."""
         density = cloud(8)
@@ -544,6 +561,20 @@ class Tools(unittest.TestCase):
         cloud().tofile("cloud.raw")
         raw = tyndall.Volume.read("cloud.raw", raw={"size": (12, 12, 12), "type": "float"})
         np.testing.assert_array_equal(raw.values, cloud())
+
+    @needs_numpy
+    def test_the_pages_examples_run(self):
+        """The first example of docs/python.md, with fewer pixels, and its fields."""
+        page = (pathlib.Path(__file__).resolve().parent.parent / "docs" / "python.md").read_text(encoding="utf-8")
+        blocks = [block.split("```")[0] for block in page.split("```python")[1:]]
+        names = {}
+        exec(blocks[0].replace("(320, 240)", "(32, 24)"), names)
+        self.assertEqual(tyndall.read("cloud.png").size, (32, 24))
+        self.assertGreater(names["image"].rgb[12, 16].min(), 2 * names["image"].rgb[0, 0].max())
+        self.assertLessEqual(len(blocks[0].strip().splitlines()), 10)
+        if xarray is not None:
+            exec(blocks[1].replace("size=32", "size=4"), names)
+            self.assertEqual(names["field"].values.shape, (4, 4, 4, 3))
 
     def test_facts(self):
         self.assertIn("path", tyndall.methods())

@@ -10,7 +10,7 @@ from typing import Any, Callable, Iterable, Iterator, Mapping, Optional, Sequenc
 
 from . import _arrays, _core
 from ._context import default_context
-from ._errors import ArgumentError, Error, OutOfMemory, Unsupported
+from ._errors import ArgumentError, OutOfMemory, Unsupported
 from ._fields import Box, Light
 from ._image import Image, word
 from ._progress import ProgressChoice, Reporter
@@ -65,14 +65,14 @@ class Scene:
     """
 
     def __init__(self, source: Union[None, str, os.PathLike[str], Mapping[str, Any]] = None, *,
-                 overrides: Union[None, Mapping[str, Any], Sequence[str]] = None, folder: Union[None, str, os.PathLike[str]] = None,
-                 context: Optional[_core.Context] = None) -> None:
+                 overrides: Union[None, Mapping[str, Any], Sequence[str]] = None,
+                 folder: Union[None, str, os.PathLike[str]] = None, context: Optional[_core.Context] = None) -> None:
         self.context = context or default_context()
         """The threads and the device that it is rendered with."""
+        self._given: dict[str, Any] = {}  # content in memory by its name
+        self._folder = os.fspath(folder) if folder is not None else ""
         if source is None or isinstance(source, Mapping):
-            text = '{"tyndall":1}'
-            start = os.fspath(folder) if folder is not None else ""
-            self._core = _core.Scene(self.context, None, text, "scene", start, ())
+            self._core = _core.Scene(self.context, None, '{"tyndall":1}', "scene", self._folder, ())
             document = dict(source or {})
             document.pop("tyndall", None)
             changes = dict(document)
@@ -83,7 +83,20 @@ class Scene:
         if folder is not None:
             raise ArgumentError("folder is for documents; files have their own")
         items = tuple(f"{key}={json.dumps(value)}" for key, value in _override_items(overrides).items())
-        self._core = _core.Scene(self.context, os.fspath(source), None, None, None, items)
+        path = os.fspath(source)
+        self._core = _core.Scene(self.context, path, None, None, None, items)
+        self._folder = "" if path.startswith("builtin:") else os.path.dirname(path)
+
+    def copy(self) -> "Scene":
+        """Another scene with the same document, which shares the arrays: for threads that change theirs, and sweeps."""
+        made = Scene(None, folder=self._folder, context=self.context)
+        for name, value in self._given.items():
+            made._set_memory(name, value)
+        made._given = dict(self._given)
+        document = self.document
+        document.pop("tyndall", None)
+        made._apply([(key, json.dumps(value)) for key, value in document.items()])
+        return made
 
     # ---- the document ----
 
@@ -124,7 +137,7 @@ class Scene:
 
     def update(self, changes: Mapping[str, Any]) -> None:
         """Sets many values, in their order, or none: after an error the scene is as before."""
-        given: list[str] = []
+        given: dict[str, Any] = {}
         try:
             self._apply([(path, json.dumps(self._plain(value, path, given))) for path, value in changes.items()])
         finally:
@@ -133,31 +146,34 @@ class Scene:
     def _apply(self, changes: Sequence[Tuple[str, Optional[str]]]) -> int:
         return self._core.apply(tuple(part if part is not None else "null" for change in changes for part in change))
 
-    def _drop_unused(self, given: Sequence[str] = ()) -> None:
+    def _drop_unused(self, given: Mapping[str, Any]) -> None:
         """Forgets arrays that the document does not name any more."""
         named = set(_MEMORY.findall(self._core.text))
-        kept = getattr(self, "_given", set()) | set(given)
-        for name in kept - named:
+        kept = {**self._given, **given}
+        for name in set(kept) - named:
             self._core.drop(name)
-        self._given = kept & named
+        self._given = {name: value for name, value in kept.items() if name in named}
 
-    def _give(self, value: Any, given: list[str]) -> Optional[str]:
-        """Hands arrays, volumes, meshes and images over; "memory:NAME", or None for other values."""
-        if not isinstance(value, (Volume, Mesh, Image)):
-            if not (_arrays.is_array(value) and _arrays.axes_of(value) >= 3):
-                return None
-            value = Volume(value, context=self.context)
-        name = f"array{next(_numbers)}"
+    def _set_memory(self, name: str, value: Union[Volume, Mesh, Image]) -> None:
         if isinstance(value, Volume):
             self._core.set_volume(name, value._grids)
         elif isinstance(value, Mesh):
             self._core.set_mesh(name, value.positions, value.triangles, value.normals, value.uv, value.colors)
         else:
             self._core.set_image(name, value._core)
-        given.append(name)
+
+    def _give(self, value: Any, given: dict[str, Any]) -> Optional[str]:
+        """Hands arrays, volumes, meshes and images over; "memory:NAME", or None for other values."""
+        if not isinstance(value, (Volume, Mesh, Image)):
+            if not (_arrays.is_array(value) and _arrays.axes_of(value) >= 3):
+                return None
+            value = Volume(value, context=self.context)
+        name = f"array{next(_numbers)}"
+        self._set_memory(name, value)
+        given[name] = value
         return f"memory:{name}"
 
-    def _plain(self, value: Any, path: str, given: list[str]) -> Any:
+    def _plain(self, value: Any, path: str, given: dict[str, Any]) -> Any:
         """The value as JSON has it."""
         name = self._give(value, given)
         if name is not None:
@@ -182,10 +198,8 @@ class Scene:
             yield
             return
         missing = object()
-        before = {path: self.get(path, missing) for path in values}
         roots = {path.split(".")[0] for path in values}
         whole = {root: self.get(root, missing) for root in roots}
-        del before
         self.update(values)
         try:
             yield
@@ -368,7 +382,8 @@ class Scene:
                 core, stats = self._core.solve(method, given, report)
         return Light(core, self, method, stats, Box(lower, upper, tuple(stats["size"])), samples, given)  # type: ignore
 
-    def transmittance(self, start: Sequence[float], end: Sequence[float], *, spp: int = 64, seed: int = 0) -> Tuple[float, float, float]:
+    def transmittance(self, start: Sequence[float], end: Sequence[float], *, spp: int = 64,
+                      seed: int = 0) -> Tuple[float, float, float]:
         """Transmittance of the media between two points (m), per channel, without surfaces."""
         return self._core.transmittance(tuple(start), tuple(end), spp, seed)
 
