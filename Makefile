@@ -1,8 +1,8 @@
 # The few things one wants without knowing the build. Everything below is CMake (CMakePresets.json).
-.PHONY: all demo test validate docs figures matrix matrix-fine auto-model performance fuzz tsan tidy format format-check package clean
+.PHONY: all demo test validate docs figures matrix matrix-fine auto-model performance fuzz tsan tidy format format-check package wheel clean
 .DEFAULT_GOAL := all
 
-sources = $(shell find include src tools tests examples -name '*.[ch]' -o -name '*.cpp')
+sources = $(shell find include src tools tests examples python -name '*.[ch]' -o -name '*.cpp')
 
 all:
 	@scripts/setup.sh
@@ -23,6 +23,7 @@ test:
 # The long comparisons with published and converged results, and the report's page in a browser.
 validate:
 	@scripts/setup.sh
+	@scripts/setup.sh python || echo "validate: without Python's packages, the package is not built" >&2
 	@scripts/setup.sh page || echo "validate: without a browser, the report's page is not tried" >&2
 	@scripts/build.sh release
 	@ctest --test-dir build/release -C Validate -L validate --output-on-failure
@@ -118,6 +119,11 @@ format-check:
 package:
 	@scripts/setup.sh build package
 	@scripts/package.sh
+
+# The Python package as a wheel, out/*.whl (docs/python.md).
+wheel:
+	@scripts/setup.sh build python
+	@/usr/bin/python3 -m pip wheel ./python --no-build-isolation --no-deps --no-index -w out
 
 clean:
 	rm -rf build out

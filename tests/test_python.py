@@ -510,6 +510,13 @@ class Tools(unittest.TestCase):
         np.testing.assert_allclose(image.rgb, np.exp(-0.5), rtol=1e-4)
         fog = tyndall.screen(tyndall.Image(picture[..., :3]), depth, "fog:50")
         self.assertGreater(1, fog.rgb.max())
+        holes = depth.copy()
+        holes[10:14, 20:30] = 0
+        filled = tyndall.screen(picture, holes, {"sigma_s": 0, "sigma_a": 0.05}, fill=True)
+        np.testing.assert_allclose(filled.rgb, np.exp(-0.5), rtol=1e-4)
+        self.assertEqual((filled.stats["filled"], holes[12, 25]), (40, 0))
+        for variant in ("gather", "naive", "published", "reference"):
+            self.assertGreater(tyndall.screen(picture, depth, variant=variant).rgb.max(), 0)
         with self.assertRaisesRegex(tyndall.Error, "fogg"):
             tyndall.screen(picture, depth, "fogg:50")
         with self.assertRaisesRegex(tyndall.Error, "variant: unknown"):

@@ -13,13 +13,31 @@ typedef struct screen_work {
     ty_screen_stats stats;
     const char* medium; /* to parse */
     float environment[3];
-    bool balance;
+    bool balance, fill;
+    float* filled;
+    int64_t filled_count;
 } screen_work;
+
+/* Distances without holes in place of the caller's. */
+static ty_result fill_distances(screen_work* w) {
+    const ty_screen_image* planes = &w->planes;
+    w->filled = malloc((size_t)planes->width * (size_t)planes->height * sizeof *w->filled);
+    if (w->filled == NULL) return TY_ERROR_MEMORY;
+    for (int32_t y = 0; y < planes->height; ++y)
+        for (int32_t x = 0; x < planes->width; ++x)
+            w->filled[(size_t)y * (size_t)planes->width + (size_t)x] =
+                planes->distance[y * planes->distance_row + x * planes->distance_step];
+    w->planes.distance = w->filled;
+    w->planes.distance_row = planes->width;
+    w->planes.distance_step = 1;
+    return ty_screen_fill_distance(w->context, planes->width, planes->height, w->filled, &w->filled_count);
+}
 
 static ty_result apply_screen(void* user) {
     screen_work* w = user;
     ty_medium_def medium = ty_default_medium_def();
-    const ty_result result = ty_medium_parse(w->context, w->medium, &medium);
+    ty_result result = ty_medium_parse(w->context, w->medium, &medium);
+    if (result == TY_OK && w->fill) result = fill_distances(w);
     if (result != TY_OK) return result;
     memcpy(w->def.sigma_s, medium.sigma_s, sizeof w->def.sigma_s);
     memcpy(w->def.sigma_a, medium.sigma_a, sizeof w->def.sigma_a);
@@ -65,16 +83,17 @@ static PyObject* screen_result(context_object* context, screen_work* w, PyObject
     w->def.progress = call_progress;
     w->def.progress_user = &running;
     call_run(&running);
+    free(w->filled);
     if (call_raise(&running, NULL) != 0) {
         ty_image_destroy(out);
         return NULL;
     }
     PyObject* image = wrap_image(context, out);
     if (image == NULL) return NULL;
-    return Py_BuildValue("(N{s:d,s:i,s:d,s:L,s:L,s:L})", image, "seconds", w->stats.seconds, "levels",
+    return Py_BuildValue("(N{s:d,s:i,s:d,s:L,s:L,s:L,s:L})", image, "seconds", w->stats.seconds, "levels",
                          (int)w->stats.levels, "spread", w->stats.spread, "oversized", (long long)w->stats.oversized,
                          "nonfinite_fixed", (long long)w->stats.nonfinite_fixed, "missing_depth",
-                         (long long)w->stats.missing_depth);
+                         (long long)w->stats.missing_depth, "filled", (long long)w->filled_count);
 }
 
 static PyObject* run_screen(context_object* context, screen_work* w, const input* color, const input* distance,
@@ -89,30 +108,38 @@ static PyObject* run_screen(context_object* context, screen_work* w, const input
     return raise_argument("expected an image (height, width, 3 or more) and distances (height, width), both float32");
 }
 
+enum { VARIANT_NAIVE = 3, VARIANT_PUBLISHED = 4 }; /* after those of ty_screen_variant */
+
 /* (context, image, distance, medium, (focal x, focal y), (centre x, centre y), axis, environment, balance, variant,
- * spread, filter, levels, missing depth, progress) */
+ * spread, filter, levels, missing depth, fill, progress) */
 static PyObject* screen(PyObject* module, PyObject* arguments) {
     context_object* context;
     PyObject *image, *depth, *focal, *center, *environment, *progress, *answer = NULL;
     screen_work w = {.def = ty_default_screen_def(), .planes = ty_default_screen_image()};
     double radiance[3];
-    int axis, balance, variant, spread, filter, levels;
+    int axis, balance, variant, spread, filter, levels, fill;
     input color, distance;
     (void)module;
-    if (!PyArg_ParseTuple(arguments, "O!OOsOOpOpiiiifO", context_type, &context, &image, &depth, &w.medium, &focal,
+    if (!PyArg_ParseTuple(arguments, "O!OOsOOpOpiiiifpO", context_type, &context, &image, &depth, &w.medium, &focal,
                           &center, &axis, &environment, &balance, &variant, &spread, &filter, &levels,
-                          &w.def.missing_depth, &progress))
+                          &w.def.missing_depth, &fill, &progress))
         return NULL;
     w.context = context->context;
     if (doubles_of(focal, "focal", 2, w.def.focal) != 0 || doubles_of(center, "center", 2, w.def.center) != 0 ||
         doubles_of(environment, "environment", 3, radiance) != 0)
         return NULL;
     w.def.distance_kind = axis ? TY_SCREEN_DISTANCE_AXIS : TY_SCREEN_DISTANCE_RAY;
-    w.def.variant = (ty_screen_variant)variant;
+    if (variant == VARIANT_NAIVE)
+        ty_screen_naive_def(&w.def);
+    else if (variant == VARIANT_PUBLISHED)
+        ty_screen_published_def(&w.def);
+    else
+        w.def.variant = (ty_screen_variant)variant;
     w.def.spread = (ty_screen_spread)spread;
     w.def.filter = filter;
     w.def.levels = levels;
     w.balance = balance != 0;
+    w.fill = fill != 0;
     for (int c = 0; c < 3; ++c) w.environment[c] = (float)radiance[c];
     if (input_open(image, "image", &color) != 0) return NULL;
     if (input_open(depth, "distance", &distance) == 0) {

@@ -13,7 +13,7 @@ from ._image import Image, word
 from ._progress import ProgressChoice, Reporter
 from ._scene import Scene
 
-_VARIANTS = {"scatter": 0, "gather": 1, "reference": 2}
+_VARIANTS = {"scatter": 0, "gather": 1, "reference": 2, "naive": 3, "published": 4}
 _SPREADS = {"small_angle": 0, "gaussian": 1}
 _LEVELS = {"auto": -1, "all": -2}
 
@@ -110,16 +110,18 @@ def screen(image: Any, depth: Any, medium: Union[str, Mapping[str, Any]] = "fog:
            focal: Union[None, float, Sequence[float]] = None, center: Sequence[float] = (-1.0, -1.0),
            distance: str = "ray", environment: Union[float, Sequence[float]] = 0.0, balance: bool = True,
            variant: str = "scatter", spread: str = "small_angle", filter: int = 4, levels: Union[int, str] = "auto",
-           missing_depth: float = 1e6, context: Optional[_core.Context] = None, progress: ProgressChoice = None) -> Image:
+           missing_depth: float = 1e6, fill: bool = False, context: Optional[_core.Context] = None, progress: ProgressChoice = None) -> Image:
     """Fog, smoke or water over one image and its distances (docs/method/screen.md).
 
     image: an Image, or (height, width, 3 or 4) float32, linear radiance; read where it lies. depth: (height, width)
-    float32, m; 0, negative and infinite distances are missing and count as missing_depth. medium: a preset, "fog:50" (50
+    float32, m; 0, negative and infinite distances are missing and count as missing_depth, or with fill
+    as those around them. medium: a preset, "fog:50" (50
     m of visibility), "wholemilk:1000", or coefficients, {"sigma_s": 0.1, "sigma_a": 0.01, "g": 0.9} (1/m). fov_y:
     vertical angle of view, degrees, or focal: focal length in pixels, one number or x and y. center: principal point,
     pixels. distance: "ray", along the rays, or "axis", a depth buffer. environment: radiance that arrives at the medium
     from all around, W m^-2 sr^-1; balance: it takes the place of what is scattered backwards. variant: "scatter",
-    "gather" (the paper's) or "reference" (exact and slow). spread: "small_angle" or "gaussian".
+    "gather" (the paper's, with masks normalised), "naive", "published" (the paper's to the letter) or "reference" (exact and
+    slow). spread: "small_angle" or "gaussian".
     """
     context = context or default_context()
     colors = image._colors() if isinstance(image, Image) else _arrays.to_float32(image)
@@ -136,7 +138,7 @@ def screen(image: Any, depth: Any, medium: Union[str, Mapping[str, Any]] = "fog:
         core, stats = _core.screen(context, colors, distances, text, lengths, tuple(center),
                                    word(distance, {"ray": 0, "axis": 1}, "distance"), around, balance,
                                    word(variant, _VARIANTS, "variant"), word(spread, _SPREADS, "spread"), filter,
-                                   _levels(levels), missing_depth, report)
+                                   _levels(levels), missing_depth, fill, report)
     return Image(core, stats, True, image.exposure if isinstance(image, Image) else 0.0)
 
 
