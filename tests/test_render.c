@@ -114,7 +114,21 @@ static void wrong_requests_are_refused(void** state) {
     assert_non_null(strstr(ty_take_error(context), "there is no method auto; known: path, "));
     def.cookie = 0;
     assert_int_equal(ty_render(scene, &def, &image), TY_ERROR_ARGUMENT);
+    ty_take_error(context);
     assert_int_equal(ty_render(NULL, &def, &image), TY_ERROR_ARGUMENT);
+    ty_take_error(NULL);
+    assert_null(image);
+
+    def = ty_default_render_def();
+    strcpy(settings.method, "dom");
+    def.settings = &settings;
+    def.resume = text;
+    assert_int_equal(ty_render(scene, &def, &image), TY_ERROR_ARGUMENT);
+    assert_string_equal(ty_take_error(context), "the method dom has no states; path has");
+    strcpy(settings.method, "path");
+    def.resume_size = sizeof text;
+    assert_int_equal(ty_render(scene, &def, &image), TY_ERROR_INPUT);
+    ty_take_error(context);
     assert_null(image);
 
     def = ty_default_render_def(); /* a partial image of path */

@@ -50,6 +50,11 @@ typedef struct ty_render_def {
     void* partial_user;         ///< Passed on to `partial`; default NULL.
     ty_measurement_fn measurement; ///< Receives measurements at the end, on the calling thread; default NULL.
     void* measurement_user;        ///< Passed on to `measurement`; default NULL.
+    ty_path_state_fn state;        ///< Receives states of `path`, as in ty_path_def; default NULL.
+    void* state_user;              ///< Passed on to `state`; default NULL.
+    double state_seconds;          ///< Time between two states, s, as in ty_path_def; default TY_AUTO.
+    const void* resume;            ///< A state of `path` to go on from, as in ty_path_def; default NULL.
+    size_t resume_size;            ///< Size of `resume`, bytes; default 0.
 } ty_render_def;
 
 /// Sets the `bytes` bytes of a ty_render_def to the defaults, as ty_init_context_def() does.
@@ -64,7 +69,8 @@ static inline ty_render_def ty_default_render_def(void) {
 /// Renders a committed scene by a method with the scene's options, as `tyndall render` does: media that fill
 /// dielectrics, and surfaces in the light of media, are in the image whatever the method. `*out` is NULL after an
 /// error. After TY_CANCELLED it is a valid image with fewer samples where the method is path or screen, else NULL.
-/// Errors: TY_ERROR_ARGUMENT (an unknown method; a channel, a crop or a scene that it does not take), TY_ERROR_MEMORY.
+/// Errors: TY_ERROR_ARGUMENT (an unknown method; a channel, a crop, states or a scene that it does not take),
+/// TY_ERROR_INPUT (def->resume), TY_ERROR_MEMORY.
 TY_API ty_result ty_render(const ty_scene* scene, const ty_render_def* def, ty_image** out);
 
 #ifdef __cplusplus

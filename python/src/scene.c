@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 PyTypeObject* scene_type;
 
@@ -309,6 +310,8 @@ typedef struct render_work {
     ty_image* out;
     measurement measurements[MEASUREMENTS_MAX];
     int32_t count;
+    context_object* context;
+    const char* state_path; /* of a file to go on from, if it is there, and to keep up to date; NULL: none */
 } render_work;
 
 static void keep_measurement(void* user, const char* name, const double* numbers, int32_t count, const char* text) {
@@ -321,9 +324,32 @@ static void keep_measurement(void* user, const char* name, const double* numbers
     for (int32_t i = 0; text == NULL && i < count && i < 24; ++i) m->numbers[i] = numbers[i];
 }
 
+/* A state that cannot be written is a warning, and the work goes on. */
+static bool write_state(void* user, const void* state, size_t size) {
+    render_work* w = user;
+    ty_context* context = w->context->context;
+    if (ty_bytes_write(context, w->state_path, state, size) != TY_OK)
+        context_log(w->context, TY_LOG_WARNING, ty_take_error(context));
+    return true;
+}
+
 static ty_result render_scene(void* user) {
     render_work* w = user;
-    return ty_render(w->scene, &w->def, &w->out);
+    ty_context* context = w->context->context;
+    uint8_t* bytes = NULL;
+    size_t size = 0;
+    ty_result result = TY_OK;
+    if (w->state_path != NULL) {
+        w->def.state = write_state;
+        w->def.state_user = w;
+        if (access(w->state_path, F_OK) == 0)
+            result = ty_bytes_read(context, w->state_path, PTRDIFF_MAX, &bytes, &size);
+    }
+    w->def.resume = bytes;
+    w->def.resume_size = size;
+    if (result == TY_OK) result = ty_render(w->scene, &w->def, &w->out);
+    ty_bytes_destroy(context, bytes, size);
+    return result;
 }
 
 static PyObject* measurements(const render_work* w) {
@@ -352,24 +378,26 @@ static int read_settings(const char* method, int spp, unsigned long long seed, t
     return 0;
 }
 
-/* (method, spp, seed, seconds, error, (width, height), (x, y, width, height), aovs, progress) ->
+/* (method, spp, seed, seconds, error, (width, height), (x, y, width, height), aovs, state, progress) ->
  * (image, measurements, complete) */
 static PyObject* render(PyObject* self, PyObject* arguments) {
     scene_object* scene = (scene_object*)self;
     PyObject *size, *crop, *progress;
-    const char* method;
+    const char *method, *state;
     int spp;
     unsigned int aovs;
     unsigned long long seed;
     int32_t sides[2];
     double seconds, error;
-    if (!PyArg_ParseTuple(arguments, "siKddOOIO", &method, &spp, &seed, &seconds, &error, &size, &crop, &aovs,
+    if (!PyArg_ParseTuple(arguments, "siKddOOIzO", &method, &spp, &seed, &seconds, &error, &size, &crop, &aovs, &state,
                           &progress))
         return NULL;
     render_work* w = calloc(1, sizeof *w);
     if (w == NULL) return PyErr_NoMemory();
     call running = {.context = scene->context, .work = render_scene, .user = w, .progress = callable_or_null(progress)};
     w->def = ty_default_render_def();
+    w->context = scene->context;
+    w->state_path = state;
     PyObject* answer = NULL;
     bool ready = read_settings(method, spp, seed, &w->settings) == 0 && ints_of(size, "size", 2, sides) == 0 &&
                  ints_of(crop, "crop", 4, w->def.crop) == 0;
@@ -449,7 +477,8 @@ static PyMethodDef methods[] = {
     {"set_image", set_image, METH_VARARGS, "set_image(name, image)\n--\n\nGives memory:NAME."},
     {"drop", drop, METH_VARARGS, "drop(name)\n--\n\nForgets memory:NAME."},
     {"render", render, METH_VARARGS,
-     "render(method, spp, seed, seconds, error, size, crop, aovs, progress)\n--\n\n(image, measurements, complete)."},
+     "render(method, spp, seed, seconds, error, size, crop, aovs, state, progress)\n--\n\n(image, measurements, "
+     "complete)."},
     {"choose", choose, METH_VARARGS, "choose(asks, aovs, size, spp)\n--\n\n(method, reason, error, seconds)."},
     {"solve", scene_solve, METH_VARARGS, "solve(method, progress)\n--\n\n(light, measurements)."},
     {"fluence", scene_fluence, METH_VARARGS,

@@ -10,7 +10,7 @@ from typing import Any, Callable, Iterable, Iterator, Mapping, Optional, Sequenc
 
 from . import _arrays, _core
 from ._context import default_context
-from ._errors import ArgumentError, OutOfMemory, Unsupported
+from ._errors import ArgumentError, InputError, OutOfMemory, Unsupported
 from ._fields import Box, Light
 from ._image import Image, word
 from ._progress import ProgressChoice, Reporter
@@ -25,7 +25,7 @@ DENOISE_CHANNELS = ("variance", "transmittance", "depth", "normal", "albedo", "s
 """The channels that Image.denoise() uses."""
 
 _SPP_MAX = 1 << 24
-_ASK_CROP, _ASK_TIME, _ASK_ERROR, _ASK_SAMPLES = 1, 2, 4, 16
+_ASK_CROP, _ASK_TIME, _ASK_ERROR, _ASK_RESUME, _ASK_SAMPLES = 1, 2, 4, 8, 16
 _BAKE_METHODS = {"cache": 0, "impulse": 1, "attenuation": 2, "surfaces": 3, "path": 4}
 _STEP = re.compile(r"([A-Za-z_]\w*)|\[(\d+)\]")
 _MEMORY = re.compile(r'"memory:([\w.-]+)"')
@@ -270,10 +270,10 @@ class Scene:
 
     def choose(self, *, size: Optional[Tuple[int, int]] = None, spp: Optional[int] = None,
                channels: Union[str, Iterable[str]] = (), seconds: float = 0, error: float = 0,
-               crop: Optional[Sequence[int]] = None) -> dict[str, Any]:
+               crop: Optional[Sequence[int]] = None, state: bool = False) -> dict[str, Any]:
         """The method that `auto` takes: method, reason, expected relative error, and seconds (of one thread)."""
         asks = ((_ASK_CROP if crop else 0) | (_ASK_TIME if seconds else 0) | (_ASK_ERROR if error else 0) |
-                (_ASK_SAMPLES if spp is not None else 0))
+                (_ASK_RESUME if state else 0) | (_ASK_SAMPLES if spp is not None else 0))
         samples = spp if spp is not None else _SPP_MAX if seconds or error else self.settings["spp"]
         made = self._core.choose(asks, self._flags(channels), size or (0, 0), samples)
         return dict(zip(("method", "reason", "error", "seconds"), made))
@@ -281,8 +281,8 @@ class Scene:
     def render(self, method: Optional[str] = None, *, size: Optional[Tuple[int, int]] = None, spp: Optional[int] = None,
                seed: Optional[int] = None, seconds: float = 0.0, error: float = 0.0,
                crop: Optional[Sequence[int]] = None, channels: Union[str, Iterable[str]] = (),
-               camera: Optional[Mapping[str, Any]] = None, progress: ProgressChoice = None,
-               on_interrupt: str = "raise", **options: Any) -> Image:
+               camera: Optional[Mapping[str, Any]] = None, state: Union[None, str, os.PathLike[str]] = None,
+               progress: ProgressChoice = None, on_interrupt: str = "raise", **options: Any) -> Image:
         """Renders the scene through its camera: radiance, W m^-2 sr^-1, and the channels that are asked for.
 
         method: "path", "dom", "fld", "cda", "pop", "lpv", "octaves", "screen", or "auto", which chooses; default that of
@@ -291,6 +291,10 @@ class Scene:
         height). channels: layers such as "depth" and "variance" (tyndall.CHANNELS). camera: keys of the camera for this
         call alone, such as {"position": (0, 1, 5)}. options: those of the method, as docs/method lists them, for this
         call alone: render("dom", directions=48).
+
+        state: a file of path to go on from, if it is there, and to keep up to date: the same call goes on where the last
+        one was interrupted, and ends with the same image. `tyndall render --resume` has the same file beside its image,
+        IMAGE.state. It adds the channel samples.N.
 
         progress: a function of tyndall.Progress, whose answer False stops the work; True or False: a bar or none;
         default: a bar in terminals and notebooks. Ctrl-C, or "interrupt" in a notebook, cancels: the KeyboardInterrupt
@@ -303,7 +307,7 @@ class Scene:
         name = method or settings["method"]
         samples = spp if spp is not None else _SPP_MAX if seconds or error else settings["spp"]
         given = int(settings["seed"] if seed is None else seed)
-        flags = self._flags(channels)
+        flags = self._flags(channels) | (CHANNELS["samples"] if state is not None else 0)
         changes = {f"camera.{key}": value for key, value in (camera or {}).items()}
         if options and name == "auto":
             raise ArgumentError(f"{next(iter(options))}: options are those of one method: name it")
@@ -312,18 +316,23 @@ class Scene:
             choice: dict[str, Any] = {}
             if name == "auto":
                 choice = self.choose(size=size, spp=spp if method is None else None, channels=channels, seconds=seconds,
-                                     error=error, crop=crop)
+                                     error=error, crop=crop, state=state is not None)
                 name = choice["method"]
 
             def run(by: str) -> Image:
                 with Reporter(progress) as report:
                     made = self._core.render(by, samples, given, float(seconds), float(error), size or (0, 0),
-                                             tuple(crop or (0, 0, 0, 0)), flags, report)
+                                             tuple(crop or (0, 0, 0, 0)), flags,
+                                             os.fspath(state) if state is not None else None, report)
                 return self._image(by, given, choice, made)
 
             try:
                 try:
                     return run(name)
+                except InputError as wrong:  # what a state holds
+                    if state is None or wrong.file is not None:
+                        raise
+                    raise InputError(f"{os.fspath(state)}: {wrong}; remove it to start again", wrong.code) from None
                 except (ArgumentError, Unsupported, OutOfMemory) as refusal:
                     if not choice or name == "path":
                         raise

@@ -9,7 +9,7 @@
 #include <string.h>
 
 void ty_init_render_def(void* def, size_t bytes) {
-    const ty_render_def own = {.settings = NULL};
+    const ty_render_def own = {.state_seconds = TY_AUTO};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -97,6 +97,8 @@ static ty_result check(const ty_scene* scene, const ty_render_def* def, const ty
     if (def->crop[2] > 0 && !method->crops)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT,
                        "the method %s renders whole frames, since light spreads over them", method->name);
+    if ((def->state != NULL || def->resume != NULL) && method != &ty_method_path)
+        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "the method %s has no states; path has", method->name);
     return method->check != NULL ? method->check(scene) : TY_OK;
 }
 
@@ -121,7 +123,12 @@ ty_result ty_render(const ty_scene* scene, const ty_render_def* given, ty_image*
                                  .progress = def.progress,
                                  .progress_user = def.progress_user,
                                  .partial = def.partial,
-                                 .partial_user = def.partial_user};
+                                 .partial_user = def.partial_user,
+                                 .state = def.state,
+                                 .state_user = def.state_user,
+                                 .state_seconds = def.state_seconds,
+                                 .resume = def.resume,
+                                 .resume_size = def.resume_size};
     memcpy(request.crop, def.crop, sizeof request.crop);
     ty_method_run run = {.own_seconds = 0};
     result = method->render(scene, &request, out, &run);
