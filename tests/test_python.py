@@ -462,14 +462,29 @@ class Rendering(unittest.TestCase):
         self.assertFalse(scene.render(seconds=30, on_interrupt="return").complete)
         self.assertTrue(scene.render(spp=1).complete)
 
+    def test_images_so_far(self):
+        seen = []
+
+        def look(image):
+            seen.append(image)
+            return len(seen) < 2
+
+        image = tyndall.Scene(FOG).render(seconds=30, partial=look)
+        self.assertEqual([i.size for i in seen], [(24, 16)] * 2)
+        self.assertFalse(image.complete or seen[0].complete)
+        with self.assertRaisesRegex(ZeroDivisionError, "mine"):
+            def fail(image):
+                raise ZeroDivisionError("mine")
+            tyndall.Scene(FOG).render(seconds=30, partial=fail)
+
     @needs_numpy
     def test_renders_go_on_from_states(self):
-        one = tyndall.Context(threads=1)  # on which the work takes longer than the time between two reports
+        one = tyndall.Context(threads=1)  # on which the work takes longer than a twentieth of a second
         whole = tyndall.Scene(FOG).render(spp=2000)
-        partial = tyndall.Scene(FOG, context=one).render(spp=2000, state="fog.state", progress=lambda p: False)
-        self.assertFalse(partial.complete)
+        partial = tyndall.Scene(FOG, context=one).render(spp=2000, seconds=0.05, state="fog.state")
+        self.assertLess(partial.stats["spp"], 2000)
         image = tyndall.Scene(FOG).render(spp=2000, state="fog.state")
-        self.assertTrue(image.complete)
+        self.assertEqual(image.stats["spp"], 2000)
         self.assertIn("samples.N", image.channels)
         np.testing.assert_array_equal(image.rgb, whole.rgb)
         with self.assertRaisesRegex(tyndall.InputError, "fog.state: .*; remove it to start again"):
@@ -480,7 +495,7 @@ class Rendering(unittest.TestCase):
             pathlib.Path("going.json").write_text(json.dumps({"tyndall": 1, **FOG}))
             pathlib.Path("going.exr.state").unlink(missing_ok=True)
             scene = tyndall.Scene("going.json", context=one)
-            scene.render(spp=2000, state="going.exr.state", progress=lambda p: False)
+            scene.render(spp=2000, seconds=0.05, state="going.exr.state")
             subprocess.run([TOOL, "render", "going.json", "-o", "going.exr", "--spp", "2000", "--resume", "-q"], check=True)
             np.testing.assert_array_equal(tyndall.read("going.exr").rgb, whole.rgb)
 

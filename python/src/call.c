@@ -117,10 +117,8 @@ static void keep_exception(call* running) {
     cancel(running);
 }
 
-static void deliver(call* running, const ty_progress* now, const char* stage) {
-    PyObject* answer =
-        PyObject_CallFunction(running->progress, "sdddKK", stage, now->fraction, now->seconds, now->remaining,
-                              (unsigned long long)now->done, (unsigned long long)now->total);
+/* Takes the answer of a progress function, which may be an exception. */
+static void heed(call* running, PyObject* answer) {
     if (answer == NULL) {
         keep_exception(running);
     } else if (answer == Py_False) {
@@ -128,6 +126,11 @@ static void deliver(call* running, const ty_progress* now, const char* stage) {
         cancel(running);
     }
     Py_XDECREF(answer);
+}
+
+static PyObject* report(const call* running, const ty_progress* now, const char* stage) {
+    return PyObject_CallFunction(running->progress, "sdddKK", stage, now->fraction, now->seconds, now->remaining,
+                                 (unsigned long long)now->done, (unsigned long long)now->total);
 }
 
 /* Waits for the end, or a twentieth of a second; true at the end. Without the interpreter's lock. */
@@ -168,7 +171,9 @@ void call_run(call* running) {
         Py_BEGIN_ALLOW_THREADS finished = wait_for_end(running, &fresh, &now, stage);
         Py_END_ALLOW_THREADS if (!finished && PyErr_CheckSignals() != 0) keep_exception(running);
         if (fresh && running->progress != NULL && running->type == NULL && !running->stopped)
-            deliver(running, &now, stage);
+            heed(running, report(running, &now, stage));
+        if (!finished && running->poll != NULL && running->type == NULL && !running->stopped)
+            heed(running, running->poll(running->user));
     }
     if (apart) pthread_join(thread, NULL);
     pthread_mutex_destroy(&running->lock);

@@ -97,7 +97,8 @@ typedef struct call {
     context_object* context;
     ty_result (*work)(void* user); /* must not touch Python */
     void* user;
-    PyObject* progress; /* called with (stage, fraction, seconds, remaining, done, total); NULL: none */
+    PyObject* progress;            /* called with (stage, fraction, seconds, remaining, done, total); NULL: none */
+    PyObject* (*poll)(void* user); /* called as often, with the interpreter's lock: None, or an answer as of progress */
     ty_result result;
     char message[2048];
     PyObject *type, *value, *traceback; /* exception of a signal or of progress; NULL: none */
@@ -177,6 +178,8 @@ const ty_scene* scene_begin(scene_object* scene);
 void scene_end(scene_object* scene);
 
 /* Implementations of the scene's methods in other files. */
+PyObject* scene_render(PyObject* self, PyObject* arguments);
+PyObject* scene_choose(PyObject* self, PyObject* arguments);
 PyObject* scene_solve(PyObject* self, PyObject* arguments);
 PyObject* scene_fluence(PyObject* self, PyObject* arguments);
 PyObject* scene_radiance(PyObject* self, PyObject* arguments);

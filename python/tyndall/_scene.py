@@ -282,7 +282,7 @@ class Scene:
                seed: Optional[int] = None, seconds: float = 0.0, error: float = 0.0,
                crop: Optional[Sequence[int]] = None, channels: Union[str, Iterable[str]] = (),
                camera: Optional[Mapping[str, Any]] = None, state: Union[None, str, os.PathLike[str]] = None,
-               progress: ProgressChoice = None, on_interrupt: str = "raise", **options: Any) -> Image:
+               partial: Optional[Callable[[Image], Any]] = None, progress: ProgressChoice = None, on_interrupt: str = "raise", **options: Any) -> Image:
         """Renders the scene through its camera: radiance, W m^-2 sr^-1, and the channels that are asked for.
 
         method: "path", "dom", "fld", "cda", "pop", "lpv", "octaves", "screen", or "auto", which chooses; default that of
@@ -296,6 +296,7 @@ class Scene:
         one was interrupted, and ends with the same image. `tyndall render --resume` has the same file beside its image,
         IMAGE.state. It adds the channel samples.N.
 
+        partial: a function that receives images so far of path, about once a second, whose answer False stops the work.
         progress: a function of tyndall.Progress, whose answer False stops the work; True or False: a bar or none;
         default: a bar in terminals and notebooks. Ctrl-C, or "interrupt" in a notebook, cancels: the KeyboardInterrupt
         has the partial image of path as its attribute `image` (None of methods without one); with
@@ -319,11 +320,13 @@ class Scene:
                                      error=error, crop=crop, state=state is not None)
                 name = choice["method"]
 
+            show = None if partial is None else lambda core: partial(Image(core, {}, False, self._core.camera["exposure"]))
+
             def run(by: str) -> Image:
                 with Reporter(progress) as report:
                     made = self._core.render(by, samples, given, float(seconds), float(error), size or (0, 0),
                                              tuple(crop or (0, 0, 0, 0)), flags,
-                                             os.fspath(state) if state is not None else None, report)
+                                             os.fspath(state) if state is not None else None, show, report)
                 return self._image(by, given, choice, made)
 
             try:
