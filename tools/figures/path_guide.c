@@ -136,6 +136,27 @@ static ty_result find_samples(figure_run* run, const ty_scene* scene, const int3
     return result;
 }
 
+static bool stop_at_once(void* user, const ty_progress* progress) {
+    (void)user;
+    (void)progress;
+    return false;
+}
+
+/* Records whether the pilot of a long render chooses the guide. */
+static ty_result note_choice(figure_run* run, const ty_scene* scene, const int32_t size[2], const char* item) {
+    ty_path_def def = ty_default_path_def();
+    ty_path_stats stats = ty_default_path_stats();
+    ty_image* image = NULL;
+    def.spp = 1 << 16;
+    def.width = size[0];
+    def.height = size[1];
+    def.progress = stop_at_once;
+    const ty_result result = ty_path_render(scene, &def, &image, &stats);
+    ty_image_destroy(image);
+    figure_note(run, item, "guide of long renders by default: 0 none, 1 dom", "1", stats.guide == TY_PATH_GUIDE_DOM);
+    return result == TY_CANCELLED ? TY_OK : result;
+}
+
 /* Images of Cycles by scripts/cycles/noise.py: cycles/NAME.1.exr, .2.exr, and NAME.txt with the processor seconds of
  * one and its samples per pixel. Without them, or of another size, there are none. */
 static ty_result read_cycles(figure_run* run, const char* name, const int32_t size[2], guide_pair* out) {
@@ -204,6 +225,7 @@ static ty_result show_scene(figure_run* run, const figure_scene* from, int row, 
     if (result == TY_OK) result = find_samples(run, scene, size, samples, pairs[NONE].seconds, &guided);
     if (result == TY_OK) result = render_pair(run, scene, size, DOM, guided, &pairs[DOM]);
     if (result == TY_OK) result = read_cycles(run, from->item, size, &pairs[CYCLES]);
+    if (result == TY_OK) result = note_choice(run, scene, size, from->item);
     if (result == TY_OK) expect_mean(run, from->item, pairs);
     for (int r = 0; r < RENDERERS && result == TY_OK; ++r)
         result = show_pair(run, scene, from->item, pairs, r, plot_sheet_cell(sheet, row, r));
