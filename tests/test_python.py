@@ -295,6 +295,8 @@ class Scenes(unittest.TestCase):
         pathlib.Path("folder/cloud.json").write_text(json.dumps(
             {"tyndall": 1, "media": [{**FOG["media"][0], "density": {"file": "cloud.nrrd"}}]}))
         loaded = tyndall.Scene("folder/cloud.json")
+        loaded.save("folder/again.json")
+        self.assertEqual(tyndall.Scene("folder/again.json").hash, loaded.hash)
         self.assertEqual(loaded.copy().hash, loaded.hash)
 
     @needs_numpy

@@ -110,7 +110,8 @@ def screen(image: Any, depth: Any, medium: Union[str, Mapping[str, Any]] = "fog:
            focal: Union[None, float, Sequence[float]] = None, center: Sequence[float] = (-1.0, -1.0),
            distance: str = "ray", environment: Union[float, Sequence[float]] = 0.0, balance: bool = True,
            variant: str = "scatter", spread: str = "small_angle", filter: int = 4, levels: Union[int, str] = "auto",
-           missing_depth: float = 1e6, fill: bool = False, context: Optional[_core.Context] = None, progress: ProgressChoice = None) -> Image:
+           missing_depth: float = 1e6, fill: bool = False, context: Optional[_core.Context] = None,
+           progress: ProgressChoice = None) -> Image:
     """Fog, smoke or water over one image and its distances (docs/method/screen.md).
 
     image: an Image, or (height, width, 3 or 4) float32, linear radiance; read where it lies. depth: (height, width)

@@ -224,13 +224,25 @@ class Scene:
         return path
 
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
-        """Writes the document as a scene file. Arrays in memory are not in it: save them, and name their files."""
+        """Writes the document as a scene file, completely or not at all.
+
+        Arrays in memory are not in it: save them, and name their files.
+        """
         named = _MEMORY.findall(self._core.text)
         if named:
-            raise ArgumentError("the scene has arrays in memory, which a scene file cannot hold; save them and name the files")
-        with open(path, "w", encoding="utf-8") as file:
-            json.dump(self.document, file, indent=2)
-            file.write("\n")
+            raise ArgumentError("the scene has arrays in memory, which a scene file cannot hold; save them and name "
+                                "the files")
+        name = os.fspath(path)
+        temporary = f"{name}.{os.getpid()}.tmp"
+        try:
+            with open(temporary, "w", encoding="utf-8") as file:
+                json.dump(self.document, file, indent=2)
+                file.write("\n")
+            os.replace(temporary, name)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(temporary)
+            raise
 
     # ---- facts ----
 
@@ -282,7 +294,8 @@ class Scene:
                seed: Optional[int] = None, seconds: float = 0.0, error: float = 0.0,
                crop: Optional[Sequence[int]] = None, channels: Union[str, Iterable[str]] = (),
                camera: Optional[Mapping[str, Any]] = None, state: Union[None, str, os.PathLike[str]] = None,
-               partial: Optional[Callable[[Image], Any]] = None, progress: ProgressChoice = None, on_interrupt: str = "raise", **options: Any) -> Image:
+               partial: Optional[Callable[[Image], Any]] = None, progress: ProgressChoice = None,
+               on_interrupt: str = "raise", **options: Any) -> Image:
         """Renders the scene through its camera: radiance, W m^-2 sr^-1, and the channels that are asked for.
 
         method: "path", "dom", "fld", "cda", "pop", "lpv", "octaves", "screen", or "auto", which chooses; default that of
