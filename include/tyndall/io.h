@@ -89,6 +89,7 @@ typedef struct ty_volume_def {
     bool raw_big_endian;   ///< Raw files: byte order; default false.
     int64_t raw_offset;    ///< Raw files: bytes to skip; -1: the bytes that the file has beyond its voxels; default 0.
     double raw_spacing[3]; ///< Raw files: units between voxels, the centre of the first one at 0; default 0: unplaced.
+    const char* series;    ///< DICOM folders: number, description or UID of the series; default "": the only one.
 } ty_volume_def;
 
 /// Sets the `bytes` bytes of a ty_volume_def to the defaults, as ty_init_context_def() does.

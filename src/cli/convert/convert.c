@@ -2,6 +2,7 @@
 #include "cli/convert/convert.h"
 #include "cli/commands.h"
 #include "cli/options/raw_options.h"
+#include "io/volumes/nifti.h"
 
 #include <string.h>
 
@@ -11,9 +12,10 @@ static bool has_one_of(const char* path, const char* const* extensions) {
     return false;
 }
 
+/* By the extension; .hdr is also that of NIfTI headers. */
 static bool is_image(const char* path) {
     static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".webp", NULL};
-    return has_one_of(path, extensions);
+    return has_one_of(path, extensions) && !ty_is_nifti_file(path);
 }
 
 static int choose_codec(const char** codec, const char* const* known, const char* output) {
@@ -81,6 +83,8 @@ int cli_convert(int count, char** arguments) {
         {"raw-spacing", 0, CLI_TEXT, "X,Y,Z", "units between voxels of a raw file (default: no position)", &raw_spacing,
          0, 0, NULL},
         {"big-endian", 0, CLI_FLAG, NULL, "of a raw file", &def.raw_big_endian, 0, 0, NULL},
+        {"series", 0, CLI_TEXT, "NAME", "of a folder of DICOM files: its number, description or UID", &def.series, 0, 0,
+         NULL},
         {"layer", 0, CLI_TEXT, "NAME", "layer of an EXR (default: all channels)", &image.layer, 0, 0, NULL},
         {"channel", 0, CLI_TEXT, "NAME", "of an image, for --bits 16 (default: the first)", &image.channel, 0, 0, NULL},
         {"exposure", 0, CLI_REAL, "STOPS", "exposure of a PNG (default 0)", &image.exposure, -64, 64, NULL},
@@ -92,7 +96,8 @@ int cli_convert(int count, char** arguments) {
     const cli_syntax syntax = {"convert",
                                "IN OUT [options]",
                                "Converts a volume or an image into a file of another kind.",
-                               "Volumes: .vdb, .nvdb, .nrrd, .nhdr and raw files to .vdb, .nvdb, .nrrd.\n"
+                               "Volumes: .vdb, .nvdb, .nrrd, .nhdr, DICOM (a folder or a file of a series), NIfTI\n"
+                               "(.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd.\n"
                                "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png.",
                                table,
                                sizeof table / sizeof table[0],
