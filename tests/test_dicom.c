@@ -100,6 +100,7 @@ static void slices_are_sorted_along_the_normal(void** state) {
         ty_grid* grid = read_series("ct", "");
         assert_values(grid, firsts, 3, 0.5, -1024);
         assert_place(grid, (const double[]){0.5, 0, 0, 10, 0, 0.75, 0, 20, 0, 0, 2, -9});
+        assert_true(ty_grid_get_info(grid).background == -1074); /* the lowest value, not 0, which is water */
         ty_grid_release(grid);
         grid = read_series("ct/c", ""); /* a file stands for its series */
         assert_values(grid, firsts, 3, 0.5, -1024);

@@ -132,8 +132,8 @@ static const bad_case bad_cases[] = {
     {DENSITY("\"file\": \"a.vdb\", \"gird\": \"a\""), NULL,
      "s.json:4: media[0].density.gird: unknown key; did you mean \"grid\"?"},
     {DENSITY("\"file\": \"a.dat\""), NULL,
-     "s.json:4: media[0].density.file: cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, and any "
-     "file with the key \"raw\" beside it"},
+     "s.json:4: media[0].density.file: cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, .dcm and "
+     "folders of DICOM, .nii, .nii.gz, .hdr, .tif, .vol, and any file with the key \"raw\" beside it"},
     {DENSITY("\"file\": \"a.nrrd\", \"grid\": \"a\""), NULL,
      "s.json:4: media[0].density.grid: is for .vdb and .nvdb files; others hold one grid"},
     {DENSITY("\"file\": \"gone.nvdb\""), NULL,

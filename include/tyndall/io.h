@@ -102,8 +102,15 @@ static inline ty_volume_def ty_default_volume_def(void) {
 }
 /// Reads a scalar grid, told by content where that is possible, from an OpenVDB file (.vdb: float, half, double, vec3s
 /// by component), a NanoVDB file (.nvdb, plain or zip: float, half, double, fp4 to fp16, fpn, vec3f by component), an
-/// NRRD file (.nrrd, .nhdr; raw, gzip, text; attached data, or one file in the header's folder or below it) or a raw
-/// file (any other extension, with raw_size). OpenVDB and NanoVDB grids are as by ty_vdb_read().
+/// NRRD file (.nrrd, .nhdr; raw, gzip, text; attached data, or one file in the header's folder or below it), a DICOM
+/// series (its folder, or one of its files), a NIfTI file (.nii, .nii.gz, .hdr with .img), a TIFF stack, a .vol file of
+/// Mitsuba or a raw file (any other extension, with raw_size). OpenVDB and NanoVDB grids are as by ty_vdb_read().
+///
+/// DICOM: slices are in the order of their positions along the normal, evenly spaced, placed in mm (left, posterior,
+/// superior); values are scaled by slope and intercept. NIfTI: placed by sform, qform or spacings in the file's unit
+/// (right, anterior, superior), scaled. TIFF: pages are slices; ImageJ and OME place them. Mitsuba: voxels fill the
+/// file's box. Outside of a placed volume of these kinds, an NRRD or a raw file, the value is the lowest one, or 0 if
+/// none is below.
 ///
 /// An NRRD file has three axes, or four of which the first or last holds components (by kinds, else the first or last
 /// of at most 4). Its space directions, or spacings, and its origin place the grid in units of the file, axes in the

@@ -7,7 +7,7 @@
 
 enum { TY_NIFTI1_BYTES = 348, TY_NIFTI2_BYTES = 540 };
 
-/* What placed the voxels, in order of precedence. */
+/* Source of the placement, in order of precedence. */
 typedef enum ty_nifti_placement { TY_NIFTI_SFORM, TY_NIFTI_QFORM, TY_NIFTI_SPACING } ty_nifti_placement;
 
 typedef struct ty_nifti {

@@ -148,6 +148,7 @@ static ty_result read_text(source* s, const ty_nrrd* nrrd, const ty_samples* lay
     void* values = ty_alloc_array(s->context, nrrd->voxels, ty_grid_value_size(def->type), false);
     if (values == NULL) return TY_ERROR_MEMORY;
     const ty_result result = parse_text(s, nrrd, layout, def->type, values);
+    def->background = result == TY_OK ? ty_value_outside(def->type, values, nrrd->voxels) : 0;
     if (result == TY_OK) return ty_grid_adopt(s->context, def, values, out);
     ty_free_array(s->context, values, nrrd->voxels, ty_grid_value_size(def->type));
     return result;

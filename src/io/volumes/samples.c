@@ -5,6 +5,7 @@
 #include "base/half.h"
 #include "grid/grid.h"
 
+#include <math.h>
 #include <string.h>
 
 static const struct {
@@ -88,6 +89,16 @@ void ty_store_value(ty_grid_type type, void* values, size_t at, double value) {
         ((float*)values)[at] = (float)value;
 }
 
+float ty_value_outside(ty_grid_type type, const void* values, size_t count) {
+    float lowest = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const float value =
+            type == TY_GRID_F16 ? ty_half_to_float(((const uint16_t*)values)[i]) : ((const float*)values)[i];
+        if (value < lowest && isfinite(value)) lowest = value;
+    }
+    return lowest;
+}
+
 /* Converts a row of voxels `step` bytes apart by an expression of their bits. */
 #define TY_CONVERT_ROW(size, output, expression)                                                                       \
     for (size_t i = 0; i < count; ++i) {                                                                               \
@@ -151,5 +162,6 @@ ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, c
     if (values == NULL) return TY_ERROR_MEMORY;
     convert_job job = {samples, def->size, values};
     ty_parallel_for(context, def->size[2], convert_slice, &job);
+    if (def->placed) typed.background = ty_value_outside(typed.type, values, voxels);
     return ty_grid_adopt(context, &typed, values, out);
 }

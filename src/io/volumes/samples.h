@@ -32,6 +32,9 @@ double ty_sample_value(ty_sample_type type, bool big_endian, const uint8_t* from
 /* Stores a value among those of a grid. */
 void ty_store_value(ty_grid_type type, void* values, size_t at, double value);
 
+/* Value outside of a placed grid: its lowest, which is air in Hounsfield units, but 0 if none is below. */
+float ty_value_outside(ty_grid_type type, const void* values, size_t count);
+
 typedef struct ty_samples {
     const uint8_t* bytes;
     ty_sample_type type;

@@ -421,6 +421,7 @@ ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component,
         result = t.values == NULL ? TY_ERROR_MEMORY
                  : s.contiguous   ? read_contiguous(&t, component)
                                   : read_pages(&t, component);
+        if (result == TY_OK && def.placed) def.background = ty_value_outside(def.type, t.values, voxels);
         if (result == TY_OK)
             result = ty_grid_adopt(context, &def, t.values, out);
         else if (t.values != NULL)

@@ -7,7 +7,7 @@
 
 typedef enum ty_stack_writer { TY_STACK_PLAIN, TY_STACK_IMAGEJ, TY_STACK_OME } ty_stack_writer;
 
-/* How planes follow one another, and how far voxels lie apart. */
+/* Order of planes, and spacings of voxels. */
 typedef struct ty_stack_layout {
     ty_stack_writer writer;
     int32_t slices, channels, times; /* planes are slices x channels x times */

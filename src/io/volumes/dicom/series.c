@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "grid/grid.h"
 #include "io/file.h"
+#include "io/volumes/samples.h"
 #include "io/volumes/volume_file.h"
 
 #include <math.h>
@@ -178,13 +179,13 @@ static ty_result choose_series(series* s, const char* name) {
 static ty_result take_named_file(series* s) {
     ty_dicom d;
     ty_result result = ty_dicom_open(s->context, s->path, false, &d);
-    const bool alone = d.frames > 1 || d.series[0] == '\0';
+    const bool single = d.frames > 1 || d.series[0] == '\0';
     if (result == TY_OK && d.pixels == 0) /* with its message */
         result = ty_dicom_check_pixels(s->context, s->path, &d, 0);
     memcpy(s->chosen, d.series, sizeof s->chosen);
-    if (result == TY_OK && alone) result = add_file(s, s->path, &d);
+    if (result == TY_OK && single) result = add_file(s, s->path, &d);
     ty_dicom_close(s->context, &d);
-    if (result != TY_OK || alone) return result;
+    if (result != TY_OK || single) return result;
     result = ty_dicom_list_files(s->context, s->path, &s->list);
     return result == TY_OK ? find_files(s) : result;
 }
@@ -385,7 +386,7 @@ static ty_result decode_file(const series* s, size_t index, float* values) {
 }
 
 static ty_result read_grid(const series* s, const double step[3], ty_grid** out) {
-    const ty_grid_def def = place_grid(s, step);
+    ty_grid_def def = place_grid(s, step);
     size_t voxels = 0;
     ty_result result = ty_check_volume_size(
         s->context, s->path, (const int64_t[]){def.size[0], def.size[1], (int64_t)s->slice_count}, &voxels);
@@ -394,7 +395,10 @@ static ty_result read_grid(const series* s, const double step[3], ty_grid** out)
     if (values == NULL) return TY_ERROR_MEMORY;
     for (size_t i = 0; i < s->file_count && result == TY_OK; ++i)
         if (strcmp(s->files[i].series, s->chosen) == 0) result = decode_file(s, i, values);
-    if (result == TY_OK) return ty_grid_adopt(s->context, &def, values, out);
+    if (result == TY_OK) {
+        def.background = ty_value_outside(def.type, values, voxels);
+        return ty_grid_adopt(s->context, &def, values, out);
+    }
     ty_free_array(s->context, values, voxels, sizeof *values);
     return result;
 }
