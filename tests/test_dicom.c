@@ -303,6 +303,27 @@ static void enhanced_files_hold_a_series(void** state) {
     }
 }
 
+/* A sequence of unknown representation has implicit ones inside (PS3.5 section 6.2.2). */
+static void sequences_of_unknown_kind_are_passed(void** state) {
+    (void)state;
+    static const int64_t firsts[] = {5};
+    dicom_form form = dicom_default_form();
+    form.series = NULL;
+    dicom_slice(&writer, &form, "0\\0\\0");
+    dicom_head(&writer, 0x00291010, "UN", UNDEFINED_LENGTH);
+    dicom_open_item(&writer);
+    writer.implicit_vr = true;
+    dicom_text(&writer, 0x00080060, "CS", "AB");
+    writer.implicit_vr = false;
+    dicom_close_item(&writer);
+    dicom_close_sequence(&writer);
+    dicom_pixels(&writer, &form, (const int64_t[6]){5, 6, 7, 8, 9, 10});
+    put_slice("unknown.dcm");
+    ty_grid* grid = read_series("unknown.dcm", "");
+    assert_values(grid, firsts, 1, 1, 0);
+    ty_grid_release(grid);
+}
+
 /* A dose: frames at offsets along the normal, in units of a scale. */
 static void doses_are_scaled(void** state) {
     (void)state;
@@ -602,6 +623,7 @@ int main(void) {
         cmocka_unit_test(floats_are_read),
         cmocka_unit_test(deflated_files_are_inflated),
         cmocka_unit_test(enhanced_files_hold_a_series),
+        cmocka_unit_test(sequences_of_unknown_kind_are_passed),
         cmocka_unit_test(doses_are_scaled),
         cmocka_unit_test(series_are_chosen),
         cmocka_unit_test(gaps_and_duplicates_are_told),
