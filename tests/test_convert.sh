@@ -80,6 +80,11 @@ test_scans() {
   said out.txt '^format +Mitsuba .vol, version 3, float$'
   said out.txt '^range +0 to 2, mean 1$'
   expect 0 convert a.vol a.nrrd
+  expect 0 convert a.nrrd b.vol
+  identical a.vol b.vol
+  printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nspace dimension: 3\n' > turned.nrrd
+  printf 'space directions: (0,1,0) (1,0,0) (0,0,1)\n\nx' >> turned.nrrd
+  usage_error 'is turned or reversed' convert turned.nrrd c.vol
   printf 'II*\0\10\0\0\0\0\0' > a.tif
   usage_error 'a.tif: ' info a.tif
 }
@@ -91,7 +96,7 @@ test_messages() {
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2,1.5
   usage_error 'raw_type is "bits"' convert eight.raw a.vdb --raw-size 2,2,2 --raw-type bits
-  usage_error 'goes to .vdb, .nvdb or .nrrd' convert eight.raw a.txt --raw-size 2,2,2
+  usage_error 'goes to .vdb, .nvdb, .nrrd or .vol' convert eight.raw a.txt --raw-size 2,2,2
   usage_error "codec 'lzma'" convert eight.raw a.vdb --raw-size 2,2,2 --codec lzma
   usage_error "codec 'blosc'" convert eight.raw a.nvdb --raw-size 2,2,2 --codec blosc
   usage_error 'No such file' convert gone.vdb a.nrrd

@@ -64,6 +64,30 @@ static void floats_have_components(void** state) {
     }
 }
 
+/* What is read is written to the bit; a grid that a box cannot place is refused. */
+static void grids_are_written(void** state) {
+    (void)state;
+    make_header(1, 1);
+    for (size_t i = 0; i < VOXELS; ++i) set_float(HEADER + 4 * i, (float)i / 3);
+    put_file("a.vol", bytes, HEADER + (size_t)4 * VOXELS);
+    ty_grid* grid = read_component(0);
+    assert_int_equal(ty_mitsuba_write(context, grid, "b.vol"), TY_OK);
+    assert_file_holds("b.vol", bytes, HEADER + (size_t)4 * VOXELS);
+    ty_grid_release(grid);
+    ty_grid_def def = ty_default_grid_def();
+    for (int a = 0; a < 3; ++a) def.size[a] = 2;
+    assert_int_equal(ty_grid_create(context, &def, &grid), TY_OK); /* unplaced: the unit cube */
+    assert_int_equal(ty_mitsuba_write(context, grid, "b.vol"), TY_OK);
+    ty_grid_release(grid);
+    def.placed = true;
+    def.index_to_local.m[5] = -1;
+    assert_int_equal(ty_grid_create(context, &def, &grid), TY_OK);
+    assert_failed(context, ty_mitsuba_write(context, grid, "b.vol"), TY_ERROR_INPUT, "b.vol", "reversed");
+    ty_grid_release(grid);
+    assert_failed(context, ty_mitsuba_write(context, NULL, "b.vol"), TY_ERROR_ARGUMENT, "ty_mitsuba_write", "NULL");
+    assert_int_equal(remove_temporary_files(), 0);
+}
+
 static void bytes_are_fractions(void** state) {
     (void)state;
     make_header(3, 1);
@@ -111,6 +135,7 @@ static void broken_files_are_refused(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(floats_have_components),
+        cmocka_unit_test(grids_are_written),
         cmocka_unit_test(bytes_are_fractions),
         cmocka_unit_test(broken_files_are_refused),
     };

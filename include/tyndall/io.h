@@ -137,6 +137,11 @@ typedef enum ty_nrrd_codec {
 /// Writes an NRRD file with space directions and origin, as float: NRRD has no half.
 /// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_nrrd_write(ty_context* context, const ty_grid* grid, ty_nrrd_codec codec, const char* path);
+/// Writes a .vol file of Mitsuba, version 3, as float, one value per voxel. Its voxels fill a box along the axes; an
+/// unplaced grid fills the unit cube.
+/// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_INPUT (a grid that is turned, sheared or reversed),
+/// TY_ERROR_MEMORY.
+TY_API ty_result ty_mitsuba_write(ty_context* context, const ty_grid* grid, const char* path);
 /// Writes a NanoVDB file, as float; values equal to the background are inactive. codec: "none" or "zip".
 /// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT.
 TY_API ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, const char* grid_name, const char* codec,

@@ -22,8 +22,8 @@ static void fail_job(j_common_ptr jpeg) {
 /* Some warnings tell of damaged data, for which the library makes up pixels. */
 static void take_warning(j_common_ptr jpeg, int level) {
     const int code = jpeg->err->msg_code;
-    if (level < 0 && (code == JWRN_HIT_MARKER || code == JWRN_HUFF_BAD_CODE || code == JWRN_JPEG_EOF ||
-                      code == JWRN_MUST_RESYNC))
+    if (level < 0 &&
+        (code == JWRN_HIT_MARKER || code == JWRN_HUFF_BAD_CODE || code == JWRN_JPEG_EOF || code == JWRN_MUST_RESYNC))
         fail_job(jpeg);
 }
 
