@@ -72,7 +72,7 @@ test_scans() {
   head -c 300 head/one > cut.dcm
   usage_error 'cut.dcm: cut short' info cut.dcm
   mkdir none
-  usage_error 'none: there are no DICOM files with pixel data' info none
+  usage_error 'none: a folder without DICOM files' info none
   printf 'VOL\3\1\0\0\0\2\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0' > a.vol
   printf '\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\77\0\0\200\77\0\0\200\77' >> a.vol
   printf '\0\0\0\0\0\0\0\100' >> a.vol # 0 and 2

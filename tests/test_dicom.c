@@ -410,7 +410,7 @@ static void gaps_and_duplicates_are_told(void** state) {
     put_at("gaps/a", &form, "0\\0\\0");
     assert_refused("gaps", "", "two perpendicular unit vectors");
     fresh_folder("gaps");
-    assert_refused("gaps", "", "no DICOM files with pixel data");
+    assert_refused("gaps", "", "a folder without DICOM files");
 }
 
 /* ---- compressed frames ---- */

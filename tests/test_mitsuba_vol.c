@@ -64,7 +64,7 @@ static void floats_have_components(void** state) {
     }
 }
 
-/* What is read is written to the bit; a grid that a box cannot place is refused. */
+/* Files that are read and written again are the same; a grid that a box cannot place is refused. */
 static void grids_are_written(void** state) {
     (void)state;
     make_header(1, 1);

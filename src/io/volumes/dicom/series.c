@@ -171,7 +171,7 @@ static ty_result choose_series(series* s, const char* name) {
         memcpy(s->chosen, s->files[i].series, sizeof s->chosen);
     }
     if (s->file_count == 0)
-        return ty_fail(s->context, TY_ERROR_INPUT, "%s: there are no DICOM files with pixel data", s->path);
+        return ty_fail(s->context, TY_ERROR_INPUT, "%s: a folder without DICOM files that have pixel data", s->path);
     return found == 1 ? TY_OK : fail_to_choose(s, name, found);
 }
 
