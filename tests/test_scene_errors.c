@@ -158,7 +158,7 @@ static const bad_case bad_cases[] = {
     {DENSITY("\"file\": \"a.raw\", \"raw\": {\"size\": [2,2,2], \"offset\": -2}"), NULL,
      "s.json:4: media[0].density.raw.offset: -2 is outside [-1, 9007199254740991]"},
     {DENSITY("\"file\": \"a.nrrd\", \"raw\": {\"size\": [2,2,2]}"), NULL,
-     "s.json:4: media[0].density.raw: is for raw files; .vdb, .nvdb, .nrrd and .nhdr tell what they hold"},
+     "s.json:4: media[0].density.raw: is for raw files; this one tells what it holds"},
     {DENSITY("\"file\": \"a.vdb\", \"component\": 0.5"), NULL,
      "s.json:4: media[0].density.component: expected an integer, found 0.5"},
     /* fields */
