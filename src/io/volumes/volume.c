@@ -4,6 +4,8 @@
 #include "base/context.h"
 #include "grid/grid.h"
 #include "io/file.h"
+#include "io/volumes/netcdf.h"
+#include "io/volumes/vtk.h"
 
 #include <string.h>
 #include <strings.h>
@@ -13,7 +15,7 @@ enum { PATH_SIZE = 4096 };
 static const double voxels_max = 4e9;
 
 void ty_init_volume_def(void* def, size_t bytes) {
-    const ty_volume_def own = {.grid = "density", .raw_type = "uint8"};
+    const ty_volume_def own = {.grid = "density", .raw_type = "uint8", .meters_per_unit = 1};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -62,7 +64,7 @@ ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, c
     return TY_OK;
 }
 
-typedef enum volume_kind { VOLUME_VDB, VOLUME_NANOVDB, VOLUME_NRRD, VOLUME_RAW } volume_kind;
+typedef enum volume_kind { VOLUME_VDB, VOLUME_NANOVDB, VOLUME_NRRD, VOLUME_VTK, VOLUME_NETCDF, VOLUME_RAW } volume_kind;
 
 static bool has_extension(const char* path, const char* extension) {
     const size_t length = strlen(path), size = strlen(extension);
@@ -74,9 +76,10 @@ static ty_result find_kind(ty_context* context, const char* path, volume_kind* k
     static const struct {
         const char *magic, *extensions[2];
         volume_kind kind;
-    } known[] = {{" BDV", {".vdb", ".vdb"}, VOLUME_VDB},
-                 {"NanoVDB", {".nvdb", ".nvdb"}, VOLUME_NANOVDB},
-                 {"NRRD", {".nrrd", ".nhdr"}, VOLUME_NRRD}};
+    } known[] = {{" BDV", {".vdb", ".vdb"}, VOLUME_VDB},     {"NanoVDB", {".nvdb", ".nvdb"}, VOLUME_NANOVDB},
+                 {"NRRD", {".nrrd", ".nhdr"}, VOLUME_NRRD},  {"<?xml", {".vti", ".vtk"}, VOLUME_VTK},
+                 {"<VTKFile", {".vti", ".vtk"}, VOLUME_VTK}, {"# vtk Da", {".vti", ".vtk"}, VOLUME_VTK},
+                 {"CDF", {".nc", ".cdf"}, VOLUME_NETCDF},    {"\x89HDF", {".nc", ".cdf"}, VOLUME_NETCDF}};
     enum { KNOWN = sizeof known / sizeof known[0] };
     FILE* stream = NULL;
     uint64_t size = 0;
@@ -104,6 +107,9 @@ static ty_result check_def(ty_context* context, const ty_volume_def** given, ty_
     if (def->grid == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: grid is NULL");
     if (def->component < 0)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: component is %d, below 0", def->component);
+    if (!(def->meters_per_unit > 0 && def->meters_per_unit <= 1e6))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: meters_per_unit is %g, outside (0, 1e6]",
+                       def->meters_per_unit);
     return TY_OK;
 }
 
@@ -111,7 +117,8 @@ static ty_result check_def(ty_context* context, const ty_volume_def** given, ty_
 static ty_result check_raw(ty_context* context, const char* path, const ty_volume_def* def) {
     if (def->raw_size[0] > 0 && def->raw_size[1] > 0 && def->raw_size[2] > 0) return TY_OK;
     return ty_fail(context, TY_ERROR_INPUT,
-                   "%s: neither OpenVDB nor NanoVDB nor NRRD; a raw volume needs its size (raw_size)", path);
+                   "%s: neither OpenVDB nor NanoVDB nor NRRD, VTK or NetCDF; a raw volume needs its size (raw_size)",
+                   path);
 }
 
 /* File of a call, with the frame number, and its format. `out` is only checked for NULL. */
@@ -122,7 +129,8 @@ static ty_result find_file(ty_context* context, const char* path, const ty_volum
     return result == TY_OK ? find_kind(context, file, kind) : result;
 }
 
-ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
+ty_result ty_volume_read_droplets(ty_context* context, const char* path, const ty_volume_def* def, double* radius,
+                                  ty_grid** out) {
     char file[PATH_SIZE];
     volume_kind kind = VOLUME_RAW;
     ty_volume_def own;
@@ -132,10 +140,29 @@ ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_
     case VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, out);
     case VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, out);
     case VOLUME_NRRD: return ty_nrrd_read(context, file, def->component, out);
+    case VOLUME_VTK: return ty_vtk_read(context, file, def, out);
+    case VOLUME_NETCDF: return ty_netcdf_read(context, file, def, radius, out);
     case VOLUME_RAW: break;
     }
     result = check_raw(context, file, def);
     return result == TY_OK ? ty_raw_read(context, file, def, out) : result;
+}
+
+ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
+    double radius = 0;
+    return ty_volume_read_droplets(context, path, def, &radius, out);
+}
+
+ty_result ty_volume_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity,
+                         int32_t* count) {
+    volume_kind kind = VOLUME_RAW;
+    if (count == NULL || capacity < 0 || (entries == NULL && capacity > 0))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_list: entries or count is NULL, or capacity negative");
+    const ty_result result = find_kind(context, path, &kind);
+    if (result != TY_OK) return result;
+    if (kind == VOLUME_VTK) return ty_vtk_list(context, path, entries, capacity, count);
+    if (kind == VOLUME_NETCDF) return ty_netcdf_list(context, path, entries, capacity, count);
+    return ty_vdb_list(context, path, entries, capacity, count);
 }
 
 ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out) {
@@ -148,6 +175,8 @@ ty_result ty_volume_components(ty_context* context, const char* path, const ty_v
     case VOLUME_VDB: return ty_vdb_components(context, file, def->grid, out);
     case VOLUME_NANOVDB: return ty_nanovdb_components(context, file, def->grid, out);
     case VOLUME_NRRD: return ty_nrrd_components(context, file, out);
+    case VOLUME_VTK: return ty_vtk_components(context, file, def, out);
+    case VOLUME_NETCDF: return ty_netcdf_components(context, file, def, out);
     case VOLUME_RAW: break;
     }
     result = check_raw(context, file, def);
