@@ -198,10 +198,11 @@ static ty_result check_droplets(const ty_scene_reader* reader, const json_t* vol
 }
 
 static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t* volume, const char* grid_name) {
+    static const char* const exact[] = {".vdb", ".nvdb", NULL}; /* whose names are binding anyway */
     ty_volume_def def = ty_default_volume_def();
     const char* name = json_string_value(json_object_get(volume, "grid"));
     def.grid = name != NULL ? name : has_names(volume) ? grid_name : "";
-    def.exact_grid = name != NULL;
+    def.exact_grid = name != NULL && !ty_has_extension(json_string_value(json_object_get(volume, "file")), exact);
     def.meters_per_unit = reader->unit;
     const json_t* droplets = json_object_get(volume, "droplets");
     read_companion(droplets, "effective_radius", &def.droplet_radius, &def.effective_radius);

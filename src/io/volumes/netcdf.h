@@ -1,4 +1,4 @@
-/* NetCDF files in four parts: netcdf_library.c loads the library, netcdf_axes.c finds the axes of a variable and the
+/* NetCDF files: netcdf_library.c loads the library, netcdf_classic.c finds files that are cut short, netcdf_axes.c finds the axes of a variable and the
  * placement of its values, netcdf_values.c reads values and their units, and netcdf.c makes grids of variables and of
  * droplets. */
 #ifndef TY_IO_NETCDF_H
@@ -40,6 +40,9 @@ typedef struct ty_netcdf_variable {
 ty_result ty_netcdf_open(ty_context* context, const char* path, ty_netcdf_file* file);
 void ty_netcdf_close(ty_netcdf_file* file);
 ty_result ty_netcdf_fail(const ty_netcdf_file* file, int status);
+
+/* Refuses a classic file that is shorter than its header says. */
+ty_result ty_netcdf_check_classic(const ty_netcdf_file* file);
 
 /* Name, type and dimensions. */
 ty_result ty_netcdf_describe(const ty_netcdf_file* file, int id, ty_netcdf_variable* variable);

@@ -67,6 +67,8 @@ ty_result ty_netcdf_open(ty_context* context, const char* path, ty_netcdf_file* 
     ty_result result = ty_open_file(context, path, &stream, &file->size);
     if (result != TY_OK) return result;
     fclose(stream);
+    result = ty_netcdf_check_classic(file);
+    if (result != TY_OK) return result;
     pthread_mutex_lock(&library_lock);
     result = load(context);
     if (result == TY_OK) result = open_path(file);
