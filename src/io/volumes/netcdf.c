@@ -344,7 +344,7 @@ static const char* type_name(int type) {
     return type > 0 && type <= NC_UINT64 && names[type] != NULL ? names[type] : "unknown";
 }
 
-/* Spacings are means, in m where the coordinates have units; 0 without coordinates. */
+/* Spacings are means, in m where the coordinates have units; 0 where these place nothing. */
 static ty_result fill_entry(const ty_netcdf_file* file, ty_netcdf_variable* variable, ty_vdb_entry* entry) {
     const ty_result result = ty_netcdf_place(file, variable, 1);
     const int32_t times = times_of(variable);
@@ -354,14 +354,17 @@ static ty_result fill_entry(const ty_netcdf_file* file, ty_netcdf_variable* vari
         snprintf(entry->type, sizeof entry->type, "%s", type_name(variable->type));
     else
         snprintf(entry->type, sizeof entry->type, "%s[%d]", type_name(variable->type), times);
-    for (int a = 0; a < 3 && result == TY_OK; ++a) {
+    for (int a = 0; a < 3; ++a) {
         const ty_netcdf_axis* axis = &variable->axes[a];
-        entry->upper[a] = (int32_t)axis->length - 1;
-        entry->active_voxels *= (int64_t)axis->length;
-        if (axis->placed) entry->voxel_size[a] = (axis->edges[axis->length] - axis->edges[0]) / (double)axis->length;
+        const int64_t length = axis->length < INT32_MAX ? (int64_t)axis->length : INT32_MAX;
+        entry->upper[a] = (int32_t)(length - 1);
+        entry->active_voxels =
+            length > 0 && entry->active_voxels > INT64_MAX / length ? INT64_MAX : entry->active_voxels * length;
+        if (axis->placed && result == TY_OK)
+            entry->voxel_size[a] = (axis->edges[axis->length] - axis->edges[0]) / (double)axis->length;
     }
     ty_netcdf_release(file, variable);
-    return result;
+    return result == TY_ERROR_MEMORY ? result : TY_OK;
 }
 
 ty_result ty_netcdf_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity,
@@ -373,6 +376,7 @@ ty_result ty_netcdf_list(ty_context* context, const char* path, ty_vdb_entry* en
     ty_result result = ty_netcdf_open(context, path, &file);
     if (result != TY_OK) return result;
     result = count_variables(&file, &variables);
+    file.quiet = true;
     for (int i = 0; i < variables && result == TY_OK; ++i) {
         if (!is_volume(&file, i, &variable)) continue;
         if (found < capacity) result = fill_entry(&file, &variable, &entries[found]);

@@ -16,6 +16,7 @@ typedef struct ty_netcdf_file {
     uint64_t size; /* bytes */
     const ty_netcdf_calls* calls;
     int id;
+    bool quiet; /* what is wrong with coordinates is no error, and has no message */
 } ty_netcdf_file;
 
 /* Cells along an axis of space. */

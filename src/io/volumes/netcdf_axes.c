@@ -11,6 +11,7 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -140,14 +141,28 @@ bool ty_netcdf_find_axes(const ty_netcdf_file* file, ty_netcdf_variable* variabl
 
 /* ---- coordinates ---- */
 
+/* Fails with a message, unless the file is to be quiet. */
+__attribute__((format(printf, 2, 3))) static ty_result refuse(const ty_netcdf_file* file, const char* format, ...) {
+    char text[2 * NC_MAX_NAME];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return file->quiet ? TY_ERROR_INPUT : ty_fail(file->context, TY_ERROR_INPUT, "%s: %s", file->path, text);
+}
+
 static ty_result wrong_axis(const ty_netcdf_file* file, const char* name, const char* what) {
-    return ty_fail(file->context, TY_ERROR_INPUT, "%s: the coordinates \"%s\" %s", file->path, name, what);
+    return refuse(file, "the coordinates \"%s\" %s", name, what);
+}
+
+static ty_result check_status(const ty_netcdf_file* file, int status) {
+    if (status == NC_NOERR) return TY_OK;
+    return file->quiet && status != NC_ENOMEM ? TY_ERROR_INPUT : ty_netcdf_fail(file, status);
 }
 
 static ty_result read_line(const ty_netcdf_file* file, int id, size_t length, size_t values, double* out) {
     const size_t start[2] = {0, 0}, count[2] = {length, values};
-    const int status = file->calls->get_vara_double(file->id, id, start, count, out);
-    return status == NC_NOERR ? TY_OK : ty_netcdf_fail(file, status);
+    return check_status(file, file->calls->get_vara_double(file->id, id, start, count, out));
 }
 
 /* Turns both ends of each cell into edges; false if cells do not meet. */
@@ -239,7 +254,7 @@ static ty_result place_axis(const ty_netcdf_file* file, const ty_netcdf_variable
     size_t length = 0;
     bool found = false;
     int status = file->calls->inq_dim(file->id, variable->dimensions[axis->dimension], name, &length);
-    if (status != NC_NOERR) return ty_netcdf_fail(file, status);
+    if (status != NC_NOERR) return check_status(file, status);
     const int coordinates = find_line(file, name, variable->dimensions[axis->dimension]);
     if (coordinates >= 0) ty_netcdf_text(file, coordinates, "units", units, sizeof units);
     ty_result result = read_edges(file, variable, axis, name, coordinates, axis->edges, units, sizeof units, &found);
@@ -252,9 +267,7 @@ static ty_result place_axis(const ty_netcdf_file* file, const ty_netcdf_variable
     }
     const double unit = units[0] != '\0' ? ty_netcdf_length_unit(units) / meters_per_unit : 1;
     if (unit == 0)
-        return ty_fail(file->context, TY_ERROR_INPUT,
-                       "%s: the coordinates \"%s\" are in \"%s\", which is no length; m and km are", file->path, name,
-                       units);
+        return refuse(file, "the coordinates \"%s\" are in \"%s\", which is no length; m and km are", name, units);
     for (size_t i = 0; i < axis->length + (*single ? 0 : 1); ++i) axis->edges[i] *= unit;
     axis->placed = true;
     if (*single || order_edges(axis)) return TY_OK;
@@ -280,8 +293,8 @@ ty_result ty_netcdf_place(const ty_netcdf_file* file, ty_netcdf_variable* variab
     for (int a = 0; a < 3; ++a) {
         ty_netcdf_axis* axis = &variable->axes[a];
         if (axis->length < 1 || axis->length > TY_GRID_SIDE_MAX)
-            return ty_fail(file->context, TY_ERROR_INPUT, "%s: \"%s\" has %zu values along %c, not 1 to %d", file->path,
-                           variable->name, axis->length, "xyz"[a], TY_GRID_SIDE_MAX);
+            return refuse(file, "\"%s\" has %zu values along %c, not 1 to %d", variable->name, axis->length, "xyz"[a],
+                          TY_GRID_SIDE_MAX);
         axis->edges = ty_alloc_array(file->context, axis->length + 1, sizeof *axis->edges, true);
         if (axis->edges == NULL) return TY_ERROR_MEMORY;
         const ty_result result = place_axis(file, variable, axis, meters_per_unit, &single[a]);
@@ -290,8 +303,7 @@ ty_result ty_netcdf_place(const ty_netcdf_file* file, ty_netcdf_variable* variab
     }
     widen_single(variable, single);
     if (placed == 0 || placed == 3) return TY_OK;
-    return ty_fail(file->context, TY_ERROR_INPUT, "%s: \"%s\" has coordinates along some of its axes, not along all",
-                   file->path, variable->name);
+    return refuse(file, "\"%s\" has coordinates along some of its axes, not along all", variable->name);
 }
 
 void ty_netcdf_release(const ty_netcdf_file* file, ty_netcdf_variable* variable) {
