@@ -37,8 +37,8 @@ int cli_parse_raw(const char* command, const char* size, const char* type, const
     return CLI_GO;
 }
 
-/* A number up to `most`, or else a name. */
-static bool parse_companion(const char* text, double most, double* number, const char** name) {
+/* A number up to `max`, or else a name. */
+static bool parse_companion(const char* text, double max, double* number, const char** name) {
     char* end;
     const double value = strtod(text, &end);
     if (end == text || *end != '\0') {
@@ -46,7 +46,7 @@ static bool parse_companion(const char* text, double most, double* number, const
         return text[0] != '\0';
     }
     *number = value;
-    return value > 0 && value <= most;
+    return value > 0 && value <= max;
 }
 
 int cli_parse_droplets(const char* command, const char* radius, const char* air, ty_volume_def* def) {

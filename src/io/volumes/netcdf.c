@@ -197,11 +197,11 @@ static void arrange(const ty_netcdf_variable* variable, const float* from, dropl
 
 /* Number of even cells for an uneven axis: as wide as its narrowest one, if they are not too many. */
 static size_t even_count(const ty_netcdf_axis* axis) {
-    double least = INFINITY;
-    for (size_t i = 0; i < axis->length; ++i) least = fmin(least, axis->edges[i + 1] - axis->edges[i]);
-    const double count = round((axis->edges[axis->length] - axis->edges[0]) / least);
-    const size_t most = axis->length > LEVELS_MAX ? axis->length : LEVELS_MAX;
-    return count < (double)most ? (size_t)count : most;
+    double narrowest = INFINITY;
+    for (size_t i = 0; i < axis->length; ++i) narrowest = fmin(narrowest, axis->edges[i + 1] - axis->edges[i]);
+    const double count = round((axis->edges[axis->length] - axis->edges[0]) / narrowest);
+    const size_t max = axis->length > LEVELS_MAX ? axis->length : LEVELS_MAX;
+    return count < (double)max ? (size_t)count : max;
 }
 
 /* Averages of one line of cells over `count` even ones: the integral stays. */

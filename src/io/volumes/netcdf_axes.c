@@ -94,7 +94,7 @@ static int axis_of(const ty_netcdf_file* file, int dimension) {
     return axis != AXIS_NONE ? axis : axis_of_name(name);
 }
 
-/* The dimension that is least one of space: of times, or of a single value, or the first that none claims. */
+/* The dimension that is the last to be one of space: of times, or of a single value, or the first that none claims. */
 static int find_further(const ty_netcdf_variable* variable, const int* axes) {
     for (int pass = 0; pass < 3; ++pass)
         for (int d = 0; d < variable->dimension_count; ++d) {
@@ -167,11 +167,11 @@ static ty_result read_line(const ty_netcdf_file* file, int id, size_t length, si
 
 /* Turns both ends of each cell into edges; false if cells do not meet. */
 static bool join_bounds(const double* bounds, size_t length, double* edges) {
-    const double least = fabs(bounds[1] - bounds[0]) * uneven;
+    const double tolerance = fabs(bounds[1] - bounds[0]) * uneven;
     for (size_t i = 0; i < length; ++i) {
         edges[i] = bounds[2 * i];
         edges[i + 1] = bounds[2 * i + 1];
-        if (i > 0 && !(fabs(bounds[2 * i] - bounds[2 * i - 1]) <= least)) return false;
+        if (i > 0 && !(fabs(bounds[2 * i] - bounds[2 * i - 1]) <= tolerance)) return false;
     }
     return true;
 }

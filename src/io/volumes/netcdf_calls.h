@@ -1,5 +1,5 @@
 /* Functions of the NetCDF library, which is loaded when the first file is opened: it brings a dozen other libraries,
- * which take more time to load than most commands run. */
+ * which take more time to load than many commands run. */
 #ifndef TY_IO_NETCDF_CALLS_H
 #define TY_IO_NETCDF_CALLS_H
 

@@ -153,9 +153,9 @@ ty_result ty_vti_write_file(ty_context* context, const ty_volume_field* fields, 
     w->count = count;
     w->zip = zip;
     w->info = ty_grid_get_info(fields[0].grids[0]);
-    const size_t most = (size_t)(bytes_of(w, 3) / BLOCK + 1);
+    const size_t blocks_max = (size_t)(bytes_of(w, 3) / BLOCK + 1);
     w->offsets = ty_alloc_array(context, (size_t)count, sizeof *w->offsets, true);
-    w->packed = ty_alloc_array(context, most, sizeof *w->packed, true);
+    w->packed = ty_alloc_array(context, blocks_max, sizeof *w->packed, true);
     ty_result result = w->offsets == NULL || w->packed == NULL ? TY_ERROR_MEMORY : TY_OK;
     if (result == TY_OK) {
         put_header(w);
@@ -167,7 +167,7 @@ ty_result ty_vti_write_file(ty_context* context, const ty_volume_field* fields, 
         if (w->failed) result = ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory to compress", output->path);
     }
     ty_free_array(context, w->offsets, (size_t)count, sizeof *w->offsets);
-    ty_free_array(context, w->packed, most, sizeof *w->packed);
+    ty_free_array(context, w->packed, blocks_max, sizeof *w->packed);
     ty_free_array(context, w, 1, sizeof *w);
     return result;
 }

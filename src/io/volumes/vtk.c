@@ -65,8 +65,8 @@ static ty_result inspect(ty_context* context, const char* path, uint8_t* head, s
     int64_t sides[3];
     ty_vtk_sides(&image, false, sides);
     if (legacy) {
-        const double most = (double)sides[0] * (double)sides[1] * (double)sides[2] * LEGACY_ARRAYS * LEGACY_VALUE;
-        form->longest = most < (double)file_size_max ? (uint64_t)most + TY_FILE_SLACK : UINT64_MAX;
+        const double longest = (double)sides[0] * (double)sides[1] * (double)sides[2] * LEGACY_ARRAYS * LEGACY_VALUE;
+        form->longest = longest < (double)file_size_max ? (uint64_t)longest + TY_FILE_SLACK : UINT64_MAX;
     } else if (image.complete) {
         form->longest = TY_FILE_SLACK;
         for (size_t i = 0; i < image.count && form->longest < file_size_max; ++i)
