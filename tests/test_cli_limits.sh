@@ -173,6 +173,10 @@ test_memory() {
   printf "ply\nformat ascii 1.0\n$elements${list}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n" > huge.ply
   printf "ply\nformat binary_little_endian 1.0\n$elements$list" > binary.ply
   cp a.nrrd huge.nrrd
+  printf '<VTKFile type="ImageData"><ImageData WholeExtent="0 1 0 1 0 1"><Piece Extent="0 1 0 1 0 1"><PointData>
+    <DataArray type="UInt8" Name="v" format="appended" offset="0"/></PointData></Piece></ImageData>
+    <AppendedData encoding="raw">_' > huge.vti
+  printf '# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\nPOINT_DATA 8\nVECTORS v int\n' > huge.vtk
   cp ok.nvdb huge.nvdb
   printf '{"tyndall": 1}' > huge.json
   : > huge.bin
@@ -180,7 +184,7 @@ test_memory() {
     "bufferViews":[{"buffer":0,"byteLength":36}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
     "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]}' > buffer.gltf
   truncate -s 5G huge.* binary.ply packed.nrrd
-  for file in huge.{exr,png,hdr,jpg,webp,glb,nrrd} binary.ply packed.nrrd; do
+  for file in huge.{exr,png,hdr,jpg,webp,glb,nrrd,vti,vtk} binary.ply packed.nrrd; do
     limited 2 "$file: 5368709120 bytes, of which its header accounts for" '-v 1000000' info $file
   done
   for file in huge.{gltf,obj,ply}; do
