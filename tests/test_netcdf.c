@@ -246,6 +246,9 @@ static void broken_files_are_refused(void** state) {
     file.variables[0] = (made_variable){"unused", {0}, 1, {{NULL}}, MADE_DOUBLE, line};
     make_netcdf("broken.nc", &file);
     assert_refused("broken.nc", &def, "along some of its axes");
+    const made_file twins = {{"x"}, {2}, {{"q", {0, 0, 0}, 3, {{NULL}}, MADE_FLOAT, values}}};
+    make_netcdf("twins.nc", &twins);
+    assert_refused("twins.nc", &def, "no variable \"density\" of three axes; those that are: none");
     def.grid = "smoke";
     def.exact_grid = true;
     assert_refused("broken.nc", &def, "no variable \"smoke\" of three axes; those that are: q");

@@ -65,125 +65,17 @@ static int32_t times_of(const ty_netcdf_variable* variable) {
     return length < INT32_MAX ? (int32_t)length : INT32_MAX;
 }
 
-/* ---- values beside those of a variable ---- */
-
-/* Values on some of a variable's dimensions, or one everywhere. */
-typedef struct companion {
-    float* values; /* NULL: `constant` */
-    size_t count, strides[3];
-    double constant, unit;
-} companion;
-
-/* Distances between neighbours along x, y and z of another variable in the file's order; 0 along an axis that it does
- * not have. False if it has others than `of`. */
-static bool find_strides(const ty_netcdf_variable* variable, const ty_netcdf_variable* of, size_t strides[3]) {
-    size_t stride = 1;
-    memset(strides, 0, 3 * sizeof *strides);
-    for (int d = variable->dimension_count - 1; d >= 0; --d) {
-        bool known = variable->lengths[d] == 1 || d == variable->times;
-        for (int a = 0; a < 3; ++a)
-            if (variable->dimensions[d] == of->dimensions[of->axes[a].dimension]) {
-                strides[a] = variable->lengths[d] > 1 ? stride : 0;
-                known = true;
-            }
-        if (!known) return false;
-        if (d != variable->times) stride *= variable->lengths[d];
-    }
-    return true;
-}
-
-static ty_result load_companion(const ty_netcdf_file* file, const char* name, const ty_netcdf_variable* of,
-                                int32_t time, double (*unit_of)(const char* units), companion* out) {
-    ty_netcdf_variable variable;
-    char units[64];
-    int id = -1;
-    if (file->calls->inq_varid(file->id, name, &id) != NC_NOERR)
-        return ty_fail(file->context, TY_ERROR_INPUT, "%s: there is no variable \"%s\"", file->path, name);
-    ty_result result = ty_netcdf_describe(file, id, &variable);
-    if (result != TY_OK) return result;
-    for (int d = 0; d < variable.dimension_count && of->times >= 0; ++d)
-        if (variable.dimensions[d] == of->dimensions[of->times]) variable.times = d;
-    if (variable.type == NC_CHAR || variable.type > NC_UINT64 || !find_strides(&variable, of, out->strides))
-        return ty_fail(file->context, TY_ERROR_INPUT, "%s: \"%s\" has other axes than \"%s\"", file->path, name,
-                       of->name);
-    ty_netcdf_text(file, id, "units", units, sizeof units);
-    out->unit = unit_of(units);
-    if (out->unit == 0)
-        return ty_fail(file->context, TY_ERROR_INPUT, "%s: \"%s\" is in \"%s\", which is not known", file->path, name,
-                       units);
-    return ty_netcdf_load(file, &variable, time, &out->values, &out->count);
-}
-
-static double value_of(const companion* c, const size_t at[3]) {
-    if (c->values == NULL) return c->constant;
-    return c->unit * (double)c->values[at[0] * c->strides[0] + at[1] * c->strides[1] + at[2] * c->strides[2]];
-}
-
-static void release_companion(const ty_netcdf_file* file, companion* c) {
-    ty_free_array(file->context, c->values, c->count, sizeof *c->values);
-}
-
-/* ---- droplets ---- */
-
-typedef struct droplets {
-    companion radius, air;
-    double water_unit;
-    bool ratio;
-    int64_t without_radius;
-    double sum, sum_radius; /* of extinction, and of its product with the radius */
-} droplets;
+/* ---- grids ---- */
 
 static bool wants_droplets(const ty_volume_def* def) {
     return def->effective_radius != NULL || def->droplet_radius > 0;
 }
 
-static ty_result open_droplets(const ty_netcdf_file* file, const ty_volume_def* def, const ty_netcdf_variable* water,
-                               droplets* out) {
-    char units[64];
-    ty_netcdf_text(file, water->id, "units", units, sizeof units);
-    out->water_unit = ty_netcdf_water_unit(units, &out->ratio);
-    out->radius.constant = def->droplet_radius;
-    out->air.constant = def->air_density_value;
-    if (out->water_unit == 0)
-        return ty_fail(file->context, TY_ERROR_INPUT,
-                       "%s: \"%s\" is in \"%s\", which is no content of water; g m-3 and g/kg are", file->path,
-                       water->name, units);
-    if (out->ratio && def->air_density == NULL && !(def->air_density_value > 0))
-        return ty_fail(file->context, TY_ERROR_INPUT,
-                       "%s: \"%s\" is in \"%s\" of air, whose density (air_density) is not given", file->path,
-                       water->name, units);
-    ty_result result = TY_OK;
-    if (def->effective_radius != NULL)
-        result =
-            load_companion(file, def->effective_radius, water, def->component, ty_netcdf_radius_unit, &out->radius);
-    if (result == TY_OK && out->ratio && def->air_density != NULL)
-        result = load_companion(file, def->air_density, water, def->component, ty_netcdf_density_unit, &out->air);
-    return result;
-}
-
-/* sigma_t = 3 LWC / (2 rho_w r_e), 1/m (Stephens 1978). */
-static double extinction(droplets* d, double water, const size_t at[3]) {
-    static const double water_density = 1000; /* kg m^-3 */
-    const double content = water * d->water_unit * (d->ratio ? value_of(&d->air, at) : 1);
-    const double radius = value_of(&d->radius, at); /* micrometres */
-    if (!(content > 0)) return 0;
-    if (!(radius > 0)) {
-        ++d->without_radius;
-        return 0;
-    }
-    const double sigma_t = 3 * content / (2 * water_density * radius * 1e-6);
-    d->sum += sigma_t;
-    d->sum_radius += sigma_t * radius;
-    return sigma_t;
-}
-
-/* ---- grids ---- */
-
 /* Sorts values into x, y, z order, ascending; by the droplets' extinction if there are some. */
-static void arrange(const ty_netcdf_variable* variable, const float* from, droplets* d, float* to) {
+static void arrange(const ty_netcdf_variable* variable, const float* from, ty_netcdf_droplets* d, float* to) {
     const ty_netcdf_axis* axes = variable->axes;
-    companion own = {.unit = 1};
-    find_strides(variable, variable, own.strides);
+    ty_netcdf_companion own = {.unit = 1};
+    ty_netcdf_strides(variable, variable, own.strides);
     size_t at[3], out = 0;
     for (size_t k = 0; k < axes[2].length; ++k)
         for (size_t j = 0; j < axes[1].length; ++j)
@@ -191,7 +83,7 @@ static void arrange(const ty_netcdf_variable* variable, const float* from, dropl
                 const size_t index[3] = {i, j, k};
                 for (int a = 0; a < 3; ++a) at[a] = axes[a].descending ? axes[a].length - 1 - index[a] : index[a];
                 const float value = from[at[0] * own.strides[0] + at[1] * own.strides[1] + at[2] * own.strides[2]];
-                to[out] = d != NULL ? (float)extinction(d, (double)value, at) : value;
+                to[out] = d != NULL ? (float)ty_netcdf_extinction(d, (double)value, at) : value;
             }
 }
 
@@ -271,8 +163,8 @@ static ty_result make_grid(const ty_netcdf_file* file, const ty_netcdf_variable*
     return ty_grid_adopt(file->context, &def, values, out);
 }
 
-static ty_result read_values(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time, droplets* d,
-                             ty_grid** out) {
+static ty_result read_values(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time,
+                             ty_netcdf_droplets* d, ty_grid** out) {
     float *raw = NULL, *values = NULL;
     size_t count = 0;
     ty_result result = ty_netcdf_load(file, variable, time, &raw, &count);
@@ -288,7 +180,7 @@ static ty_result read_values(const ty_netcdf_file* file, const ty_netcdf_variabl
 
 static ty_result read_variable(const ty_netcdf_file* file, const ty_volume_def* def, ty_netcdf_variable* variable,
                                double* radius, ty_grid** out) {
-    droplets d = {.sum = 0};
+    ty_netcdf_droplets d = {.sum = 0};
     const bool wanted = wants_droplets(def);
     int64_t sides[3];
     size_t voxels = 0;
@@ -297,10 +189,9 @@ static ty_result read_variable(const ty_netcdf_file* file, const ty_volume_def* 
     if (result == TY_OK)
         result = ty_check_component(file->context, file->path, variable->name, def->component, times_of(variable));
     if (result == TY_OK) result = ty_netcdf_place(file, variable, def->meters_per_unit);
-    if (result == TY_OK && wanted) result = open_droplets(file, def, variable, &d);
+    if (result == TY_OK && wanted) result = ty_netcdf_open_droplets(file, def, variable, &d);
     if (result == TY_OK) result = read_values(file, variable, def->component, wanted ? &d : NULL, out);
-    release_companion(file, &d.radius);
-    release_companion(file, &d.air);
+    ty_netcdf_release_droplets(file, &d);
     if (result != TY_OK || !wanted) return result;
     *radius = d.sum > 0 ? d.sum_radius / d.sum : 0;
     if (d.without_radius > 0)

@@ -1,6 +1,6 @@
-/* NetCDF files: netcdf_library.c loads the library, netcdf_classic.c finds files that are cut short, netcdf_axes.c finds the axes of a variable and the
- * placement of its values, netcdf_values.c reads values and their units, and netcdf.c makes grids of variables and of
- * droplets. */
+/* NetCDF files: netcdf_library.c loads the library, netcdf_classic.c finds files that are cut short, netcdf_axes.c
+ * finds the axes of a variable and the placement of its values, netcdf_values.c reads values and their units,
+ * netcdf_droplets.c makes extinction of liquid water, and netcdf.c makes grids. */
 #ifndef TY_IO_NETCDF_H
 #define TY_IO_NETCDF_H
 
@@ -66,6 +66,33 @@ double ty_netcdf_density_unit(const char* units);
 /* Reads the values of a variable at one time, in the file's order, from ty_alloc_array; missing ones are 0. */
 ty_result ty_netcdf_load(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time, float** out,
                          size_t* count);
+
+/* Values on some of a variable's dimensions, or one everywhere. */
+typedef struct ty_netcdf_companion {
+    float* values; /* NULL: `constant` */
+    size_t count, strides[3];
+    double constant, unit;
+} ty_netcdf_companion;
+
+/* Distances between neighbours along x, y and z of another variable in the file's order; 0 along an axis that it does
+ * not have. False if it has others than `of`. */
+bool ty_netcdf_strides(const ty_netcdf_variable* variable, const ty_netcdf_variable* of, size_t strides[3]);
+
+typedef struct ty_netcdf_droplets {
+    ty_netcdf_companion radius, air;
+    double water_unit;
+    bool ratio;
+    int64_t without_radius;
+    double sum, sum_radius; /* of extinction, and of its product with the radius */
+} ty_netcdf_droplets;
+
+/* Reads what the droplets of a variable of liquid water take; ty_netcdf_release_droplets must follow, whatever the
+ * result. */
+ty_result ty_netcdf_open_droplets(const ty_netcdf_file* file, const ty_volume_def* def, const ty_netcdf_variable* water,
+                                  ty_netcdf_droplets* out);
+void ty_netcdf_release_droplets(const ty_netcdf_file* file, ty_netcdf_droplets* droplets);
+/* Extinction coefficient, 1/m, at a place in the file's order, of a value of the variable of water. */
+double ty_netcdf_extinction(ty_netcdf_droplets* d, double water, const size_t at[3]);
 
 /* As ty_volume_read_droplets and so on. */
 ty_result ty_netcdf_read(ty_context* context, const char* path, const ty_volume_def* def, double* radius,

@@ -114,9 +114,18 @@ static void complete_axes(const ty_netcdf_variable* variable, const int* axes, i
     }
 }
 
+/* A dimension may stand twice, as those of a covariance do: it would be two axes in one. */
+static bool has_twins(const ty_netcdf_variable* variable) {
+    for (int d = 0; d < variable->dimension_count; ++d)
+        for (int e = 0; e < d; ++e)
+            if (variable->dimensions[d] == variable->dimensions[e]) return true;
+    return false;
+}
+
 bool ty_netcdf_find_axes(const ty_netcdf_file* file, ty_netcdf_variable* variable) {
     int axes[TY_NETCDF_DIMENSIONS_MAX], found[3] = {-1, -1, -1};
-    if (variable->type == NC_CHAR || variable->type > NC_UINT64 || variable->dimension_count < 3) return false;
+    if (variable->type == NC_CHAR || variable->type > NC_UINT64 || variable->dimension_count < 3 || has_twins(variable))
+        return false;
     for (int d = 0; d < variable->dimension_count; ++d) {
         axes[d] = axis_of(file, variable->dimensions[d]);
         if (axes[d] < 0 || axes[d] > 2) continue;
