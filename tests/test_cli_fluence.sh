@@ -35,7 +35,7 @@ test_boxes() {
   said out.txt '^size +2x4x4$'
   said out.txt '^values +3 per voxel, half'
   said out.txt '^index to place +0.25 0 0 -0.375$'
-  expect 0 convert part.vdb again.vti --grid fluence --vec3
+  expect 0 convert part.vdb again.vti --grid fluence --vector
 }
 
 test_messages() {

@@ -42,10 +42,10 @@ test_vtk() {
   said out.txt '^range +97 to 120, mean 108.5$'
   printf '# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 1\nPOINT_DATA 2
 VECTORS v float\n1 2 3 4 5 6\n' > v.vtk
-  expect 0 convert v.vtk v.vdb --vec3 --half --grid v
+  expect 0 convert v.vtk v.vdb --vector --half --grid v
   expect 0 info v.vdb
   said out.txt '^v +vec3s +2 active voxels'
-  expect 0 convert v.vdb w.vti --vec3 --grid v --codec none
+  expect 0 convert v.vdb w.vti --vector --grid v --codec none
   expect 0 info w.vti --grid v --component 2
   said out.txt '^range +3 to 6, mean 4.5$'
   expect 0 convert a.nrrd half.vdb --half
@@ -53,8 +53,8 @@ VECTORS v float\n1 2 3 4 5 6\n' > v.vtk
   said out.txt '^density +half '
   usage_error 'no array "w"; there is v' convert v.vtk a.vdb --grid w
   usage_error '3 values per voxel; component 3' convert v.vtk a.vdb --component 3
-  usage_error '1 values per voxel, not 3' convert a.nrrd a.vdb --vec3
-  usage_error 'vec3 is for .vdb and .vti' convert v.vtk a.nrrd --vec3
+  usage_error '1 values per voxel, not 3' convert a.nrrd a.vdb --vector
+  usage_error 'vector is for .vdb and .vti' convert v.vtk a.nrrd --vector
   usage_error 'half is for .vdb' convert a.nrrd b.vti --half
   usage_error "codec 'blosc'" convert a.nrrd b.vti --codec blosc
   usage_error 'air-density goes with' convert v.vtk a.vdb --air-density 1

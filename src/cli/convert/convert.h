@@ -14,7 +14,7 @@ typedef struct convert_image_options {
 typedef struct convert_volume_options {
     ty_volume_def def;
     const char *grid, *codec; /* NULL: by the file, and that of the format */
-    bool half, vec3;
+    bool half, vector;
 } convert_volume_options;
 
 /* Both return an exit status. */

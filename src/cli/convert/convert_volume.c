@@ -35,8 +35,8 @@ static ty_result make_half(ty_context* context, ty_grid** grid) {
 static int check_options(const convert_volume_options* options, const char* output) {
     const bool vdb = cli_has_extension(output, ".vdb");
     if (options->half && !vdb) return cli_usage_error("convert", "--half is for .vdb, and %s is none", output);
-    if (options->vec3 && !vdb && !cli_has_extension(output, ".vti"))
-        return cli_usage_error("convert", "--vec3 is for .vdb and .vti, and %s is none", output);
+    if (options->vector && !vdb && !cli_has_extension(output, ".vti"))
+        return cli_usage_error("convert", "--vector is for .vdb and .vti, and %s is none", output);
     return CLI_GO;
 }
 
@@ -46,12 +46,12 @@ static int read_grids(cli_session* session, const convert_volume_options* option
     ty_volume_def def = options->def;
     int32_t components = 1;
     ty_result result = TY_OK;
-    if (options->vec3) result = ty_volume_components(session->context, input, &def, &components);
+    if (options->vector) result = ty_volume_components(session->context, input, &def, &components);
     if (result != TY_OK) return cli_fail_reading(session, result);
-    if (options->vec3 && components != 3)
-        return cli_usage_error("convert", "--vec3: %s has %d values per voxel, not 3", input, components);
+    if (options->vector && components != 3)
+        return cli_usage_error("convert", "--vector: %s has %d values per voxel, not 3", input, components);
     for (int32_t c = 0; c < components && result == TY_OK; ++c) {
-        if (options->vec3) def.component = c;
+        if (options->vector) def.component = c;
         result = ty_volume_read(session->context, input, &def, &grids[c]);
     }
     return result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
@@ -74,7 +74,7 @@ int cli_convert_volume(cli_session* session, convert_volume_options* options, co
     for (int c = 0; c < 3 && options->half && result == TY_OK; ++c)
         if (grids[c] != NULL) result = make_half(session->context, &grids[c]);
     const ty_volume_field field = {
-        .name = options->def.grid, .components = options->vec3 ? 3 : 1, .grids = {grids[0], grids[1], grids[2]}};
+        .name = options->def.grid, .components = options->vector ? 3 : 1, .grids = {grids[0], grids[1], grids[2]}};
     if (result == TY_OK) result = ty_volume_write(session->context, &field, 1, options->codec, output);
     release(grids);
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
