@@ -13,7 +13,8 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { LEVELS_MAX = 2048 };
+/* Even cells along an axis; even voxels for each uneven one, or up to a million of them. */
+enum { LEVELS_MAX = 2048, ENLARGEMENT_MAX = 32, ENLARGED_MIN = 1 << 20 };
 
 /* ---- choice of a variable ---- */
 
@@ -87,13 +88,14 @@ static void arrange(const ty_netcdf_variable* variable, const float* from, ty_ne
             }
 }
 
-/* Number of even cells for an uneven axis: as wide as its narrowest one, if they are not too many. */
-static size_t even_count(const ty_netcdf_axis* axis) {
+/* Number of even cells for an uneven axis: as wide as its narrowest one, if they are not too many. `others`: cells
+ * across it; `largest`: cells of a grid. */
+static size_t even_count(const ty_netcdf_axis* axis, double others, double largest) {
     double narrowest = INFINITY;
     for (size_t i = 0; i < axis->length; ++i) narrowest = fmin(narrowest, axis->edges[i + 1] - axis->edges[i]);
     const double count = round((axis->edges[axis->length] - axis->edges[0]) / narrowest);
-    const size_t max = axis->length > LEVELS_MAX ? axis->length : LEVELS_MAX;
-    return count < (double)max ? (size_t)count : max;
+    const double max = fmax((double)axis->length, fmin(LEVELS_MAX, largest / others));
+    return (size_t)fmin(count, floor(max));
 }
 
 /* Averages of one line of cells over `count` even ones: the integral stays. */
@@ -113,10 +115,11 @@ static void resample_line(const ty_netcdf_axis* axis, size_t count, const float*
 }
 
 /* Makes an uneven axis even; *values and *size change. */
-static ty_result resample_axis(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int a, int64_t size[3],
-                               float** values) {
+static ty_result resample_axis(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int a, double largest,
+                               int64_t size[3], float** values) {
     const ty_netcdf_axis* axis = &variable->axes[a];
-    const size_t count = even_count(axis), before = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    const size_t before = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    const size_t count = even_count(axis, (double)(before / axis->length), largest);
     int64_t sides[3] = {size[0], size[1], size[2]};
     size_t voxels = 0, inner = 1, outer = 1;
     sides[a] = (int64_t)count;
@@ -142,10 +145,15 @@ static ty_result make_grid(const ty_netcdf_file* file, const ty_netcdf_variable*
                            ty_grid** out) {
     int64_t size[3];
     ty_result result = TY_OK;
-    for (int a = 0; a < 3; ++a) size[a] = (int64_t)variable->axes[a].length;
+    double voxels = 1;
+    for (int a = 0; a < 3; ++a) {
+        size[a] = (int64_t)variable->axes[a].length;
+        voxels *= (double)size[a];
+    }
+    const double largest = fmax(ENLARGEMENT_MAX * voxels, ENLARGED_MIN);
     for (int a = 0; a < 3 && result == TY_OK; ++a)
         if (variable->axes[a].placed && !variable->axes[a].even)
-            result = resample_axis(file, variable, a, size, &values);
+            result = resample_axis(file, variable, a, largest, size, &values);
     if (result != TY_OK) {
         ty_free_array(file->context, values, (size_t)size[0] * (size_t)size[1] * (size_t)size[2], sizeof *values);
         return result;
