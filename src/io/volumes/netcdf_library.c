@@ -27,14 +27,14 @@ static bool find(void* handle, const char* name, void* function) {
 }
 
 /* It stays loaded. */
-static ty_result load(ty_context* context) {
+static ty_result load(ty_context* context, const char* path) {
     void* handle = NULL;
     if (loaded) return TY_OK;
     for (size_t i = 0; i < sizeof names / sizeof names[0] && handle == NULL; ++i)
         handle = dlopen(names[i], RTLD_NOW | RTLD_LOCAL);
     if (handle == NULL)
-        return ty_fail(context, TY_ERROR_UNSUPPORTED, "NetCDF files need %s, which is not installed or cannot load",
-                       names[0]);
+        return ty_fail(context, TY_ERROR_UNSUPPORTED, "%s: NetCDF files need %s, which is not installed or cannot load",
+                       path, names[0]);
     loaded = find(handle, "nc_open", &calls.open) && find(handle, "nc_close", &calls.close) &&
              find(handle, "nc_strerror", &calls.strerror) && find(handle, "nc_inq_nvars", &calls.inq_nvars) &&
              find(handle, "nc_inq_varid", &calls.inq_varid) && find(handle, "nc_inq_var", &calls.inq_var) &&
@@ -44,7 +44,8 @@ static ty_result load(ty_context* context) {
              find(handle, "nc_get_vara_double", &calls.get_vara_double);
     if (loaded) return TY_OK;
     dlclose(handle);
-    return ty_fail(context, TY_ERROR_UNSUPPORTED, "the installed NetCDF library lacks functions that files need");
+    return ty_fail(context, TY_ERROR_UNSUPPORTED, "%s: the installed NetCDF library lacks functions that it needs",
+                   path);
 }
 
 ty_result ty_netcdf_fail(const ty_netcdf_file* file, int status) {
@@ -70,7 +71,7 @@ ty_result ty_netcdf_open(ty_context* context, const char* path, ty_netcdf_file* 
     result = ty_netcdf_check_classic(file);
     if (result != TY_OK) return result;
     pthread_mutex_lock(&library_lock);
-    result = load(context);
+    result = load(context, path);
     if (result == TY_OK) result = open_path(file);
     if (result != TY_OK) pthread_mutex_unlock(&library_lock);
     return result;
