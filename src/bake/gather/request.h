@@ -26,6 +26,9 @@ typedef struct ty_bake_impulse {
     float max_bounce_ratio[3];   /* upper bound of the ratio of successive bounces in the tables' infinite medium */
     const ty_virtual_emitters* emitters;
     int32_t media_only; /* 1: only light scattered by media counts */
+    int32_t published;  /* 1: TY_BAKE_PUBLISHED */
+    float step;         /* m: a distance over which media hardly change */
+    float mean_cosine;  /* of scattering in the media, at most 0.9 */
 } ty_bake_impulse;
 
 typedef struct ty_bake_request {

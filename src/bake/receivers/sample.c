@@ -158,6 +158,7 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
     request->method = (int32_t)def->method;
     request->scatterings = def->scatterings;
     request->back_scattering = def->back_scattering;
+    request->impulse.published = def->composition == TY_BAKE_PUBLISHED;
     request->receivers = receivers;
     request->terms = terms;
     run->kernel = TY_BEST_KERNELS(ty_bake_kernel);
