@@ -257,6 +257,36 @@ static void white_furnace(void** state) {
     }
 }
 
+/* A glowing ball of fog over a floor. Measured: 0.986 at both. */
+static void media_glow(void** state) {
+    static const float at[6] = {0.2f, 1.6f, 0, 1.5f, 0.4f, -1};
+    ty_scene* scene = new_scene(*state);
+    ty_medium_def ball = medium_sphere(1, 1.5, 0.8, 0.5);
+    ty_bake_probe is[2], should[2];
+    ty_bake_def def = ty_default_bake_def();
+    set3(ball.sphere_center, 0, 1.5, 0);
+    gray(ball.emission, 3);
+    add_medium(scene, &ball);
+    add_quad(scene, (const double[3]){-3, 0, 3}, (const double[3]){6, 0, 0}, (const double[3]){0, 0, -6}, 0.5);
+    commit(scene);
+    def.spp = 8192;
+    def.method = TY_BAKE_PATH;
+    must(*state, ty_bake_probes(scene, &def, at, 2, should, NULL));
+    def.method = TY_BAKE_IMPULSE;
+    must(*state, ty_bake_probes(scene, &def, at, 2, is, NULL));
+    for (int k = 0; k < 2; ++k) {
+        double sum[2] = {0};
+        for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer) {
+            sum[0] += (double)is[k].sh[layer][1][0];
+            sum[1] += (double)should[k].sh[layer][1][0];
+            printf(" %.4f %.4f |", (double)is[k].sh[layer][1][0], (double)should[k].sh[layer][1][0]);
+        }
+        printf(" glow: %.3f\n", sum[0] / sum[1]);
+        assert_true(fabs(sum[0] / sum[1] - 1) < 0.03);
+    }
+    ty_scene_destroy(scene);
+}
+
 int main(int argc, char** argv) {
     if (argc > 1) {
         ty_context* context = truth_context(TY_AUTO);
@@ -266,6 +296,7 @@ int main(int argc, char** argv) {
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(white_furnace),
+        cmocka_unit_test(media_glow),
         cmocka_unit_test(walks_end_the_errors),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);

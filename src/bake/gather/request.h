@@ -39,7 +39,7 @@ typedef struct ty_bake_request {
     int32_t gray;        /* 1: media are identical in all channels */
     ty_cache_view cache; /* TY_BAKE_CACHE; light NULL: no media */
     int32_t transparent; /* 1: some surface passes light (bake/gather/transparent.k.h) */
-    int32_t media_emit;  /* TY_BAKE_CACHE: 1: some medium emits, and paths sample its emission */
+    int32_t media_emit;  /* 1: some medium emits, and paths sample its emission */
     const ty_bake_receiver* receivers;
     int32_t terms;      /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS for probes */
     uint32_t fog_every; /* TY_BAKE_IMPULSE: samples per lookup of the tables, a power of two; TY_BAKE_CACHE: paths per

@@ -355,9 +355,20 @@ TY_FN void ty_gather_corrected_virtual(ty_gather* g, const ty_walk* walk, float 
 
 /* ---- walks ---- */
 
+/* Adds what a medium emits towards a collision of the walk. at: a point of the medium on the walk's ray; weight: of
+ * this sample of the light that collides there. */
+TY_FN void ty_walk_add_emission(ty_gather* g, const ty_walk* walk, const ty_medium_view* medium, ty_vec at,
+                                const float weight[3], const float albedo[3], float scale) {
+    float emission[3];
+    if (g->request->media_emit == 0 || medium->emits == 0 || walk->depth == 0) return;
+    ty_medium_emission(medium, at, emission);
+    for (int c = 0; c < 3; ++c) emission[c] *= scale * walk->beta[c] * walk->ray[c] * weight[c] * (1.0f - albedo[c]);
+    ty_gather_add_rgb(g, walk->depth == 1 ? TY_BAKE_SINGLE : TY_BAKE_MULTIPLE, emission, walk->basis);
+}
+
 /* Goes on to a collision on the walk's ray, as often as light collides there, and to a ray in a direction of its phase
  * function. False: the walk ends. */
-TY_FN bool ty_walk_on(ty_gather* g, ty_walk* walk) {
+TY_FN bool ty_walk_on(ty_gather* g, ty_walk* walk, float scale) {
     const ty_scene_view* scene = g->request->path.scene;
     ty_path* path = &g->path;
     float weight[3], albedo[3];
@@ -370,6 +381,7 @@ TY_FN bool ty_walk_on(ty_gather* g, ty_walk* walk) {
     path->origin = walk->origin;
     path->direction = walk->direction;
     walk->origin = ty_gather_fog_position(g, &point, weight, albedo);
+    ty_walk_add_emission(g, walk, point.medium, walk->origin, weight, albedo, scale);
     for (int c = 0; c < 3; ++c) weight[c] *= albedo[c];
     const float chance = ty_minf(1.0f, ty_max3(weight));
     if (!(ty_rng_uniform(&path->random) < chance)) return false;
@@ -399,10 +411,14 @@ TY_FN void ty_gather_walk(ty_gather* g, float scale, float weight) {
         walk.ray[c] = weight;
     }
     ty_gather_basis(g, walk.direction, walk.basis);
+    /* A response scatters once more than its vertex is deep; emission of media does not. */
+    const int32_t scatterings = g->request->scatterings, past = scatterings + (g->request->media_emit != 0 ? 2 : 0);
     while (true) {
-        ty_gather_corrected_sky(g, &walk, scale);
-        ty_gather_corrected_virtual(g, &walk, scale);
-        if (walk.depth + 1 >= g->request->scatterings || !ty_walk_on(g, &walk)) return;
+        if (walk.depth < scatterings) {
+            ty_gather_corrected_sky(g, &walk, scale);
+            ty_gather_corrected_virtual(g, &walk, scale);
+        }
+        if (walk.depth + 1 >= past || !ty_walk_on(g, &walk, scale)) return;
         g->emitter = ty_rng_uniform(&g->path.random);
         g->collision = ty_rng_uniform(&g->path.random);
     }
