@@ -516,6 +516,13 @@ static const char every_key[] =
     "\"resolution\":30,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5,\"ray_spacing\":2,"
     "\"froxels\":80,\"froxel_slices\":32}}}";
 
+/* The keys of scenes that repeat, which cannot have all of the others. */
+static const char periodic_keys[] =
+    "{\"tyndall\":1,\"up_axis\":\"z\",\"boundary\":{\"periodic\":[\"x\",\"y\"],\"cell\":[[0,0,0],[9,9,9]]},"
+    "\"media\":[{\"sigma_s\":1," BOX "}],"
+    "\"lights\":[{\"type\":\"directional\",\"zenith\":60,\"azimuth\":90,\"horizontal_irradiance\":1},"
+    "{\"type\":\"directional\",\"zenith\":30,\"irradiance\":[1,2,3]}]}";
+
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {
     const char* key;
@@ -539,7 +546,9 @@ static void every_key_is_accepted(void** state) {
     ty_context* context = make_context();
     write_files(context);
     json_t* schema = json_loads(ty_scene_schema(), 0, NULL);
-    expect_keys(schema, every_key);
+    char all_keys[sizeof every_key + sizeof periodic_keys];
+    snprintf(all_keys, sizeof all_keys, "%s%s", every_key, periodic_keys);
+    expect_keys(schema, all_keys);
     json_decref(schema);
     ty_scene* scene = parse(context, every_key);
     const ty_scene_info info = ty_scene_get_info(scene);
@@ -567,6 +576,16 @@ static void every_key_is_accepted(void** state) {
     expect_ok(context, ty_method_options(scene, "dom", &dom));
     assert_int_equal(dom.acceleration, TY_DOM_ACCELERATION_NONE);
     assert_true(dom.resolution == 20 && dom.last_directions == 80 && dom.tolerance == 1e-4);
+    ty_scene_destroy(scene);
+    scene = parse(context, periodic_keys);
+    const ty_periodic_def periodic = ty_scene_periodic(scene);
+    assert_true(periodic.axes[0] && periodic.axes[1] && !periodic.axes[2] && periodic.upper[0] == 9);
+    /* A sun at 60 degrees in the north, and another one at 30 degrees in the east, of irradiance 2 and 1, 2, 3. */
+    const ty_light_def *first = &scene->lights[0], *second = &scene->lights[1];
+    expect_vector(first->direction, 0, -sqrt(0.75), -0.5);
+    expect_rgb(first->color, 2, 2, 2);
+    expect_vector(second->direction, -0.5, 0, -sqrt(0.75));
+    expect_rgb(second->color, 1, 2, 3);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }

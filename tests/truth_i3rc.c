@@ -1,0 +1,134 @@
+/* The step cloud of the intercomparison of 3D radiation codes (I3RC phase I, case 1; Cahalan et al. 2005) against the
+ * consensus of the participating codes: domain means here, and pixel by pixel where its files are in the folder of
+ * third-party data, i3rc/I3RC_cons_res_case1_exp*.txt. */
+#include "truth.h"
+
+enum { PIXELS = 32, EXPERIMENTS = 3 };
+
+/* Means over the 32 pixels of the consensus files, which have five digits. Reflectivities are pi I / (mu0 F0). */
+static const struct experiment {
+    int number;
+    double zenith, albedo;
+    double reflectance, transmittance, absorptance, nadir; /* NaN: no consensus */
+    const char* view;                                      /* slanted view */
+    double azimuth, slanted;                               /* azimuth of the sensor, our way */
+} experiments[EXPERIMENTS] = {
+    {1, 0, 1, 0.327595, 0.672398, 0, 0.256396, "I602", 180, 0.404250},
+    {2, 60, 1, 0.580444, NAN, 0, 0.406070, "I602", 180, 0.566741},
+    {4, 60, 0.99, 0.476539, 0.324903, 0.198577, 0.322559, "I601", 0, 0.886163},
+};
+
+static ty_flux* estimate_cloud(ty_context* context, const struct experiment* e, int32_t spp) {
+    static const double levels[2] = {0, 250};
+    char zenith[64], thin[64], thick[64];
+    snprintf(zenith, sizeof zenith, "lights[0].zenith=%g", e->zenith);
+    snprintf(thin, sizeof thin, "media[0].albedo=%g", e->albedo);
+    snprintf(thick, sizeof thick, "media[1].albedo=%g", e->albedo);
+    const char* const overrides[] = {zenith, thin, thick};
+    const ty_flux_view views[2] = {{0, 0}, {60, e->azimuth}};
+    ty_scene* scene = NULL;
+    ty_flux* flux = NULL;
+    ty_path_def path = ty_default_path_def();
+    ty_flux_def def = ty_default_flux_def();
+    must(context, ty_scene_load(context, "builtin:step_cloud", overrides, 3, &scene));
+    path.spp = spp;
+    def.levels = levels;
+    def.level_count = 2;
+    def.columns[0] = PIXELS;
+    def.views = views;
+    def.view_count = 2;
+    must(context, ty_path_flux(scene, &path, &def, &flux, NULL));
+    ty_scene_destroy(scene);
+    return flux;
+}
+
+static estimate flux_mean(const ty_flux* flux, ty_flux_quantity quantity, int32_t index) {
+    double mean[3], error[3];
+    ty_flux_mean(flux, quantity, index, mean, error);
+    return (estimate){mean[0], error[0]};
+}
+
+/* Down to the ground in all. */
+static estimate transmitted(const ty_flux* flux) {
+    const estimate diffuse = flux_mean(flux, TY_FLUX_DOWN_DIFFUSE, 0), direct = flux_mean(flux, TY_FLUX_DOWN_DIRECT, 0);
+    return (estimate){diffuse.mean + direct.mean, hypot(diffuse.error, direct.error)};
+}
+
+static estimate reflectivity(const ty_flux* flux, int32_t view) {
+    const estimate radiance = flux_mean(flux, TY_FLUX_RADIANCE, view);
+    return (estimate){pi * radiance.mean, pi * radiance.error};
+}
+
+/* tolerance: relative, of the consensus and of our noise. */
+static void domain_means_are_the_consensus(void** state) {
+    for (int i = 0; i < EXPERIMENTS; ++i) {
+        const struct experiment* e = &experiments[i];
+        ty_flux* flux = estimate_cloud(*state, e, fewer(65536, 32));
+        const double tolerance = in_full() ? 0.002 : 0.01;
+        printf("experiment %d: sun at %g degrees, albedo %g\n", e->number, e->zenith, e->albedo);
+        assert_close("reflectance", flux_mean(flux, TY_FLUX_UP, 1), e->reflectance, tolerance);
+        if (isfinite(e->transmittance)) assert_close("transmittance", transmitted(flux), e->transmittance, tolerance);
+        if (e->absorptance > 0)
+            assert_close("absorptance", flux_mean(flux, TY_FLUX_ABSORBED, 0), e->absorptance, 2 * tolerance);
+        assert_close("nadir reflectivity", reflectivity(flux, 0), e->nadir, 2 * tolerance);
+        assert_close("reflectivity at 60 degrees", reflectivity(flux, 1), e->slanted, 2 * tolerance);
+        ty_flux_destroy(flux);
+    }
+}
+
+static void read_consensus(const struct experiment* e, const char* quantity, double out[PIXELS]) {
+    char name[96], path[1024];
+    snprintf(name, sizeof name, "i3rc/I3RC_cons_res_case1_exp%d_%s.txt", e->number, quantity);
+    FILE* stream = fopen(data_path(name, path), "r");
+    assert_non_null(stream);
+    for (int i = 0; i < PIXELS; ++i) assert_int_equal(fscanf(stream, "%lf", &out[i]), 1);
+    fclose(stream);
+}
+
+/* Prints and checks the differences of pixels. noise: of the consensus itself, relative. */
+static void compare_pixels(const char* name, const double* values, const double* errors, double factor,
+                           const double expected[PIXELS], double noise) {
+    double square = 0, worst = 0, off = 0, mean = 0;
+    for (int i = 0; i < PIXELS; ++i) {
+        const double difference = factor * values[3 * i] - expected[i];
+        const double z = difference / hypot(factor * errors[3 * i], noise * expected[i]);
+        square += z * z / PIXELS;
+        worst = fmax(worst, fabs(z));
+        off += difference * difference / PIXELS;
+        mean += expected[i] / PIXELS;
+    }
+    printf("%-28s relative RMSE %.2f%%, mean z^2 %.2f, worst |z| %.2f\n", name, 100 * sqrt(off) / mean, square, worst);
+    if (!(square < 2 && worst < 4.5)) fail_msg("%s: pixels differ by more than their noise", name);
+}
+
+static void pixels_are_the_consensus(void** state) {
+    for (int i = 0; i < EXPERIMENTS; ++i) {
+        const struct experiment* e = &experiments[i];
+        double expected[PIXELS];
+        read_consensus(e, "R", expected);
+        ty_flux* flux = estimate_cloud(*state, e, fewer(65536, 16));
+        printf("experiment %d\n", e->number);
+        compare_pixels("reflectance", ty_flux_values(flux, TY_FLUX_UP, 1), ty_flux_errors(flux, TY_FLUX_UP, 1), 1,
+                       expected, 0.003);
+        read_consensus(e, "Iu", expected);
+        compare_pixels("nadir reflectivity", ty_flux_values(flux, TY_FLUX_RADIANCE, 0),
+                       ty_flux_errors(flux, TY_FLUX_RADIANCE, 0), pi, expected, 0.005);
+        read_consensus(e, e->view, expected);
+        compare_pixels("reflectivity at 60 degrees", ty_flux_values(flux, TY_FLUX_RADIANCE, 1),
+                       ty_flux_errors(flux, TY_FLUX_RADIANCE, 1), pi, expected, 0.005);
+        if (e->absorptance > 0) {
+            read_consensus(e, "A", expected);
+            compare_pixels("absorptance", ty_flux_values(flux, TY_FLUX_ABSORBED, 0),
+                           ty_flux_errors(flux, TY_FLUX_ABSORBED, 0), 1, expected, 0.005);
+        }
+        ty_flux_destroy(flux);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(domain_means_are_the_consensus),
+        cmocka_unit_test(pixels_are_the_consensus),
+    };
+    return cmocka_run_group_tests(tests, truth_start, truth_stop);
+}
