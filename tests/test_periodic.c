@@ -233,6 +233,59 @@ static void a_cell_is_as_its_copies(void** state) {
     ty_scene_destroy(cell);
 }
 
+/* Media that absorb nothing, of a grid and homogeneous, and a white ball cannot be seen before an even sky; media that
+ * are as bright as it and scatter nothing cannot, either. */
+static void an_even_sky_hides_everything(void** state) {
+    enum { RAYS = 16 };
+    const double lower[3] = {-1, 0, -1}, upper[3] = {1, 1, 2}, low[3] = {-0.5, 0.2, 0}, high[3] = {0.7, 2, 1};
+    for (int emitting = 0; emitting < 2; ++emitting) {
+        ty_scene* scene = make_scene(*state);
+        const float values[8] = {0.1f, 2, 1, 0, 3, 0.5f, 0, 1};
+        ty_grid_def def = ty_default_grid_def();
+        def.size[0] = def.size[1] = def.size[2] = 2;
+        def.values = values;
+        ty_grid* grid = NULL;
+        assert_int_equal(ty_grid_create(*state, &def, &grid), TY_OK);
+        ty_medium_def cloud = box_medium(lower, upper, emitting ? 0 : 3, emitting ? 2 : 0);
+        ty_medium_def block = box_medium(low, high, emitting ? 0 : 2, emitting ? 1 : 0);
+        const ty_light_def sky = sky_light(1, 1, 1);
+        cloud.density_grid = grid;
+        cloud.g[0] = cloud.g[1] = cloud.g[2] = 0.8f;
+        for (int c = 0; c < 3 && emitting; ++c) cloud.emission[c] = block.emission[c] = 1;
+        ty_shape_def ball = ty_default_shape_def();
+        ball.kind = TY_SHAPE_SPHERE;
+        ball.radius = 0.3;
+        set3f(ball.albedo, 1, 1, 1);
+        assert_int_equal(ty_scene_add_medium(scene, &cloud), TY_OK);
+        assert_int_equal(ty_scene_add_medium(scene, &block), TY_OK);
+        assert_int_equal(ty_scene_add_light(scene, &sky), TY_OK);
+        assert_int_equal(ty_scene_add_shape(scene, &ball), TY_OK);
+        set_axes(scene, true, false, true);
+        assert_int_equal(ty_scene_commit(scene), TY_OK);
+        double rays[6 * RAYS], radiance[3 * RAYS], variance[3 * RAYS], sum = 0, noise = 0;
+        uint64_t random = 7;
+        for (int i = 0; i < RAYS; ++i) {
+            const ty_vec d = random_unit(&random);
+            const double ray[6] = {
+                uniform_in(&random, -5, 5), uniform_in(&random, -0.5, 3), uniform_in(&random, -5, 5), d.x, d.y, d.z};
+            memcpy(rays + 6 * i, ray, sizeof ray);
+        }
+        ty_path_def path = ty_default_path_def();
+        path.spp = 1024;
+        assert_int_equal(ty_path_radiance(scene, &path, rays, RAYS, radiance, variance), TY_OK);
+        for (int i = 0; i < 3 * RAYS; ++i) {
+            sum += radiance[i] / (3 * RAYS);
+            noise += variance[i] / (3 * RAYS);
+        }
+        const double error = sqrt(noise / RAYS); /* channels are alike */
+        printf("even sky, %s: %.5f +- %.5f\n", emitting ? "emitting" : "scattering", sum, error);
+        assert_close(sum, 1, 4 * error + 1e-4);
+        assert_true(error < 0.01);
+        ty_scene_destroy(scene);
+        ty_grid_release(grid);
+    }
+}
+
 /* First-hit channels, and the light without scattering, pass the faces, too. */
 static void channels_pass_the_faces(void** state) {
     ty_scene *tiled = row_of_boxes(*state, 12, false), *cell = row_of_boxes(*state, 0, true);
@@ -271,6 +324,7 @@ int main(void) {
         cmocka_unit_test(other_methods_refuse_them),       cmocka_unit_test(the_cell_is_that_of_the_media),
         cmocka_unit_test(rays_go_on_at_the_opposite_face), cmocka_unit_test(grids_have_no_seam),
         cmocka_unit_test(a_cell_is_as_its_copies),         cmocka_unit_test(channels_pass_the_faces),
+        cmocka_unit_test(an_even_sky_hides_everything),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -1,6 +1,6 @@
 /* The step cloud of the intercomparison of 3D radiation codes (I3RC phase I, case 1; Cahalan et al. 2005) against the
  * consensus of the participating codes: domain means here, and pixel by pixel where its files are in the folder of
- * third-party data, i3rc/I3RC_cons_res_case1_exp*.txt. */
+ * third-party data, i3rc/I3RC_cons_res_case1_exp*.txt; and the radar cloud of case 2, whose field is there. */
 #include "truth.h"
 
 enum { PIXELS = 32, EXPERIMENTS = 3 };
@@ -134,10 +134,92 @@ static void pixels_are_the_consensus(void** state) {
     }
 }
 
+/* ---- case 2: a field of the ARM cloud radar, 640 columns of 50 m, 54 layers of 45 m, tau of each cell ---- */
+
+enum { RADAR_COLUMNS = 640, RADAR_LAYERS = 54, FINE = 4 };
+
+/* Extinction, 1/m. Cells are constant, and grids are interpolated linearly: FINE voxels per cell keep its steps. */
+static ty_grid* read_radar_cloud(ty_context* context) {
+    enum { NX = FINE * RADAR_COLUMNS, NZ = FINE * RADAR_LAYERS };
+    char path[1024];
+    FILE* stream = fopen(data_path("i3rc/mmcr_tau_32km_020898", path), "r");
+    float* values = calloc((size_t)NX * NZ, sizeof *values);
+    assert_true(stream != NULL && values != NULL);
+    for (int layer = RADAR_LAYERS - 1; layer >= 0; --layer)
+        for (int column = 0; column < RADAR_COLUMNS; ++column) {
+            float tau;
+            assert_int_equal(fscanf(stream, "%f", &tau), 1);
+            for (int k = 0; k < FINE * FINE; ++k)
+                values[(FINE * layer + k / FINE) * NX + FINE * column + k % FINE] = tau / 45;
+        }
+    fclose(stream);
+    ty_grid_def def = ty_default_grid_def();
+    def.size[0] = NX;
+    def.size[1] = 1;
+    def.size[2] = NZ;
+    def.values = values;
+    ty_grid* grid = NULL;
+    must(context, ty_grid_create(context, &def, &grid));
+    free(values);
+    return grid;
+}
+
+static ty_scene* radar_scene(ty_context* context, ty_grid* grid, double zenith, double albedo) {
+    ty_medium_def cloud = medium_of(albedo, 1 - albedo, 0.85);
+    ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 1 / cos(zenith * pi / 180));
+    ty_periodic_def periodic = ty_default_periodic_def();
+    ty_scene* scene = NULL;
+    must(context, ty_scene_create(context, TY_AXIS_Z, &scene));
+    cloud.bounds = TY_BOUNDS_BOX;
+    set3(cloud.box_max, 50 * RADAR_COLUMNS, 1000, 45 * RADAR_LAYERS);
+    cloud.density_grid = grid;
+    set3(sun.direction, sin(zenith * pi / 180), 0, -cos(zenith * pi / 180));
+    periodic.axes[0] = periodic.axes[1] = true;
+    must(context, ty_scene_set_periodic(scene, &periodic));
+    add_medium(scene, &cloud);
+    add_light(scene, &sun);
+    commit(scene);
+    return scene;
+}
+
+static void a_radar_cloud_is_the_consensus(void** state) {
+    static const struct {
+        double zenith, albedo, reflectance, transmittance, absorptance, nadir;
+    } cases[] = {{0, 1, 0.559548, 0.441245, 0, 0.566647}, {60, 0.99, 0.551782, 0.200599, 0.247517, 0.412455}};
+    static const double levels[2] = {0, 45 * RADAR_LAYERS};
+    static const ty_flux_view nadir = {0, 0};
+    char path[1024];
+    data_path("i3rc/mmcr_tau_32km_020898", path);
+    if (!in_full()) skip();
+    ty_grid* grid = read_radar_cloud(*state);
+    for (int i = 0; i < 2; ++i) {
+        ty_scene* scene = radar_scene(*state, grid, cases[i].zenith, cases[i].albedo);
+        ty_path_def def = ty_default_path_def();
+        ty_flux_def places = ty_default_flux_def();
+        ty_flux* flux = NULL;
+        def.spp = 1 << 19;
+        places.levels = levels;
+        places.level_count = 2;
+        places.views = &nadir;
+        places.view_count = 1;
+        must(*state, ty_path_flux(scene, &def, &places, &flux, NULL));
+        printf("radar cloud: sun at %g degrees, albedo %g\n", cases[i].zenith, cases[i].albedo);
+        assert_agrees("reflectance", flux_mean(flux, TY_FLUX_UP, 1), cases[i].reflectance, 0.005);
+        assert_agrees("transmittance", transmitted(flux), cases[i].transmittance, 0.005);
+        if (cases[i].absorptance > 0)
+            assert_agrees("absorptance", flux_mean(flux, TY_FLUX_ABSORBED, 0), cases[i].absorptance, 0.005);
+        assert_agrees("nadir reflectivity", reflectivity(flux, 0), cases[i].nadir, 0.005);
+        ty_flux_destroy(flux);
+        ty_scene_destroy(scene);
+    }
+    ty_grid_release(grid);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(domain_means_are_the_consensus),
         cmocka_unit_test(pixels_are_the_consensus),
+        cmocka_unit_test(a_radar_cloud_is_the_consensus),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

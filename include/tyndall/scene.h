@@ -402,7 +402,7 @@ typedef struct ty_sky_def {
 
 /// Periodic lateral boundaries: the scene repeats along some axes. Light that leaves the cell by one of its faces comes
 /// in by the opposite one, as if copies of the cell filled space without seams; grids that span the cell from face to
-/// face are interpolated across the faces. What surfaces have beyond the cell is cut off. Such scenes take directional
+/// face are interpolated across the faces. Surfaces are cut off at the faces of the cell. Such scenes take directional
 /// and environment lights, media that emit, and surfaces that are no dielectrics. ty_path_...() takes them; other
 /// methods refuse them. Create it with ty_default_periodic_def().
 typedef struct ty_periodic_def {
@@ -498,7 +498,7 @@ TY_API void ty_scene_destroy(ty_scene* scene);
 
 /// Sets the camera, which needs no commit. Errors: TY_ERROR_ARGUMENT (the message has the field and its range).
 TY_API ty_result ty_scene_set_camera(ty_scene* scene, const ty_camera_def* def);
-/// Sets periodic boundaries. What such a scene cannot have is refused by ty_scene_commit().
+/// Sets periodic boundaries. ty_scene_commit() refuses scenes with parts that cannot repeat.
 /// Errors: TY_ERROR_ARGUMENT (the message has the field).
 TY_API ty_result ty_scene_set_periodic(ty_scene* scene, const ty_periodic_def* def);
 /// Adds a medium. Errors: TY_ERROR_ARGUMENT (the message has the field and its range), TY_ERROR_MEMORY.
@@ -512,7 +512,7 @@ TY_API ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def);
 
 /// Builds ray tracing structures, majorants and tables of lights, which rendering needs. It must be called again after
 /// further add calls, and not while another thread reads the scene. Errors: TY_ERROR_ARGUMENT (a periodic scene with
-/// what does not repeat), TY_ERROR_MEMORY, TY_ERROR_INTERNAL.
+/// parts that cannot repeat), TY_ERROR_MEMORY, TY_ERROR_INTERNAL.
 TY_API ty_result ty_scene_commit(ty_scene* scene);
 
 /// The context of a scene.

@@ -84,17 +84,6 @@ ty_result ty_periodic_check(const ty_scene* scene, const ty_periodic_view* cell,
     return TY_OK;
 }
 
-bool ty_periodic_spans(const ty_periodic_view* cell, const ty_affine* map, const int32_t size[3], int32_t axis) {
-    if ((cell->axes >> axis & 1) == 0) return false;
-    const double step = map->m[4 * axis + axis];
-    for (int b = 0; b < 3; ++b)
-        if (b != axis && (fabs(map->m[4 * axis + b]) > 1e-6 * step || fabs(map->m[4 * b + axis]) > 1e-6 * step))
-            return false;
-    const double lower = map->m[4 * axis + 3] - 0.5 * step, upper = lower + step * size[axis];
-    return step > 0 && fabs(lower - (double)cell->lower[axis]) < 0.01 * step &&
-           fabs(upper - (double)cell->upper[axis]) < 0.01 * step;
-}
-
 ty_result ty_scene_check_open(const ty_scene* scene, const char* method) {
     const ty_periodic_def* def = &scene->periodic;
     if (!def->axes[0] && !def->axes[1] && !def->axes[2]) return TY_OK;

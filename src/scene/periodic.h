@@ -12,7 +12,5 @@ void ty_periodic_bound_cell(const ty_scene* scene, ty_periodic_view* cell);
 /* Fails if the scene with these lights repeats and has what cannot: lights with a place, and dielectrics. */
 ty_result ty_periodic_check(const ty_scene* scene, const ty_periodic_view* cell, const ty_committed_lights* lights,
                             const ty_committed_interiors* interiors);
-/* True if a grid whose index space `map` takes into the scene spans the cell along an axis, from face to face. */
-bool ty_periodic_spans(const ty_periodic_view* cell, const ty_affine* map, const int32_t size[3], int32_t axis);
 
 #endif

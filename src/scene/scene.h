@@ -6,7 +6,7 @@
 #include "scene/lights/light_choice.k.h"
 #include "scene/lights/light_tree.h"
 #include "scene/media/medium.k.h"
-#include "scene/periodic.k.h"
+#include "scene/media/periodic.k.h"
 #include "scene/surfaces/accel.h"
 #include "scene/settings.h"
 

@@ -163,14 +163,13 @@ int cli_flux(int count, char** arguments) {
         "SCENE [-o OUT.json|OUT.csv] [options]",
         "Estimates fluxes through levels, absorbed power and radiance, by columns of a scene.",
         "SCENE is a JSON file, or builtin:NAME. Fluxes are W m^-2: up, and down of diffuse and of direct light, just\n"
-        "above each level. What the media of a column absorb is W m^-2 of its area. Radiance, W m^-2 sr^-1, is that "
-        "of\n"
-        "light that rises through the highest level (zenith angles below 90 degrees) or sinks through the lowest.\n"
-        "All have standard errors. Columns fill the cell of a periodic scene, or the box around the media.\n\n"
-        "FILE of --bands is a JSON array of {\"name\": TEXT, \"weight\": W, \"set\": {\"media[0].sigma_t\": 0.3, "
-        "...}}. All\n"
-        "bands have the same random numbers, so that differences between them have less noise. The last of the\n"
-        "output is their weighted sum.",
+        "above each level. Absorbed power is that of the media of a column, W m^-2 of its area. Radiance, W m^-2 "
+        "sr^-1,\n"
+        "is that of light that rises through the highest level (zenith angles below 90 degrees), or sinks through the\n"
+        "lowest. All have standard errors. Columns fill the cell of a periodic scene, or the box around the media.\n\n"
+        "FILE of --bands is an array of {\"name\": TEXT, \"weight\": W, \"set\": {\"media[0].sigma_t\": 0.3, ...}}.\n"
+        "All bands have the same random numbers, so that differences between them have less noise. Their weighted sum\n"
+        "comes last.",
         table,
         sizeof table / sizeof table[0],
         1,

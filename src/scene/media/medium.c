@@ -4,7 +4,6 @@
 #include "base/context.h"
 #include "scene/media/blackbody.h"
 #include "base/check.h"
-#include "scene/periodic.h"
 #include "scene/surfaces/closed_mesh.h"
 #include "scene/media/phase.h"
 
@@ -204,6 +203,18 @@ static void invert_to_floats(const ty_affine* map, float out[12]) {
     for (int i = 0; i < 12; ++i) out[i] = (float)inverse.m[i];
 }
 
+/* True if a grid whose index space `map` takes into the scene spans the cell along an axis, from face to face. */
+static bool spans_cell(const ty_periodic_view* cell, const ty_affine* map, const int32_t size[3], int32_t axis) {
+    if ((cell->axes >> axis & 1) == 0) return false;
+    const double step = map->m[4 * axis + axis];
+    for (int b = 0; b < 3; ++b)
+        if (b != axis && (fabs(map->m[4 * axis + b]) > 1e-6 * step || fabs(map->m[4 * b + axis]) > 1e-6 * step))
+            return false;
+    const double lower = map->m[4 * axis + 3] - 0.5 * step, upper = lower + step * size[axis];
+    return step > 0 && fabs(lower - (double)cell->lower[axis]) < 0.01 * step &&
+           fabs(upper - (double)cell->upper[axis]) < 0.01 * step;
+}
+
 static ty_grid_view place_grid(const ty_medium_def* def, const ty_periodic_view* cell, const ty_grid* grid,
                                float to_index[12]) {
     const ty_grid_info info = ty_grid_get_info(grid);
@@ -212,7 +223,7 @@ static ty_grid_view place_grid(const ty_medium_def* def, const ty_periodic_view*
     invert_to_floats(&world, to_index);
     ty_grid_view view = ty_grid_get_view(grid);
     for (int32_t a = 0; a < 3; ++a)
-        if (ty_periodic_spans(cell, &world, info.size, a)) view.wraps |= 1 << a;
+        if (spans_cell(cell, &world, info.size, a)) view.wraps |= 1 << a;
     return view;
 }
 

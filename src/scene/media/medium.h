@@ -3,7 +3,7 @@
 #define TY_SCENE_MEDIA_MEDIUM_H
 
 #include "scene/media/medium.k.h"
-#include "scene/periodic.k.h"
+#include "scene/media/periodic.k.h"
 
 #include <tyndall/scene.h>
 

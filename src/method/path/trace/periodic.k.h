@@ -1,10 +1,10 @@
-/* Paths through a periodic cell: rays in pieces from face to face (scene/periodic.k.h). Lights are distant. */
+/* Paths through a periodic cell: rays in pieces from face to face (scene/media/periodic.k.h). Lights are distant. */
 #ifndef TY_METHOD_PATH_TRACE_PERIODIC_K_H
 #define TY_METHOD_PATH_TRACE_PERIODIC_K_H
 
 #include "method/path/trace/collision.k.h"
 #include "method/path/trace/light_path.k.h"
-#include "scene/periodic.k.h"
+#include "scene/media/periodic.k.h"
 
 /* Nonzero: the kernel of periodic scenes. */
 #ifndef TY_PATH_PERIODIC

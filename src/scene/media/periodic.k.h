@@ -1,6 +1,6 @@
 /* Rays through a cell that repeats along some axes: they leave by one face and come in by the opposite one. */
-#ifndef TY_SCENE_PERIODIC_K_H
-#define TY_SCENE_PERIODIC_K_H
+#ifndef TY_SCENE_MEDIA_PERIODIC_K_H
+#define TY_SCENE_MEDIA_PERIODIC_K_H
 
 #include "base/vector.k.h"
 
