@@ -81,6 +81,10 @@ test_messages() {
 
 # What cannot repeat is refused with the file's line, and methods that cannot repeat anything refuse the scene.
 test_periodic_scenes() {
+  expect 0 info builtin:step_cloud
+  said out.txt '^boundary +periodic, x 0 to 500 y 0 to 500 m$'
+  expect 0 info builtin:step_cloud --json
+  said out.txt '"periodic": "xy"'
   printf '%s\n' '{ "tyndall": 1,' '"boundary": { "periodic": ["x"] },' \
     '"media": [{ "bounds": [[0, 0, 0], [1, 1, 1]], "sigma_s": 1 }],' \
     '"lights": [{ "type": "point", "position": [0, 0, 0], "intensity": 1 }] }' > lamp.json

@@ -143,7 +143,8 @@ TY_API ty_result ty_path_fluence(const ty_scene* scene, const ty_path_def* def, 
                                  double* variance);
 
 /// Estimates the transmittance exp(-optical depth) of the media between two points (m), per channel, without surfaces:
-/// the mean of def->spp ratio-tracked estimates, exact where media are homogeneous. Errors: TY_ERROR_ARGUMENT.
+/// the mean of def->spp ratio-tracked estimates, exact where media are homogeneous. Periodic boundaries do not count.
+/// Errors: TY_ERROR_ARGUMENT.
 TY_API ty_result ty_path_transmittance(const ty_scene* scene, const ty_path_def* def, const double from[3],
                                        const double to[3], double transmittance[3]);
 

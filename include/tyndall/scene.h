@@ -629,7 +629,7 @@ typedef enum ty_ray_order {
 } ty_ray_order;
 
 /// Finds the first surface of a committed scene on each of many rays, on the threads of the context: hits[i] belongs to
-/// rays[i]. A surface with alpha is met or not, as a function of the ray alone.
+/// rays[i]. A surface with alpha is met or not, as a function of the ray alone. Periodic boundaries do not count.
 /// Errors: TY_ERROR_ARGUMENT (scene not committed, negative count).
 TY_API ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, ty_ray_order order,
                                 ty_ray_hit* hits);
