@@ -70,10 +70,10 @@ static void assert_agrees(const char* name, estimate measured, double expected, 
 }
 
 static void domain_means_are_the_consensus(void** state) {
-    const double noise = in_full() ? 0.004 : 0.03;
+    const double noise = in_full() ? 0.006 : 0.03;
     for (int i = 0; i < EXPERIMENTS; ++i) {
         const struct experiment* e = &experiments[i];
-        ty_flux* flux = estimate_cloud(*state, e, 1, fewer(1 << 21, 64));
+        ty_flux* flux = estimate_cloud(*state, e, 1, fewer(1 << 20, 32));
         printf("experiment %d: sun at %g degrees, albedo %g\n", e->number, e->zenith, e->albedo);
         assert_agrees("reflectance", flux_mean(flux, TY_FLUX_UP, 1), e->reflectance, noise);
         if (isfinite(e->transmittance)) assert_agrees("transmittance", transmitted(flux), e->transmittance, noise);
@@ -115,7 +115,7 @@ static void pixels_are_the_consensus(void** state) {
         const struct experiment* e = &experiments[i];
         double expected[PIXELS];
         read_consensus(e, "R", expected);
-        ty_flux* flux = estimate_cloud(*state, e, PIXELS, fewer(65536, 16));
+        ty_flux* flux = estimate_cloud(*state, e, PIXELS, fewer(32768, 32));
         printf("experiment %d\n", e->number);
         compare_pixels("reflectance", ty_flux_values(flux, TY_FLUX_UP, 1), ty_flux_errors(flux, TY_FLUX_UP, 1), 1,
                        expected, 0.003);
@@ -197,18 +197,18 @@ static void a_radar_cloud_is_the_consensus(void** state) {
         ty_path_def def = ty_default_path_def();
         ty_flux_def places = ty_default_flux_def();
         ty_flux* flux = NULL;
-        def.spp = 1 << 19;
+        def.spp = 1 << 18;
         places.levels = levels;
         places.level_count = 2;
         places.views = &nadir;
         places.view_count = 1;
         must(*state, ty_path_flux(scene, &def, &places, &flux, NULL));
         printf("radar cloud: sun at %g degrees, albedo %g\n", cases[i].zenith, cases[i].albedo);
-        assert_agrees("reflectance", flux_mean(flux, TY_FLUX_UP, 1), cases[i].reflectance, 0.005);
-        assert_agrees("transmittance", transmitted(flux), cases[i].transmittance, 0.005);
+        assert_agrees("reflectance", flux_mean(flux, TY_FLUX_UP, 1), cases[i].reflectance, 0.016);
+        assert_agrees("transmittance", transmitted(flux), cases[i].transmittance, 0.016);
         if (cases[i].absorptance > 0)
-            assert_agrees("absorptance", flux_mean(flux, TY_FLUX_ABSORBED, 0), cases[i].absorptance, 0.005);
-        assert_agrees("nadir reflectivity", reflectivity(flux, 0), cases[i].nadir, 0.005);
+            assert_agrees("absorptance", flux_mean(flux, TY_FLUX_ABSORBED, 0), cases[i].absorptance, 0.016);
+        assert_agrees("nadir reflectivity", reflectivity(flux, 0), cases[i].nadir, 0.016);
         ty_flux_destroy(flux);
         ty_scene_destroy(scene);
     }
