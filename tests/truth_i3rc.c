@@ -110,12 +110,16 @@ static void compare_pixels(const char* name, const double* values, const double*
     if (!(square < 2 && worst < 4.5)) fail_msg("%s: pixels differ by more than their noise", name);
 }
 
+/* Samples have heavy tails, so that few of them do not tell their own error. */
 static void pixels_are_the_consensus(void** state) {
+    char path[1024];
+    data_path("i3rc/I3RC_cons_res_case1_exp1_R.txt", path);
+    if (!in_full()) skip();
     for (int i = 0; i < EXPERIMENTS; ++i) {
         const struct experiment* e = &experiments[i];
         double expected[PIXELS];
         read_consensus(e, "R", expected);
-        ty_flux* flux = estimate_cloud(*state, e, PIXELS, fewer(32768, 32));
+        ty_flux* flux = estimate_cloud(*state, e, PIXELS, 32768);
         printf("experiment %d\n", e->number);
         compare_pixels("reflectance", ty_flux_values(flux, TY_FLUX_UP, 1), ty_flux_errors(flux, TY_FLUX_UP, 1), 1,
                        expected, 0.003);
