@@ -208,11 +208,11 @@ static void a_radar_cloud_is_the_consensus(void** state) {
         places.view_count = 1;
         must(*state, ty_path_flux(scene, &def, &places, &flux, NULL));
         printf("radar cloud: sun at %g degrees, albedo %g\n", cases[i].zenith, cases[i].albedo);
-        assert_agrees("reflectance", flux_mean(flux, TY_FLUX_UP, 1), cases[i].reflectance, 0.016);
-        assert_agrees("transmittance", transmitted(flux), cases[i].transmittance, 0.016);
+        assert_agrees("reflectance", flux_mean(flux, TY_FLUX_UP, 1), cases[i].reflectance, 0.025);
+        assert_agrees("transmittance", transmitted(flux), cases[i].transmittance, 0.025);
         if (cases[i].absorptance > 0)
-            assert_agrees("absorptance", flux_mean(flux, TY_FLUX_ABSORBED, 0), cases[i].absorptance, 0.016);
-        assert_agrees("nadir reflectivity", reflectivity(flux, 0), cases[i].nadir, 0.016);
+            assert_agrees("absorptance", flux_mean(flux, TY_FLUX_ABSORBED, 0), cases[i].absorptance, 0.025);
+        assert_agrees("nadir reflectivity", reflectivity(flux, 0), cases[i].nadir, 0.025);
         ty_flux_destroy(flux);
         ty_scene_destroy(scene);
     }
