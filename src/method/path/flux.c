@@ -78,20 +78,26 @@ static ty_result check_def(ty_context* context, const ty_flux_def* def) {
 
 /* ---- places ---- */
 
-/* The box around all media, m; empty without any. */
-static void media_box(const ty_scene* scene, double lower[3], double upper[3]) {
+static bool may_absorb(const ty_medium_def* medium) {
+    return medium->sigma_a[0] > 0 || medium->sigma_a[1] > 0 || medium->sigma_a[2] > 0 ||
+           medium->albedo_grid[0] != NULL || medium->transfer_albedo;
+}
+
+/* The box around all media, or those that may absorb, m; empty without any. */
+static void media_box(const ty_scene* scene, bool absorbing, double lower[3], double upper[3]) {
     for (int a = 0; a < 3; ++a) {
         lower[a] = INFINITY;
         upper[a] = -INFINITY;
     }
-    for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_voxel_extent(&scene->media[i], lower, upper);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (!absorbing || may_absorb(&scene->media[i])) ty_medium_voxel_extent(&scene->media[i], lower, upper);
 }
 
 /* levels: of out, where paths start. */
 static ty_result place_columns(const ty_scene* scene, ty_flux_def* def, double* levels, ty_path_columns* out) {
     const ty_periodic_view* cell = &scene->view.periodic;
     double lower[3], upper[3], low[3], high[3];
-    media_box(scene, lower, upper);
+    media_box(scene, false, lower, upper);
     ty_scene_extent(scene, low, high);
     const int32_t up = scene->up == TY_AXIS_Z ? 2 : 1;
     const int32_t axes[3] = {0, up == 2 ? 1 : 2, up};
@@ -110,8 +116,9 @@ static ty_result place_columns(const ty_scene* scene, ty_flux_def* def, double* 
         out->lower[i] = def->lower[i];
         out->cell[i] = (def->upper[i] - def->lower[i]) / def->columns[i];
     }
-    out->media[0] = scene->medium_count > 0 ? lower[up] : 0;
-    out->media[1] = scene->medium_count > 0 ? upper[up] : 0;
+    media_box(scene, true, lower, upper);
+    out->absorbing[0] = upper[up] > lower[up] ? lower[up] : 0;
+    out->absorbing[1] = upper[up] > lower[up] ? upper[up] : 0;
     /* Of the scene's height, and of the rounding of the heights themselves. */
     const double rise = level_offset * (high[up] - low[up]) + 4e-7 * fmax(fabs(low[up]), fabs(high[up]));
     out->level_count = def->level_count;

@@ -76,9 +76,9 @@ TY_FN_CALLED void ty_path_begin_column(ty_path* path, const ty_path_columns* col
         ty_path_begin_flux(path, point, normal, kind != TY_COLUMN_DOWN_DIFFUSE,
                            kind == TY_COLUMN_DOWN_DIRECT ? 0.0f : 1.0f);
     } else if (quantity == level_quantities) {
-        const double height = columns->media[1] - columns->media[0];
-        const ty_vec at =
-            ty_column_point(path, columns, item, columns->media[0] + height * (double)ty_rng_uniform(&path->random));
+        const double height = columns->absorbing[1] - columns->absorbing[0];
+        const ty_vec at = ty_column_point(path, columns, item,
+                                          columns->absorbing[0] + height * (double)ty_rng_uniform(&path->random));
         float sigma_a[3];
         const ty_vec point =
             path->request->scene->periodic.axes != 0 ? ty_periodic_point(&path->request->scene->periodic, at) : at;

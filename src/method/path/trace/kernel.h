@@ -29,7 +29,7 @@ typedef struct ty_path_columns {
     int32_t size[2]; /* columns along the horizontal axes */
     int32_t level_count, view_count;
     double lower[2], cell[2];  /* of the columns, m */
-    double media[2];           /* lowest and highest point of the media, m */
+    double absorbing[2];       /* lowest and highest point of the media that absorb, m */
     const double* levels;      /* where paths start, m */
     const double* view_levels; /* by view, m */
     const float* views;        /* by view: the direction of paths */
