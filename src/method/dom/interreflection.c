@@ -131,7 +131,7 @@ static ty_result solve_more(ty_dom_job* job, ty_dom* more, ty_dom_stats* stats) 
     returned.light = more;
     returned.stats = ty_default_dom_stats();
     for (int c = 0; c < 3; ++c) {
-        returned.source[c] = returned.incident_radiance[c] = NULL;
+        returned.source[c] = returned.centers[c] = returned.incident_radiance[c] = NULL;
         returned.wall_radiance[c] = dark;
     }
     for (int32_t c = 0; c < ty_dom_channels(more) && result == TY_OK; ++c) {

@@ -76,7 +76,8 @@ typedef struct ty_ordinates_def {
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
     /* Four planes: the part of q_00 whose positions within cells are known, and that times their center along x, y and
-     * z, -1..1; diffusive cells use them. NULL (default): positions follow from the neighbours' sources. */
+     * z, -1..1; diffusive cells use them, and with bands^2 source terms all others where accelerated. NULL (default):
+     * positions follow from the neighbours' sources. */
     const float* const* source_center;
     ty_ordinates_faces walls;
     ty_boundary_radiance boundary_radiance; /* default: 0 */

@@ -212,11 +212,8 @@ static bool is_dark(const ty_dom_job* job, int32_t channel) {
 
 /* True if some cell may be thick enough for diffusion. */
 static bool has_diffusive_cells(const ty_dom_job* job, int32_t channel) {
-    const double* cell = job->coarse->cell;
-    const float* extinction = job->coarse->extinction[job->light->planes == 3 ? channel : 0];
-    const double longest = fmax(fmax(cell[0], cell[1]), cell[2]);
     for (size_t i = 0; i < job->light->cells; ++i)
-        if ((double)extinction[i] * longest > job->diffusive_paths) return true;
+        if (ty_dom_cell_thickness(job, job->light->planes == 3 ? channel : 0, i) > job->diffusive_paths) return true;
     return false;
 }
 

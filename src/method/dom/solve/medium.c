@@ -134,12 +134,23 @@ static void fit_bands(ty_dom_job* job, double g) {
 /* Minimum number of bands that are kept for the eye; surfaces need two. */
 enum { MIN_OUTPUT_BANDS = 2 };
 
+/* True if some cells are thick and yet swept. */
+static bool has_thick_swept_cells(const ty_dom_job* job) {
+    for (int32_t p = 0; p < job->coarse->planes; ++p)
+        for (size_t i = 0; i < job->coarse->cells; ++i) {
+            const double paths = ty_dom_cell_thickness(job, p, i);
+            if (paths > TY_DOM_DISPLACED_PATHS && paths <= job->diffusive_paths) return true;
+        }
+    return false;
+}
+
 static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     ty_dom* light = job->light;
     const double g = largest_g(job->coarse);
     const float* legendre = ty_dom_legendre(light);
     light->isotropic = !(g > 0) && legendre == NULL;
     light->bands = legendre != NULL ? choose_legendre_bands(job, legendre, exact) : choose_bands(job, g, exact);
+    if (light->bands == 1 && job->def->bands == TY_AUTO && has_thick_swept_cells(job)) light->bands = 2;
     if (legendre == NULL) fit_bands(job, g);
     light->has_lobes = (legendre != NULL ? (double)legendre[light->bands] : pow(g, light->bands)) > min_lobe_peak;
     for (int32_t l = 0; l < light->bands && legendre != NULL; ++l)
