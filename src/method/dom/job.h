@@ -16,6 +16,7 @@ typedef struct ty_dom_job {
     ty_grid_medium* fine;            /* cells of uncollided light */
     ty_grid_medium* coarse;          /* cells of ordinates */
     double diffusive_paths;          /* of ty_ordinates_def */
+    bool is_narrow;                  /* the bands leave much of the phase function to the forward peak */
     bool even_light;                 /* all lights are soft environments */
     ty_discrete_light_set sources;
     const ty_boundary_faces* boundary; /* the solution's, between coarse cells; NULL: there are none */

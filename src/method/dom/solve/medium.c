@@ -152,7 +152,9 @@ static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     light->bands = legendre != NULL ? choose_legendre_bands(job, legendre, exact) : choose_bands(job, g, exact);
     if (light->bands == 1 && job->def->bands == TY_AUTO && has_thick_swept_cells(job)) light->bands = 2;
     if (legendre == NULL) fit_bands(job, g);
-    light->has_lobes = (legendre != NULL ? (double)legendre[light->bands] : pow(g, light->bands)) > min_lobe_peak;
+    const double peak = legendre != NULL ? (double)legendre[light->bands] : pow(g, light->bands);
+    light->has_lobes = peak > min_lobe_peak;
+    job->is_narrow = peak > max_peak + g_tolerance;
     for (int32_t l = 0; l < light->bands && legendre != NULL; ++l)
         light->scattered[l] = legendre[l] - ty_grid_medium_forward(job->fine, light->bands);
     light->output_bands = light->bands < MIN_OUTPUT_BANDS ? MIN_OUTPUT_BANDS : light->bands;

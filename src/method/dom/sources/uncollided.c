@@ -56,10 +56,13 @@ static ty_result average_dedicated(direct_job* direct, const ty_light_group* gro
     return TY_OK;
 }
 
-/* A sphere shines in all directions from its center. */
-static void center_sphere(const ty_dom_job* job, ty_light_fluence* uncollided) {
+/* A light with extent spreads its directions; a sphere shines in all of them from its center. */
+static void extend(const ty_dom_job* job, ty_light_fluence* uncollided) {
     const ty_light_view* light = &ty_scene_get_view(job->scene)->lights.lights[uncollided->sample.light];
-    if (uncollided->kind != TY_FLUENCE_POINT || light->kind != TY_KIND_SPHERE) return;
+    if (!job->is_narrow || uncollided->kind != TY_FLUENCE_POINT) return;
+    if (light->kind == TY_KIND_AREA) uncollided->extent = light->area;
+    if (light->kind != TY_KIND_SPHERE) return;
+    uncollided->extent = TY_PI * light->radius * light->radius;
     uncollided->anchor = uncollided->sample.position = light->position;
     uncollided->sample.profile = TY_PROFILE_ISOTROPIC;
 }
@@ -79,7 +82,7 @@ static ty_result light_dedicated(direct_job* direct, const ty_light_group* group
         result = average_dedicated(direct, group, fields, light->coarse_fields[light->fluence_count]);
     if (result != TY_OK) return result;
     *uncollided = ty_light_group_fluence(job->sources.items, group, fields[TY_FLUENCE_ORDER_L]);
-    center_sphere(job, uncollided);
+    extend(job, uncollided);
     describe_lobe(light, fields, uncollided);
     ++light->fluence_count;
     const double begun = ty_wall_seconds();
@@ -264,11 +267,11 @@ static void free_memory(direct_job* direct) {
     ty_light_field_destroy(direct->field);
 }
 
-/* Radius up to which lights with extent count as points near and within media: half a cell of the ordinates, which is
- * how far the directions of other lights are off. Where scattering is isotropic, directions do not matter. */
+/* Radius up to which lights with extent count as points near and within media: a cell of the ordinates, within which
+ * the directions of other lights are one. It matters where phase functions are narrow. */
 static float point_radius(const ty_dom_job* job) {
     const double* cell = job->coarse->cell;
-    return job->light->isotropic ? 0 : 0.5f * (float)fmax(cell[0], fmax(cell[1], cell[2]));
+    return !job->is_narrow ? 0 : (float)fmax(cell[0], fmax(cell[1], cell[2]));
 }
 
 ty_result ty_dom_find_uncollided(ty_dom_job* job) {
