@@ -7,24 +7,22 @@
 typedef struct edges_job {
     const ty_march_request* request;
     ty_edges_kernel kernel;
-    int32_t width, height;
-    int32_t* faces;
+    int32_t width;
+    int32_t* faces; /* with a border of one pixel */
     uint8_t* marked;
 } edges_job;
 
 static void find_faces(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const edges_job* job = user;
-    job->kernel(job->request, (int32_t)row, job->width, job->faces + row * job->width);
+    job->kernel(job->request, (int32_t)row - 1, job->width, job->faces + row * (job->width + 2));
 }
 
 static bool differs_from_neighbour(const edges_job* job, int32_t x, int32_t y) {
-    const int32_t face = job->faces[(size_t)y * (size_t)job->width + (size_t)x];
-    for (int32_t k = 0; k < 9; ++k) {
-        const int32_t i = x + k % 3 - 1, j = y + k / 3 - 1;
-        if (i < 0 || j < 0 || i >= job->width || j >= job->height) continue;
-        if (job->faces[(size_t)j * (size_t)job->width + (size_t)i] != face) return true;
-    }
+    const size_t columns = (size_t)job->width + 2;
+    const int32_t* corner = job->faces + (size_t)y * columns + (size_t)x;
+    for (size_t k = 0; k < 9; ++k)
+        if (corner[k / 3 * columns + k % 3] != corner[columns + 1]) return true;
     return false;
 }
 
@@ -72,18 +70,18 @@ static bool may_have_edges(const ty_march_request* request, int32_t width, int32
 ty_result ty_edges_create(const ty_scene* scene, int32_t width, int32_t height, int32_t rays,
                           ty_march_request* request) {
     ty_context* context = ty_scene_context(scene);
-    const size_t pixels = (size_t)width * (size_t)height;
+    const size_t pixels = (size_t)width * (size_t)height, bordered = (size_t)(width + 2) * (size_t)(height + 2);
     if (rays <= request->spp || !may_have_edges(request, width, height)) return TY_OK;
     request->edges = (ty_edges_view){.rays = rays, .width = width, .pixels = pixels};
     request->edges.marked = ty_alloc_array(context, pixels, 1, false);
-    int32_t* faces = ty_alloc_array(context, pixels, sizeof *faces, false);
+    int32_t* faces = ty_alloc_array(context, bordered, sizeof *faces, false);
     const bool whole = faces != NULL && request->edges.marked != NULL;
     if (whole) {
-        edges_job job = {request, TY_BEST_KERNELS(ty_edges_kernel), width, height, faces, request->edges.marked};
-        ty_parallel_for(context, height, find_faces, &job);
+        edges_job job = {request, TY_BEST_KERNELS(ty_edges_kernel), width, faces, request->edges.marked};
+        ty_parallel_for(context, height + 2, find_faces, &job);
         ty_parallel_for(context, height, mark_row, &job);
     }
-    ty_free_array(context, faces, pixels, sizeof *faces);
+    ty_free_array(context, faces, bordered, sizeof *faces);
     return whole ? TY_OK : TY_ERROR_MEMORY;
 }
 

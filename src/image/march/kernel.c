@@ -17,7 +17,10 @@ TY_MARCH_KERNEL(TY_KERNEL_NAME(ty_march_kernel)) {
         for (int32_t i = 0; i < rays; ++i) {
             float dx, dy;
             ty_hit hit;
-            ty_pixel_place(i, rays, &dx, &dy);
+            if (rays == request->spp)
+                ty_pixel_place(i, rays, &dx, &dy);
+            else
+                ty_pixel_place_at_edge(x, y, i, rays, &dx, &dy);
             const ty_vec direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
             const bool hits =
                 mesh != NULL && ty_accel_intersect(mesh, request->camera.origin, direction, TY_FLOAT_MAX, &hit);

@@ -12,6 +12,17 @@ TY_FN void ty_pixel_place(int32_t sample, int32_t spp, float* dx, float* dy) {
     *dy = phase - floorf(phase);
 }
 
+/* The same of a pixel at an edge, whose lattice is shifted from pixel to pixel: edges run along rows of them. */
+TY_FN void ty_pixel_place_at_edge(int32_t x, int32_t y, int32_t sample, int32_t rays, float* dx, float* dy) {
+    const double right = 0.7548776662466927 * x + 0.5698402909980532 * y;
+    const double down = 0.5698402909980532 * x + 0.7548776662466927 * y;
+    ty_pixel_place(sample, rays, dx, dy);
+    *dx += (float)(right - floor(right));
+    *dy += (float)(down - floor(down));
+    *dx -= floorf(*dx);
+    *dy -= floorf(*dy);
+}
+
 /* Number of rays through a pixel. */
 TY_FN int32_t ty_pixel_rays(TY_GLOBAL const ty_march_request* request, int32_t x, int32_t y) {
     TY_GLOBAL const ty_edges_view* edges = &request->edges;
