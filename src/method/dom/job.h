@@ -17,6 +17,7 @@ typedef struct ty_dom_job {
     ty_grid_medium* coarse;          /* cells of ordinates */
     double diffusive_paths;          /* of ty_ordinates_def */
     bool is_narrow;                  /* the bands leave much of the phase function to the forward peak */
+    bool tells_positions;            /* of first collisions within cells that are thick and yet swept */
     bool even_light;                 /* all lights are soft environments */
     ty_discrete_light_set sources;
     const ty_boundary_faces* boundary; /* the solution's, between coarse cells; NULL: there are none */
@@ -32,7 +33,7 @@ typedef struct ty_dom_job {
 } ty_dom_job;
 
 /* Thickness of cells, mean free paths of sigma*, above which the positions of first collisions within them are told
- * apart. */
+ * apart where media have no edges. */
 #define TY_DOM_DISPLACED_PATHS 1.0
 
 /* The longest edge of a cell in mean free paths. */

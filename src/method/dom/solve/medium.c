@@ -134,8 +134,13 @@ static void fit_bands(ty_dom_job* job, double g) {
 /* Minimum number of bands that are kept for the eye; surfaces need two. */
 enum { MIN_OUTPUT_BANDS = 2 };
 
+/* Minimum thickness of diffusive cells, mean free paths; the larger one for media with edges, whose cells are full in
+ * part. */
+static const double diffusive_paths = 2, diffusive_paths_edged = TY_DIFFUSIVE_FREE_PATHS;
+
 /* True if some cells are thick and yet swept. */
 static bool has_thick_swept_cells(const ty_dom_job* job) {
+    if (job->diffusive_paths > diffusive_paths) return false;
     for (int32_t p = 0; p < job->coarse->planes; ++p)
         for (size_t i = 0; i < job->coarse->cells; ++i) {
             const double paths = ty_dom_cell_thickness(job, p, i);
@@ -152,6 +157,7 @@ static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     light->bands = legendre != NULL ? choose_legendre_bands(job, legendre, exact) : choose_bands(job, g, exact);
     if (light->bands == 1 && job->def->bands == TY_AUTO && has_thick_swept_cells(job)) light->bands = 2;
     if (legendre == NULL) fit_bands(job, g);
+    job->tells_positions = light->bands > 1 && job->diffusive_paths <= diffusive_paths;
     const double peak = legendre != NULL ? (double)legendre[light->bands] : pow(g, light->bands);
     light->has_lobes = peak > min_lobe_peak;
     job->is_narrow = peak > max_peak + g_tolerance;
@@ -240,10 +246,6 @@ static int32_t find_thick_refinement(const ty_dom_job* job) {
     return (int32_t)fmax(
         1, fmin(ceil(thickness / MAX_FINE_THICKNESS), max < MAX_THICK_REFINEMENT ? max : MAX_THICK_REFINEMENT));
 }
-
-/* Minimum thickness of diffusive cells, mean free paths; the larger one for media with edges, whose cells are full in
- * part. */
-static const double diffusive_paths = 2, diffusive_paths_edged = TY_DIFFUSIVE_FREE_PATHS;
 
 /* Fine cells per cell of a box without refinement. */
 static int32_t find_refinement(const ty_dom_job* job, const int32_t size[3]) {

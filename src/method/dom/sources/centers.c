@@ -118,7 +118,7 @@ static bool is_thick(const center_job* centers, size_t cell) {
     const ty_dom_job* job = centers->job;
     const int32_t plane = job->coarse->planes == 3 ? centers->channel : 0;
     return ty_dom_cell_thickness(job, plane, cell) > job->diffusive_paths ||
-           (job->light->bands > 1 && reduced_thickness(job, plane, cell) > TY_DOM_DISPLACED_PATHS);
+           (job->tells_positions && reduced_thickness(job, plane, cell) > TY_DOM_DISPLACED_PATHS);
 }
 
 static void center_row(void* user, int64_t row, int32_t worker) {
