@@ -173,6 +173,9 @@ test_memory() {
   printf "ply\nformat ascii 1.0\n$elements${list}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n" > huge.ply
   printf "ply\nformat binary_little_endian 1.0\n$elements$list" > binary.ply
   cp a.nrrd huge.nrrd
+  { head -c 128 /dev/zero; printf 'DICM\340\177\20\0OB\0\0\4\0\0\0abcd'; } > huge.dcm
+  printf 'VOL\3\3\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0' > huge.vol
+  truncate -s 49 huge.vol
   cp ok.nvdb huge.nvdb
   printf '{"tyndall": 1}' > huge.json
   : > huge.bin
@@ -187,6 +190,8 @@ test_memory() {
     limited 2 "$file: byte [0-9]+ is a zero, which no text has" '-v 1000000' info $file
   done
   limited 2 'huge.bin: 5368709120 bytes, more than the limit' '-v 1000000' info buffer.gltf
+  limited 2 'huge.dcm: 5368709120 bytes, more than the limit|without pixel data|colour|0 x 0' '-v 1000000' info huge.dcm
+  limited 2 'huge.vol: 5368709120 bytes, of which its header accounts for 49' '-v 1000000' info huge.vol
   limited 2 'huge.nvdb: ' '-v 1000000' info huge.nvdb
   limited 2 'huge.json: 5368709120 bytes, more than the limit' '-v 1000000' info huge.json
   rm huge.* binary.ply packed.nrrd

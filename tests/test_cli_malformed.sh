@@ -174,7 +174,7 @@ test_no_files() {
   long=$(printf '%0300d' 0).exr
   begin
   for input in folder.exr folder.json /dev/null /dev/zero missing.exr pipe.exr pipe.json pipe.vdb loop.exr "$long"; do
-    none='not a regular file|No such file|Too many levels|name too long'
+    none='not a regular file|a folder without DICOM files|No such file|Too many levels|name too long'
     refused "$input" "$none" info "$input"
     refused "$input" "$none" render "$input" -o OUT.exr
   done

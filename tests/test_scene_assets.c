@@ -1,6 +1,7 @@
 /* Scene files that name other files: volumes of every kind, fields, sequences, closed meshes, mesh files, cameras, and
  * the hash over all of them. */
 #define _GNU_SOURCE
+#include "dicom_maker.h"
 #include "level_maker.h"
 
 #include "scene/scene.h"
@@ -390,11 +391,22 @@ static void put_map(const char* path) {
     ty_image_destroy(image);
 }
 
+static void put_ct(void) {
+    static dicom_writer writer;
+    dicom_form form = dicom_default_form();
+    form.series = "1.2.4"; /* number 4 */
+    mkdir("ct_head", 0777);
+    dicom_slice(&writer, &form, "0\\0\\0");
+    dicom_pixels(&writer, &form, (const int64_t[6]){-1000, -400, 0, 100, 150, 1000});
+    put_file("ct_head/1", writer.bytes, writer.size);
+}
+
 static void put_examples(void) {
     put_vdb("plume_0030.vdb", "density");
     put_vdb("smoke.vdb", "density");
     put_vdb("heat.vdb", "temperature");
     put_nrrd("head.nrrd", 1, "400 1500");
+    put_ct();
     put_map("planks.png");
     put_map("planks_rough.png");
     put_map("planks_normal.png");
@@ -424,7 +436,7 @@ static void the_manuals_examples_load(void** state) {
         }
         at = end + 1;
     }
-    assert_int_equal(loaded, 8);
+    assert_int_equal(loaded, 9);
     free(bytes);
 }
 

@@ -9,6 +9,9 @@
 
 #include <cmocka.h>
 #include <jansson.h>
+#include <sys/stat.h>
+
+#include "dicom_maker.h"
 
 #include "io/scenes/builtin.h"
 #include "scene/scene.h"
@@ -332,6 +335,12 @@ static void write_files(ty_context* context) {
     expect_ok(context, ty_image_write_exr(context, image, "sky.exr"));
     expect_ok(context, ty_image_write_png(context, image, 0, TY_TONE_CLIP, "map.png"));
     ty_image_destroy(image);
+    static dicom_writer writer;
+    const dicom_form form = dicom_default_form();
+    dicom_slice(&writer, &form, "0\\0\\0");
+    dicom_pixels(&writer, &form, (const int64_t[6]){1, 2, 3, 4, 5, 6});
+    mkdir("slice", 0777);
+    put_file("slice/a.dcm", writer.bytes, writer.size);
 }
 
 static const char volume_scene[] =
@@ -468,7 +477,8 @@ static const char every_key[] =
     "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"fournier_forand\",\"n\":1.1,\"mu\":3.6}},"
     "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"fournier_forand\",\"backscatter\":0.02}},"
     "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"table\",\"angles\":[0,90,180],\"values\":[3,1,2]}},"
-    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"table\",\"cosines\":[-1,0,1],\"values\":[3,1,2]}}],"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"table\",\"cosines\":[-1,0,1],\"values\":[3,1,2]}},"
+    "{\"sigma_s\":1,\"density\":{\"file\":\"slice/a.dcm\",\"series\":\"3\"}}],"
     "\"lights\":[{\"type\":\"directional\",\"direction\":[0,0,-1],\"irradiance\":1},"
     "{\"type\":\"point\",\"position\":[0,0,0],\"intensity\":1},"
     "{\"type\":\"spot\",\"position\":[0,0,0],\"direction\":[0,0,-1],\"intensity\":1,\"cone\":40,\"penumbra\":0.1},"
@@ -488,11 +498,12 @@ static const char every_key[] =
     "\"volume\":{\"attenuation_color\":0.5,\"attenuation_distance\":2,\"priority\":1}}},{\"sphere\":{\"center\":[0,0,"
     "0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0,\"point_light_directions\":true,"
-    "\"energy_compensation\":true,\"guide\":\"none\"},"
+    "\"energy_compensation\":true,\"guide\":\"auto\"},"
     "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":\"auto\",\"environment\":"
     "\"none\","
     "\"balance\":false},"
-    "\"fld\":{\"interreflection\":false,\"limiter\":\"larsen\",\"larsen_power\":3,\"max_flux_fraction\":1,\"boundary\":\"dirichlet\",\"solver\":"
+    "\"fld\":{\"interreflection\":false,\"limiter\":\"larsen\",\"larsen_power\":3,\"max_flux_fraction\":1,\"boundary\":"
+    "\"dirichlet\",\"solver\":"
     "\"sor\","
     "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
     "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"interior_resolution\":40,\"spp\":2,\"step\":0.5,\"ray_"
@@ -543,7 +554,7 @@ static void every_key_is_accepted(void** state) {
     json_decref(schema);
     ty_scene* scene = parse(context, every_key);
     const ty_scene_info info = ty_scene_get_info(scene);
-    assert_int_equal(info.media, 19); /* two of them the air of the sky */
+    assert_int_equal(info.media, 20); /* two of them the air of the sky */
     assert_int_equal(info.lights, 8);
     assert_int_equal(info.meshes, 1);
     assert_int_equal(info.shapes, 3);

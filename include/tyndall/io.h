@@ -89,6 +89,7 @@ typedef struct ty_volume_def {
     bool raw_big_endian;   ///< Raw files: byte order; default false.
     int64_t raw_offset;    ///< Raw files: bytes to skip; -1: the bytes that the file has beyond its voxels; default 0.
     double raw_spacing[3]; ///< Raw files: units between voxels, the centre of the first one at 0; default 0: unplaced.
+    const char* series;    ///< DICOM folders: number, description or UID of the series; default "": the only one.
 } ty_volume_def;
 
 /// Sets the `bytes` bytes of a ty_volume_def to the defaults, as ty_init_context_def() does.
@@ -101,8 +102,15 @@ static inline ty_volume_def ty_default_volume_def(void) {
 }
 /// Reads a scalar grid, told by content where that is possible, from an OpenVDB file (.vdb: float, half, double, vec3s
 /// by component), a NanoVDB file (.nvdb, plain or zip: float, half, double, fp4 to fp16, fpn, vec3f by component), an
-/// NRRD file (.nrrd, .nhdr; raw, gzip, text; attached data, or one file in the header's folder or below it) or a raw
-/// file (any other extension, with raw_size). OpenVDB and NanoVDB grids are as by ty_vdb_read().
+/// NRRD file (.nrrd, .nhdr; raw, gzip, text; attached data, or one file in the header's folder or below it), a DICOM
+/// series (its folder, or one of its files), a NIfTI file (.nii, .nii.gz, .hdr with .img), a TIFF stack, a .vol file of
+/// Mitsuba or a raw file (any other extension, with raw_size). OpenVDB and NanoVDB grids are as by ty_vdb_read().
+///
+/// DICOM: slices are in the order of their positions along the normal, evenly spaced, placed in mm (left, posterior,
+/// superior); values are scaled by slope and intercept. NIfTI: placed by sform, qform or spacings in the file's unit
+/// (right, anterior, superior), scaled. TIFF: pages are slices; ImageJ and OME place them. Mitsuba: voxels fill the
+/// file's box. Outside of a placed volume of these kinds, an NRRD or a raw file, the value is the lowest one, or 0 if
+/// none is below.
 ///
 /// An NRRD file has three axes, or four of which the first or last holds components (by kinds, else the first or last
 /// of at most 4). Its space directions, or spacings, and its origin place the grid in units of the file, axes in the
@@ -129,6 +137,11 @@ typedef enum ty_nrrd_codec {
 /// Writes an NRRD file with space directions and origin, as float: NRRD has no half.
 /// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_nrrd_write(ty_context* context, const ty_grid* grid, ty_nrrd_codec codec, const char* path);
+/// Writes a .vol file of Mitsuba, version 3, as float, one value per voxel. Its voxels fill a box along the axes; an
+/// unplaced grid fills the unit cube.
+/// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_INPUT (a grid that is turned, sheared or reversed),
+/// TY_ERROR_MEMORY.
+TY_API ty_result ty_mitsuba_write(ty_context* context, const ty_grid* grid, const char* path);
 /// Writes a NanoVDB file, as float; values equal to the background are inactive. codec: "none" or "zip".
 /// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT.
 TY_API ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, const char* grid_name, const char* codec,

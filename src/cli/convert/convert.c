@@ -2,6 +2,7 @@
 #include "cli/convert/convert.h"
 #include "cli/commands.h"
 #include "cli/options/raw_options.h"
+#include "io/volumes/nifti.h"
 
 #include <string.h>
 
@@ -11,9 +12,10 @@ static bool has_one_of(const char* path, const char* const* extensions) {
     return false;
 }
 
+/* By the extension; .hdr is also that of NIfTI headers. */
 static bool is_image(const char* path) {
     static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".webp", NULL};
-    return has_one_of(path, extensions);
+    return has_one_of(path, extensions) && !ty_is_nifti_file(path);
 }
 
 static int choose_codec(const char** codec, const char* const* known, const char* output) {
@@ -32,16 +34,19 @@ static int check_codec(const char** codec, const char* output) {
     static const char* const vdb[] = {"zip", "blosc", "none", NULL};
     static const char* const nanovdb[] = {"zip", "none", NULL};
     static const char* const nrrd[] = {"gzip", "none", NULL};
+    static const char* const vol[] = {"none", NULL};
     if (cli_has_extension(output, ".vdb")) return choose_codec(codec, vdb, output);
     if (cli_has_extension(output, ".nvdb")) return choose_codec(codec, nanovdb, output);
     if (cli_has_extension(output, ".nrrd")) return choose_codec(codec, nrrd, output);
-    return cli_usage_error("convert", "%s: a volume goes to .vdb, .nvdb or .nrrd", output);
+    if (cli_has_extension(output, ".vol")) return choose_codec(codec, vol, output);
+    return cli_usage_error("convert", "%s: a volume goes to .vdb, .nvdb, .nrrd or .vol", output);
 }
 
 static ty_result write_volume(ty_context* context, const ty_grid* grid, const char* name, const char* codec,
                               const char* output) {
     if (cli_has_extension(output, ".vdb")) return ty_vdb_write(context, grid, name, codec, output);
     if (cli_has_extension(output, ".nvdb")) return ty_nanovdb_write(context, grid, name, codec, output);
+    if (cli_has_extension(output, ".vol")) return ty_mitsuba_write(context, grid, output);
     return ty_nrrd_write(context, grid, strcmp(codec, "gzip") == 0 ? TY_NRRD_CODEC_GZIP : TY_NRRD_CODEC_RAW, output);
 }
 
@@ -55,6 +60,7 @@ static int convert_volume(cli_session* session, const ty_volume_def* def, const 
     cli_end_on_interrupt(false);
     result = write_volume(session->context, grid, def->grid, codec, output);
     ty_grid_release(grid);
+    if (result == TY_ERROR_INPUT) return cli_fail_reading(session, result); /* a grid that the format cannot hold */
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
 
@@ -74,13 +80,16 @@ int cli_convert(int count, char** arguments) {
         {"component", 0, CLI_INT, "N", "which of several values per voxel (default 0)", &def.component, 0, 65535, NULL},
         {"frame", 0, CLI_INT, "N", "takes the place of the #s in IN (default 0)", &def.frame, 0, INT32_MAX, NULL},
         {"codec", 0, CLI_TEXT, "NAME",
-         ".vdb: zip, blosc, none; .nvdb: zip, none; .nrrd: gzip, none (default: the first)", &codec, 0, 0, NULL},
+         ".vdb: zip, blosc, none; .nvdb: zip, none; .nrrd: gzip, none; .vol: none (default: the first)", &codec, 0, 0,
+         NULL},
         {"raw-size", 0, CLI_TEXT, "X,Y,Z", "voxels of a raw file", &raw_size, 0, 0, NULL},
         {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
          NULL},
         {"raw-spacing", 0, CLI_TEXT, "X,Y,Z", "units between voxels of a raw file (default: no position)", &raw_spacing,
          0, 0, NULL},
         {"big-endian", 0, CLI_FLAG, NULL, "of a raw file", &def.raw_big_endian, 0, 0, NULL},
+        {"series", 0, CLI_TEXT, "NAME", "of a folder of DICOM files: its number, description or UID", &def.series, 0, 0,
+         NULL},
         {"layer", 0, CLI_TEXT, "NAME", "layer of an EXR (default: all channels)", &image.layer, 0, 0, NULL},
         {"channel", 0, CLI_TEXT, "NAME", "of an image, for --bits 16 (default: the first)", &image.channel, 0, 0, NULL},
         {"exposure", 0, CLI_REAL, "STOPS", "exposure of a PNG (default 0)", &image.exposure, -64, 64, NULL},
@@ -92,7 +101,8 @@ int cli_convert(int count, char** arguments) {
     const cli_syntax syntax = {"convert",
                                "IN OUT [options]",
                                "Converts a volume or an image into a file of another kind.",
-                               "Volumes: .vdb, .nvdb, .nrrd, .nhdr and raw files to .vdb, .nvdb, .nrrd.\n"
+                               "Volumes: .vdb, .nvdb, .nrrd, .nhdr, DICOM (a folder or a file of a series), NIfTI\n"
+                               "(.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd, .vol.\n"
                                "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png.",
                                table,
                                sizeof table / sizeof table[0],

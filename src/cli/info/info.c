@@ -4,6 +4,7 @@
 #include "cli/options/raw_options.h"
 #include "cli/text/text.h"
 #include "io/file.h"
+#include "io/volumes/volume_file.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -83,12 +84,26 @@ int cli_info_volume(cli_session* session, const char* path, bool json) {
     return CLI_DONE;
 }
 
-static void print_dense(const ty_grid_info* info, int32_t components, const char* path) {
+/* The voxels of a volume, and what its file tells beside them. */
+typedef struct dense_volume {
+    const char* path;
+    ty_grid_info info;
+    int32_t components;
+    ty_volume_notes notes;
+} dense_volume;
+
+static void print_dense(const dense_volume* volume) {
+    const ty_grid_info* info = &volume->info;
     char bytes[24];
     cli_format_bytes((double)info->bytes, bytes);
-    printf("volume           %s\nsize             %dx%dx%d\nvalues           %d per voxel, %s when read, %s each\n",
-           path, info->size[0], info->size[1], info->size[2], components, info->type == TY_GRID_F16 ? "half" : "float",
-           bytes);
+    printf("volume           %s\n", volume->path);
+    for (int32_t i = 0; i < volume->notes.count; ++i) {
+        printf("%-16s ", volume->notes.items[i].name);
+        cli_print_text(stdout, volume->notes.items[i].text, 0);
+        printf("\n");
+    }
+    printf("size             %dx%dx%d\nvalues           %d per voxel, %s when read, %s each\n", info->size[0],
+           info->size[1], info->size[2], volume->components, info->type == TY_GRID_F16 ? "half" : "float", bytes);
     printf("range            %.6g to %.6g, mean %.6g\n", (double)info->min, (double)info->max, info->mean);
     if (!info->placed) printf("placed           no\n");
     for (int r = 0; r < 3 && info->placed; ++r) {
@@ -97,13 +112,18 @@ static void print_dense(const ty_grid_info* info, int32_t components, const char
     }
 }
 
-static void print_dense_json(const ty_grid_info* info, int32_t components, const char* path) {
+static void print_dense_json(const dense_volume* volume) {
+    const ty_grid_info* info = &volume->info;
     json_writer json = json_begin(stdout);
     json_open_object(&json, NULL);
     json_text(&json, "kind", "volume");
-    json_text(&json, "file", path);
+    json_text(&json, "file", volume->path);
+    json_open_object(&json, "notes");
+    for (int32_t i = 0; i < volume->notes.count; ++i)
+        json_text(&json, volume->notes.items[i].name, volume->notes.items[i].text);
+    json_close_object(&json);
     json_numbers(&json, "size", (const double[]){info->size[0], info->size[1], info->size[2]}, 3);
-    json_int(&json, "components", components);
+    json_int(&json, "components", volume->components);
     json_text(&json, "type", info->type == TY_GRID_F16 ? "half" : "float");
     json_number(&json, "dense_bytes", (double)info->bytes);
     json_number(&json, "min", (double)info->min);
@@ -114,19 +134,20 @@ static void print_dense_json(const ty_grid_info* info, int32_t components, const
     json_close_object(&json);
 }
 
-/* Volumes of one grid: NRRD and raw. */
+/* Volumes of one grid: all but OpenVDB and NanoVDB. */
 static int info_dense(cli_session* session, const char* path, const ty_volume_def* def, bool json) {
     ty_grid* grid = NULL;
-    int32_t components = 0;
-    ty_result result = ty_volume_components(session->context, path, def, &components);
+    dense_volume volume = {.path = path};
+    ty_result result = ty_volume_components(session->context, path, def, &volume.components);
     if (result == TY_OK) result = ty_volume_read(session->context, path, def, &grid);
     if (result != TY_OK) return cli_fail_reading(session, result);
-    const ty_grid_info info = ty_grid_get_info(grid);
+    volume.info = ty_grid_get_info(grid);
     ty_grid_release(grid);
+    ty_volume_describe(session->context, path, def, &volume.notes);
     if (json)
-        print_dense_json(&info, components, path);
+        print_dense_json(&volume);
     else
-        print_dense(&info, components, path);
+        print_dense(&volume);
     return CLI_DONE;
 }
 
@@ -225,7 +246,7 @@ int cli_info_image(cli_session* session, const char* path, bool json) {
     return CLI_DONE;
 }
 
-typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_NRRD, FILE_IMAGE, FILE_MESH } file_kind;
+typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_DENSE, FILE_IMAGE, FILE_MESH } file_kind;
 
 /* Detection by the first bytes; JSON by a brace after blanks, OBJ by the extension. */
 static file_kind kind_of(const char* path, const unsigned char* head, size_t size) {
@@ -234,7 +255,7 @@ static file_kind kind_of(const char* path, const unsigned char* head, size_t siz
         size_t size;
         file_kind kind;
     } known[] = {{" BDV", 4, FILE_VOLUME},        {"NanoVDB", 7, FILE_VOLUME},
-                 {"NRRD", 4, FILE_NRRD},          {"\x76\x2f\x31\x01", 4, FILE_IMAGE},
+                 {"NRRD", 4, FILE_DENSE},         {"\x76\x2f\x31\x01", 4, FILE_IMAGE},
                  {"#?", 2, FILE_IMAGE},           {"\x89PNG", 4, FILE_IMAGE},
                  {"\xff\xd8\xff", 3, FILE_IMAGE}, {"RIFF", 4, FILE_IMAGE},
                  {"glTF", 4, FILE_MESH},          {"ply\n", 4, FILE_MESH},
@@ -244,10 +265,11 @@ static file_kind kind_of(const char* path, const unsigned char* head, size_t siz
     if (cli_has_extension(path, ".obj") || cli_has_extension(path, ".gltf")) return FILE_MESH;
     size_t i = size >= 3 && memcmp(head, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     while (i < size && memchr(" \t\r\n", head[i], 4) != NULL) ++i;
-    return i < size && head[i] == '{' ? FILE_SCENE : FILE_UNKNOWN;
+    if (i < size && head[i] == '{') return FILE_SCENE;
+    return ty_volume_format_of(path, head, size) != TY_VOLUME_RAW ? FILE_DENSE : FILE_UNKNOWN;
 }
 
-enum { HEAD_SIZE = 256 };
+enum { HEAD_SIZE = TY_VOLUME_HEAD };
 
 /* Reads the first bytes of a regular file: CLI_GO, or a status after a message. A pipe is refused because reading could
  * block. */
@@ -266,25 +288,27 @@ static int read_head(const char* path, unsigned char head[HEAD_SIZE], size_t* si
 static int info_of_file(cli_session* session, const char* path, const cli_list* overrides, const ty_volume_def* raw,
                         bool json) {
     if (strncmp(path, "builtin:", 8) == 0) return cli_info_scene(session, path, overrides, json);
+    if (ty_is_folder(path)) return info_dense(session, path, raw, json);
     unsigned char head[HEAD_SIZE];
     size_t size = 0;
     const int status = read_head(path, head, &size);
     if (status != CLI_GO) return status;
-    const file_kind kind = raw->raw_size[0] > 0 ? FILE_NRRD : kind_of(path, head, size);
+    const file_kind kind = raw->raw_size[0] > 0 ? FILE_DENSE : kind_of(path, head, size);
     if (overrides->count > 0 && kind != FILE_SCENE)
         return cli_usage_error("info", "-D is for scenes, and %s is none", path);
     switch (kind) {
     case FILE_SCENE: return cli_info_scene(session, path, overrides, json);
     case FILE_VOLUME: return cli_info_volume(session, path, json);
-    case FILE_NRRD: return info_dense(session, path, raw, json);
+    case FILE_DENSE: return info_dense(session, path, raw, json);
     case FILE_IMAGE: return cli_info_image(session, path, json);
     case FILE_MESH: return cli_info_mesh(session, path, json);
     case FILE_UNKNOWN: break;
     }
-    return cli_fail(CLI_USAGE,
-                    "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd), an image (.exr, .hdr, .png, .jpg, "
-                    ".webp) or a mesh (.gltf, .glb, .obj, .ply)",
-                    path);
+    return cli_fail(
+        CLI_USAGE,
+        "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd, .dcm, .nii, .tif, .vol), an image (.exr, "
+        ".hdr, .png, .jpg, .webp) or a mesh (.gltf, .glb, .obj, .ply)",
+        path);
 }
 
 int cli_info(int count, char** arguments) {
@@ -302,11 +326,14 @@ int cli_info(int count, char** arguments) {
         {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
          NULL},
         {"big-endian", 0, CLI_FLAG, NULL, "of a raw file", &raw.raw_big_endian, 0, 0, NULL},
+        {"series", 0, CLI_TEXT, "NAME", "of a folder of DICOM files: its number, description or UID", &raw.series, 0, 0,
+         NULL},
     };
     const cli_syntax syntax = {"info",
                                "FILE | --media [MEDIUM] [options]",
                                "Tells what a scene, a volume, an image or a mesh file holds.",
-                               "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr and raw files.\n"
+                               "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr, DICOM (a folder\n"
+                               "or a file of a series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files.\n"
                                "Images: .exr, .hdr, .png, .jpg, .webp. Meshes: .gltf, .glb, .obj, .ply, in the units\n"
                                "of the file. Memory is what a render takes for what is in the file.",
                                table,

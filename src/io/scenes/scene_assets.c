@@ -2,6 +2,7 @@
 #include "base/context.h"
 #include "io/file.h"
 #include "io/scenes/scene_reader.h"
+#include "io/volumes/dicom/dicom.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -9,7 +10,8 @@
 
 const char* const ty_gltf_extensions[] = {".gltf", ".glb", NULL};
 const char* const ty_mesh_extensions[] = {".gltf", ".glb", ".obj", ".ply", NULL};
-const char* const ty_volume_extensions[] = {".vdb", ".nvdb", ".nrrd", ".nhdr", NULL};
+const char* const ty_volume_extensions[] = {".vdb",    ".nvdb", ".nrrd",   ".nhdr", ".dcm",  ".dicom", ".ima", ".nii",
+                                            ".nii.gz", ".hdr",  ".hdr.gz", ".tif",  ".tiff", ".vol",   NULL};
 
 bool ty_has_extension(const char* file, const char* const* extensions) {
     const size_t length = strlen(file);
@@ -159,21 +161,31 @@ static bool has_names(const json_t* volume) {
     return ty_has_extension(json_string_value(json_object_get(volume, "file")), extensions);
 }
 
+/* True for folders and for files of DICOM, which often have no extension. */
+static bool is_dicom(const ty_scene_reader* reader, const char* name) {
+    char* path = reader->folder != NULL ? ty_join_path(reader->context, reader->folder, name) : NULL;
+    const bool found = path != NULL && (ty_is_folder(path) || ty_is_dicom_file(path));
+    ty_free_text(reader->context, path);
+    return found;
+}
+
 /* Known formats describe their content; other files need "raw". */
 static ty_result check_volume_type(const ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path) {
-    const ty_json_path grid = ty_json_path_key(json_path, "grid");
+    const ty_json_path grid = ty_json_path_key(json_path, "grid"), series = ty_json_path_key(json_path, "series");
     if (json_object_get(volume, "grid") != NULL && !has_names(volume))
         return ty_reader_fail(reader, &grid, TY_ERROR_INPUT, "is for .vdb and .nvdb files; others hold one grid");
-    const bool known = ty_has_extension(json_string_value(json_object_get(volume, "file")), ty_volume_extensions);
+    const char* name = json_string_value(json_object_get(volume, "file"));
+    const bool dicom = is_dicom(reader, name), known = dicom || ty_has_extension(name, ty_volume_extensions);
+    if (json_object_get(volume, "series") != NULL && !dicom)
+        return ty_reader_fail(reader, &series, TY_ERROR_INPUT, "is for folders and files of DICOM");
     const bool raw = json_object_get(volume, "raw") != NULL;
     const ty_json_path key = ty_json_path_key(json_path, raw ? "raw" : "file");
     if (known && raw)
-        return ty_reader_fail(reader, &key, TY_ERROR_INPUT,
-                              "is for raw files; .vdb, .nvdb, .nrrd and .nhdr tell what they hold");
+        return ty_reader_fail(reader, &key, TY_ERROR_INPUT, "is for raw files; this one tells what it holds");
     if (known || raw) return TY_OK;
     return ty_reader_fail(reader, &key, TY_ERROR_INPUT,
-                          "cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, and any file with the "
-                          "key \"raw\" beside it");
+                          "cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, .dcm and folders of "
+                          "DICOM, .nii, .nii.gz, .hdr, .tif, .vol, and any file with the key \"raw\" beside it");
 }
 
 static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t* volume, const char* grid_name) {
@@ -183,6 +195,8 @@ static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t
     def.frame = reader->frame;
     ty_read_int(volume, "frame", &def.frame);
     ty_read_int(volume, "component", &def.component);
+    const char* series = json_string_value(json_object_get(volume, "series"));
+    if (series != NULL) def.series = series;
     const json_t* raw = json_object_get(volume, "raw");
     if (raw == NULL) return def;
     double size[3] = {0, 0, 0}, offset = 0;
