@@ -6,8 +6,8 @@
 
 #include "image/march/kernel.h"
 
-/* Faces of the pixels [-1, width] of row y, into faces[0..]: what the ray through the center enters first, 0: no thick
- * medium. */
+/* Faces of the pixels [-1, width] of row y, into faces[0..]: of the medium that the ray through the center enters
+ * first, 0: no thick medium. */
 #define TY_EDGES_KERNEL(name)                                                                                          \
     void name(const ty_march_request* request, int32_t y, int32_t width, TY_GLOBAL int32_t* faces)
 typedef TY_EDGES_KERNEL((*ty_edges_kernel));
