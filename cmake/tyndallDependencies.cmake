@@ -18,10 +18,11 @@ endforeach()
 find_path(TYNDALL_NANOVDB_INCLUDE_DIR nanovdb/PNanoVDB.h REQUIRED) # headers only
 mark_as_advanced(TYNDALL_NANOVDB_INCLUDE_DIR)
 
-# Decoders of compressed glTF files and WebP images. A build without one refuses files that need it.
+# Decoders of compressed glTF files, WebP images and XML. A build without one refuses files that need it.
 option(TYNDALL_DRACO "Read glTF meshes compressed by Draco" ON)
 option(TYNDALL_MESHOPT "Read glTF meshes compressed by meshoptimizer" ON)
 option(TYNDALL_WEBP "Read WebP images" ON)
+option(TYNDALL_EXPAT "Read VTK's .vti volumes, whose headers are XML" ON)
 if(TYNDALL_DRACO)
   find_package(draco CONFIG REQUIRED)
 endif()
@@ -30,6 +31,9 @@ if(TYNDALL_MESHOPT)
 endif()
 if(TYNDALL_WEBP AND NOT TARGET PkgConfig::WEBP)
   pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET GLOBAL libwebp)
+endif()
+if(TYNDALL_EXPAT AND NOT TARGET PkgConfig::EXPAT)
+  pkg_check_modules(EXPAT REQUIRED IMPORTED_TARGET GLOBAL expat)
 endif()
 
 # Readers of TIFF stacks and decoders of compressed DICOM frames, where their libraries are installed.

@@ -176,6 +176,10 @@ test_memory() {
   { head -c 128 /dev/zero; printf 'DICM\340\177\20\0OB\0\0\4\0\0\0abcd'; } > huge.dcm
   printf 'VOL\3\3\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0' > huge.vol
   truncate -s 49 huge.vol
+  printf '<VTKFile type="ImageData"><ImageData WholeExtent="0 1 0 1 0 1"><Piece Extent="0 1 0 1 0 1"><PointData>
+    <DataArray type="UInt8" Name="v" format="appended" offset="0"/></PointData></Piece></ImageData>
+    <AppendedData encoding="raw">_' > huge.vti
+  printf '# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\nPOINT_DATA 8\nVECTORS v int\n' > huge.vtk
   cp ok.nvdb huge.nvdb
   printf '{"tyndall": 1}' > huge.json
   : > huge.bin
@@ -183,7 +187,7 @@ test_memory() {
     "bufferViews":[{"buffer":0,"byteLength":36}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
     "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]}' > buffer.gltf
   truncate -s 5G huge.* binary.ply packed.nrrd
-  for file in huge.{exr,png,hdr,jpg,webp,glb,nrrd} binary.ply packed.nrrd; do
+  for file in huge.{exr,png,hdr,jpg,webp,glb,nrrd,vti,vtk} binary.ply packed.nrrd; do
     limited 2 "$file: 5368709120 bytes, of which its header accounts for" '-v 1000000' info $file
   done
   for file in huge.{gltf,obj,ply}; do

@@ -299,6 +299,18 @@ test_volumes() {
     : > "empty.$format"
     bad_volume "empty.$format" '.'
   done
+  # `info` lists the arrays of a .vti file without reading them.
+  expect 0 convert noise.raw ok.vti --raw-size 16,16,16 --codec none
+  cut_volume ok.vti '4 7 60 300 400 500' '.'
+  head -c 5000 ok.vti > cut_ok.vti
+  begin
+  refused cut_ok.vti 'damaged or cut short' convert cut_ok.vti OUT.nrrd
+  for format in vti vtk nc; do
+    cp ok.obj "text.$format"
+    bad_volume "text.$format" '.'
+    : > "empty.$format"
+    bad_volume "empty.$format" '.'
+  done
   cut_volume blosc.vdb "$(($(wc -c < blosc.vdb) - 100))" '.'
   { head -c 8 ok.vdb; printf '\1\0\0\0'; tail -c +13 ok.vdb; } > old.vdb
   bad_volume old.vdb 'format 1'

@@ -89,6 +89,39 @@ test_scans() {
   usage_error 'a.tif: ' info a.tif
 }
 
+# The same through VTK's formats, and three values per voxel as vectors of floats and of halves.
+test_vtk() {
+  printf 'abcdefghijklmnopqrstuvwx' > letters.raw
+  expect 0 convert letters.raw a.nrrd --raw-size 2,3,4 --raw-spacing 1,2,0.5 --codec none
+  expect 0 convert a.nrrd b.vti
+  expect 0 convert b.vti c.nrrd --codec none
+  identical a.nrrd c.nrrd
+  expect 0 info b.vti
+  said out.txt '^density +float +24 active voxels in .0, 0, 0. to .1, 2, 3., voxel 1 x 2 x 0.5'
+  expect 0 info b.vti --grid density
+  said out.txt '^range +97 to 120, mean 108.5$'
+  printf '# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 1\nPOINT_DATA 2
+VECTORS v float\n1 2 3 4 5 6\n' > v.vtk
+  expect 0 convert v.vtk v.vdb --vector --half --grid v
+  expect 0 info v.vdb
+  said out.txt '^v +vec3s +2 active voxels'
+  expect 0 convert v.vdb w.vti --vector --grid v --codec none
+  expect 0 info w.vti --grid v --component 2
+  said out.txt '^range +3 to 6, mean 4.5$'
+  expect 0 convert a.nrrd half.vdb --half
+  expect 0 info half.vdb
+  said out.txt '^density +half '
+  usage_error 'no array "w"; there is v' convert v.vtk a.vdb --grid w
+  usage_error '3 values per voxel; component 3' convert v.vtk a.vdb --component 3
+  usage_error '1 values per voxel, not 3' convert a.nrrd a.vdb --vector
+  usage_error 'vector is for .vdb and .vti' convert v.vtk a.nrrd --vector
+  usage_error 'half is for .vdb' convert a.nrrd b.vti --half
+  usage_error "codec 'blosc'" convert a.nrrd b.vti --codec blosc
+  usage_error 'air-density goes with' convert v.vtk a.vdb --air-density 1
+  usage_error 'neither a name nor' convert v.vtk a.vdb --effective-radius 0
+  usage_error 'grid is for volumes of named grids' info a.nrrd --grid density
+}
+
 test_messages() {
   printf 'abcdefgh' > eight.raw
   usage_error 'needs its size' convert eight.raw a.vdb
@@ -96,7 +129,7 @@ test_messages() {
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2,1.5
   usage_error 'raw_type is "bits"' convert eight.raw a.vdb --raw-size 2,2,2 --raw-type bits
-  usage_error 'goes to .vdb, .nvdb, .nrrd or .vol' convert eight.raw a.txt --raw-size 2,2,2
+  usage_error 'goes to .vdb, .nvdb, .nrrd, .vti or .vol' convert eight.raw a.txt --raw-size 2,2,2
   usage_error "codec 'lzma'" convert eight.raw a.vdb --raw-size 2,2,2 --codec lzma
   usage_error "codec 'blosc'" convert eight.raw a.nvdb --raw-size 2,2,2 --codec blosc
   usage_error 'No such file' convert gone.vdb a.nrrd

@@ -14,10 +14,15 @@
 
 /* Memory of one component of a grid read densely; 0 for types that are not read. */
 static double dense_bytes(const ty_vdb_entry* entry) {
-    static const char* const floats[] = {"float", "double", "vec3s", "vec3f", "fp4", "fp8", "fp16", "fpn"};
-    double value = strcmp(entry->type, "half") == 0 ? 2 : 0;
+    static const char* const floats[] = {"float", "double", "vec3s",  "vec3f", "fp4",    "fp8",   "fp16",
+                                         "fpn",   "int16",  "uint16", "int32", "uint32", "int64", "uint64"};
+    static const char* const halves[] = {"half", "int8", "uint8"};
+    const size_t length = strcspn(entry->type, "[");
+    double value = 0;
     for (size_t i = 0; i < sizeof floats / sizeof floats[0]; ++i)
-        if (strcmp(entry->type, floats[i]) == 0) value = 4;
+        if (strlen(floats[i]) == length && strncmp(entry->type, floats[i], length) == 0) value = 4;
+    for (size_t i = 0; i < sizeof halves / sizeof halves[0]; ++i)
+        if (strlen(halves[i]) == length && strncmp(entry->type, halves[i], length) == 0) value = 2;
     double voxels = 1;
     for (int axis = 0; axis < 3; ++axis)
         voxels *= entry->lower[axis] > entry->upper[axis] ? 0 : (double)entry->upper[axis] - entry->lower[axis] + 1;
@@ -68,7 +73,7 @@ int cli_info_volume(cli_session* session, const char* path, bool json) {
         free(entries);
         entries = calloc((size_t)capacity, sizeof *entries);
         if (entries == NULL) return cli_fail(CLI_FAILED, "not enough memory");
-        const ty_result result = ty_vdb_list(session->context, path, entries, capacity, &count);
+        const ty_result result = ty_volume_list(session->context, path, entries, capacity, &count);
         if (result != TY_OK) {
             free(entries);
             return cli_fail_reading(session, result);
@@ -134,7 +139,7 @@ static void print_dense_json(const dense_volume* volume) {
     json_close_object(&json);
 }
 
-/* Volumes of one grid: all but OpenVDB and NanoVDB. */
+/* One grid: of files with a single one, or one that is asked for. */
 static int info_dense(cli_session* session, const char* path, const ty_volume_def* def, bool json) {
     ty_grid* grid = NULL;
     dense_volume volume = {.path = path};
@@ -254,11 +259,11 @@ static file_kind kind_of(const char* path, const unsigned char* head, size_t siz
         const char* magic;
         size_t size;
         file_kind kind;
-    } known[] = {{" BDV", 4, FILE_VOLUME},        {"NanoVDB", 7, FILE_VOLUME},
-                 {"NRRD", 4, FILE_DENSE},         {"\x76\x2f\x31\x01", 4, FILE_IMAGE},
-                 {"#?", 2, FILE_IMAGE},           {"\x89PNG", 4, FILE_IMAGE},
-                 {"\xff\xd8\xff", 3, FILE_IMAGE}, {"RIFF", 4, FILE_IMAGE},
-                 {"glTF", 4, FILE_MESH},          {"ply\n", 4, FILE_MESH},
+    } known[] = {{" BDV", 4, FILE_VOLUME},     {"NanoVDB", 7, FILE_VOLUME}, {"# vtk Da", 8, FILE_VOLUME},
+                 {"<VTKFile", 8, FILE_VOLUME}, {"<?xml", 5, FILE_VOLUME},   {"CDF", 3, FILE_VOLUME},
+                 {"\x89HDF", 4, FILE_VOLUME},  {"NRRD", 4, FILE_DENSE},     {"\x76\x2f\x31\x01", 4, FILE_IMAGE},
+                 {"#?", 2, FILE_IMAGE},        {"\x89PNG", 4, FILE_IMAGE},  {"\xff\xd8\xff", 3, FILE_IMAGE},
+                 {"RIFF", 4, FILE_IMAGE},      {"glTF", 4, FILE_MESH},      {"ply\n", 4, FILE_MESH},
                  {"ply\r", 4, FILE_MESH}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (size >= known[i].size && memcmp(head, known[i].magic, known[i].size) == 0) return known[i].kind;
@@ -293,7 +298,10 @@ static int info_of_file(cli_session* session, const char* path, const cli_list* 
     size_t size = 0;
     const int status = read_head(path, head, &size);
     if (status != CLI_GO) return status;
-    const file_kind kind = raw->raw_size[0] > 0 ? FILE_DENSE : kind_of(path, head, size);
+    file_kind kind = raw->raw_size[0] > 0 ? FILE_DENSE : kind_of(path, head, size);
+    if (raw->exact_grid && kind != FILE_VOLUME)
+        return cli_usage_error("info", "--grid is for volumes of named grids, and %s is none", path);
+    if (raw->exact_grid) kind = FILE_DENSE;
     if (overrides->count > 0 && kind != FILE_SCENE)
         return cli_usage_error("info", "-D is for scenes, and %s is none", path);
     switch (kind) {
@@ -304,24 +312,25 @@ static int info_of_file(cli_session* session, const char* path, const cli_list* 
     case FILE_MESH: return cli_info_mesh(session, path, json);
     case FILE_UNKNOWN: break;
     }
-    return cli_fail(
-        CLI_USAGE,
-        "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd, .dcm, .nii, .tif, .vol), an image (.exr, "
-        ".hdr, .png, .jpg, .webp) or a mesh (.gltf, .glb, .obj, .ply)",
-        path);
+    return cli_fail(CLI_USAGE,
+                    "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd, .vti, .vtk, .nc, .dcm, .nii, .tif, "
+                    ".vol), an image (.exr, .hdr, .png, .jpg, .webp) or a mesh (.gltf, .glb, .obj, .ply)",
+                    path);
 }
 
 int cli_info(int count, char** arguments) {
     bool json = false, media = false;
     cli_list overrides = {0};
     ty_volume_def raw = ty_default_volume_def();
-    const char *raw_size = NULL, *raw_type = NULL;
+    const char *raw_size = NULL, *raw_type = NULL, *grid = NULL;
     const cli_option table[] = {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &json, 0, 0, NULL},
         {"media", 0, CLI_FLAG, NULL, "the media that have names, or one: wholemilk:1000, fog:50, JSON", &media, 0, 0,
          NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)", &overrides, 0, 0,
          NULL},
+        {"grid", 0, CLI_TEXT, "NAME", "one grid of a volume: its range and its place", &grid, 0, 0, NULL},
+        {"component", 0, CLI_INT, "N", "which of several values per voxel (default 0)", &raw.component, 0, 65535, NULL},
         {"raw-size", 0, CLI_TEXT, "X,Y,Z", "voxels of a raw file", &raw_size, 0, 0, NULL},
         {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
          NULL},
@@ -332,10 +341,10 @@ int cli_info(int count, char** arguments) {
     const cli_syntax syntax = {"info",
                                "FILE | --media [MEDIUM] [options]",
                                "Tells what a scene, a volume, an image or a mesh file holds.",
-                               "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr, DICOM (a folder\n"
-                               "or a file of a series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files.\n"
-                               "Images: .exr, .hdr, .png, .jpg, .webp. Meshes: .gltf, .glb, .obj, .ply, in the units\n"
-                               "of the file. Memory is what a render takes for what is in the file.",
+                               "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc,\n"
+                               "DICOM (a folder or a file of a series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and\n"
+                               "raw files. Images: .exr, .hdr, .png, .jpg, .webp. Meshes: .gltf, .glb, .obj, .ply, in\n"
+                               "the units of the file. Memory is what a render takes for what is in the file.",
                                table,
                                sizeof table / sizeof table[0],
                                0,
@@ -346,6 +355,8 @@ int cli_info(int count, char** arguments) {
     if (status == CLI_GO && given.positional_count == 0 && !media)
         status = cli_usage_error("info", "expected: tyndall info %s", syntax.usage);
     if (status == CLI_GO) status = cli_parse_raw("info", raw_size, raw_type, NULL, &raw);
+    if (grid != NULL) raw.grid = grid;
+    raw.exact_grid = grid != NULL;
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "info", &given.common);
     if (status != CLI_GO) return status;

@@ -26,13 +26,22 @@ static void destroy_asset(ty_context* context, ty_asset* asset) {
     release_content(asset);
     ty_free_text(context, (char*)asset->volume.grid);
     ty_free_text(context, (char*)asset->volume.series);
+    ty_free_text(context, (char*)asset->volume.effective_radius);
+    ty_free_text(context, (char*)asset->volume.air_density);
     ty_free_text(context, (char*)asset->camera_name);
     ty_free_array(context, asset, 1, sizeof *asset);
 }
 
+static bool same_name(const char* a, const char* b) {
+    return a == NULL || b == NULL ? a == b : strcmp(a, b) == 0;
+}
+
 /* True if two defs request the same grid of one file. */
 static bool same_volume(const ty_volume_def* a, const ty_volume_def* b) {
-    return strcmp(a->grid, b->grid) == 0 && strcmp(a->series, b->series) == 0 && a->component == b->component &&
+    return strcmp(a->grid, b->grid) == 0 && strcmp(a->series, b->series) == 0 && a->exact_grid == b->exact_grid &&
+           a->meters_per_unit == b->meters_per_unit && same_name(a->effective_radius, b->effective_radius) &&
+           a->droplet_radius == b->droplet_radius && same_name(a->air_density, b->air_density) &&
+           a->air_density_value == b->air_density_value && a->component == b->component &&
            memcmp(a->raw_size, b->raw_size, sizeof a->raw_size) == 0 && strcmp(a->raw_type, b->raw_type) == 0 &&
            a->raw_big_endian == b->raw_big_endian && a->raw_offset == b->raw_offset &&
            memcmp(a->raw_spacing, b->raw_spacing, sizeof a->raw_spacing) == 0;
@@ -88,10 +97,12 @@ ty_result ty_assets_keep(ty_asset_cache* cache, const ty_asset* asset) {
     }
     *kept = *asset;
     kept->used = cache->reading;
-    const bool grid = copy_name(context, asset->volume.grid, &kept->volume.grid);
+    const bool volume = copy_name(context, asset->volume.grid, &kept->volume.grid);
     const bool series = copy_name(context, asset->volume.series, &kept->volume.series);
+    const bool radius = copy_name(context, asset->volume.effective_radius, &kept->volume.effective_radius);
+    const bool air = copy_name(context, asset->volume.air_density, &kept->volume.air_density);
     const bool camera = copy_name(context, asset->camera_name, &kept->camera_name);
-    if (!grid || !series || !camera ||
+    if (!volume || !series || !radius || !air || !camera ||
         !ty_grow_array(context, (void**)&cache->assets, &cache->asset_capacity, cache->asset_count,
                        sizeof(ty_asset*))) {
         destroy_asset(context, kept);

@@ -4,6 +4,8 @@
 #include "base/context.h"
 #include "grid/grid.h"
 #include "io/file.h"
+#include "io/volumes/netcdf.h"
+#include "io/volumes/vtk.h"
 
 #include <stdarg.h>
 #include <string.h>
@@ -14,7 +16,7 @@ enum { PATH_SIZE = 4096 };
 static const double voxels_max = 4e9;
 
 void ty_init_volume_def(void* def, size_t bytes) {
-    const ty_volume_def own = {.grid = "density", .raw_type = "uint8", .series = ""};
+    const ty_volume_def own = {.grid = "density", .raw_type = "uint8", .series = "", .meters_per_unit = 1};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -87,6 +89,11 @@ static const struct {
     {TY_VOLUME_VDB, 0, 4, " BDV", {".vdb"}},
     {TY_VOLUME_NANOVDB, 0, 7, "NanoVDB", {".nvdb"}},
     {TY_VOLUME_NRRD, 0, 4, "NRRD", {".nrrd", ".nhdr"}},
+    {TY_VOLUME_VTK, 0, 5, "<?xml", {".vti", ".vtk"}},
+    {TY_VOLUME_VTK, 0, 8, "<VTKFile", {NULL}},
+    {TY_VOLUME_VTK, 0, 8, "# vtk Da", {NULL}},
+    {TY_VOLUME_NETCDF, 0, 3, "CDF", {".nc", ".cdf"}},
+    {TY_VOLUME_NETCDF, 0, 4, "\x89HDF", {NULL}},
     {TY_VOLUME_DICOM, 128, 4, "DICM", {".dcm", ".dicom", ".ima"}},
     {TY_VOLUME_NIFTI, 344, 4, "n+1", {".nii", ".nii.gz", ".hdr.gz"}},
     {TY_VOLUME_NIFTI, 344, 4, "ni1", {NULL}},
@@ -136,6 +143,9 @@ static ty_result check_def(ty_context* context, const ty_volume_def** given, ty_
     if (def->series == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: series is NULL");
     if (def->component < 0)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: component is %d, below 0", def->component);
+    if (!(def->meters_per_unit > 0 && def->meters_per_unit <= 1e6))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: meters_per_unit is %g, outside (0, 1e6]",
+                       def->meters_per_unit);
     return TY_OK;
 }
 
@@ -154,7 +164,8 @@ static ty_result find_file(ty_context* context, const char* path, const ty_volum
     return result == TY_OK ? find_format(context, file, format) : result;
 }
 
-ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
+ty_result ty_volume_read_droplets(ty_context* context, const char* path, const ty_volume_def* def, double* radius,
+                                  ty_grid** out) {
     char file[PATH_SIZE];
     ty_volume_format format = TY_VOLUME_RAW;
     ty_volume_def own;
@@ -164,6 +175,8 @@ ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_
     case TY_VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, out);
     case TY_VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, out);
     case TY_VOLUME_NRRD: return ty_nrrd_read(context, file, def->component, out);
+    case TY_VOLUME_VTK: return ty_vtk_read(context, file, def, out);
+    case TY_VOLUME_NETCDF: return ty_netcdf_read(context, file, def, radius, out);
     case TY_VOLUME_DICOM: return ty_dicom_read(context, file, def->series, def->component, out);
     case TY_VOLUME_NIFTI: return ty_nifti_read(context, file, def->component, out);
     case TY_VOLUME_TIFF: return ty_tiff_read(context, file, def->component, out);
@@ -172,6 +185,23 @@ ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_
     }
     result = check_raw(context, file, def);
     return result == TY_OK ? ty_raw_read(context, file, def, out) : result;
+}
+
+ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
+    double radius = 0;
+    return ty_volume_read_droplets(context, path, def, &radius, out);
+}
+
+ty_result ty_volume_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity,
+                         int32_t* count) {
+    ty_volume_format format = TY_VOLUME_RAW;
+    if (count == NULL || capacity < 0 || (entries == NULL && capacity > 0))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_list: entries or count is NULL, or capacity negative");
+    const ty_result result = find_format(context, path, &format);
+    if (result != TY_OK) return result;
+    if (format == TY_VOLUME_VTK) return ty_vtk_list(context, path, entries, capacity, count);
+    if (format == TY_VOLUME_NETCDF) return ty_netcdf_list(context, path, entries, capacity, count);
+    return ty_vdb_list(context, path, entries, capacity, count);
 }
 
 ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out) {
@@ -184,6 +214,8 @@ ty_result ty_volume_components(ty_context* context, const char* path, const ty_v
     case TY_VOLUME_VDB: return ty_vdb_components(context, file, def->grid, out);
     case TY_VOLUME_NANOVDB: return ty_nanovdb_components(context, file, def->grid, out);
     case TY_VOLUME_NRRD: return ty_nrrd_components(context, file, out);
+    case TY_VOLUME_VTK: return ty_vtk_components(context, file, def, out);
+    case TY_VOLUME_NETCDF: return ty_netcdf_components(context, file, def, out);
     case TY_VOLUME_DICOM: *out = 1; return TY_OK;
     case TY_VOLUME_NIFTI: return ty_nifti_components(context, file, out);
     case TY_VOLUME_TIFF: return ty_tiff_components(context, file, out);

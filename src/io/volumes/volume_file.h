@@ -22,6 +22,11 @@ ty_result ty_nanovdb_list(ty_context* context, const char* path, ty_vdb_entry* e
                           int32_t* count);
 ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
 ty_result ty_nrrd_components(ty_context* context, const char* path, int32_t* out);
+/* As ty_volume_read; *radius, where droplets are read, is the mean of their effective radius by extinction,
+ * micrometres.
+ */
+ty_result ty_volume_read_droplets(ty_context* context, const char* path, const ty_volume_def* def, double* radius,
+                                  ty_grid** out);
 ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
 
 ty_result ty_dicom_read(ty_context* context, const char* path, const char* series, int32_t component, ty_grid** out);
@@ -57,6 +62,8 @@ typedef enum ty_volume_format {
     TY_VOLUME_VDB,
     TY_VOLUME_NANOVDB,
     TY_VOLUME_NRRD,
+    TY_VOLUME_VTK,
+    TY_VOLUME_NETCDF,
     TY_VOLUME_DICOM, /* also folders */
     TY_VOLUME_NIFTI,
     TY_VOLUME_TIFF,
