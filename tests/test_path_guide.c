@@ -168,6 +168,69 @@ static void furnaces_stay_even(void** state) {
     ty_scene_destroy(scene);
 }
 
+static bool stop_at_once(void* user, const ty_progress* progress) {
+    (void)user;
+    (void)progress;
+    return false;
+}
+
+/* The guide of a render of so many samples per pixel that nothing more is done of. */
+static ty_path_guide_kind guide_of(const ty_scene* scene, int32_t spp, double seconds) {
+    ty_path_def def = small_def(spp);
+    ty_path_stats stats = ty_default_path_stats();
+    ty_image* image = NULL;
+    assert_int_equal(def.guide, TY_PATH_GUIDE_AUTO);
+    def.seconds = seconds;
+    def.progress = stop_at_once;
+    assert_int_equal(ty_path_render(scene, &def, &image, &stats), TY_CANCELLED);
+    ty_image_destroy(image);
+    return stats.guide;
+}
+
+static void add_box(ty_scene* scene, const double lower[3], const double upper[3], float albedo) {
+    ty_shape_def box = ty_default_shape_def();
+    box.kind = TY_SHAPE_BOX;
+    for (int a = 0; a < 3; ++a) {
+        box.origin[a] = lower[a];
+        box.u[a] = upper[a];
+    }
+    set3f(box.albedo, albedo, albedo, albedo);
+    assert_int_equal(ty_scene_add_shape(scene, &box), TY_OK);
+}
+
+/* A room in fog, a lamp in a closet of it with a gap of 0.6 m, and a camera that looks into the dark part. */
+static ty_scene* hidden_lamp_scene(ty_context* context) {
+    static const double boxes[][2][3] = {
+        {{-3, 0, -3}, {3, 3, 3}}, {{0.8, 0, -3}, {1, 3, -0.8}}, {{0.8, 0, -0.8}, {2.4, 3, -0.6}}};
+    ty_scene* scene = make_scene(context);
+    ty_medium_def fog = box_medium(boxes[0][0], boxes[0][1], 0.15f, 0.005f);
+    ty_light_def lamp = ty_default_light_def();
+    ty_camera_def camera = ty_default_camera_def();
+    lamp.kind = TY_LIGHT_POINT;
+    set3(lamp.position, 2.3, 1.4, -2.4);
+    set3(camera.position, -2.8, 1.5, 2.6);
+    set3(camera.target, 0.6, 1.3, -0.4);
+    camera.fov_y = 62;
+    for (int i = 0; i < 3; ++i) add_box(scene, boxes[i][0], boxes[i][1], 0.7f);
+    assert_int_equal(ty_scene_add_medium(scene, &fog), TY_OK);
+    assert_int_equal(ty_scene_add_light(scene, &lamp), TY_OK);
+    assert_int_equal(ty_scene_set_camera(scene, &camera), TY_OK);
+    assert_int_equal(ty_scene_commit(scene), TY_OK);
+    return scene;
+}
+
+/* The pilot finds less noise in the same time with a guide where a lamp is hidden, and not where it lights all fog. */
+static void long_renders_have_the_guide_that_pays(void** state) {
+    enum { LONG = 1 << 17, SHORT = 1 << 12 };
+    ty_scene *hidden = hidden_lamp_scene(*state), *foggy = foggy_scene(*state);
+    assert_int_equal(guide_of(hidden, LONG, 0), TY_PATH_GUIDE_DOM);
+    assert_int_equal(guide_of(hidden, SHORT, 0), TY_PATH_GUIDE_NONE);
+    assert_int_equal(guide_of(hidden, LONG, 5), TY_PATH_GUIDE_NONE);
+    assert_int_equal(guide_of(foggy, LONG, 0), TY_PATH_GUIDE_NONE);
+    ty_scene_destroy(hidden);
+    ty_scene_destroy(foggy);
+}
+
 static void threads_change_no_bits(void** state) {
     ty_context* alone = make_context(1);
     ty_scene *scene = foggy_scene(*state), *same = foggy_scene(alone);
@@ -214,6 +277,10 @@ static void states_resume_to_the_same_bits(void** state) {
     def.resume_size = k.size;
     ty_image* resumed = render(scene, &def, NULL);
     assert_true(same_images(whole, resumed));
+    ty_image_destroy(resumed);
+    def.guide = TY_PATH_GUIDE_AUTO;
+    resumed = render(scene, &def, NULL);
+    assert_true(same_images(whole, resumed));
     def.guide = TY_PATH_GUIDE_NONE;
     ty_image* refused = NULL;
     assert_int_equal(ty_path_render(scene, &def, &refused, NULL), TY_ERROR_INPUT);
@@ -250,7 +317,7 @@ static void paths_end_in_white_rooms(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* Scenes without media, and media that only attenuate, have no guide and the bits of none. */
+/* Scenes without media, and media that only attenuate, have no guide and the bits of none, whatever is asked for. */
 static void without_media_there_is_none(void** state) {
     ty_scene *clear = lit_scene(*state, false), *foggy = lit_scene(*state, true);
     for (int i = 0; i < 2; ++i) {
@@ -272,7 +339,7 @@ int main(void) {
         cmocka_unit_test(any_guide_leaves_the_mean),   cmocka_unit_test(any_guide_leaves_the_mean_of_grids),
         cmocka_unit_test(furnaces_stay_even),          cmocka_unit_test(paths_end_in_white_rooms),
         cmocka_unit_test(threads_change_no_bits),      cmocka_unit_test(states_resume_to_the_same_bits),
-        cmocka_unit_test(without_media_there_is_none),
+        cmocka_unit_test(without_media_there_is_none), cmocka_unit_test(long_renders_have_the_guide_that_pays),
     };
     return cmocka_run_group_tests_name("path guide", tests, start_context, stop_context);
 }

@@ -488,7 +488,7 @@ static const char every_key[] =
     "\"volume\":{\"attenuation_color\":0.5,\"attenuation_distance\":2,\"priority\":1}}},{\"sphere\":{\"center\":[0,0,"
     "0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0,\"point_light_directions\":true,"
-    "\"energy_compensation\":true,\"guide\":\"none\"},"
+    "\"energy_compensation\":true,\"guide\":\"auto\"},"
     "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":\"auto\",\"environment\":"
     "\"none\","
     "\"balance\":false},"

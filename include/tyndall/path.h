@@ -26,8 +26,9 @@ typedef bool (*ty_path_partial_fn)(void* user, const ty_image* image);
 
 /// The guides of paths to the light.
 typedef enum ty_path_guide_kind {
-    TY_PATH_GUIDE_NONE = 0, ///< Nothing but the lights themselves.
-    TY_PATH_GUIDE_DOM = 1   ///< A coarse solve by discrete ordinates (docs/method/path.md, "Guided by dom").
+    TY_PATH_GUIDE_AUTO = TY_AUTO, ///< The one of less noise in the same time, by a pilot; none for short work.
+    TY_PATH_GUIDE_NONE = 0,       ///< Nothing but the lights themselves.
+    TY_PATH_GUIDE_DOM = 1         ///< A coarse solve by discrete ordinates (docs/method/path.md, "Guided by dom").
 } ty_path_guide_kind;
 
 /// The options of path tracing. Create it with ty_default_path_def().
@@ -82,9 +83,11 @@ typedef struct ty_path_def {
     void* partial_user;          ///< Passed on to `partial`; default NULL.
     const struct ty_enclosed_field* enclosed; ///< Light in media inside dielectrics, at whose first collision paths
                                               ///< end, as methods of the library solve it; default NULL.
-    ty_path_guide_kind guide; ///< The guide of sampled directions and distances, beside the lights; default
-                              ///< TY_PATH_GUIDE_NONE. The mean stays the same. Its time counts as that of the work.
-                              ///< Scenes without media have none.
+    ty_path_guide_kind guide; ///< The guide of sampled directions and distances, beside the lights. The mean stays the
+                              ///< same. Its time counts as that of the work. TY_PATH_GUIDE_AUTO (default): images of
+                              ///< at least 2^23 paths in all, and 10 s where `seconds` bounds them, have that of the
+                              ///< less noise in a pilot, which ty_path_stats.guide tells; other work has none. Scenes
+                              ///< without media, and renders on a device, have none.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.
@@ -111,6 +114,7 @@ typedef struct ty_path_stats {
     double error_pixels; ///< Pixels that `error` rests on: (sum v)^2 / sum v^2 for the variances v of the pixels; 0
                          ///< without an error. Below 10 a few samples make most of the error: images of other seeds
                          ///< may have several times more or less of it.
+    ty_path_guide_kind guide; ///< The guide that paths had.
 } ty_path_stats;
 
 /// Statistics with all fields 0.

@@ -157,7 +157,7 @@ ty_result ty_options_take(ty_context* context, const ty_option_table* table, con
 static bool parse_word(const ty_option* option, const char* text, double* value) {
     for (int32_t i = 0; option->words[i] != NULL; ++i)
         if (strcmp(option->words[i], text) == 0) {
-            *value = word_value(option, i);
+            *value = (int32_t)word_value(option, i);
             return true;
         }
     return false;

@@ -44,7 +44,7 @@ static ty_result render(const bench_session* bench, const ty_scene* scene, bool 
     def.progress = cli_progress_report;
     def.progress_user = &bench->session->progress;
     const ty_result result = ty_method_options(scene, "path", &def);
-    if (guided) def.guide = TY_PATH_GUIDE_DOM;
+    if (bench->options->guide) def.guide = guided ? TY_PATH_GUIDE_DOM : TY_PATH_GUIDE_NONE;
     return result == TY_OK ? ty_path_render(scene, &def, out, stats) : result;
 }
 

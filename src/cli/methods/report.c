@@ -125,6 +125,7 @@ void cli_report_stats(json_writer* json, const void* user) {
     json_unsigned(json, "vertices", report->run.path.vertices);
     json_number(json, "error", report->run.path.error);
     json_number(json, "error_pixels", report->run.path.error_pixels);
+    json_text(json, "guide", report->run.path.guide == TY_PATH_GUIDE_DOM ? "dom" : "none");
     json_text(json, "isa", report->run.path.isa == NULL ? "" : report->run.path.isa);
     write_own_stats(json, report);
     json_number(json, "load_seconds", report->load_seconds);

@@ -43,9 +43,10 @@ static void print_path_line(const cli_report* report) {
     char rests[96] = "";
     if (path->error_pixels > 0 && path->error_pixels < 10)
         snprintf(rests, sizeof rests, " (by %.0f pixels: other seeds may have far more or less)", path->error_pixels);
-    printf("%s: %dx%d, %.4g spp, relative error %.3g%%%s, %.1f s (%.3g Mpaths/s)%s%s\n", report->method, report->width,
-           report->height, path->spp, 100 * path->error, rests, path->seconds,
-           path->seconds > 0 ? 1e-6 * (double)path->paths / path->seconds : 0.0, report->resumed ? ", resumed" : "",
+    printf("%s: %dx%d, %.4g spp, relative error %.3g%%%s, %.1f s (%.3g Mpaths/s)%s%s%s\n", report->method,
+           report->width, report->height, path->spp, 100 * path->error, rests, path->seconds,
+           path->seconds > 0 ? 1e-6 * (double)path->paths / path->seconds : 0.0,
+           path->guide == TY_PATH_GUIDE_DOM ? ", guided by dom" : "", report->resumed ? ", resumed" : "",
            report->complete ? "" : ", interrupted");
 }
 

@@ -58,6 +58,7 @@ static ty_result render(const view_accumulation* sum, const ty_scene* scene, int
     ty_result result = ty_request_path_def(scene, &request, &def);
     def.unscattered = sum->unscattered;
     def.enclosed = sum->enclosed;
+    if (def.guide == TY_PATH_GUIDE_AUTO) def.guide = TY_PATH_GUIDE_NONE; /* no pilot for each image */
     *out = NULL;
     if (result == TY_OK) result = ty_path_render(scene, &def, out, NULL);
     if (result == TY_OK) return TY_OK;

@@ -1,5 +1,6 @@
 /* Preparation common to all runs: option checks, guiding lights, kernel, memory. */
 #include "method/path/outlines.h"
+#include "method/path/guide_choice.h"
 
 #include "base/context.h"
 #include "base/dispatch.h"
@@ -138,15 +139,31 @@ static void set_point_light_rate(ty_path_run* run) {
     run->request.point_light_reach2 = (float)(point_light_reach_factor * (double)reach2);
 }
 
-/* The guide, where the def asks for one and there is light in media to sample. */
+static void take_guide(ty_path_run* run, ty_path_guide* guide) {
+    run->guide = guide;
+    run->request.guide = guide != NULL ? &guide->view : NULL;
+    run->kernel = guide != NULL ? TY_BEST_KERNELS(ty_path_guided_kernel) : TY_BEST_KERNELS(ty_path_kernel);
+    run->stats.guide = run->known.guide = guide != NULL ? TY_PATH_GUIDE_DOM : TY_PATH_GUIDE_NONE;
+}
+
+/* The guide, where the def asks for one, or a pilot finds that it pays, and there is light in media to sample. */
 static ty_result make_guide(ty_path_run* run, const ty_scene* scene) {
-    if (run->def->guide == TY_PATH_GUIDE_NONE || run->view.medium_count == 0 || run->request.unscattered != 0)
+    const bool possible = run->view.medium_count > 0 && run->request.unscattered == 0;
+    const ty_path_guide_kind given = run->known.guide,
+                             kind = given == TY_PATH_GUIDE_AUTO ? ty_path_guide_expected(run) : given;
+    if (kind == TY_PATH_GUIDE_NONE || !possible) {
+        if (given == TY_PATH_GUIDE_AUTO) run->known.guide = TY_PATH_GUIDE_NONE;
         return TY_OK;
+    }
     const double begun = ty_wall_seconds(), cpu_begun = ty_cpu_seconds();
-    const ty_result result = ty_path_guide_create(scene, &run->view, 0, &run->guide);
+    ty_path_guide* guide = NULL;
+    const ty_result result = ty_path_guide_create(scene, &run->view, 0, &guide);
     if (result != TY_OK) return result;
-    run->request.guide = &run->guide->view;
-    run->kernel = TY_BEST_KERNELS(ty_path_guided_kernel);
+    take_guide(run, guide);
+    if (kind == TY_PATH_GUIDE_AUTO && !ty_path_guide_pays(run)) {
+        take_guide(run, NULL);
+        ty_path_guide_destroy(guide);
+    }
     run->guide_seconds = ty_wall_seconds() - begun;
     run->guide_cpu_seconds = ty_cpu_seconds() - cpu_begun;
     return TY_OK;

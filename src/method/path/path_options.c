@@ -3,7 +3,8 @@
 #include "image/options.h"
 #include "method/path/driver.h"
 
-static const char* const guides[] = {"none", "dom", NULL};
+static const char* const guides[] = {"auto", "none", "dom", NULL};
+static const uint32_t guide_values[] = {(uint32_t)TY_PATH_GUIDE_AUTO, TY_PATH_GUIDE_NONE, TY_PATH_GUIDE_DOM};
 
 static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_path_def, max_depth), .type = TY_OPTION_INT, .min = 0, .max = INT32_MAX,
@@ -16,10 +17,12 @@ static const ty_option options[] = {
      .doc =
          "Return the light that microfacets of rough surfaces scatter several times, and give the diffuse part of a "
          "dielectric what its reflection leaves; false means the formulas of glTF 2.0, appendix B, which lose light."},
-    {TY_OPTION_FIELD(ty_path_def, guide), .type = TY_OPTION_WORD, .words = guides, .max = 1,
+    {TY_OPTION_FIELD(ty_path_def, guide), .type = TY_OPTION_WORD, .words = guides, .values = guide_values,
+     .preset = TY_PATH_GUIDE_AUTO,
      .doc =
          "Sample directions and distances by the light that a coarse solve by discrete ordinates finds in the media, "
-         "too: less noise where light comes from few places; none means by lights and media alone."},
+         "too: less noise where light comes from few places; none means by lights and media alone. Automatic means the "
+         "one with less noise in the same time by a pilot, and none for images of less than 8 million paths."},
     {TY_OPTION_FIELD(ty_path_def, spp), .type = TY_OPTION_INT, .min = 1, .max = TY_PATH_SPP_MAX, .preset = 64,
      .flags = TY_OPTION_CALLS_ONLY, .doc = "Samples per pixel, ray or cell at most."},
     {TY_OPTION_FIELD(ty_path_def, seconds), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1e9, .unit = "s",

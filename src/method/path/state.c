@@ -96,7 +96,7 @@ static state_header make_header(const ty_path_run* run, const ty_path_stats* sta
     header.unscattered = run->def->unscattered;
     header.point_light_directions = run->def->point_light_directions;
     header.energy_compensation = run->def->energy_compensation;
-    header.guide = run->def->guide;
+    header.guide = (uint32_t)run->def->guide;
     header.seconds = stats->seconds;
     header.cpu_seconds = stats->cpu_seconds;
     header.paths = stats->paths;
@@ -197,6 +197,13 @@ static ty_result check_render(ty_context* context, const state_header* was, cons
         return ty_fail(context, TY_ERROR_INPUT, "the state is damaged: %" PRIu32 " and %" PRIu32 " bytes per pixel",
                        was->item_size, was->aov_sums_size);
     return TY_OK;
+}
+
+ty_path_guide_kind ty_path_state_guide(const void* state, size_t size) {
+    state_header header;
+    if (size < sizeof header) return TY_PATH_GUIDE_NONE;
+    memcpy(&header, state, sizeof header);
+    return header.guide == (uint32_t)TY_PATH_GUIDE_DOM ? TY_PATH_GUIDE_DOM : TY_PATH_GUIDE_NONE;
 }
 
 /* Checks sample counts: equal within a block, at most the number wanted. */

@@ -19,4 +19,7 @@ void ty_path_state_seal(uint8_t* state, size_t size);
  * TY_ERROR_INPUT. */
 ty_result ty_path_state_resume(ty_path_run* run);
 
+/* The guide of the render whose state this is; none if it is damaged, which ty_path_state_resume tells. */
+ty_path_guide_kind ty_path_state_guide(const void* state, size_t size);
+
 #endif
