@@ -40,6 +40,7 @@ set(CPACK_DEBIAN_TOOL_PACKAGE_RECOMMENDS fonts-dejavu-core) # text of figures
 set(CPACK_DEBIAN_TOOL_DESCRIPTION "light transport in participating media (command-line tool)\n${about}")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME ${package_of_library})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS libnetcdf19) # loaded where NetCDF files are read
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "light transport in participating media (shared library)\n${about}")
 set(control "${PROJECT_BINARY_DIR}/package/library")
 file(CONFIGURE OUTPUT "${control}/triggers" CONTENT "activate-noawait ldconfig\n")

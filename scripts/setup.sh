@@ -6,7 +6,9 @@ set -euo pipefail
 # a|b: either will do; the first is installed when neither is there.
 build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopenexr-dev libimath-dev libblosc-dev
   libopenvdb-dev libnanovdb-dev "libboost-dev|libboost1.74-dev" libtbb-dev libpng-dev libjpeg-dev libwebp-dev zlib1g-dev
+  libexpat1-dev libnetcdf-dev
   libjansson-dev libdraco-dev libmeshoptimizer-dev
+  libtiff-dev libgdcm-dev libcharls-dev libopenjp2-7-dev
   libcairo2-dev fonts-dejavu-core libcmocka-dev libcivetweb-dev libturbojpeg0-dev)
 fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)

@@ -217,6 +217,11 @@ test_methods() {
     bake level.json -o $method --size 32x32 --method $method
     same surfaces/the_room_1.exr $method/the_room_1.exr
   done
+  said impulse/bake.json '"composition": "collisions"'
+  bake level.json -o published --size 32x32 --method impulse --composition published
+  said published/bake.json '"composition": "published"'
+  unsaid surfaces/bake.json composition
+  expect 2 bake level.json -o no --method impulse --composition other
   bake level.json -o path --size 32x32 --method path
   present path/the_room_1.exr
 }

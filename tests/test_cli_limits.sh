@@ -173,6 +173,13 @@ test_memory() {
   printf "ply\nformat ascii 1.0\n$elements${list}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n" > huge.ply
   printf "ply\nformat binary_little_endian 1.0\n$elements$list" > binary.ply
   cp a.nrrd huge.nrrd
+  { head -c 128 /dev/zero; printf 'DICM\340\177\20\0OB\0\0\4\0\0\0abcd'; } > huge.dcm
+  printf 'VOL\3\3\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0' > huge.vol
+  truncate -s 49 huge.vol
+  printf '<VTKFile type="ImageData"><ImageData WholeExtent="0 1 0 1 0 1"><Piece Extent="0 1 0 1 0 1"><PointData>
+    <DataArray type="UInt8" Name="v" format="appended" offset="0"/></PointData></Piece></ImageData>
+    <AppendedData encoding="raw">_' > huge.vti
+  printf '# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\nPOINT_DATA 8\nVECTORS v int\n' > huge.vtk
   cp ok.nvdb huge.nvdb
   printf '{"tyndall": 1}' > huge.json
   : > huge.bin
@@ -180,13 +187,15 @@ test_memory() {
     "bufferViews":[{"buffer":0,"byteLength":36}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
     "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]}' > buffer.gltf
   truncate -s 5G huge.* binary.ply packed.nrrd
-  for file in huge.{exr,png,hdr,jpg,webp,glb,nrrd} binary.ply packed.nrrd; do
+  for file in huge.{exr,png,hdr,jpg,webp,glb,nrrd,vti,vtk} binary.ply packed.nrrd; do
     limited 2 "$file: 5368709120 bytes, of which its header accounts for" '-v 1000000' info $file
   done
   for file in huge.{gltf,obj,ply}; do
     limited 2 "$file: byte [0-9]+ is a zero, which no text has" '-v 1000000' info $file
   done
   limited 2 'huge.bin: 5368709120 bytes, more than the limit' '-v 1000000' info buffer.gltf
+  limited 2 'huge.dcm: 5368709120 bytes, more than the limit|without pixel data|colour|0 x 0' '-v 1000000' info huge.dcm
+  limited 2 'huge.vol: 5368709120 bytes, of which its header accounts for 49' '-v 1000000' info huge.vol
   limited 2 'huge.nvdb: ' '-v 1000000' info huge.nvdb
   limited 2 'huge.json: 5368709120 bytes, more than the limit' '-v 1000000' info huge.json
   rm huge.* binary.ply packed.nrrd

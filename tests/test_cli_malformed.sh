@@ -174,7 +174,7 @@ test_no_files() {
   long=$(printf '%0300d' 0).exr
   begin
   for input in folder.exr folder.json /dev/null /dev/zero missing.exr pipe.exr pipe.json pipe.vdb loop.exr "$long"; do
-    none='not a regular file|No such file|Too many levels|name too long'
+    none='not a regular file|a folder without DICOM files|No such file|Too many levels|name too long'
     refused "$input" "$none" info "$input"
     refused "$input" "$none" render "$input" -o OUT.exr
   done
@@ -296,6 +296,18 @@ test_volumes() {
     cp ok.obj "text.$format"
     begin
     refused "text.$format" '.' convert "text.$format" OUT.nrrd
+    : > "empty.$format"
+    bad_volume "empty.$format" '.'
+  done
+  # `info` lists the arrays of a .vti file without reading them.
+  expect 0 convert noise.raw ok.vti --raw-size 16,16,16 --codec none
+  cut_volume ok.vti '4 7 60 300 400 500' '.'
+  head -c 5000 ok.vti > cut_ok.vti
+  begin
+  refused cut_ok.vti 'damaged or cut short' convert cut_ok.vti OUT.nrrd
+  for format in vti vtk nc; do
+    cp ok.obj "text.$format"
+    bad_volume "text.$format" '.'
     : > "empty.$format"
     bad_volume "empty.$format" '.'
   done

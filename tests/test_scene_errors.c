@@ -132,10 +132,10 @@ static const bad_case bad_cases[] = {
     {DENSITY("\"file\": \"a.vdb\", \"gird\": \"a\""), NULL,
      "s.json:4: media[0].density.gird: unknown key; did you mean \"grid\"?"},
     {DENSITY("\"file\": \"a.dat\""), NULL,
-     "s.json:4: media[0].density.file: cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, and any "
-     "file with the key \"raw\" beside it"},
+     "s.json:4: media[0].density.file: cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, "
+     ".nc, .dcm and folders of DICOM, .nii, .nii.gz, .hdr, .tif, .vol, and any file with the key \"raw\" beside it"},
     {DENSITY("\"file\": \"a.nrrd\", \"grid\": \"a\""), NULL,
-     "s.json:4: media[0].density.grid: is for .vdb and .nvdb files; others hold one grid"},
+     "s.json:4: media[0].density.grid: is for .vdb, .nvdb, .vti, .vtk and .nc files; others hold one grid"},
     {DENSITY("\"file\": \"gone.nvdb\""), NULL,
      "s.json:4: media[0].density.file: cannot open nowhere/gone.nvdb: No such file or directory"},
     {HEAD "\"frame\": 42, \"media\": [\n{\"sigma_s\": 1, \"density\": {\"file\": \"smoke_####.vdb\"}}]}", NULL,
@@ -158,7 +158,13 @@ static const bad_case bad_cases[] = {
     {DENSITY("\"file\": \"a.raw\", \"raw\": {\"size\": [2,2,2], \"offset\": -2}"), NULL,
      "s.json:4: media[0].density.raw.offset: -2 is outside [-1, 9007199254740991]"},
     {DENSITY("\"file\": \"a.nrrd\", \"raw\": {\"size\": [2,2,2]}"), NULL,
-     "s.json:4: media[0].density.raw: is for raw files; .vdb, .nvdb, .nrrd and .nhdr tell what they hold"},
+     "s.json:4: media[0].density.raw: is for raw files; this one tells what it holds"},
+    {DENSITY("\"file\": \"a.vdb\", \"droplets\": {\"effective_radius\": 8}"), NULL,
+     "s.json:4: media[0].density.droplets: is for liquid water in .nc files"},
+    {DENSITY("\"file\": \"a.nc\", \"droplets\": {\"air_density\": 1}"), NULL,
+     "s.json:4: media[0].density.droplets: the key \"effective_radius\" is missing"},
+    {MEDIUM("\"sigma_s\": 1, " BOX ",\n\"g\": {\"file\": \"a.nc\", \"droplets\": {\"effective_radius\": 8}}"), NULL,
+     "s.json:4: media[0].g.droplets: is for a density; droplets make an extinction"},
     {DENSITY("\"file\": \"a.vdb\", \"component\": 0.5"), NULL,
      "s.json:4: media[0].density.component: expected an integer, found 0.5"},
     /* fields */
@@ -168,7 +174,8 @@ static const bad_case bad_cases[] = {
     {MEDIUM(BOX ",\n\"albedo\": {\"file\": \"a.vdb\"}"), NULL,
      "s.json:4: media[0].albedo: the key \"sigma_t\" is missing beside it"},
     {MEDIUM("\"sigma_t\": 1, " BOX ",\n\"albedo\": {\"noise\": {}}"), NULL,
-     "s.json:4: media[0].albedo.noise: unknown key; known here: \"file\", \"grid\", \"component\", \"frame\", \"raw\""},
+     "s.json:4: media[0].albedo.noise: unknown key; known here: \"file\", \"grid\", \"component\", \"frame\", "
+     "\"series\", \"raw\", \"droplets\""},
     {MEDIUM("\"sigma_t\": 1, " BOX ",\n\"albedo\": \"white\""), NULL,
      "s.json:4: media[0].albedo: expected a number or an array or an object, found a string"},
     {MEDIUM("\"preset\": \"apple\", " BOX ",\n\"g\": {\"file\": \"a.vdb\"}"), NULL,

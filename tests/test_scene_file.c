@@ -9,8 +9,12 @@
 
 #include <cmocka.h>
 #include <jansson.h>
+#include <sys/stat.h>
+
+#include "dicom_maker.h"
 
 #include "io/scenes/builtin.h"
+#include "netcdf_maker.h"
 #include "scene/scene.h"
 
 #include <tyndall/dom.h>
@@ -310,6 +314,7 @@ static void write_text(const char* path, const char* text) {
 
 /* density.vdb with a grid "density", sky.exr, map.png, tetra.obj and camera.gltf, in the current folder. */
 static void write_files(ty_context* context) {
+    write_text("mie.scat", "! table\n 7.0 1.0 1.0 1  Reff  Ext  Alb  Nleg\n 1.0 0.9\n");
     write_text("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n");
     write_text("camera.gltf",
                "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"camera\":0}],"
@@ -332,6 +337,12 @@ static void write_files(ty_context* context) {
     expect_ok(context, ty_image_write_exr(context, image, "sky.exr"));
     expect_ok(context, ty_image_write_png(context, image, 0, TY_TONE_CLIP, "map.png"));
     ty_image_destroy(image);
+    static dicom_writer writer;
+    const dicom_form form = dicom_default_form();
+    dicom_slice(&writer, &form, "0\\0\\0");
+    dicom_pixels(&writer, &form, (const int64_t[6]){1, 2, 3, 4, 5, 6});
+    mkdir("slice", 0777);
+    put_file("slice/a.dcm", writer.bytes, writer.size);
 }
 
 static const char volume_scene[] =
@@ -468,7 +479,10 @@ static const char every_key[] =
     "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"fournier_forand\",\"n\":1.1,\"mu\":3.6}},"
     "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"fournier_forand\",\"backscatter\":0.02}},"
     "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"table\",\"angles\":[0,90,180],\"values\":[3,1,2]}},"
-    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"table\",\"cosines\":[-1,0,1],\"values\":[3,1,2]}}],"
+    "{\"sigma_s\":1," BOX ",\"phase\":{\"type\":\"table\",\"cosines\":[-1,0,1],\"values\":[3,1,2]}},"
+    "{\"sigma_s\":1,\"density\":{\"file\":\"slice/a.dcm\",\"series\":\"3\"}},"
+    "{\"sigma_s\":1," BOX
+    ",\"phase\":{\"type\":\"table\",\"file\":\"mie.scat\",\"content\":\"shdom\",\"effective_radius\":7}}],"
     "\"lights\":[{\"type\":\"directional\",\"direction\":[0,0,-1],\"irradiance\":1},"
     "{\"type\":\"point\",\"position\":[0,0,0],\"intensity\":1},"
     "{\"type\":\"spot\",\"position\":[0,0,0],\"direction\":[0,0,-1],\"intensity\":1,\"cone\":40,\"penumbra\":0.1},"
@@ -517,6 +531,51 @@ static const char every_key[] =
     "\"resolution\":30,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5,\"ray_spacing\":2,"
     "\"froxels\":80,\"froxel_slices\":32}}}";
 
+/* Liquid water in mass per mass of air, 0.5 g/kg at one of eight voxels. */
+static const char droplets_scene[] =
+    "{\"tyndall\":1,\"meters_per_unit\":1000,\"media\":[{\"density\":{\"file\":\"cloud.nc\",\"grid\":\"qc\","
+    "\"droplets\":{\"effective_radius\":\"reff\",\"air_density\":1.2}},\"sigma_t\":1,\"albedo\":1}]}";
+
+/* Droplets scatter as those of their mean diameter, unless the medium has a mean cosine. */
+static void droplets_scatter_by_their_size(void** state) {
+    (void)state;
+    static const double line[] = {1000, 3000}, water[8] = {0, 0, 0, 0, 0, 0, 0, 0.5}, radii[] = {5, 12};
+    const made_file file = {{"z", "y", "x"},
+                            {2, 2, 2},
+                            {{"z", {0}, 1, {{"units", "m"}}, MADE_DOUBLE, line},
+                             {"y", {1}, 1, {{"units", "m"}}, MADE_DOUBLE, line},
+                             {"x", {2}, 1, {{"units", "m"}}, MADE_DOUBLE, line},
+                             {"qc", {0, 1, 2}, 3, {{"units", "g/kg"}}, MADE_FLOAT, water},
+                             {"reff", {0}, 1, {{"units", "um"}}, MADE_FLOAT, radii}}};
+    make_netcdf("cloud.nc", &file);
+    ty_context* context = make_context();
+    const ty_volume_def def = ty_default_volume_def();
+    int32_t times = 0;
+    const bool available = ty_volume_components(context, "cloud.nc", &def, &times) == TY_OK;
+    ty_take_error(context);
+    if (!available) {
+        ty_context_destroy(context);
+        skip(); /* the build, or the machine, has no NetCDF */
+    }
+    ty_scene* scene = parse(context, droplets_scene);
+    ty_medium_def medium;
+    assert_int_equal(ty_scene_get_medium(scene, 0, &medium), TY_OK);
+    assert_int_equal(medium.phase_count, 1);
+    assert_int_equal(medium.phase[0].kind, TY_PHASE_MIE);
+    assert_float_equal(medium.phase[0].diameter, 24, 1e-6);
+    const ty_grid_info info = ty_grid_get_info(medium.density_grid);
+    assert_float_equal(info.max, 3 * 0.5e-3 * 1.2 / (2 * 1000 * 12e-6), 1e-8);
+    assert_float_equal(info.index_to_local.m[0], 2, 1e-12); /* km, the scene's units */
+    assert_float_equal(info.index_to_local.m[3], 1, 1e-12);
+    ty_scene_destroy(scene);
+    const char* g = "media[0].g=0.5";
+    expect_ok(context, ty_scene_parse(context, droplets_scene, strlen(droplets_scene), "s", "", &g, 1, &scene));
+    assert_int_equal(ty_scene_get_medium(scene, 0, &medium), TY_OK);
+    assert_int_equal(medium.phase_count, 0);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {
     const char* key;
@@ -540,11 +599,13 @@ static void every_key_is_accepted(void** state) {
     ty_context* context = make_context();
     write_files(context);
     json_t* schema = json_loads(ty_scene_schema(), 0, NULL);
-    expect_keys(schema, every_key);
+    static char text[sizeof every_key + sizeof droplets_scene];
+    snprintf(text, sizeof text, "%s%s", every_key, droplets_scene);
+    expect_keys(schema, text);
     json_decref(schema);
     ty_scene* scene = parse(context, every_key);
     const ty_scene_info info = ty_scene_get_info(scene);
-    assert_int_equal(info.media, 19); /* two of them the air of the sky */
+    assert_int_equal(info.media, 21); /* two of them the air of the sky */
     assert_int_equal(info.lights, 8);
     assert_int_equal(info.meshes, 1);
     assert_int_equal(info.shapes, 3);
@@ -685,6 +746,7 @@ int main(void) {
         cmocka_unit_test(paths_start_at_the_scene),
         cmocka_unit_test(the_hash_follows_the_content),
         cmocka_unit_test(overrides_change_the_scene),
+        cmocka_unit_test(droplets_scatter_by_their_size),
         cmocka_unit_test(every_key_is_accepted),
         cmocka_unit_test(builtin_scenes_load_and_are_documented),
         cmocka_unit_test(reference_scenes_load),

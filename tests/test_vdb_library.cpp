@@ -1,5 +1,5 @@
 /* Our OpenVDB files against OpenVDB itself: it reads what we write and we read what it writes, voxel by voxel, for
- * every codec, floats and halves. Built where the library is installed; nothing else links it. */
+ * every codec, floats and halves, scalars and vectors. Built where the library is installed; nothing else links it. */
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 
@@ -118,11 +118,48 @@ void ours_reads_library(ty_context* context, uint32_t codec, bool half, float ba
     std::remove(path);
 }
 
+/* A vector of three grids, the second of which is background elsewhere, and a scalar behind it in the same file. */
+void library_reads_vectors(ty_context* context, const char* codec, ty_grid_type type, float background) {
+    const std::string path = std::string("vectors_") + codec + ".vdb";
+    ty_grid* first = make_grid(context, type, background);
+    ty_grid* second = make_grid(context, type, background == 0 ? 0.5F : 0.0F);
+    const ty_volume_field fields[2] = {{"fluence", 3, {first, second, first}},
+                                       {"density", 1, {second, nullptr, nullptr}}};
+    check(context, ty_volume_write(context, fields, 2, codec, path.c_str()));
+    const float other = ty_grid_get_info(second).background;
+    openvdb::io::File file(path);
+    file.open();
+    const auto vectors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(file.readGrid("fluence"));
+    const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density"));
+    file.close();
+    require(vectors->saveFloatAsHalf() == (type == TY_GRID_F16), "OpenVDB reads another type of vectors");
+    require(vectors->background() == openvdb::Vec3s(background, other, background), "another background of vectors");
+    require(vectors->tree().activeTileCount() > 0, "no leaf of vectors became a tile");
+    int64_t active = 0;
+    for (int32_t x = -9; x < size[0] + 9; ++x)
+        for (int32_t y = -9; y < size[1] + 9; ++y)
+            for (int32_t z = -9; z < size[2] + 9; ++z) {
+                const bool inside = x >= 0 && y >= 0 && z >= 0 && x < size[0] && y < size[1] && z < size[2];
+                const float a = inside ? value_at(x, y, z, background) : background;
+                const float b = inside ? value_at(x, y, z, other) : other;
+                require(vectors->tree().getValue(openvdb::Coord(x, y, z)) == openvdb::Vec3s(a, b, a),
+                        "OpenVDB reads another vector");
+                require(scalars->tree().getValue(openvdb::Coord(x, y, z)) == b, "OpenVDB reads another second grid");
+                active += a != background || b != other;
+            }
+    require(int64_t(vectors->activeVoxelCount()) == active, "OpenVDB counts other active vectors");
+    ty_grid_release(first);
+    ty_grid_release(second);
+    std::remove(path.c_str());
+}
+
 void check_all(ty_context* context) {
     for (const float background : {0.0F, -1.25F}) {
         for (const char* codec : {"none", "zip", "blosc"})
-            for (const ty_grid_type type : {TY_GRID_F32, TY_GRID_F16})
+            for (const ty_grid_type type : {TY_GRID_F32, TY_GRID_F16}) {
                 library_reads_ours(context, codec, type, background);
+                library_reads_vectors(context, codec, type, background);
+            }
         for (const uint32_t codec :
              {openvdb::io::COMPRESS_NONE, openvdb::io::COMPRESS_ZIP, openvdb::io::COMPRESS_BLOSC})
             for (const bool half : {false, true}) ours_reads_library(context, codec, half, background);

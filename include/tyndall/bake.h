@@ -23,6 +23,13 @@ typedef enum ty_bake_method {
     TY_BAKE_PATH = 4         ///< Paths through media, too: the reference.
 } ty_bake_method;
 
+/// The composition of impulse responses at a receiver.
+typedef enum ty_bake_composition {
+    TY_BAKE_COLLISIONS = 0, ///< Responses at the receiver, corrected at collisions on its rays: shadows in media, edges
+                            ///< of media and phase functions count there.
+    TY_BAKE_PUBLISHED = 1   ///< Responses at the receiver to all emitters that it sees, as in the paper (Sec. 5).
+} ty_bake_composition;
+
 /// The history of light before it arrives. The layers add up to all light.
 typedef enum ty_bake_layer {
     TY_BAKE_DIRECT = 0,   ///< Light straight from a light, with the extinction of media.
@@ -91,6 +98,7 @@ typedef struct ty_bake_def {
     uint64_t seed;              ///< Any number; default 0.
     ty_progress_fn progress;    ///< Default NULL.
     void* progress_user;        ///< Passed on to `progress`; default NULL.
+    ty_bake_composition composition; ///< TY_BAKE_IMPULSE: default TY_BAKE_COLLISIONS.
 } ty_bake_def;
 
 /// Sets the `bytes` bytes of a ty_bake_def to the defaults, as ty_init_context_def() does.

@@ -9,6 +9,7 @@
 #include <tyndall/base.h>
 #include <tyndall/grid.h>
 #include <tyndall/image.h>
+#include <tyndall/phase.h>
 #include <tyndall/scene.h>
 
 #ifdef __cplusplus
@@ -89,6 +90,16 @@ typedef struct ty_volume_def {
     bool raw_big_endian;   ///< Raw files: byte order; default false.
     int64_t raw_offset;    ///< Raw files: bytes to skip; -1: the bytes that the file has beyond its voxels; default 0.
     double raw_spacing[3]; ///< Raw files: units between voxels, the centre of the first one at 0; default 0: unplaced.
+    const char* series;    ///< DICOM folders: number, description or UID of the series; default "": the only one.
+    bool exact_grid;       ///< VTK, NetCDF: true: `grid` must be there. False (default): in a file without it, the
+                           ///< active scalars or the only grid are read.
+    double meters_per_unit;       ///< NetCDF: unit of placements, m, (0, 1e6]; default 1. Coordinates without units of
+                                  ///< their own are taken as they are.
+    const char* effective_radius; ///< NetCDF: with it or `droplet_radius` the grid is liquid water, and its extinction
+                                  ///< is read, 1/m. Name of the effective radius of droplets; default NULL.
+    double droplet_radius;        ///< NetCDF: effective radius, micrometres, (0, 1e4], in place of a grid; default 0.
+    const char* air_density;      ///< NetCDF: name of the density of the air, for water in mass per mass; default NULL.
+    double air_density_value;     ///< NetCDF: that density, kg m^-3, (0, 1e3], in place of a grid; default 0.
 } ty_volume_def;
 
 /// Sets the `bytes` bytes of a ty_volume_def to the defaults, as ty_init_context_def() does.
@@ -101,8 +112,25 @@ static inline ty_volume_def ty_default_volume_def(void) {
 }
 /// Reads a scalar grid, told by content where that is possible, from an OpenVDB file (.vdb: float, half, double, vec3s
 /// by component), a NanoVDB file (.nvdb, plain or zip: float, half, double, fp4 to fp16, fpn, vec3f by component), an
-/// NRRD file (.nrrd, .nhdr; raw, gzip, text; attached data, or one file in the header's folder or below it) or a raw
-/// file (any other extension, with raw_size). OpenVDB and NanoVDB grids are as by ty_vdb_read().
+/// NRRD file (.nrrd, .nhdr; raw, gzip, text; attached data, or one file in the header's folder or below it), a DICOM
+/// series (its folder, or one of its files), a NIfTI file (.nii, .nii.gz, .hdr with .img), a TIFF stack, a .vol file of
+/// Mitsuba or a raw file (any other extension, with raw_size). OpenVDB and NanoVDB grids are as by ty_vdb_read().
+/// An image of VTK (.vti, .vtk with structured points) and a NetCDF file (.nc, .cdf) are read likewise.
+///
+/// DICOM: slices are in the order of their positions along the normal, evenly spaced, placed in mm (left, posterior,
+/// superior); values are scaled by slope and intercept. NIfTI: placed by sform, qform or spacings in the file's unit
+/// (right, anterior, superior), scaled. TIFF: pages are slices; ImageJ and OME place them. Mitsuba: voxels fill the
+/// file's box. Outside of a placed volume of these kinds, an NRRD or a raw file, the value is the lowest one, or 0 if
+/// none is below.
+///
+/// VTK files have arrays of values at points, which become the centres of voxels, or in cells, placed by extent,
+/// origin, spacing and direction. NetCDF variables have three axes of space, in any order, which their coordinates
+/// tell, and may have one of times, which `component` chooses; docs/formats.md has the conventions. Positions are in
+/// `meters_per_unit` where coordinates have units. Coordinates that are not evenly spaced are resampled to even
+/// ones with the same integral, which a warning tells. Missing values are 0.
+///
+/// Droplets have the extinction coefficient sigma_t = 3 LWC / (2 rho_w r_e), of liquid water content LWC, density of
+/// water rho_w = 1000 kg m^-3 and effective radius r_e (Stephens 1978, for extinction by twice the cross section).
 ///
 /// An NRRD file has three axes, or four of which the first or last holds components (by kinds, else the first or last
 /// of at most 4). Its space directions, or spacings, and its origin place the grid in units of the file, axes in the
@@ -111,14 +139,40 @@ static inline ty_volume_def ty_default_volume_def(void) {
 /// long as the header or raw_size tells.
 ///
 /// Values are stored as they are, as float, or as half for half, int8 and uint8, which half holds exactly.
-/// Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT.
+/// Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT, TY_ERROR_UNSUPPORTED (NetCDF
+/// without its library).
 TY_API ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
 /// Stores the path with the `#` characters of the file's name replaced by a frame number. They must stand next to each
 /// other; those in names of folders are kept. size: size of out, bytes.
 /// Errors: TY_ERROR_ARGUMENT (a path that is too long, a negative frame, several groups of `#`).
 TY_API ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, char* out, size_t size);
-/// Stores the number of values per voxel of a grid in a file: 1, or 3 for vec3s. Errors: as ty_volume_read().
+/// Stores the number of values per voxel of a grid in a file: 1, or 3 for vec3s; of a NetCDF variable the number of
+/// times. Errors: as ty_volume_read().
 TY_API ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out);
+
+/// Lists the grids of an OpenVDB, NanoVDB, VTK or NetCDF file as ty_vdb_list() does. Grids of VTK and NetCDF have the
+/// box from 0 on, all of whose voxels are active, and the types int8, uint8, ... double, or float[3] for three values
+/// per voxel. Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT.
+TY_API ty_result ty_volume_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity,
+                                int32_t* count);
+
+/// A named field of a volume file, for ty_volume_write().
+typedef struct ty_volume_field {
+    const char* name;        ///< Name in the file, 1 to 127 bytes.
+    int32_t components;      ///< Values per voxel: 1, or 3 of a vector or of red, green and blue.
+    const ty_grid* grids[3]; ///< A grid for each component, all of one size, placement and type.
+} ty_volume_field;
+
+/// Writes fields to a file whose format its extension tells. Codecs, of which NULL takes the first:
+///
+/// - .vdb, any number of fields: "zip", "blosc", "none". Vectors are vec3s grids; half grids are stored as half.
+/// - .vti, any number of fields of one size and placement: "zip", "none". Floats at points, the centres of voxels.
+/// - .nvdb, .nrrd, one field of one component: ty_nanovdb_write() with "zip", "none"; ty_nrrd_write() with "gzip",
+///   "none".
+///
+/// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+TY_API ty_result ty_volume_write(ty_context* context, const ty_volume_field* fields, int32_t count, const char* codec,
+                                 const char* path);
 
 /// The compression of data in an NRRD file.
 typedef enum ty_nrrd_codec {
@@ -129,6 +183,11 @@ typedef enum ty_nrrd_codec {
 /// Writes an NRRD file with space directions and origin, as float: NRRD has no half.
 /// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_nrrd_write(ty_context* context, const ty_grid* grid, ty_nrrd_codec codec, const char* path);
+/// Writes a .vol file of Mitsuba, version 3, as float, one value per voxel. Its voxels fill a box along the axes; an
+/// unplaced grid fills the unit cube.
+/// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_INPUT (a grid that is turned, sheared or reversed),
+/// TY_ERROR_MEMORY.
+TY_API ty_result ty_mitsuba_write(ty_context* context, const ty_grid* grid, const char* path);
 /// Writes a NanoVDB file, as float; values equal to the background are inactive. codec: "none" or "zip".
 /// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT.
 TY_API ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, const char* grid_name, const char* codec,
@@ -222,6 +281,24 @@ typedef struct ty_mesh_colors {
 /// file changed), TY_ERROR_MEMORY, TY_ERROR_ARGUMENT.
 TY_API ty_result ty_mesh_file_write_colors(ty_context* context, const char* from, const ty_mesh_colors* colors,
                                            int64_t count, const char* extras, const char* path);
+
+/// The content of a file with a phase function: text, with comments from # or ! to the end of the line.
+typedef enum ty_phase_content {
+    TY_PHASE_FILE_ANGLES = 0,       ///< Lines of an angle, degrees, and a value; further columns are ignored.
+    TY_PHASE_FILE_COSINES = 1,      ///< The same with cosines.
+    TY_PHASE_FILE_MOMENTS = 2,      ///< Legendre moments chi_l from l = 0 on, the first of which is 1.
+    TY_PHASE_FILE_COEFFICIENTS = 3, ///< Coefficients of the Legendre series, (2 l + 1) chi_l, likewise.
+    TY_PHASE_FILE_SHDOM = 4         ///< A scattering table of SHDOM: such coefficients for effective radii.
+} ty_phase_content;
+
+/// Reads a phase function into a table for a lobe TY_PHASE_TABLE: `cosines` and `values` have room for
+/// TY_PHASE_NODES_MAX numbers, of which `*count` are set. A Legendre series is evaluated at angles so close that the
+/// table resolves it; where it is below 0, as cut series are, the value is 0, with a warning if that adds more than
+/// 1 % of the light. effective_radius: of TY_PHASE_FILE_SHDOM, micrometres, interpolated linearly between neighbours in
+/// the table; 0 takes that of a table of one. Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY,
+/// TY_ERROR_ARGUMENT.
+TY_API ty_result ty_phase_file_read(ty_context* context, const char* path, ty_phase_content content,
+                                    double effective_radius, double* cosines, double* values, int32_t* count);
 
 /// Reads points from a JSON file: an array of [x, y, z], m, or an object with such an array at "positions". `*out` has
 /// 3 floats per point, for `*count` >= 1 points, and is freed with ty_points_destroy(). Errors: TY_ERROR_FILE,

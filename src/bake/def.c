@@ -4,6 +4,8 @@
 
 static const char* const methods[] = {"cache", "impulse", "attenuation", "surfaces", "path", NULL};
 
+static const char* const compositions[] = {"collisions", "published", NULL};
+
 static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_bake_def, method), .type = TY_OPTION_WORD, .words = methods,
      .doc = "Method for light that media scatter."},
@@ -21,6 +23,8 @@ static const ty_option options[] = {
      .unit = "cells", .doc = "Cells of a cache along the longest side of its box."},
     {TY_OPTION_FIELD(ty_bake_def, cell_paths), .type = TY_OPTION_INT, .min = 1, .max = 1 << 20, .preset = 64,
      .doc = "Paths per cell of a cache."},
+    {TY_OPTION_FIELD(ty_bake_def, composition), .type = TY_OPTION_WORD, .words = compositions,
+     .doc = "Composition of impulse responses at a receiver."},
 };
 
 static const ty_option_table table = TY_OPTION_TABLE("bake", ty_bake_def, "ty_default_bake_def", options);

@@ -12,6 +12,7 @@ int cli_merge(int count, char** arguments);
 int cli_compare(int count, char** arguments);
 int cli_screen(int count, char** arguments);
 int cli_convert(int count, char** arguments);
+int cli_fluence(int count, char** arguments);
 int cli_figure(int count, char** arguments);
 int cli_bake(int count, char** arguments);
 int cli_bench(int count, char** arguments);
@@ -25,7 +26,7 @@ typedef struct cli_command {
     bool is_tool; /* a separate program, which replaces this process */
 } cli_command;
 
-enum { CLI_COMMAND_COUNT = 13 };
+enum { CLI_COMMAND_COUNT = 14 };
 extern const cli_command cli_commands[CLI_COMMAND_COUNT];
 
 /* The command of a name; NULL, after a message that lists all commands, if there is none. asker: the name of the

@@ -51,6 +51,11 @@ FILE* ty_open_regular(const char* path, uint64_t* size) {
     return stream;
 }
 
+bool ty_is_folder(const char* path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
 ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uint64_t* size) {
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "a file name is NULL");
     *stream = ty_open_regular(path, size);

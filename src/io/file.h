@@ -12,6 +12,9 @@ FILE* ty_open_regular(const char* path, uint64_t* size);
 /* The same as ty_open_regular, with an error message. */
 ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uint64_t* size);
 
+/* True if there is a folder of this name. */
+bool ty_is_folder(const char* path);
+
 /* Reads a file of at most `limit` bytes and appends a zero byte; freed with ty_free_file. */
 ty_result ty_read_file(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size);
 /* Reads `size` bytes from an offset on, or as many as there are, in the same way. */

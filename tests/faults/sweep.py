@@ -97,6 +97,8 @@ def cases(tyndall):
         Case("convert NanoVDB", ["convert", "in.raw", "out.nvdb"] + raw, ["in.raw"], ["out.nvdb"], tyndall, False),
         Case("convert OpenVDB", ["convert", "in.raw", "out.vdb"] + raw, ["in.raw"], ["out.vdb"], tyndall, False),
         Case("convert from VDB", ["convert", "in.vdb", "out.nrrd"], ["in.vdb"], ["out.nrrd"], tyndall, False),
+        Case("convert VTI", ["convert", "in.raw", "out.vti"] + raw, ["in.raw"], ["out.vti"], tyndall, False),
+        Case("convert from VTI", ["convert", "in.vti", "out.nrrd"], ["in.vti"], ["out.nrrd"], tyndall, False),
         # c-blosc crashes if one of its allocations fails.
         Case("convert from blosc", ["convert", "blosc.vdb", "out.nrrd"], ["blosc.vdb"], ["out.nrrd"], tyndall, True,
              ("malloc",)),
@@ -132,7 +134,7 @@ def make_inputs(tyndall, folder):
         checked_run([tyndall, "render", "scene.json", "-o", name, "--spp", "1", "--seed", seed] + small, folder)
     checked_run([tyndall, "render", "builtin:cube_g0", "-o", "old.exr", "--resume", "--size", "8x8", "--spp", "2",
                  "--seed", "1", "-q"], folder)
-    for name, codec in (("in.vdb", "zip"), ("blosc.vdb", "blosc")):
+    for name, codec in (("in.vdb", "zip"), ("blosc.vdb", "blosc"), ("in.vti", "zip")):
         checked_run([tyndall, "convert", "in.raw", name, "--raw-size", "8,8,8", "--codec", codec], folder)
     (folder / "man").mkdir()
 

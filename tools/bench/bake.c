@@ -14,14 +14,15 @@
 #include <tyndall/bake.h>
 
 enum { SIDE = 48, RUNS_MAX = 99, QUALITIES = 2, EMBREE_PIXELS = 512 };
-enum { SURFACES = 0, ATTENUATION = 1, CACHE = 2, IMPULSE = 3, PATH = 4, METHODS = 5 };
+enum { SURFACES = 0, ATTENUATION = 1, CACHE = 2, IMPULSE = 3, PUBLISHED = 4, PATH = 5, METHODS = 6 };
 /* Numbers of bakes with independent seeds: of a method, and of the reference. */
 enum { SEEDS = 2, TRUTH_SPP = 2048 };
 
 static const char scene_name[] = "builtin:cornell_fog";
-static const char* const method_names[METHODS] = {"surfaces", "attenuation", "cache", "impulse", "path"};
-static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_CACHE, TY_BAKE_IMPULSE,
-                                                TY_BAKE_PATH};
+static const char* const method_names[METHODS] = {"surfaces", "attenuation",       "cache",
+                                                  "impulse",  "impulse_published", "path"};
+static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_CACHE,
+                                                TY_BAKE_IMPULSE,  TY_BAKE_IMPULSE,     TY_BAKE_PATH};
 
 static const struct {
     const char* name;
@@ -104,6 +105,7 @@ static ty_result bake(const ty_scene* scene, const lookups* lookup, const receiv
                       int seed) {
     ty_bake_def def = ty_default_bake_def();
     def.method = methods[method];
+    def.composition = method == PUBLISHED ? TY_BAKE_PUBLISHED : TY_BAKE_COLLISIONS;
     def.spp = spp;
     def.seed = (uint64_t)seed;
     def.tables = lookup->tables;

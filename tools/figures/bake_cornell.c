@@ -71,6 +71,7 @@ static ty_result bake(figure_run* run, const maps* m, const char* item, int meth
     bool apart = false;
     ty_bake_cache* cache = NULL;
     def.method = method == TRUTH ? TY_BAKE_PATH : method == CELLS ? TY_BAKE_CACHE : TY_BAKE_IMPULSE;
+    def.composition = TY_BAKE_PUBLISHED;
     def.back_scattering = method != WITHOUT;
     def.scatterings = max_scatterings;
     def.tables = m->tables;

@@ -32,6 +32,7 @@ static ty_result bake_all(figure_run* run, const char* item, const ty_scene* sce
         char own_item[FIGURE_NAME_SIZE];
         snprintf(own_item, sizeof own_item, "%.30s, %s", item, titles[m]);
         def.method = methods[m];
+        def.composition = TY_BAKE_PUBLISHED;
         def.tables = tables;
         def.scatterings = m >= CELLS ? TY_IMPULSE_BOUNCES_MAX : def.scatterings;
         def.spp = bake_spp(run, m == TRUTH);

@@ -31,6 +31,7 @@ typedef struct ty_gather {
     ty_bake_sums* sums;
     ty_vec direction;         /* direction of this sample's ray, */
     float max_distance;       /* and its length, m */
+    float emitter, collision; /* uniform in [0, 1): choose a virtual emitter, and a collision on a ray */
     const float* emitter_cdf; /* cumulative selection weights of the virtual emitters for this receiver */
     uint64_t rays;
     ty_interior_list around, inside; /* dielectrics around the receiver, and around the origin of the path's ray */

@@ -26,6 +26,9 @@ typedef struct ty_bake_impulse {
     float max_bounce_ratio[3];   /* upper bound of the ratio of successive bounces in the tables' infinite medium */
     const ty_virtual_emitters* emitters;
     int32_t media_only; /* 1: only light scattered by media counts */
+    int32_t published;  /* 1: TY_BAKE_PUBLISHED */
+    float step;         /* m: a distance over which media hardly change */
+    float mean_cosine;  /* of scattering in the media, at most 0.9 */
 } ty_bake_impulse;
 
 typedef struct ty_bake_request {
@@ -36,7 +39,7 @@ typedef struct ty_bake_request {
     int32_t gray;        /* 1: media are identical in all channels */
     ty_cache_view cache; /* TY_BAKE_CACHE; light NULL: no media */
     int32_t transparent; /* 1: some surface passes light (bake/gather/transparent.k.h) */
-    int32_t media_emit;  /* TY_BAKE_CACHE: 1: some medium emits, and paths sample its emission */
+    int32_t media_emit;  /* 1: some medium emits, and paths sample its emission */
     const ty_bake_receiver* receivers;
     int32_t terms;      /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS for probes */
     uint32_t fog_every; /* TY_BAKE_IMPULSE: samples per lookup of the tables, a power of two; TY_BAKE_CACHE: paths per

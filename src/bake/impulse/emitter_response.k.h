@@ -78,6 +78,16 @@ TY_FN void ty_emitter_set_receiver(ty_emitter* emitter, ty_vec receiver) {
     emitter->cosine = emitter->kind == TY_IMPULSE_AREA ? -ty_dot(emitter->normal, emitter->wi) : 1.0f;
 }
 
+/* A virtual emitter relative to a point. */
+TY_FN ty_emitter ty_virtual_emitter_at(const ty_virtual_emitter* virtual_emitter, ty_vec receiver) {
+    ty_emitter emitter = {.kind = virtual_emitter->kind,
+                          .position = virtual_emitter->position,
+                          .normal = virtual_emitter->normal,
+                          .area = virtual_emitter->area};
+    ty_emitter_set_receiver(&emitter, receiver);
+    return emitter;
+}
+
 /* A point off the surface by half a mean free path, at most half the clearance to the next surface. */
 TY_FN ty_vec ty_gather_find_offset(const ty_gather* g) {
     const ty_scene_view* scene = g->request->path.scene;
@@ -143,11 +153,7 @@ TY_FN void ty_gather_backlight_response(ty_gather* g, float weight) {
 TY_FN bool ty_gather_see_virtual_emitter(ty_gather* g, const ty_virtual_emitter* virtual_emitter, ty_emitter* emitter) {
     const ty_accel* mesh = g->request->path.scene->mesh;
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
-    *emitter = (ty_emitter){.kind = virtual_emitter->kind,
-                            .position = virtual_emitter->position,
-                            .normal = virtual_emitter->normal,
-                            .area = virtual_emitter->area};
-    ty_emitter_set_receiver(emitter, g->position);
+    *emitter = ty_virtual_emitter_at(virtual_emitter, g->position);
     const bool in_front = probe || (ty_dot(g->normal, emitter->wi) > 0.0f && ty_dot(g->face, emitter->wi) > 0.0f);
     const bool direct = in_front && emitter->cosine > 0.0f;
     if (!direct && (probe || g->request->back_scattering == 0 || emitter->cosine < TY_MIN_EMITTER_COSINE)) return false;
@@ -167,11 +173,15 @@ TY_FN bool ty_gather_see_virtual_emitter(ty_gather* g, const ty_virtual_emitter*
 TY_FN void ty_gather_build_emitter_cdf(const ty_gather* g, float* cdf) {
     const ty_virtual_emitters* emitters = g->request->impulse.emitters;
     const ty_vec at = g->position;
+    const bool published = g->request->impulse.published != 0;
+    /* Light of emitters that face away from the receiver reaches collisions on its rays. */
+    const float behind = published ? 0.0f : 0.25f;
     for (int32_t i = 0; i < emitters->count; ++i) {
         const float x = emitters->x[i] - at.x, y = emitters->y[i] - at.y, z = emitters->z[i] - at.z;
         const float inverse_distance = 1.0f / sqrtf(x * x + y * y + z * z + emitters->area[i] * (0.25f / TY_PI));
         const float cosine = -(x * emitters->nx[i] + y * emitters->ny[i] + z * emitters->nz[i]) * inverse_distance;
-        cdf[i] = cosine < TY_MIN_EMITTER_COSINE ? 0.0f : emitters->power[i] * inverse_distance;
+        cdf[i] = emitters->power[i] * inverse_distance;
+        if (cosine < TY_MIN_EMITTER_COSINE) cdf[i] *= behind;
         if (i >= emitters->surfaces + emitters->local_lights) cdf[i] *= inverse_distance;
     }
     for (int32_t i = 1; i < emitters->count; ++i) cdf[i] += cdf[i - 1];
@@ -215,13 +225,18 @@ TY_FN void ty_gather_medium_response(ty_gather* g, const ty_virtual_emitter* vir
         ty_gather_add_response(g, emitter, &response, strength, TY_BAKE_MULTIPLE);
 }
 
-/* The k-th virtual emitter of this receiver. */
-TY_FN void ty_gather_virtual_response(ty_gather* g, uint64_t item, uint32_t k, float weight) {
+/* Uniform in [0, 1): chooses the k-th virtual emitter of a receiver. */
+TY_FN float ty_gather_emitter_stratum(uint64_t item, uint32_t k) {
+    const uint32_t seed = (uint32_t)(ty_mix64(item + 0x9e3779b97f4a7c15u) >> 32);
+    return ty_unit_float(ty_owen_scramble(ty_reverse_bits(k), seed));
+}
+
+/* The index of the virtual emitter that u chooses, and its probability; -1: none. */
+TY_FN int32_t ty_gather_choose_emitter(const ty_gather* g, float u, float* probability) {
     const ty_virtual_emitters* emitters = g->request->impulse.emitters;
     const float total = emitters->count > 0 ? g->emitter_cdf[emitters->count - 1] : 0.0f;
-    if (!(total > 0.0f)) return;
-    const uint32_t seed = (uint32_t)(ty_mix64(item + 0x9e3779b97f4a7c15u) >> 32);
-    const float position = ty_unit_float(ty_owen_scramble(ty_reverse_bits(k), seed)) * total;
+    const float position = u * total;
+    if (!(total > 0.0f)) return -1;
     int32_t index = 0, last = emitters->count - 1;
     while (index < last) {
         const int32_t center = (index + last) / 2;
@@ -230,13 +245,21 @@ TY_FN void ty_gather_virtual_response(ty_gather* g, uint64_t item, uint32_t k, f
         else
             index = center + 1;
     }
-    const float probability = (g->emitter_cdf[index] - (index > 0 ? g->emitter_cdf[index - 1] : 0.0f)) / total;
-    const ty_virtual_emitter* virtual_emitter = &emitters->items[index];
+    *probability = (g->emitter_cdf[index] - (index > 0 ? g->emitter_cdf[index - 1] : 0.0f)) / total;
+    return *probability > 0.0f ? index : -1;
+}
+
+/* The response to the k-th virtual emitter of this receiver. */
+TY_FN void ty_gather_virtual_response(ty_gather* g, uint64_t item, uint32_t k, float weight) {
+    float probability;
+    const int32_t index = ty_gather_choose_emitter(g, ty_gather_emitter_stratum(item, k), &probability);
+    if (index < 0) return;
+    const ty_virtual_emitter* virtual_emitter = &g->request->impulse.emitters->items[index];
     ty_emitter emitter;
     ty_segment segment;
     ty_response response;
     float strength[3];
-    if (!(probability > 0.0f) || !ty_gather_see_virtual_emitter(g, virtual_emitter, &emitter)) return;
+    if (!ty_gather_see_virtual_emitter(g, virtual_emitter, &emitter)) return;
     ty_gather_segment(g, g->position, emitter.wi, emitter.distance, &segment);
     const float measure =
         weight / probability * virtual_emitter->measure * ty_virtual_emitter_falloff(g, virtual_emitter, emitter.wi);
@@ -272,31 +295,18 @@ TY_FN bool ty_impulse_is_gathered(const ty_bake_request* request, uint64_t item,
     return number % interval == (uint32_t)(bits >> 32) % interval;
 }
 
-/* Adds the responses to emitters. visible: the light sample, or NULL; hit: its ray hit a surface. */
-TY_FN void ty_impulse_gather(ty_gather* g, uint64_t item, uint32_t number, const ty_visible_light* visible, bool hit,
-                             float weight, const ty_segment* segment) {
+/* Adds the responses to emitters at the receiver: the composition of Sec. 5 (Dubouchet 2019). visible: the light
+ * sample, or NULL; hit: its ray hit a surface; scale: samples that this one stands for. */
+TY_FN void ty_gather_published(ty_gather* g, uint64_t item, uint32_t k, const ty_visible_light* visible, bool hit,
+                               float scale, float weight, const ty_segment* segment) {
     const ty_bake_request* request = g->request;
     const bool probe = request->terms == TY_BAKE_SH_TERMS;
-    const float scale = (float)request->fog_every;
-    ty_bake_sums* sums = g->sums;
-    float before[3];
-    for (int c = 0; c < 3; ++c) {
-        before[c] = g->sample[c];
-        g->sample[c] = 0.0f;
-    }
     if (!hit) ty_gather_environment_response(g, scale * weight, segment);
     if (visible != NULL && ty_light_is_distant(visible->light))
         ty_gather_distant_response(g, &visible->sample, &visible->segment, scale / visible->chosen);
     if (!probe && request->back_scattering != 0 && request->path.scene->lights.distant_count > 0)
         ty_gather_backlight_response(g, scale);
-    ty_gather_virtual_response(g, item, number / request->fog_every, scale);
-    for (int c = 0; c < 3; ++c) {
-        const double measure = (double)(g->sample[c] / scale);
-        sums->fog_mean[c] += measure;
-        sums->fog_square[c] += measure * measure;
-        g->sample[c] = before[c];
-    }
-    ++sums->gather_rays;
+    ty_gather_virtual_response(g, item, k, scale);
 }
 
 #endif

@@ -14,15 +14,19 @@
 #include <string.h>
 
 /* Iterations of light between media and surfaces; samples of each. */
-enum { ANCHORS_MAX = 64, SENDERS_MIN = 64, ROUNDS = 3, BLOCK = 4 };
+enum { ANCHORS_MAX = 64, SENDERS_MIN = 256, PUBLISHED_SENDERS_MIN = 64, ROUNDS = 3, BLOCK = 4 };
 enum {
     SURFACE_SAMPLES_MIN = 16,
     SURFACE_SAMPLES_MAX = 256,
     FOG_SAMPLES_MIN = 8,
+    FOG_SAMPLES_LAST = 24, /* of the last iteration by collisions */
     LIGHT_POINTS_MAX = 256,
     MEDIUM_RAYS = 1024
 };
-enum { FOG_EVERY = 4 };
+/* Paths per gather, and at probes by collisions, where directions are far more. */
+enum { FOG_EVERY = 4, FOG_EVERY_PROBE = 1 };
+/* First sample number of rays to anchors beyond surfaces. */
+enum { ANCHOR_SAMPLE = 1 << 16 };
 
 typedef struct emitter_search {
     ty_bake_run* run;
@@ -43,13 +47,39 @@ enum { LIGHT_SIZE = TY_BAKE_LAYERS * 3 * TY_BAKE_SURFACE_TERMS };
 
 /* ---- anchors ---- */
 
-static void choose_anchors(emitter_search* s) {
+static void choose_receiver_anchors(emitter_search* s) {
     const ty_bake_request* request = &s->run->request;
     ty_gather g = {.request = request};
+    s->anchor_count = s->run->count < ANCHORS_MAX ? (int32_t)s->run->count : ANCHORS_MAX;
     for (int32_t i = 0; i < s->anchor_count; ++i) {
         ty_gather_set_receiver(&g, &request->receivers[(2 * i + 1) * s->run->count / (2 * s->anchor_count)]);
         s->anchors[i] = ty_gather_find_offset(&g);
     }
+}
+
+/* Adds anchors halfway along rays that surfaces reflect: walks reach surfaces that few receivers see. */
+static void add_anchors_beyond(emitter_search* s) {
+    const ty_path_request* request = &s->run->request.path;
+    const int32_t own = s->anchor_count;
+    ty_path path;
+    ty_hit hit;
+    if (own == 0 || request->scene->mesh == NULL) return;
+    for (int32_t i = 0; i < ANCHORS_MAX && s->anchor_count < ANCHORS_MAX; ++i) {
+        const int32_t from = i % own;
+        ty_path_begin(&path, request, ~(uint64_t)from, (uint32_t)(ANCHOR_SAMPLE + i / own));
+        ty_path_sample_sphere(&path);
+        if (!ty_accel_intersect(request->scene->mesh, s->anchors[from], path.direction, TY_FLOAT_MAX, &hit)) continue;
+        path.normal = ty_scale(hit.normal, ty_dot(hit.normal, path.direction) < 0.0f ? 1.0f : -1.0f);
+        const ty_vec origin = ty_hit_leave(&hit, path.normal);
+        ty_path_sample_cosine_hemisphere(&path);
+        if (!ty_accel_intersect(request->scene->mesh, origin, path.direction, TY_FLOAT_MAX, &hit)) continue;
+        s->anchors[s->anchor_count++] = ty_mad(origin, path.direction, 0.5f * hit.distance);
+    }
+}
+
+static void choose_anchors(emitter_search* s) {
+    choose_receiver_anchors(s);
+    if (s->run->request.impulse.published == 0) add_anchors_beyond(s);
 }
 
 /* ---- properties of the media ---- */
@@ -62,7 +92,7 @@ static void find_max_bounce_ratio(emitter_search* s) {
     ty_bake_request* request = &s->run->request;
     const ty_accel* mesh = request->path.scene->mesh;
     const ty_gather g = {.request = request};
-    double depth[3] = {0}, collision[3] = {0}, length = 0;
+    double depth[3] = {0}, collision[3] = {0}, length = 0, scattering = 0, cosine = 0;
     ty_path path;
     ty_hit hit;
     ty_segment segment;
@@ -73,12 +103,16 @@ static void find_max_bounce_ratio(emitter_search* s) {
         const bool hit_surface = mesh != NULL && ty_accel_intersect(mesh, from, path.direction, TY_FLOAT_MAX, &hit);
         ty_gather_segment(&g, from, path.direction, hit_surface ? hit.distance : TY_FLOAT_MAX, &segment);
         length += hit_surface ? (double)ty_minf(hit.distance, segment.leave) : (double)ty_minf(segment.leave, 1e6f);
+        scattering += (double)ty_minf(segment.scattering_depth[1], 1e6f);
+        cosine += (double)ty_minf(segment.g_scattering_depth[1], 1e6f);
         for (int c = 0; c < 3; ++c) {
             depth[c] += (double)ty_minf(segment.depth[c], 1e6f);
             collision[c] += (double)ty_collision_probability(segment.depth[c]);
         }
     }
     s->distance_scale = s->anchor_count > 0 ? (float)fmax(1e-6, 3 * length / (RAYS * s->anchor_count)) : 1;
+    request->impulse.step = 1e-3f * s->distance_scale;
+    request->impulse.mean_cosine = scattering > 0 ? (float)fmin(0.9, fmax(0, cosine / scattering)) : 0;
     s->mean_free_path = (float)(length / fmax(1e-12, fmax(depth[0], fmax(depth[1], depth[2]))));
     for (int c = 0; c < 3; ++c) {
         const double p = depth[c] > 0 ? 1 - collision[c] / depth[c] : 1;
@@ -238,7 +272,7 @@ static bool find_medium_emitter(const emitter_search* s, int32_t ray, ty_virtual
     if (mesh != NULL && ty_accel_occluded(mesh, from, path.direction, distance)) return false;
     const ty_light_view* light = &lights->lights[lights->distant[(int32_t)(pick * (float)lights->distant_count)]];
     if (!ty_light_sample_from(light, at, a, b, &sample)) return false;
-    const float step = 1e-3f * s->distance_scale;
+    const float step = s->run->request.impulse.step;
     ty_gather_segment(&g, at, sample.wi, step, &segment);
     *out = (ty_virtual_emitter){.position = at, .kind = TY_IMPULSE_POINT, .light = -1, .in_medium = 1, .wi = sample.wi};
     for (int c = 0; c < 3; ++c) {
@@ -276,7 +310,7 @@ static void find_medium_emitters(void* user, int64_t ray, int32_t worker) {
 static void sample_media(emitter_search* s) {
     ty_virtual_emitters* emitters = s->emitters;
     const int32_t rays = s->anchor_count * s->medium_rays_per_anchor;
-    if (s->run->request.path.scene->lights.distant_count == 0) return;
+    if (s->run->request.impulse.published == 0 || s->run->request.path.scene->lights.distant_count == 0) return;
     ty_parallel_flushed(s->run->context, rays, find_medium_emitters, s);
     const int32_t first = emitters->count;
     for (int32_t i = 0; i < rays; ++i)
@@ -414,7 +448,9 @@ static void light_emitters(emitter_search* s, uint32_t samples, float* from_surf
     s->request.impulse.media_only = 1;
     s->request.fog_every = 1;
     for (int round = 0; round < ROUNDS; ++round) {
-        gather(s, samples / 4 > FOG_SAMPLES_MIN ? samples / 4 : FOG_SAMPLES_MIN);
+        const bool last = s->run->request.impulse.published == 0 && round == ROUNDS - 1;
+        const uint32_t min_samples = last ? FOG_SAMPLES_LAST : FOG_SAMPLES_MIN;
+        gather(s, samples / 4 > min_samples ? samples / 4 : min_samples);
         for (int32_t i = 0; i < emitters->surfaces; ++i)
             for (int c = 0; c < 3; ++c) from_media[3 * i + c] = (float)gathered(s, i, c);
         set_power(s, from_surfaces, from_media);
@@ -481,14 +517,16 @@ ty_result ty_bake_impulse_begin(ty_bake_run* run) {
     ty_context* context = run->context;
     const double paths = (double)run->count * run->def->spp;
     run->request.impulse.emitters = &run->impulse.emitters;
-    run->request.fog_every = FOG_EVERY;
+    const bool published = run->request.impulse.published != 0;
+    run->request.fog_every = !published && run->request.terms == TY_BAKE_SH_TERMS ? FOG_EVERY_PROBE : FOG_EVERY;
     emitter_search s = {.run = run, .emitters = &run->impulse.emitters};
-    s.anchor_count = run->count < ANCHORS_MAX ? (int32_t)run->count : ANCHORS_MAX;
-    const double wanted =
-        fmin(TY_VIRTUAL_EMITTERS_MAX - LIGHT_POINTS_MAX - MEDIUM_RAYS, fmax(SENDERS_MIN, sqrt(paths / 8)));
+    const int32_t medium_rays = published ? MEDIUM_RAYS : 0;
+    choose_anchors(&s);
+    const double wanted = fmin(TY_VIRTUAL_EMITTERS_MAX - LIGHT_POINTS_MAX - medium_rays,
+                               fmax(published ? PUBLISHED_SENDERS_MIN : SENDERS_MIN, sqrt(paths / 8)));
     s.rays_per_anchor = s.anchor_count > 0 ? (int32_t)(wanted / s.anchor_count) : 0;
     s.light_points = (int32_t)fmin(LIGHT_POINTS_MAX, 0.5 * wanted);
-    s.medium_rays_per_anchor = s.anchor_count > 0 ? MEDIUM_RAYS / s.anchor_count : 0;
+    s.medium_rays_per_anchor = s.anchor_count > 0 ? medium_rays / s.anchor_count : 0;
     s.max_emitters = s.anchor_count * s.rays_per_anchor + s.light_points + s.anchor_count * s.medium_rays_per_anchor;
     const size_t capacity = (size_t)s.max_emitters;
     ty_result result = allocate_emitters(run, s.max_emitters);
@@ -498,7 +536,6 @@ ty_result ty_bake_impulse_begin(ty_bake_run* run) {
     float* light = ty_alloc_array(context, 6 * capacity, sizeof *light, true);
     if (s.receivers == NULL || s.sums == NULL || s.light == NULL || light == NULL) result = TY_ERROR_MEMORY;
     if (result == TY_OK) {
-        choose_anchors(&s);
         find_max_bounce_ratio(&s);
         result = merge_tables(run);
     }

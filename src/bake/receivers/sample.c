@@ -79,9 +79,16 @@ static ty_result attach_cache(ty_bake_run* run, const ty_scene* scene) {
     run->request.cache = cache->view;
     /* An error bound should be met soon, whichever term is noisiest. */
     run->request.fog_every = def->error > 0 ? FOG_EVERY_BOUND : FOG_EVERY;
+    return TY_OK;
+}
+
+/* The published composition of impulse responses has no emission of media. */
+static void find_emission(ty_bake_run* run) {
+    const ty_bake_def* def = run->def;
+    if (def->method != TY_BAKE_CACHE && (def->method != TY_BAKE_IMPULSE || def->composition == TY_BAKE_PUBLISHED))
+        return;
     for (int32_t i = 0; i < run->path.view.medium_count; ++i)
         if (run->media[i].emits != 0) run->request.media_emit = 1;
-    return TY_OK;
 }
 
 static ty_result attach_enclosed(ty_bake_run* run, const ty_scene* scene) {
@@ -152,12 +159,14 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
     if (result == TY_OK) result = attach_cache(run, scene);
     if (result == TY_OK) result = attach_enclosed(run, scene);
     if (result != TY_OK) return result;
+    find_emission(run);
     ty_interiors_warn(scene, "bake", "glass passes light straight on, and media outside take it for opaque");
     run->count = count;
     ty_bake_request* request = &run->request;
     request->method = (int32_t)def->method;
     request->scatterings = def->scatterings;
     request->back_scattering = def->back_scattering;
+    request->impulse.published = def->composition == TY_BAKE_PUBLISHED;
     request->receivers = receivers;
     request->terms = terms;
     run->kernel = TY_BEST_KERNELS(ty_bake_kernel);

@@ -2,7 +2,7 @@
 #ifndef TY_BAKE_RECEIVERS_SAMPLE_K_H
 #define TY_BAKE_RECEIVERS_SAMPLE_K_H
 
-#include "bake/impulse/emitter_response.k.h"
+#include "bake/impulse/collisions.k.h"
 
 /* Adds the direct light of one light sample; false if no light is visible. */
 TY_FN bool ty_gather_add_light(ty_gather* g, ty_visible_light* visible) {
@@ -92,6 +92,10 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     const bool blocked = hit && ty_dot(end.hit.normal, path->direction) > 0.0f;
     const bool gathers = ty_impulse_is_active(g) && ty_impulse_is_gathered(request, item, number);
     const float weight = 1.0f / path->pdf;
+    if (gathers && request->impulse.published == 0) {
+        g->emitter = ty_sobol_next(&path->random);
+        g->collision = ty_sobol_next(&path->random);
+    }
     g->direction = path->direction;
     g->max_distance = hit ? end.hit.distance : segment.leave;
     ty_gather_first_ray(g, hit ? &end : NULL, &segment);

@@ -66,6 +66,7 @@ static ty_bake_def make_def(bake_run* run) {
     def.cells = options->cells;
     def.cell_paths = options->cell_paths;
     def.back_scattering = !options->no_back_scattering;
+    def.composition = (ty_bake_composition)options->composition;
     def.seed = run->session->common.seed_given ? run->session->common.seed : ty_scene_render_settings(run->scene).seed;
     def.progress = bake_report_progress;
     def.progress_user = run;
@@ -249,6 +250,9 @@ int cli_bake(int count, char** arguments) {
          1, 512, NULL},
         {"cache-paths", 0, CLI_INT, "N", "paths that gather light in each cell (default 64)", &options.cell_paths, 1,
          SPP_MAX, NULL},
+        {"composition", 0, CLI_CHOICE, "collisions|published",
+         "impulse: responses at a receiver, corrected at collisions or as published (default collisions)",
+         &options.composition, 0, 0, NULL},
         {"no-back-scattering", 0, CLI_FLAG, NULL,
          "impulse: leave out what surfaces behind a receiver send into the medium", &options.no_back_scattering, 0, 0,
          NULL},

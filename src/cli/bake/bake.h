@@ -13,7 +13,7 @@ enum { BAKE_NAME_SIZE = 96, BAKE_PATH_SIZE = 4096, BAKE_KEY_SIZE = 2048, BAKE_RO
 
 typedef struct bake_options {
     const char *scene, *folder, *probes;
-    int method, quality;
+    int method, quality, composition;
     int32_t spp, bounces, scatterings, cells, cell_paths, sh, padding, size[2], grid[3];
     double error, density, grid_spacing;
     const char* grid_text; /* the argument of --grid */

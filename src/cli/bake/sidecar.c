@@ -110,6 +110,8 @@ static void put_options(json_writer* json, const bake_run* run) {
     json_int(json, "scatterings", run->def.scatterings);
     if (run->cache != NULL) put_cache(json, run);
     json_bool(json, "back_scattering", run->def.back_scattering);
+    if (run->def.method == TY_BAKE_IMPULSE)
+        json_text(json, "composition", run->def.composition == TY_BAKE_PUBLISHED ? "published" : "collisions");
     json_unsigned(json, "seed", run->def.seed);
 }
 

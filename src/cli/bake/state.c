@@ -19,10 +19,10 @@ static void make_key(const bake_run* run, char key[BAKE_KEY_SIZE]) {
     }
     snprintf(key, BAKE_KEY_SIZE,
              "version=%s scene=%016" PRIx64 " seed=%" PRIu64 " method=%s spp=%d error=%.17g bounces=%d scatterings=%d "
-             "cells=%d cell_paths=%d back=%d lightmaps=%d vertices=%d grid=%s spacing=%.17g probes=%016" PRIx64
-             " sh=%d density=%.17g size=%dx%d padding=%d denoise=%d units=%d\n",
+             "cells=%d cell_paths=%d composition=%d back=%d lightmaps=%d vertices=%d grid=%s spacing=%.17g "
+             "probes=%016" PRIx64 " sh=%d density=%.17g size=%dx%d padding=%d denoise=%d units=%d\n",
              ty_version(), ty_scene_hash(run->scene), run->def.seed, bake_method_names[o->method], (int)run->def.spp,
-             o->error, (int)o->bounces, (int)run->def.scatterings, (int)o->cells, (int)o->cell_paths,
+             o->error, (int)o->bounces, (int)run->def.scatterings, (int)o->cells, (int)o->cell_paths, o->composition,
              !o->no_back_scattering, o->lightmaps, o->vertices, o->grid_text == NULL ? "" : o->grid_text,
              o->grid_spacing, probes, (int)o->sh, o->density, (int)o->size[0], (int)o->size[1], (int)o->padding,
              o->denoise, (int)run->plan.count);

@@ -2,6 +2,7 @@
 #include "cli/convert/convert.h"
 #include "cli/commands.h"
 #include "cli/options/raw_options.h"
+#include "io/volumes/nifti.h"
 
 #include <string.h>
 
@@ -11,9 +12,10 @@ static bool has_one_of(const char* path, const char* const* extensions) {
     return false;
 }
 
+/* By the extension; .hdr is also that of NIfTI headers. */
 static bool is_image(const char* path) {
     static const char* const extensions[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".webp", NULL};
-    return has_one_of(path, extensions);
+    return has_one_of(path, extensions) && !ty_is_nifti_file(path);
 }
 
 static int choose_codec(const char** codec, const char* const* known, const char* output) {
@@ -32,55 +34,52 @@ static int check_codec(const char** codec, const char* output) {
     static const char* const vdb[] = {"zip", "blosc", "none", NULL};
     static const char* const nanovdb[] = {"zip", "none", NULL};
     static const char* const nrrd[] = {"gzip", "none", NULL};
+    static const char* const vti[] = {"zip", "none", NULL};
+    static const char* const vol[] = {"none", NULL};
     if (cli_has_extension(output, ".vdb")) return choose_codec(codec, vdb, output);
     if (cli_has_extension(output, ".nvdb")) return choose_codec(codec, nanovdb, output);
     if (cli_has_extension(output, ".nrrd")) return choose_codec(codec, nrrd, output);
-    return cli_usage_error("convert", "%s: a volume goes to .vdb, .nvdb or .nrrd", output);
+    if (cli_has_extension(output, ".vti")) return choose_codec(codec, vti, output);
+    if (cli_has_extension(output, ".vol")) return choose_codec(codec, vol, output);
+    return cli_usage_error("convert", "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti or .vol", output);
 }
 
-static ty_result write_volume(ty_context* context, const ty_grid* grid, const char* name, const char* codec,
-                              const char* output) {
-    if (cli_has_extension(output, ".vdb")) return ty_vdb_write(context, grid, name, codec, output);
-    if (cli_has_extension(output, ".nvdb")) return ty_nanovdb_write(context, grid, name, codec, output);
-    return ty_nrrd_write(context, grid, strcmp(codec, "gzip") == 0 ? TY_NRRD_CODEC_GZIP : TY_NRRD_CODEC_RAW, output);
-}
-
-static int convert_volume(cli_session* session, const ty_volume_def* def, const char* codec, const char* input,
-                          const char* output) {
-    int status = check_codec(&codec, output);
-    if (status != CLI_GO) return status;
-    ty_grid* grid = NULL;
-    ty_result result = ty_volume_read(session->context, input, def, &grid);
-    if (result != TY_OK) return cli_fail_reading(session, result);
-    cli_end_on_interrupt(false);
-    result = write_volume(session->context, grid, def->grid, codec, output);
-    ty_grid_release(grid);
-    return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
-}
-
-static int convert(cli_session* session, const ty_volume_def* def, const char* codec,
-                   const convert_image_options* image, const char* const paths[2]) {
+static int convert(cli_session* session, convert_volume_options* volume, const convert_image_options* image,
+                   const char* const paths[2]) {
     cli_end_on_interrupt(true);
     if (is_image(paths[0])) return cli_convert_image(session, image, paths[0], paths[1]);
-    return convert_volume(session, def, codec, paths[0], paths[1]);
+    const int status = check_codec(&volume->codec, paths[1]);
+    return status == CLI_GO ? cli_convert_volume(session, volume, paths[0], paths[1]) : status;
 }
 
 int cli_convert(int count, char** arguments) {
-    ty_volume_def def = ty_default_volume_def();
-    const char *codec = NULL, *raw_size = NULL, *raw_type = NULL, *raw_spacing = NULL;
+    convert_volume_options volume = {.def = ty_default_volume_def()};
+    ty_volume_def* def = &volume.def;
+    const char *raw_size = NULL, *raw_type = NULL, *raw_spacing = NULL, *radius = NULL, *air = NULL;
     convert_image_options image = {.scale = 65535};
     const cli_option table[] = {
-        {"grid", 0, CLI_TEXT, "NAME", "grid of a VDB or NanoVDB (default density)", &def.grid, 0, 0, NULL},
-        {"component", 0, CLI_INT, "N", "which of several values per voxel (default 0)", &def.component, 0, 65535, NULL},
-        {"frame", 0, CLI_INT, "N", "takes the place of the #s in IN (default 0)", &def.frame, 0, INT32_MAX, NULL},
+        {"grid", 0, CLI_TEXT, "NAME", "grid of a VDB, NanoVDB, VTK or NetCDF file (default density, or the only one)",
+         &volume.grid, 0, 0, NULL},
+        {"component", 0, CLI_INT, "N", "which of several values per voxel (default 0)", &def->component, 0, 65535,
+         NULL},
+        {"vector", 0, CLI_FLAG, NULL, "all three values per voxel as a vector (.vdb, .vti)", &volume.vector, 0, 0,
+         NULL},
+        {"half", 0, CLI_FLAG, NULL, "store values as half floats (.vdb)", &volume.half, 0, 0, NULL},
+        {"frame", 0, CLI_INT, "N", "takes the place of the #s in IN (default 0)", &def->frame, 0, INT32_MAX, NULL},
         {"codec", 0, CLI_TEXT, "NAME",
-         ".vdb: zip, blosc, none; .nvdb: zip, none; .nrrd: gzip, none (default: the first)", &codec, 0, 0, NULL},
+         ".vdb: zip, blosc, none; .nvdb, .vti: zip, none; .nrrd: gzip, none; .vol: none (default: the first)",
+         &volume.codec, 0, 0, NULL},
+        {"effective-radius", 0, CLI_TEXT, "NAME|UM", "NetCDF: makes liquid water the extinction of droplets, 1/m",
+         &radius, 0, 0, NULL},
+        {"air-density", 0, CLI_TEXT, "NAME|KG_M3", "NetCDF: for liquid water per mass of air", &air, 0, 0, NULL},
         {"raw-size", 0, CLI_TEXT, "X,Y,Z", "voxels of a raw file", &raw_size, 0, 0, NULL},
         {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
          NULL},
         {"raw-spacing", 0, CLI_TEXT, "X,Y,Z", "units between voxels of a raw file (default: no position)", &raw_spacing,
          0, 0, NULL},
-        {"big-endian", 0, CLI_FLAG, NULL, "of a raw file", &def.raw_big_endian, 0, 0, NULL},
+        {"big-endian", 0, CLI_FLAG, NULL, "of a raw file", &def->raw_big_endian, 0, 0, NULL},
+        {"series", 0, CLI_TEXT, "NAME", "of a folder of DICOM files: its number, description or UID", &def->series, 0,
+         0, NULL},
         {"layer", 0, CLI_TEXT, "NAME", "layer of an EXR (default: all channels)", &image.layer, 0, 0, NULL},
         {"channel", 0, CLI_TEXT, "NAME", "of an image, for --bits 16 (default: the first)", &image.channel, 0, 0, NULL},
         {"exposure", 0, CLI_REAL, "STOPS", "exposure of a PNG (default 0)", &image.exposure, -64, 64, NULL},
@@ -92,7 +91,9 @@ int cli_convert(int count, char** arguments) {
     const cli_syntax syntax = {"convert",
                                "IN OUT [options]",
                                "Converts a volume or an image into a file of another kind.",
-                               "Volumes: .vdb, .nvdb, .nrrd, .nhdr and raw files to .vdb, .nvdb, .nrrd.\n"
+                               "Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, DICOM (a folder or a file of a\n"
+                               "series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd,\n"
+                               ".vti, .vol.\n"
                                "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png.",
                                table,
                                sizeof table / sizeof table[0],
@@ -101,10 +102,11 @@ int cli_convert(int count, char** arguments) {
                                NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
-    if (status == CLI_GO) status = cli_parse_raw("convert", raw_size, raw_type, raw_spacing, &def);
+    if (status == CLI_GO) status = cli_parse_raw("convert", raw_size, raw_type, raw_spacing, def);
+    if (status == CLI_GO) status = cli_parse_droplets("convert", radius, air, def);
     if (status == CLI_GO) status = cli_check_output("convert", given.positional[1]);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "convert", &given.common);
     if (status != CLI_GO) return status;
-    return cli_session_close(&session, convert(&session, &def, codec, &image, given.positional));
+    return cli_session_close(&session, convert(&session, &volume, &image, given.positional));
 }

@@ -1,4 +1,4 @@
-/* Image conversion of tyndall convert. */
+/* Conversion of images and of volumes by tyndall convert. */
 #ifndef TY_CLI_CONVERT_CONVERT_H
 #define TY_CLI_CONVERT_CONVERT_H
 
@@ -11,7 +11,14 @@ typedef struct convert_image_options {
     int32_t bits; /* bits of a PNG: 8 (also for 0) or 16 */
 } convert_image_options;
 
-/* Returns an exit status. */
+typedef struct convert_volume_options {
+    ty_volume_def def;
+    const char *grid, *codec; /* NULL: by the file, and that of the format */
+    bool half, vector;
+} convert_volume_options;
+
+/* Both return an exit status. */
+int cli_convert_volume(cli_session* session, convert_volume_options* options, const char* input, const char* output);
 int cli_convert_image(cli_session* session, const convert_image_options* options, const char* input,
                       const char* output);
 

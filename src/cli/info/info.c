@@ -4,6 +4,7 @@
 #include "cli/options/raw_options.h"
 #include "cli/text/text.h"
 #include "io/file.h"
+#include "io/volumes/volume_file.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -13,10 +14,15 @@
 
 /* Memory of one component of a grid read densely; 0 for types that are not read. */
 static double dense_bytes(const ty_vdb_entry* entry) {
-    static const char* const floats[] = {"float", "double", "vec3s", "vec3f", "fp4", "fp8", "fp16", "fpn"};
-    double value = strcmp(entry->type, "half") == 0 ? 2 : 0;
+    static const char* const floats[] = {"float", "double", "vec3s",  "vec3f", "fp4",    "fp8",   "fp16",
+                                         "fpn",   "int16",  "uint16", "int32", "uint32", "int64", "uint64"};
+    static const char* const halves[] = {"half", "int8", "uint8"};
+    const size_t length = strcspn(entry->type, "[");
+    double value = 0;
     for (size_t i = 0; i < sizeof floats / sizeof floats[0]; ++i)
-        if (strcmp(entry->type, floats[i]) == 0) value = 4;
+        if (strlen(floats[i]) == length && strncmp(entry->type, floats[i], length) == 0) value = 4;
+    for (size_t i = 0; i < sizeof halves / sizeof halves[0]; ++i)
+        if (strlen(halves[i]) == length && strncmp(entry->type, halves[i], length) == 0) value = 2;
     double voxels = 1;
     for (int axis = 0; axis < 3; ++axis)
         voxels *= entry->lower[axis] > entry->upper[axis] ? 0 : (double)entry->upper[axis] - entry->lower[axis] + 1;
@@ -67,7 +73,7 @@ int cli_info_volume(cli_session* session, const char* path, bool json) {
         free(entries);
         entries = calloc((size_t)capacity, sizeof *entries);
         if (entries == NULL) return cli_fail(CLI_FAILED, "not enough memory");
-        const ty_result result = ty_vdb_list(session->context, path, entries, capacity, &count);
+        const ty_result result = ty_volume_list(session->context, path, entries, capacity, &count);
         if (result != TY_OK) {
             free(entries);
             return cli_fail_reading(session, result);
@@ -83,12 +89,26 @@ int cli_info_volume(cli_session* session, const char* path, bool json) {
     return CLI_DONE;
 }
 
-static void print_dense(const ty_grid_info* info, int32_t components, const char* path) {
+/* The voxels of a volume, and what its file tells beside them. */
+typedef struct dense_volume {
+    const char* path;
+    ty_grid_info info;
+    int32_t components;
+    ty_volume_notes notes;
+} dense_volume;
+
+static void print_dense(const dense_volume* volume) {
+    const ty_grid_info* info = &volume->info;
     char bytes[24];
     cli_format_bytes((double)info->bytes, bytes);
-    printf("volume           %s\nsize             %dx%dx%d\nvalues           %d per voxel, %s when read, %s each\n",
-           path, info->size[0], info->size[1], info->size[2], components, info->type == TY_GRID_F16 ? "half" : "float",
-           bytes);
+    printf("volume           %s\n", volume->path);
+    for (int32_t i = 0; i < volume->notes.count; ++i) {
+        printf("%-16s ", volume->notes.items[i].name);
+        cli_print_text(stdout, volume->notes.items[i].text, 0);
+        printf("\n");
+    }
+    printf("size             %dx%dx%d\nvalues           %d per voxel, %s when read, %s each\n", info->size[0],
+           info->size[1], info->size[2], volume->components, info->type == TY_GRID_F16 ? "half" : "float", bytes);
     printf("range            %.6g to %.6g, mean %.6g\n", (double)info->min, (double)info->max, info->mean);
     if (!info->placed) printf("placed           no\n");
     for (int r = 0; r < 3 && info->placed; ++r) {
@@ -97,13 +117,18 @@ static void print_dense(const ty_grid_info* info, int32_t components, const char
     }
 }
 
-static void print_dense_json(const ty_grid_info* info, int32_t components, const char* path) {
+static void print_dense_json(const dense_volume* volume) {
+    const ty_grid_info* info = &volume->info;
     json_writer json = json_begin(stdout);
     json_open_object(&json, NULL);
     json_text(&json, "kind", "volume");
-    json_text(&json, "file", path);
+    json_text(&json, "file", volume->path);
+    json_open_object(&json, "notes");
+    for (int32_t i = 0; i < volume->notes.count; ++i)
+        json_text(&json, volume->notes.items[i].name, volume->notes.items[i].text);
+    json_close_object(&json);
     json_numbers(&json, "size", (const double[]){info->size[0], info->size[1], info->size[2]}, 3);
-    json_int(&json, "components", components);
+    json_int(&json, "components", volume->components);
     json_text(&json, "type", info->type == TY_GRID_F16 ? "half" : "float");
     json_number(&json, "dense_bytes", (double)info->bytes);
     json_number(&json, "min", (double)info->min);
@@ -114,19 +139,20 @@ static void print_dense_json(const ty_grid_info* info, int32_t components, const
     json_close_object(&json);
 }
 
-/* Volumes of one grid: NRRD and raw. */
+/* One grid: of files with a single one, or one that is asked for. */
 static int info_dense(cli_session* session, const char* path, const ty_volume_def* def, bool json) {
     ty_grid* grid = NULL;
-    int32_t components = 0;
-    ty_result result = ty_volume_components(session->context, path, def, &components);
+    dense_volume volume = {.path = path};
+    ty_result result = ty_volume_components(session->context, path, def, &volume.components);
     if (result == TY_OK) result = ty_volume_read(session->context, path, def, &grid);
     if (result != TY_OK) return cli_fail_reading(session, result);
-    const ty_grid_info info = ty_grid_get_info(grid);
+    volume.info = ty_grid_get_info(grid);
     ty_grid_release(grid);
+    ty_volume_describe(session->context, path, def, &volume.notes);
     if (json)
-        print_dense_json(&info, components, path);
+        print_dense_json(&volume);
     else
-        print_dense(&info, components, path);
+        print_dense(&volume);
     return CLI_DONE;
 }
 
@@ -225,7 +251,7 @@ int cli_info_image(cli_session* session, const char* path, bool json) {
     return CLI_DONE;
 }
 
-typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_NRRD, FILE_IMAGE, FILE_MESH } file_kind;
+typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_DENSE, FILE_IMAGE, FILE_MESH } file_kind;
 
 /* Detection by the first bytes; JSON by a brace after blanks, OBJ by the extension. */
 static file_kind kind_of(const char* path, const unsigned char* head, size_t size) {
@@ -233,21 +259,22 @@ static file_kind kind_of(const char* path, const unsigned char* head, size_t siz
         const char* magic;
         size_t size;
         file_kind kind;
-    } known[] = {{" BDV", 4, FILE_VOLUME},        {"NanoVDB", 7, FILE_VOLUME},
-                 {"NRRD", 4, FILE_NRRD},          {"\x76\x2f\x31\x01", 4, FILE_IMAGE},
-                 {"#?", 2, FILE_IMAGE},           {"\x89PNG", 4, FILE_IMAGE},
-                 {"\xff\xd8\xff", 3, FILE_IMAGE}, {"RIFF", 4, FILE_IMAGE},
-                 {"glTF", 4, FILE_MESH},          {"ply\n", 4, FILE_MESH},
+    } known[] = {{" BDV", 4, FILE_VOLUME},     {"NanoVDB", 7, FILE_VOLUME}, {"# vtk Da", 8, FILE_VOLUME},
+                 {"<VTKFile", 8, FILE_VOLUME}, {"<?xml", 5, FILE_VOLUME},   {"CDF", 3, FILE_VOLUME},
+                 {"\x89HDF", 4, FILE_VOLUME},  {"NRRD", 4, FILE_DENSE},     {"\x76\x2f\x31\x01", 4, FILE_IMAGE},
+                 {"#?", 2, FILE_IMAGE},        {"\x89PNG", 4, FILE_IMAGE},  {"\xff\xd8\xff", 3, FILE_IMAGE},
+                 {"RIFF", 4, FILE_IMAGE},      {"glTF", 4, FILE_MESH},      {"ply\n", 4, FILE_MESH},
                  {"ply\r", 4, FILE_MESH}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (size >= known[i].size && memcmp(head, known[i].magic, known[i].size) == 0) return known[i].kind;
     if (cli_has_extension(path, ".obj") || cli_has_extension(path, ".gltf")) return FILE_MESH;
     size_t i = size >= 3 && memcmp(head, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     while (i < size && memchr(" \t\r\n", head[i], 4) != NULL) ++i;
-    return i < size && head[i] == '{' ? FILE_SCENE : FILE_UNKNOWN;
+    if (i < size && head[i] == '{') return FILE_SCENE;
+    return ty_volume_format_of(path, head, size) != TY_VOLUME_RAW ? FILE_DENSE : FILE_UNKNOWN;
 }
 
-enum { HEAD_SIZE = 256 };
+enum { HEAD_SIZE = TY_VOLUME_HEAD };
 
 /* Reads the first bytes of a regular file: CLI_GO, or a status after a message. A pipe is refused because reading could
  * block. */
@@ -266,24 +293,28 @@ static int read_head(const char* path, unsigned char head[HEAD_SIZE], size_t* si
 static int info_of_file(cli_session* session, const char* path, const cli_list* overrides, const ty_volume_def* raw,
                         bool json) {
     if (strncmp(path, "builtin:", 8) == 0) return cli_info_scene(session, path, overrides, json);
+    if (ty_is_folder(path)) return info_dense(session, path, raw, json);
     unsigned char head[HEAD_SIZE];
     size_t size = 0;
     const int status = read_head(path, head, &size);
     if (status != CLI_GO) return status;
-    const file_kind kind = raw->raw_size[0] > 0 ? FILE_NRRD : kind_of(path, head, size);
+    file_kind kind = raw->raw_size[0] > 0 ? FILE_DENSE : kind_of(path, head, size);
+    if (raw->exact_grid && kind != FILE_VOLUME)
+        return cli_usage_error("info", "--grid is for volumes of named grids, and %s is none", path);
+    if (raw->exact_grid) kind = FILE_DENSE;
     if (overrides->count > 0 && kind != FILE_SCENE)
         return cli_usage_error("info", "-D is for scenes, and %s is none", path);
     switch (kind) {
     case FILE_SCENE: return cli_info_scene(session, path, overrides, json);
     case FILE_VOLUME: return cli_info_volume(session, path, json);
-    case FILE_NRRD: return info_dense(session, path, raw, json);
+    case FILE_DENSE: return info_dense(session, path, raw, json);
     case FILE_IMAGE: return cli_info_image(session, path, json);
     case FILE_MESH: return cli_info_mesh(session, path, json);
     case FILE_UNKNOWN: break;
     }
     return cli_fail(CLI_USAGE,
-                    "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd), an image (.exr, .hdr, .png, .jpg, "
-                    ".webp) or a mesh (.gltf, .glb, .obj, .ply)",
+                    "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd, .vti, .vtk, .nc, .dcm, .nii, .tif, "
+                    ".vol), an image (.exr, .hdr, .png, .jpg, .webp) or a mesh (.gltf, .glb, .obj, .ply)",
                     path);
 }
 
@@ -291,24 +322,29 @@ int cli_info(int count, char** arguments) {
     bool json = false, media = false;
     cli_list overrides = {0};
     ty_volume_def raw = ty_default_volume_def();
-    const char *raw_size = NULL, *raw_type = NULL;
+    const char *raw_size = NULL, *raw_type = NULL, *grid = NULL;
     const cli_option table[] = {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &json, 0, 0, NULL},
         {"media", 0, CLI_FLAG, NULL, "the media that have names, or one: wholemilk:1000, fog:50, JSON", &media, 0, 0,
          NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)", &overrides, 0, 0,
          NULL},
+        {"grid", 0, CLI_TEXT, "NAME", "one grid of a volume: its range and its place", &grid, 0, 0, NULL},
+        {"component", 0, CLI_INT, "N", "which of several values per voxel (default 0)", &raw.component, 0, 65535, NULL},
         {"raw-size", 0, CLI_TEXT, "X,Y,Z", "voxels of a raw file", &raw_size, 0, 0, NULL},
         {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
          NULL},
         {"big-endian", 0, CLI_FLAG, NULL, "of a raw file", &raw.raw_big_endian, 0, 0, NULL},
+        {"series", 0, CLI_TEXT, "NAME", "of a folder of DICOM files: its number, description or UID", &raw.series, 0, 0,
+         NULL},
     };
     const cli_syntax syntax = {"info",
                                "FILE | --media [MEDIUM] [options]",
                                "Tells what a scene, a volume, an image or a mesh file holds.",
-                               "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr and raw files.\n"
-                               "Images: .exr, .hdr, .png, .jpg, .webp. Meshes: .gltf, .glb, .obj, .ply, in the units\n"
-                               "of the file. Memory is what a render takes for what is in the file.",
+                               "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc,\n"
+                               "DICOM (a folder or a file of a series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and\n"
+                               "raw files. Images: .exr, .hdr, .png, .jpg, .webp. Meshes: .gltf, .glb, .obj, .ply, in\n"
+                               "the units of the file. Memory is what a render takes for what is in the file.",
                                table,
                                sizeof table / sizeof table[0],
                                0,
@@ -319,6 +355,8 @@ int cli_info(int count, char** arguments) {
     if (status == CLI_GO && given.positional_count == 0 && !media)
         status = cli_usage_error("info", "expected: tyndall info %s", syntax.usage);
     if (status == CLI_GO) status = cli_parse_raw("info", raw_size, raw_type, NULL, &raw);
+    if (grid != NULL) raw.grid = grid;
+    raw.exact_grid = grid != NULL;
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "info", &given.common);
     if (status != CLI_GO) return status;

@@ -5,6 +5,7 @@
 #include "grid/grid.h"
 #include "io/file.h"
 #include "io/scenes/scene_reader.h"
+#include "io/volumes/dicom/dicom.h"
 #include "scene/surfaces/closed_mesh.h"
 #include "scene/surfaces/texture.h"
 
@@ -24,13 +25,23 @@ static void release_content(ty_asset* asset) {
 static void destroy_asset(ty_context* context, ty_asset* asset) {
     release_content(asset);
     ty_free_text(context, (char*)asset->volume.grid);
+    ty_free_text(context, (char*)asset->volume.series);
+    ty_free_text(context, (char*)asset->volume.effective_radius);
+    ty_free_text(context, (char*)asset->volume.air_density);
     ty_free_text(context, (char*)asset->camera_name);
     ty_free_array(context, asset, 1, sizeof *asset);
 }
 
+static bool same_name(const char* a, const char* b) {
+    return a == NULL || b == NULL ? a == b : strcmp(a, b) == 0;
+}
+
 /* True if two defs request the same grid of one file. */
 static bool same_volume(const ty_volume_def* a, const ty_volume_def* b) {
-    return strcmp(a->grid, b->grid) == 0 && a->component == b->component &&
+    return strcmp(a->grid, b->grid) == 0 && strcmp(a->series, b->series) == 0 && a->exact_grid == b->exact_grid &&
+           a->meters_per_unit == b->meters_per_unit && same_name(a->effective_radius, b->effective_radius) &&
+           a->droplet_radius == b->droplet_radius && same_name(a->air_density, b->air_density) &&
+           a->air_density_value == b->air_density_value && a->component == b->component &&
            memcmp(a->raw_size, b->raw_size, sizeof a->raw_size) == 0 && strcmp(a->raw_type, b->raw_type) == 0 &&
            a->raw_big_endian == b->raw_big_endian && a->raw_offset == b->raw_offset &&
            memcmp(a->raw_spacing, b->raw_spacing, sizeof a->raw_spacing) == 0;
@@ -87,8 +98,11 @@ ty_result ty_assets_keep(ty_asset_cache* cache, const ty_asset* asset) {
     *kept = *asset;
     kept->used = cache->reading;
     const bool volume = copy_name(context, asset->volume.grid, &kept->volume.grid);
+    const bool series = copy_name(context, asset->volume.series, &kept->volume.series);
+    const bool radius = copy_name(context, asset->volume.effective_radius, &kept->volume.effective_radius);
+    const bool air = copy_name(context, asset->volume.air_density, &kept->volume.air_density);
     const bool camera = copy_name(context, asset->camera_name, &kept->camera_name);
-    if (!volume || !camera ||
+    if (!volume || !series || !radius || !air || !camera ||
         !ty_grow_array(context, (void**)&cache->assets, &cache->asset_capacity, cache->asset_count,
                        sizeof(ty_asset*))) {
         destroy_asset(context, kept);
@@ -166,28 +180,51 @@ void ty_assets_trim(ty_asset_cache* cache) {
 
 /* ---- files ---- */
 
-static void stamp(ty_asset_file* file, const struct stat* status) {
-    file->size = status->st_size;
-    file->seconds = status->st_mtim.tv_sec;
-    file->nanoseconds = status->st_mtim.tv_nsec;
+static bool is_later(const ty_asset_file* file, const struct stat* status) {
+    return status->st_mtim.tv_sec != file->seconds ? status->st_mtim.tv_sec > file->seconds
+                                                   : status->st_mtim.tv_nsec > file->nanoseconds;
 }
 
-static bool is_unchanged(const ty_asset_file* file) {
+/* Adds a file of the disk to a record: the sum of sizes, and the latest change. */
+static bool add_stamp(const char* path, ty_asset_file* file) {
     struct stat status;
+    if (stat(path, &status) != 0) return false;
+    file->size += status.st_size;
+    if (is_later(file, &status)) {
+        file->seconds = status.st_mtim.tv_sec;
+        file->nanoseconds = status.st_mtim.tv_nsec;
+    }
+    return true;
+}
+
+/* State of a file, or of all files of a DICOM series; false if there is none. */
+static bool stamp(ty_context* context, const char* path, ty_asset_file* file) {
+    *file = (ty_asset_file){.seconds = INT64_MIN};
+    if (!add_stamp(path, file)) return false;
+    if (!ty_is_folder(path) && !ty_is_dicom_file(path)) return true;
+    ty_dicom_list list;
+    bool known = ty_dicom_list_files(context, path, &list) == TY_OK;
+    for (size_t i = 0; i < list.count && known; ++i) known = add_stamp(list.paths[i], file);
+    ty_dicom_free_list(context, &list);
+    return known;
+}
+
+static bool is_unchanged(ty_context* context, const ty_asset_file* file) {
     ty_asset_file now;
-    if (stat(file->path, &status) != 0) return false;
-    stamp(&now, &status);
-    return now.size == file->size && now.seconds == file->seconds && now.nanoseconds == file->nanoseconds;
+    return stamp(context, file->path, &now) && now.size == file->size && now.seconds == file->seconds &&
+           now.nanoseconds == file->nanoseconds;
 }
 
 /* The file's state is taken before its content, so that a file that changes meanwhile counts as changed. */
 static ty_result hash_file(ty_asset_cache* cache, ty_asset_file* file) {
-    struct stat status = {.st_size = -1};
+    ty_asset_file now;
     uint64_t digest = TY_HASH_START;
-    stat(file->path, &status);
+    const bool known = stamp(cache->context, file->path, &now);
     const ty_result result = ty_hash_file_and_names(cache->context, file->path, &digest);
     if (result != TY_OK) return result;
-    stamp(file, &status);
+    file->size = known ? now.size : -1;
+    file->seconds = now.seconds;
+    file->nanoseconds = now.nanoseconds;
     file->digest = digest;
     return TY_OK;
 }
@@ -213,7 +250,7 @@ static ty_result add_file(ty_asset_cache* cache, const char* path, ty_asset_file
 
 /* Hashes a file again that was changed; what was made of it before goes. */
 static ty_result refresh_file(ty_asset_cache* cache, ty_asset_file* file) {
-    if (file->used == cache->reading || is_unchanged(file)) return TY_OK;
+    if (file->used == cache->reading || is_unchanged(cache->context, file)) return TY_OK;
     drop_content(cache, file);
     file->size = -1;
     return hash_file(cache, file);

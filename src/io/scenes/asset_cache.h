@@ -54,6 +54,7 @@ typedef struct ty_asset {
     const char* camera_name; /* TY_ASSET_CAMERA; "": the first */
     int32_t components;
     ty_grid* grid;
+    double droplet_radius; /* of a grid of droplets, the mean by extinction, micrometres */
     ty_environment_map* map;
     float sun[3]; /* irradiance of a sky's sun */
     ty_closed_mesh* shell;

@@ -2,6 +2,8 @@
 #include "base/context.h"
 #include "io/file.h"
 #include "io/scenes/scene_reader.h"
+#include "io/volumes/dicom/dicom.h"
+#include "io/volumes/volume_file.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -9,7 +11,9 @@
 
 const char* const ty_gltf_extensions[] = {".gltf", ".glb", NULL};
 const char* const ty_mesh_extensions[] = {".gltf", ".glb", ".obj", ".ply", NULL};
-const char* const ty_volume_extensions[] = {".vdb", ".nvdb", ".nrrd", ".nhdr", NULL};
+const char* const ty_volume_extensions[] = {".vdb",    ".nvdb", ".nrrd",  ".nhdr", ".vti", ".vtk",    ".nc",
+                                            ".cdf",    ".dcm",  ".dicom", ".ima",  ".nii", ".nii.gz", ".hdr",
+                                            ".hdr.gz", ".tif",  ".tiff",  ".vol",  NULL};
 
 bool ty_has_extension(const char* file, const char* const* extensions) {
     const size_t length = strlen(file);
@@ -155,34 +159,72 @@ enum { NAME_MAX_SIZE = 4096 };
 
 /* True if the file format may hold several named grids. */
 static bool has_names(const json_t* volume) {
-    static const char* const extensions[] = {".vdb", ".nvdb", NULL};
+    static const char* const extensions[] = {".vdb", ".nvdb", ".vti", ".vtk", ".nc", ".cdf", NULL};
     return ty_has_extension(json_string_value(json_object_get(volume, "file")), extensions);
+}
+
+/* True for folders and for files of DICOM, which often have no extension. */
+static bool is_dicom(const ty_scene_reader* reader, const char* name) {
+    char* path = reader->folder != NULL ? ty_join_path(reader->context, reader->folder, name) : NULL;
+    const bool found = path != NULL && (ty_is_folder(path) || ty_is_dicom_file(path));
+    ty_free_text(reader->context, path);
+    return found;
 }
 
 /* Known formats describe their content; other files need "raw". */
 static ty_result check_volume_type(const ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path) {
-    const ty_json_path grid = ty_json_path_key(json_path, "grid");
+    const ty_json_path grid = ty_json_path_key(json_path, "grid"), series = ty_json_path_key(json_path, "series");
     if (json_object_get(volume, "grid") != NULL && !has_names(volume))
-        return ty_reader_fail(reader, &grid, TY_ERROR_INPUT, "is for .vdb and .nvdb files; others hold one grid");
-    const bool known = ty_has_extension(json_string_value(json_object_get(volume, "file")), ty_volume_extensions);
+        return ty_reader_fail(reader, &grid, TY_ERROR_INPUT,
+                              "is for .vdb, .nvdb, .vti, .vtk and .nc files; others hold one grid");
+    const char* name = json_string_value(json_object_get(volume, "file"));
+    const bool dicom = is_dicom(reader, name), known = dicom || ty_has_extension(name, ty_volume_extensions);
+    if (json_object_get(volume, "series") != NULL && !dicom)
+        return ty_reader_fail(reader, &series, TY_ERROR_INPUT, "is for folders and files of DICOM");
     const bool raw = json_object_get(volume, "raw") != NULL;
     const ty_json_path key = ty_json_path_key(json_path, raw ? "raw" : "file");
     if (known && raw)
-        return ty_reader_fail(reader, &key, TY_ERROR_INPUT,
-                              "is for raw files; .vdb, .nvdb, .nrrd and .nhdr tell what they hold");
+        return ty_reader_fail(reader, &key, TY_ERROR_INPUT, "is for raw files; this one tells what it holds");
     if (known || raw) return TY_OK;
-    return ty_reader_fail(reader, &key, TY_ERROR_INPUT,
-                          "cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, and any file with the "
-                          "key \"raw\" beside it");
+    return ty_reader_fail(
+        reader, &key, TY_ERROR_INPUT,
+        "cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, "
+        ".dcm and folders of DICOM, .nii, .nii.gz, .hdr, .tif, .vol, and any file with the key \"raw\" beside it");
+}
+
+/* A number, or the name of a variable. */
+static void read_companion(const json_t* object, const char* key, double* number, const char** name) {
+    *name = json_string_value(json_object_get(object, key));
+    ty_read_number(object, key, number);
+}
+
+static ty_result check_droplets(const ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
+                                const char* grid_name) {
+    static const char* const extensions[] = {".nc", ".cdf", NULL};
+    const ty_json_path key = ty_json_path_key(json_path, "droplets");
+    if (json_object_get(volume, "droplets") == NULL) return TY_OK;
+    if (!ty_has_extension(json_string_value(json_object_get(volume, "file")), extensions))
+        return ty_reader_fail(reader, &key, TY_ERROR_INPUT, "is for liquid water in .nc files");
+    return strcmp(grid_name, "density") == 0
+               ? TY_OK
+               : ty_reader_fail(reader, &key, TY_ERROR_INPUT, "is for a density; droplets make an extinction");
 }
 
 static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t* volume, const char* grid_name) {
+    static const char* const exact[] = {".vdb", ".nvdb", NULL}; /* whose names are binding anyway */
     ty_volume_def def = ty_default_volume_def();
     const char* name = json_string_value(json_object_get(volume, "grid"));
     def.grid = name != NULL ? name : has_names(volume) ? grid_name : "";
+    def.exact_grid = name != NULL && !ty_has_extension(json_string_value(json_object_get(volume, "file")), exact);
+    def.meters_per_unit = reader->unit;
+    const json_t* droplets = json_object_get(volume, "droplets");
+    read_companion(droplets, "effective_radius", &def.droplet_radius, &def.effective_radius);
+    read_companion(droplets, "air_density", &def.air_density_value, &def.air_density);
     def.frame = reader->frame;
     ty_read_int(volume, "frame", &def.frame);
     ty_read_int(volume, "component", &def.component);
+    const char* series = json_string_value(json_object_get(volume, "series"));
+    if (series != NULL) def.series = series;
     const json_t* raw = json_object_get(volume, "raw");
     if (raw == NULL) return def;
     double size[3] = {0, 0, 0}, offset = 0;
@@ -198,18 +240,22 @@ static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t
 }
 
 static ty_result read_grid(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
-                           const ty_volume_def* def, ty_grid** out) {
+                           const ty_volume_def* def, double* radius, ty_grid** out) {
     ty_asset volume = {.kind = TY_ASSET_GRID, .file = file, .volume = *def};
     const ty_asset* found = ty_assets_find(reader->assets, &volume);
     if (found != NULL) {
+        *radius = found->droplet_radius;
         *out = found->grid;
         return TY_OK;
     }
-    ty_result result =
-        ty_reader_prefix_error(reader, json_path, ty_volume_read(reader->context, file->path, def, &volume.grid));
+    ty_result result = ty_reader_prefix_error(
+        reader, json_path,
+        ty_volume_read_droplets(reader->context, file->path, def, &volume.droplet_radius, &volume.grid));
     if (result == TY_OK) result = ty_assets_keep(reader->assets, &volume);
-    if (result == TY_OK) *out = volume.grid;
-    return result;
+    if (result != TY_OK) return result;
+    *radius = volume.droplet_radius;
+    *out = volume.grid;
+    return TY_OK;
 }
 
 static ty_result count_components(ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
@@ -228,10 +274,12 @@ static ty_result count_components(ty_scene_reader* reader, const ty_json_path* j
 
 /* Validation before a volume is read, its file with the frame number, and its values per voxel (1 if one component
  * was requested). */
-static ty_result open_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path, bool filling,
-                             ty_volume_def* def, const ty_asset_file** file, int32_t* components) {
+static ty_result open_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
+                             const char* grid_name, bool filling, ty_volume_def* def, const ty_asset_file** file,
+                             int32_t* components) {
     const ty_json_path file_json_path = ty_json_path_key(json_path, "file");
     ty_result result = check_volume_type(reader, volume, json_path);
+    if (result == TY_OK) result = check_droplets(reader, volume, json_path, grid_name);
     if (result != TY_OK) return result;
     if (def->raw_size[0] > 0 && !(def->raw_spacing[0] > 0) && !filling)
         return ty_reader_fail(reader, json_path, TY_ERROR_INPUT,
@@ -247,18 +295,24 @@ static ty_result open_volume(ty_scene_reader* reader, const json_t* volume, cons
     return count_components(reader, &file_json_path, *file, def, components);
 }
 
-ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
-                         const char* grid_name, bool filling, ty_grid** out) {
+ty_result ty_read_droplets(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
+                           const char* grid_name, bool filling, double* radius, ty_grid** out) {
     ty_volume_def def = describe_volume(reader, volume, grid_name);
     const ty_json_path file_json_path = ty_json_path_key(json_path, "file");
     const ty_asset_file* file = NULL;
     int32_t components = 1;
-    ty_result result = open_volume(reader, volume, json_path, filling, &def, &file, &components);
+    ty_result result = open_volume(reader, volume, json_path, grid_name, filling, &def, &file, &components);
     if (result != TY_OK) return result;
     if (components > 1)
         return ty_reader_fail(reader, json_path, TY_ERROR_INPUT,
                               "the volume has %d values per voxel; the key \"component\" is missing", (int)components);
-    return read_grid(reader, &file_json_path, file, &def, out);
+    return read_grid(reader, &file_json_path, file, &def, radius, out);
+}
+
+ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
+                         const char* grid_name, bool filling, ty_grid** out) {
+    double radius = 0;
+    return ty_read_droplets(reader, volume, json_path, grid_name, filling, &radius, out);
 }
 
 ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
@@ -267,7 +321,8 @@ ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, cons
     const ty_json_path file_json_path = ty_json_path_key(json_path, "file");
     const ty_asset_file* file = NULL;
     int32_t components = 1;
-    ty_result result = open_volume(reader, volume, json_path, filling, &def, &file, &components);
+    double radius = 0;
+    ty_result result = open_volume(reader, volume, json_path, grid_name, filling, &def, &file, &components);
     if (result != TY_OK) return result;
     if (components != 1 && components != 3)
         return ty_reader_fail(reader, json_path, TY_ERROR_INPUT,
@@ -276,7 +331,7 @@ ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, cons
     ty_grid* grids[3] = {NULL, NULL, NULL};
     for (int32_t c = 0; c < components && result == TY_OK; ++c) {
         if (components == 3) def.component = c;
-        result = read_grid(reader, &file_json_path, file, &def, &grids[c]);
+        result = read_grid(reader, &file_json_path, file, &def, &radius, &grids[c]);
     }
     for (int c = 0; c < 3 && result == TY_OK; ++c) out[c] = grids[components == 3 ? c : 0];
     return result;

@@ -108,7 +108,7 @@ static ty_result check_forms(const ty_scene_reader* reader, const json_t* medium
     return TY_OK;
 }
 
-ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
+ty_result ty_read_coefficients(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
                                ty_medium_def* def, ty_phase_table* table) {
     const char* preset = json_string_value(json_object_get(medium, "preset"));
     ty_result result = check_forms(reader, medium, path);

@@ -180,10 +180,10 @@ static ty_result fail_builtin(ty_context* context, const char* path) {
 /* Role of a file in a scene, by its name, or NULL: volumes, meshes and images are easily passed instead of a scene. */
 static const char* file_role(const char* path) {
     static const char* const images[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".webp", NULL};
-    if (ty_has_extension(path, ty_volume_extensions))
-        return "a volume; a scene has it as \"file\" of a medium's density";
+    if (ty_has_extension(path, images)) return "an image; a scene may have it as \"file\" of an environment light";
     if (ty_has_extension(path, ty_mesh_extensions)) return "a mesh; a scene has it as \"file\" in its geometry";
-    return ty_has_extension(path, images) ? "an image; a scene may have it as \"file\" of an environment light" : NULL;
+    return ty_has_extension(path, ty_volume_extensions) ? "a volume; a scene has it as \"file\" of a medium's density"
+                                                        : NULL;
 }
 
 static ty_result open_builtin(ty_context* context, const char* path, ty_scene_source* source) {

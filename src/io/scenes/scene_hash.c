@@ -4,6 +4,8 @@
 #include "io/file.h"
 #include "io/meshes/gltf.h"
 #include "io/scenes/scene_reader.h"
+#include "io/volumes/dicom/dicom.h"
+#include "io/volumes/nifti.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -99,15 +101,40 @@ static ty_result hash_lines(ty_context* context, const char* path, const char* c
     return result;
 }
 
+/* ---- volumes ---- */
+
+/* All DICOM files of a folder, or of that of a file. */
+static ty_result hash_series(ty_context* context, const char* path, uint64_t* hash) {
+    ty_dicom_list list;
+    ty_result result = ty_dicom_list_files(context, path, &list);
+    for (size_t i = 0; i < list.count && result == TY_OK; ++i) result = ty_hash_file(context, list.paths[i], hash);
+    ty_dicom_free_list(context, &list);
+    return result;
+}
+
+/* The voxels of a NIfTI pair. */
+static ty_result hash_image(ty_context* context, const char* path, uint64_t* hash) {
+    char* image = ty_nifti_image_path(context, path);
+    if (image == NULL) return TY_ERROR_MEMORY;
+    struct stat status;
+    const bool there = strcmp(image, path) != 0 && stat(image, &status) == 0 && S_ISREG(status.st_mode);
+    const ty_result result = there ? ty_hash_file(context, image, hash) : TY_OK;
+    ty_free_text(context, image);
+    return result;
+}
+
 ty_result ty_hash_file_and_names(ty_context* context, const char* path, uint64_t* hash) {
     static const char *const gltf[] = {".gltf", NULL}, *const obj[] = {".obj", NULL}, *const nhdr[] = {".nhdr", NULL};
     static const char* const libraries[] = {"mtllib ", "mtllib\t", NULL};
     static const char* const maps[] = {"map_Kd ", "map_Ke ", NULL};
     static const char* const data[] = {"data file:", "datafile:", NULL};
+    static const char* const pair[] = {".hdr", ".hdr.gz", NULL};
+    if (ty_is_folder(path) || ty_is_dicom_file(path)) return hash_series(context, path, hash);
     const ty_result result = ty_hash_file(context, path, hash);
     if (result != TY_OK) return result;
     if (ty_has_extension(path, gltf)) return hash_gltf_names(context, path, hash);
     if (ty_has_extension(path, obj)) return hash_lines(context, path, libraries, maps, hash);
     if (ty_has_extension(path, nhdr)) return hash_lines(context, path, data, NULL, hash);
+    if (ty_has_extension(path, pair)) return hash_image(context, path, hash);
     return TY_OK;
 }

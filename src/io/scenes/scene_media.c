@@ -1,6 +1,7 @@
 /* Media of a scene file. */
 #include "io/scenes/scene_reader.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -49,6 +50,17 @@ static ty_result read_exponential(ty_scene_reader* reader, const json_t* exponen
     return ty_make_exponential(reader, path, &shape, &def->density_grid);
 }
 
+/* Droplets scatter as those of their mean diameter, unless the medium says otherwise. */
+static void scatter_as_droplets(const json_t* medium, double radius, ty_medium_def* def) {
+    static const char* const keys[] = {"g", "phase", "preset"};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i)
+        if (json_object_get(medium, keys[i]) != NULL) return;
+    if (!(radius > 0)) return;
+    const double diameter = fmin(fmax(2 * radius, TY_PHASE_DIAMETER_MIN), TY_PHASE_DIAMETER_MAX);
+    def->phase_count = 1;
+    def->phase[0] = (ty_phase_lobe){.kind = TY_PHASE_MIE, .weight = {1, 1, 1}, .diameter = diameter};
+}
+
 /* Sets scale or density_grid. Lengths are in `unit` meters. */
 static ty_result read_density(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, double unit,
                               ty_medium_def* def) {
@@ -59,8 +71,13 @@ static ty_result read_density(ty_scene_reader* reader, const json_t* medium, con
     if (json_is_number(density)) scale *= json_number_value(density);
     def->scale = (float)scale;
     if (!json_is_object(density)) return TY_OK;
-    if (json_object_get(density, "file") != NULL)
-        return ty_read_volume(reader, density, &json_path, "density", def->bounds == TY_BOUNDS_BOX, &def->density_grid);
+    if (json_object_get(density, "file") != NULL) {
+        double radius = 0;
+        const ty_result result = ty_read_droplets(reader, density, &json_path, "density", def->bounds == TY_BOUNDS_BOX,
+                                                  &radius, &def->density_grid);
+        scatter_as_droplets(medium, radius, def);
+        return result;
+    }
     const json_t* exponential = json_object_get(density, "exponential");
     if (exponential != NULL) {
         const ty_json_path exponential_path = ty_json_path_key(&json_path, "exponential");

@@ -1,16 +1,9 @@
 /* Phase functions of media, in scene files and as short text. */
-#include "base/constants.h"
+#include "io/phase_file.h"
 #include "io/scenes/scene_reader.h"
 #include "scene/media/phase.h"
 
-#include <math.h>
 #include <string.h>
-
-/* The cosine of an angle in degrees, exact at both ends. */
-static double cosine_of(double degrees) {
-    if (degrees <= 0) return 1;
-    return degrees >= 180 ? -1 : cos(degrees * (TY_PI_F64 / 180));
-}
 
 static ty_result read_table(const ty_scene_reader* reader, const json_t* phase, const ty_json_path* path,
                             ty_phase_lobe* lobe, ty_phase_table* table) {
@@ -25,7 +18,7 @@ static ty_result read_table(const ty_scene_reader* reader, const json_t* phase, 
     }
     for (size_t i = 0; i < count; ++i) {
         const double node = json_number_value(json_array_get(nodes, i));
-        table->cosines[i] = angles != NULL ? cosine_of(node) : node;
+        table->cosines[i] = angles != NULL ? ty_phase_cosine(node) : node;
         table->values[i] = json_number_value(json_array_get(values, i));
     }
     lobe->kind = TY_PHASE_TABLE;
@@ -33,6 +26,26 @@ static ty_result read_table(const ty_scene_reader* reader, const json_t* phase, 
     lobe->values = table->values;
     lobe->count = (int32_t)count;
     return TY_OK;
+}
+
+static ty_result read_file(ty_scene_reader* reader, const json_t* phase, const ty_json_path* path, ty_phase_lobe* lobe,
+                           ty_phase_table* table) {
+    static const char* const contents[] = {"angles", "cosines", "moments", "coefficients", "shdom"};
+    const char* content = json_string_value(json_object_get(phase, "content"));
+    const ty_json_path key = ty_json_path_key(path, "file");
+    const ty_asset_file* file = NULL;
+    double radius = 0;
+    int chosen = 0;
+    while (content != NULL && strcmp(content, contents[chosen]) != 0) ++chosen;
+    ty_read_number(phase, "effective_radius", &radius);
+    ty_result result = ty_find_file(reader, &key, json_string_value(json_object_get(phase, "file")), &file);
+    if (result != TY_OK) return result;
+    lobe->kind = TY_PHASE_TABLE;
+    lobe->cosines = table->cosines;
+    lobe->values = table->values;
+    result = ty_phase_file_read(reader->context, file->path, (ty_phase_content)chosen, radius, table->cosines,
+                                table->values, &lobe->count);
+    return ty_reader_prefix_error(reader, &key, result);
 }
 
 static void read_lobe(const json_t* object, ty_phase_lobe* lobe) {
@@ -47,8 +60,8 @@ static void read_lobe(const json_t* object, ty_phase_lobe* lobe) {
     ty_read_number(object, "backscatter", &lobe->backscatter);
 }
 
-ty_result ty_read_phase(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
-                        ty_medium_def* def, ty_phase_table* table) {
+ty_result ty_read_phase(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, ty_medium_def* def,
+                        ty_phase_table* table) {
     const json_t* phase = json_object_get(medium, "phase");
     if (phase == NULL) return TY_OK;
     const ty_json_path json_path = ty_json_path_key(path, "phase");
@@ -71,7 +84,10 @@ ty_result ty_read_phase(const ty_scene_reader* reader, const json_t* medium, con
     if (strcmp(type, "mie") == 0) first->kind = TY_PHASE_MIE;
     if (strcmp(type, "fournier_forand") == 0) first->kind = TY_PHASE_FOURNIER_FORAND;
     ty_result result = TY_OK;
-    if (strcmp(type, "table") == 0) result = read_table(reader, phase, &json_path, first, table);
+    if (json_object_get(phase, "file") != NULL)
+        result = read_file(reader, phase, &json_path, first, table);
+    else if (strcmp(type, "table") == 0)
+        result = read_table(reader, phase, &json_path, first, table);
     if (result != TY_OK) return result;
     result = ty_phase_check(reader->context, type, def->phase, def->phase_count);
     return ty_reader_prefix_error(reader, &json_path, result);

@@ -134,6 +134,9 @@ ty_result ty_make_noise(ty_scene_reader* reader, const ty_json_path* json_path, 
  * without spacing are refused unless `filling` is true: a box then gives their extent. */
 ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
                          const char* grid_name, bool filling, ty_grid** out);
+/* The same, with the mean effective radius of droplets, micrometres; unchanged if there are none. */
+ty_result ty_read_droplets(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
+                           const char* grid_name, bool filling, double* radius, ty_grid** out);
 /* The same for red, green and blue: one grid three times if the volume has one value per voxel. */
 ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, const ty_json_path* json_path,
                              const char* grid_name, bool filling, ty_grid* out[3]);
@@ -151,10 +154,10 @@ typedef struct ty_phase_table {
 } ty_phase_table;
 
 /* Sets the phase function of a medium at path, if it is given otherwise than by g. */
-ty_result ty_read_phase(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
-                        ty_medium_def* def, ty_phase_table* table);
+ty_result ty_read_phase(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, ty_medium_def* def,
+                        ty_phase_table* table);
 /* Sets sigma_s, sigma_a, g and phase of a medium at path. */
-ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
+ty_result ty_read_coefficients(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
                                ty_medium_def* def, ty_phase_table* table);
 /* Sets fields of albedo and g, emission and transfer function. points: an array of TY_TRANSFER_MAX. */
 ty_result ty_read_fields(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, ty_medium_def* def,

@@ -2,14 +2,13 @@
 #include "io/volumes/nrrd.h"
 
 #include "base/context.h"
-#include "base/half.h"
 #include "grid/grid.h"
 #include "io/file.h"
 #include "base/number.h"
+#include "io/volumes/inflate.h"
 #include "io/volumes/volume_file.h"
 
 #include <string.h>
-#include <zlib.h>
 
 static const size_t file_size_max = (size_t)1 << 36;
 
@@ -95,70 +94,31 @@ static ty_result find_raw(source* s, const ty_nrrd* nrrd, size_t size, const uin
     return TY_OK;
 }
 
-static uInt at_most(size_t size) {
-    return size > UINT32_MAX ? UINT32_MAX : (uInt)size;
-}
-
-/* Decompresses one or several gzip (or zlib) streams to `to`; *got is their total size. Returns true if all streams
- * are complete and fit. */
-static bool inflate_all(const uint8_t* from, size_t from_size, uint8_t* to, size_t to_size, size_t* got) {
-    enum { WINDOW_DETECT = 15 + 32 };
-    z_stream z = {0};
-    if (inflateInit2(&z, WINDOW_DETECT) != Z_OK) return false;
-    size_t in = 0;
-    int status = Z_OK;
-    uint8_t beyond; /* target of one byte beyond the limit */
-    *got = 0;
-    while (status == Z_OK) {
-        const uInt in_part = at_most(from_size - in), out_part = *got < to_size ? at_most(to_size - *got) : 1;
-        z.next_in = (Bytef*)(uintptr_t)(from + in);
-        z.avail_in = in_part;
-        z.next_out = *got < to_size ? to + *got : &beyond;
-        z.avail_out = out_part;
-        status = inflate(&z, Z_NO_FLUSH);
-        in += in_part - z.avail_in;
-        *got += out_part - z.avail_out;
-        if (*got > to_size) break;
-        if (status == Z_STREAM_END && from_size - in > 1 && *got < to_size) status = inflateReset(&z);
-    }
-    inflateEnd(&z);
-    return status == Z_STREAM_END && *got <= to_size;
-}
-
 static ty_result read_gzip(source* s, const ty_nrrd* nrrd, size_t size, ty_samples* samples, const ty_grid_def* def,
                            ty_grid** out) {
-    enum { RATIO_MAX = 1032 }; /* maximum compression ratio of deflate */
     const size_t packed = s->size - s->at;
-    if ((uint64_t)nrrd->byte_skip > SIZE_MAX / 2 || size + (size_t)nrrd->byte_skip > packed * RATIO_MAX)
-        return wrong_size(s, nrrd, false, packed);
-    const size_t total = size + (size_t)nrrd->byte_skip;
-    uint8_t* plain = ty_alloc_array(s->context, total, 1, false);
+    const uint64_t skip = (uint64_t)nrrd->byte_skip;
+    if (skip > SIZE_MAX / 2 || size + skip > packed * TY_INFLATE_RATIO_MAX) return wrong_size(s, nrrd, false, packed);
+    uint8_t* plain = ty_alloc_array(s->context, size, 1, false);
     if (plain == NULL) return TY_ERROR_MEMORY;
-    size_t got = 0;
-    const bool whole = inflate_all(s->bytes + s->at, packed, plain, total, &got);
-    samples->bytes = plain + nrrd->byte_skip;
+    uint64_t got = 0;
+    const ty_inflated inflated = ty_inflate_gzip(s->bytes + s->at, packed, skip, plain, size, &got);
+    samples->bytes = plain;
     ty_result result = TY_OK;
-    if (got > total)
+    if (inflated == TY_INFLATED_MORE)
         result = wrong_size(s, nrrd, true, size);
-    else if (whole && got < total)
-        result = wrong_size(s, nrrd, false, got);
-    else if (!whole)
+    else if (inflated == TY_INFLATED_SHORT)
+        result = wrong_size(s, nrrd, false, (size_t)got);
+    else if (inflated == TY_INFLATED_DAMAGED)
         result = ty_fail(s->context, TY_ERROR_INPUT, "%s: the gzip data is damaged or cut short", s->path);
     else
         result = ty_samples_make_grid(s->context, samples, def, out);
-    ty_free_array(s->context, plain, total, 1);
+    ty_free_array(s->context, plain, size, 1);
     return result;
 }
 
 static const char* skip_separators(const char* text) {
     return text + strspn(text, " \t\r\n\v\f,");
-}
-
-static void store(ty_grid_type type, void* values, size_t at, double value) {
-    if (type == TY_GRID_F16)
-        ((uint16_t*)values)[at] = ty_float_to_half((float)value);
-    else
-        ((float*)values)[at] = (float)value;
 }
 
 static ty_result parse_text(const source* s, const ty_nrrd* nrrd, const ty_samples* layout, ty_grid_type type,
@@ -173,7 +133,7 @@ static ty_result parse_text(const source* s, const ty_nrrd* nrrd, const ty_sampl
         text = skip_separators(end);
         const size_t past = i - layout->first;
         if (i >= layout->first && past % layout->step == 0 && past / layout->step < nrrd->voxels)
-            store(type, values, past / layout->step, value);
+            ty_store_value(type, values, past / layout->step, value);
     }
     if (*text == '\0') return TY_OK;
     return ty_fail(s->context, TY_ERROR_INPUT, "%s: something follows the %zu numbers", s->path, count);
@@ -188,6 +148,7 @@ static ty_result read_text(source* s, const ty_nrrd* nrrd, const ty_samples* lay
     void* values = ty_alloc_array(s->context, nrrd->voxels, ty_grid_value_size(def->type), false);
     if (values == NULL) return TY_ERROR_MEMORY;
     const ty_result result = parse_text(s, nrrd, layout, def->type, values);
+    def->background = result == TY_OK ? ty_value_outside(def->type, values, nrrd->voxels) : 0;
     if (result == TY_OK) return ty_grid_adopt(s->context, def, values, out);
     ty_free_array(s->context, values, nrrd->voxels, ty_grid_value_size(def->type));
     return result;

@@ -62,7 +62,7 @@ ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def
     if (size < needed) {
         result = ty_fail(context, TY_ERROR_FILE, "cannot read %s: it became shorter meanwhile", path);
     } else {
-        const ty_samples samples = {bytes, type, def->raw_big_endian, 0, 1};
+        const ty_samples samples = {.bytes = bytes, .type = type, .big_endian = def->raw_big_endian, .step = 1};
         result = ty_samples_make_grid(context, &samples, &grid, out);
     }
     ty_free_file(context, bytes, size);

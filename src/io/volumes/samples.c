@@ -5,6 +5,7 @@
 #include "base/half.h"
 #include "grid/grid.h"
 
+#include <math.h>
 #include <string.h>
 
 static const struct {
@@ -57,10 +58,45 @@ static float float_of(uint64_t bits) {
     return ty_float_from_bits((uint32_t)bits);
 }
 
-static float double_to_float(uint64_t bits) {
+static double double_of(uint64_t bits) {
     double value;
     memcpy(&value, &bits, sizeof value);
-    return (float)value;
+    return value;
+}
+
+static bool must_swap(bool big_endian) {
+    return big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
+}
+
+double ty_sample_value(ty_sample_type type, bool big_endian, const uint8_t* from) {
+    const uint64_t bits = load(from, types[type].size, must_swap(big_endian));
+    switch (type) {
+    case TY_SAMPLE_INT8: return (int8_t)bits;
+    case TY_SAMPLE_INT16: return (int16_t)bits;
+    case TY_SAMPLE_INT32: return (int32_t)bits;
+    case TY_SAMPLE_INT64: return (double)(int64_t)bits;
+    case TY_SAMPLE_HALF: return (double)ty_half_to_float((uint16_t)bits);
+    case TY_SAMPLE_FLOAT: return (double)float_of(bits);
+    case TY_SAMPLE_DOUBLE: return double_of(bits);
+    default: return (double)bits;
+    }
+}
+
+void ty_store_value(ty_grid_type type, void* values, size_t at, double value) {
+    if (type == TY_GRID_F16)
+        ((uint16_t*)values)[at] = ty_float_to_half((float)value);
+    else
+        ((float*)values)[at] = (float)value;
+}
+
+float ty_value_outside(ty_grid_type type, const void* values, size_t count) {
+    float lowest = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const float value =
+            type == TY_GRID_F16 ? ty_half_to_float(((const uint16_t*)values)[i]) : ((const float*)values)[i];
+        if (value < lowest && isfinite(value)) lowest = value;
+    }
+    return lowest;
 }
 
 /* Converts a row of voxels `step` bytes apart by an expression of their bits. */
@@ -83,7 +119,7 @@ static void convert_row(ty_sample_type type, bool swap, const uint8_t* from, siz
     case TY_SAMPLE_UINT64: TY_CONVERT_ROW(8, float, (float)bits);
     case TY_SAMPLE_HALF: TY_CONVERT_ROW(2, uint16_t, (uint16_t)bits);
     case TY_SAMPLE_FLOAT: TY_CONVERT_ROW(4, float, float_of(bits));
-    case TY_SAMPLE_DOUBLE: TY_CONVERT_ROW(8, float, double_to_float(bits));
+    case TY_SAMPLE_DOUBLE: TY_CONVERT_ROW(8, float, (float)double_of(bits));
     case TY_SAMPLE_TYPES: break;
     }
 }
@@ -94,25 +130,38 @@ typedef struct convert_job {
     uint8_t* values;
 } convert_job;
 
+static ty_grid_type grid_type(const ty_samples* samples) {
+    return samples->slope != 0 ? TY_GRID_F32 : ty_sample_grid_type(samples->type);
+}
+
 static void convert_slice(void* user, int64_t k, int32_t worker) {
     (void)worker;
     const convert_job* job = user;
     const ty_samples* samples = job->samples;
     const size_t sample = types[samples->type].size;
     const size_t voxels = (size_t)job->size[0] * (size_t)job->size[1], first = voxels * (size_t)k;
-    const size_t value = ty_grid_value_size(ty_sample_grid_type(samples->type));
-    const bool swap = samples->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
-    convert_row(samples->type, swap, samples->bytes + sample * (samples->first + samples->step * first),
-                sample * samples->step, voxels, job->values + value * first);
+    const uint8_t* from = samples->bytes + sample * (samples->first + samples->step * first);
+    if (samples->slope == 0) {
+        const size_t value = ty_grid_value_size(grid_type(samples));
+        convert_row(samples->type, must_swap(samples->big_endian), from, sample * samples->step, voxels,
+                    job->values + value * first);
+        return;
+    }
+    float* to = (float*)(void*)job->values + first;
+    for (size_t i = 0; i < voxels; ++i)
+        to[i] = (float)(samples->slope *
+                            ty_sample_value(samples->type, samples->big_endian, from + sample * samples->step * i) +
+                        samples->intercept);
 }
 
 ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out) {
     ty_grid_def typed = *def;
-    typed.type = ty_sample_grid_type(samples->type);
+    typed.type = grid_type(samples);
     const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
     void* values = ty_alloc_array(context, voxels, ty_grid_value_size(typed.type), false);
     if (values == NULL) return TY_ERROR_MEMORY;
     convert_job job = {samples, def->size, values};
     ty_parallel_for(context, def->size[2], convert_slice, &job);
+    if (def->placed) typed.background = ty_value_outside(typed.type, values, voxels);
     return ty_grid_adopt(context, &typed, values, out);
 }

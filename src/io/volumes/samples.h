@@ -26,14 +26,25 @@ size_t ty_sample_size(ty_sample_type type);
 /* Grid type that represents the samples exactly: half for half, int8 and uint8, else float. */
 ty_grid_type ty_sample_grid_type(ty_sample_type type);
 
+/* Value of the sample at `from`. */
+double ty_sample_value(ty_sample_type type, bool big_endian, const uint8_t* from);
+
+/* Stores a value among those of a grid. */
+void ty_store_value(ty_grid_type type, void* values, size_t at, double value);
+
+/* Value outside of a placed grid: its lowest, which is air in Hounsfield units, but 0 if none is below. */
+float ty_value_outside(ty_grid_type type, const void* values, size_t count);
+
 typedef struct ty_samples {
     const uint8_t* bytes;
     ty_sample_type type;
     bool big_endian;
-    size_t first, step; /* in samples: offset of the component, and stride between voxels */
+    size_t first, step;      /* in samples: offset of the component, and stride between voxels */
+    double slope, intercept; /* a value is slope times its sample plus intercept; slope 0: the sample itself */
 } ty_samples;
 
-/* Creates a grid of def->size voxels, x fastest, of ty_sample_grid_type, placed by def. */
+/* Creates a grid of def->size voxels, x fastest, placed by def: of ty_sample_grid_type, or float where samples are
+ * scaled. */
 ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out);
 
 #endif

@@ -144,20 +144,31 @@ ty_result ty_vdb_read(ty_context* context, const char* path, const char* grid_na
     return ty_vdb_read_component(context, path, grid_name, -1, out);
 }
 
+bool ty_vdb_find_codec(ty_context* context, const char* name, uint32_t* codec) {
+    static const struct {
+        const char* name;
+        uint32_t codec;
+    } codecs[] = {{"none", 0}, {"zip", TY_VDB_ZIP}, {"blosc", TY_VDB_BLOSC}};
+    for (size_t i = 0; i < sizeof codecs / sizeof codecs[0] && name != NULL; ++i) {
+        *codec = codecs[i].codec;
+        if (strcmp(name, codecs[i].name) == 0) return true;
+    }
+    ty_fail(context, TY_ERROR_ARGUMENT, "the VDB codec is \"%s\", not none, zip or blosc", name == NULL ? "" : name);
+    return false;
+}
+
 ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const char* grid_name, const char* codec,
                        const char* path) {
     if (grid == NULL || grid_name == NULL || grid_name[0] == '\0' || strlen(grid_name) >= TY_VDB_NAME_SIZE)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_vdb_write: the grid is NULL or its name not 1..%d characters",
                        (int)TY_VDB_NAME_SIZE - 1);
-    const bool zip = codec != NULL && strcmp(codec, "zip") == 0, blosc = codec != NULL && strcmp(codec, "blosc") == 0;
-    if (codec == NULL || (strcmp(codec, "none") != 0 && !zip && !blosc))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "the VDB codec is \"%s\", not none, zip or blosc",
-                       codec == NULL ? "" : codec);
+    const ty_volume_field field = {.name = grid_name, .components = 1, .grids = {grid}};
+    uint32_t compression = 0;
+    if (!ty_vdb_find_codec(context, codec, &compression)) return TY_ERROR_ARGUMENT;
     ty_output output;
     ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    const uint32_t compression = zip ? TY_VDB_ZIP : blosc ? TY_VDB_BLOSC : 0;
-    result = ty_vdb_write_file(context, grid, grid_name, compression, &output);
+    result = ty_vdb_write_file(context, &field, 1, compression, &output);
     if (result == TY_OK) return ty_output_commit(context, &output);
     ty_output_discard(context, &output);
     return result;

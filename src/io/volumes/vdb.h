@@ -65,8 +65,11 @@ ty_result ty_vdb_measure(const ty_vdb_file* file, const ty_vdb_grid* owner, ty_v
 ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, int32_t component,
                            const ty_affine* index_to_world, ty_grid** out);
 
-/* Writes a file of one grid; codec is 0, TY_VDB_ZIP or TY_VDB_BLOSC. Write errors are left to the output's commit. */
-ty_result ty_vdb_write_file(ty_context* context, const ty_grid* grid, const char* name, uint32_t codec,
+/* Writes a file of a grid per field; codec is 0, TY_VDB_ZIP or TY_VDB_BLOSC. Write errors are left to the output's
+ * commit. */
+ty_result ty_vdb_write_file(ty_context* context, const ty_volume_field* fields, int32_t count, uint32_t codec,
                             ty_output* output);
+/* The number of a codec by its name; false, with a message, for an unknown one. */
+bool ty_vdb_find_codec(ty_context* context, const char* name, uint32_t* codec);
 
 #endif

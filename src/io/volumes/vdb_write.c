@@ -1,5 +1,5 @@
-/* Writing OpenVDB files, format 224: one grid of floats, voxels that equal the background inactive, leaves of one value
- * as tiles. The same grid gives the same bytes. */
+/* Writing OpenVDB files, format 224: grids of floats, of halves or of three of them, voxels that equal the background
+ * inactive, leaves of one value as tiles. The same grids give the same bytes. */
 #include "io/volumes/vdb.h"
 
 #include "base/context.h"
@@ -23,7 +23,8 @@ enum {
     ALL_INACTIVE_ARE_BACKGROUND = 0, /* coding of a node's inactive values */
     BLOSC_SIZE_MIN = 48,             /* smaller blocks stay uncompressed, as in OpenVDB */
     BLOSC_LEVEL = 9,
-    RAW_MAX = TY_VDB_NODE_SLOTS_MAX * (int)sizeof(float),
+    COMPONENTS_MAX = 3,
+    RAW_MAX = TY_VDB_NODE_SLOTS_MAX * COMPONENTS_MAX * (int)sizeof(float),
     PACKED_MAX = RAW_MAX + RAW_MAX / 256 + 64
 };
 
@@ -32,13 +33,15 @@ typedef enum slot_kind { SLOT_EMPTY, SLOT_TILE, SLOT_CHILD } slot_kind;
 
 typedef struct slot {
     slot_kind kind;
-    float value; /* of a tile */
+    float value[COMPONENTS_MAX]; /* of a tile */
 } slot;
 
 typedef struct writer {
     ty_output* output; /* whose commit reports write errors */
-    const ty_grid* grid;
-    ty_grid_info info;
+    const ty_volume_field* field;
+    ty_grid_info info; /* of the first component */
+    size_t components;
+    float background[COMPONENTS_MAX];
     uint32_t compression;
     bool half;
     bool failed;       /* memory was short for a compressor */
@@ -46,7 +49,7 @@ typedef struct writer {
     slot* slots;       /* of every leaf, x slowest */
     int64_t active;    /* active voxels */
     int32_t lower[3], upper[3];
-    float values[TY_VDB_NODE_SLOTS_MAX]; /* scratch for the active values of a node */
+    float values[TY_VDB_NODE_SLOTS_MAX * COMPONENTS_MAX]; /* scratch for the active values of a node */
     uint8_t raw[RAW_MAX], packed[PACKED_MAX];
 } writer;
 
@@ -93,6 +96,16 @@ static void include_voxel(writer* w, const int32_t at[3]) {
     ++w->active;
 }
 
+/* Stores the value of a voxel; false if it is the background. */
+static bool get_value(const writer* w, const int32_t at[3], float* value) {
+    bool active = false;
+    for (size_t c = 0; c < w->components; ++c) {
+        value[c] = ty_grid_voxel(w->field->grids[c], at[0], at[1], at[2]);
+        active |= value[c] != w->background[c];
+    }
+    return active;
+}
+
 /* Sets the mask of a leaf's active voxels, z fastest, and appends their values; returns their number. */
 static size_t gather_leaf(const writer* w, const int32_t block[3], uint8_t mask[TY_LEAF_VOXELS / 8], float* values) {
     const int32_t* size = w->info.size;
@@ -102,17 +115,22 @@ static size_t gather_leaf(const writer* w, const int32_t block[3], uint8_t mask[
         const int32_t at[3] = {TY_LEAF_SIDE * block[0] + (i >> 6), TY_LEAF_SIDE * block[1] + (i >> 3 & 7),
                                TY_LEAF_SIDE * block[2] + (i & 7)};
         if (at[0] >= size[0] || at[1] >= size[1] || at[2] >= size[2]) continue;
-        const float value = ty_grid_voxel(w->grid, at[0], at[1], at[2]);
-        if (value == w->info.background) continue;
+        if (!get_value(w, at, values + w->components * count)) continue;
         mask[i / 8] |= (uint8_t)(1 << i % 8);
-        values[count++] = value;
+        ++count;
     }
     return count;
 }
 
-static bool all_equal(const float* values, size_t count) {
+static bool same_value(const writer* w, const float* a, const float* b) {
+    for (size_t c = 0; c < w->components; ++c)
+        if (a[c] != b[c]) return false;
+    return true;
+}
+
+static bool all_equal(const writer* w, const float* values, size_t count) {
     for (size_t i = 1; i < count; ++i)
-        if (values[i] != values[0]) return false;
+        if (!same_value(w, values, values + w->components * i)) return false;
     return true;
 }
 
@@ -125,8 +143,9 @@ static void classify_leaves(writer* w) {
                 uint8_t mask[TY_LEAF_VOXELS / 8];
                 const size_t count = gather_leaf(w, block, mask, w->values);
                 slot* found = &w->slots[block_index(w, block)];
-                *found = (slot){count == 0 ? SLOT_EMPTY : SLOT_CHILD, w->values[0]};
-                if (count == TY_LEAF_VOXELS && all_equal(w->values, count)) found->kind = SLOT_TILE;
+                found->kind = count == 0 ? SLOT_EMPTY : SLOT_CHILD;
+                memcpy(found->value, w->values, w->components * sizeof *w->values);
+                if (count == TY_LEAF_VOXELS && all_equal(w, w->values, count)) found->kind = SLOT_TILE;
                 for (int32_t i = 0; i < TY_LEAF_VOXELS; ++i) {
                     const int32_t at[3] = {TY_LEAF_SIDE * block[0] + (i >> 6), TY_LEAF_SIDE * block[1] + (i >> 3 & 7),
                                            TY_LEAF_SIDE * block[2] + (i & 7)};
@@ -137,7 +156,7 @@ static void classify_leaves(writer* w) {
 
 static slot leaf_slot(const writer* w, const int32_t block[3]) {
     for (int a = 0; a < 3; ++a)
-        if (block[a] >= w->blocks[a]) return (slot){SLOT_EMPTY, 0};
+        if (block[a] >= w->blocks[a]) return (slot){.kind = SLOT_EMPTY};
     return w->slots[block_index(w, block)];
 }
 
@@ -151,16 +170,16 @@ static void child_block(const int32_t block[3], size_t i, unsigned log2, int32_t
 /* A node of one value throughout is a tile. */
 static slot node_slot(const writer* w, const int32_t block[3], unsigned log2, int32_t side) {
     for (int a = 0; a < 3; ++a)
-        if (block[a] >= w->blocks[a]) return (slot){SLOT_EMPTY, 0};
-    slot first = {SLOT_EMPTY, 0};
+        if (block[a] >= w->blocks[a]) return (slot){.kind = SLOT_EMPTY};
+    slot first = {.kind = SLOT_EMPTY};
     for (size_t i = 0; i < (size_t)1 << 3 * log2; ++i) {
         int32_t child[3];
         child_block(block, i, log2, side, child);
         const slot found = side == 1 ? leaf_slot(w, child) : node_slot(w, child, LOWER_LOG2, 1);
         if (i == 0) first = found;
         if (found.kind == SLOT_CHILD || found.kind != first.kind ||
-            (found.kind == SLOT_TILE && found.value != first.value))
-            return (slot){SLOT_CHILD, 0};
+            (found.kind == SLOT_TILE && !same_value(w, found.value, first.value)))
+            return (slot){.kind = SLOT_CHILD};
     }
     return first;
 }
@@ -183,7 +202,7 @@ static size_t pack(writer* w, size_t raw) {
         return 0;
     }
     free(trial);
-    const size_t value_size = w->half ? sizeof(uint16_t) : sizeof(float);
+    const size_t value_size = w->components * (w->half ? sizeof(uint16_t) : sizeof(float));
     const int length = blosc_compress_ctx(BLOSC_LEVEL, BLOSC_SHUFFLE, value_size, raw, w->raw, w->packed, PACKED_MAX,
                                           BLOSC_LZ4_COMPNAME, 0, 1);
     w->failed |= length < 0;
@@ -195,10 +214,10 @@ static size_t pack(writer* w, size_t raw) {
 static void put_values(writer* w, const float* values, size_t count) {
     put_u8(w, ALL_INACTIVE_ARE_BACKGROUND);
     if (w->half && count == 0) return;
-    size_t raw = count * sizeof *values, packed = 0;
+    size_t raw = count * w->components * sizeof *values, packed = 0;
     if (w->half) {
-        raw = count * sizeof(uint16_t);
-        for (size_t i = 0; i < count; ++i) {
+        raw = count * w->components * sizeof(uint16_t);
+        for (size_t i = 0; i < count * w->components; ++i) {
             const uint16_t half = ty_float_to_half(values[i]);
             memcpy(w->raw + i * sizeof half, &half, sizeof half);
         }
@@ -227,7 +246,7 @@ static void put_node(writer* w, const int32_t block[3], unsigned log2, int32_t s
         if (found.kind == SLOT_CHILD) children[i / 8] |= (uint8_t)(1 << i % 8);
         if (found.kind != SLOT_TILE) continue;
         active[i / 8] |= (uint8_t)(1 << i % 8);
-        w->values[count++] = found.value;
+        memcpy(w->values + w->components * count++, found.value, w->components * sizeof *w->values);
     }
     put(w, children, slots / 8);
     put(w, active, slots / 8);
@@ -286,7 +305,7 @@ static void put_upper_leaves(writer* w, const int32_t block[3]) {
 
 static void put_topology(writer* w) {
     put_u32(w, 1); /* buffers */
-    put(w, &w->info.background, sizeof w->info.background);
+    put(w, w->background, w->components * sizeof *w->background);
     put_u32(w, 0); /* tiles of the root */
     put_u32(w, for_upper_nodes(w, NULL));
     for_upper_nodes(w, put_upper_node);
@@ -294,36 +313,45 @@ static void put_topology(writer* w) {
 
 /* ---- the container ---- */
 
+/* Extends a hash by a field. */
+static uint64_t hash_field(uint64_t hash, const ty_volume_field* field, uint32_t compression) {
+    const ty_grid_info info = ty_grid_get_info(field->grids[0]);
+    hash = ty_hash_bytes(hash, field->name, strlen(field->name));
+    hash = ty_hash_bytes(hash, &compression, sizeof compression);
+    hash = ty_hash_bytes(hash, info.index_to_local.m, sizeof info.index_to_local.m);
+    for (int32_t z = 0; z < info.size[2]; ++z)
+        for (int32_t y = 0; y < info.size[1]; ++y)
+            for (int32_t x = 0; x < info.size[0]; ++x)
+                for (int32_t c = 0; c < field->components; ++c) {
+                    const float value = ty_grid_voxel(field->grids[c], x, y, z);
+                    hash = ty_hash_bytes(hash, &value, sizeof value);
+                }
+    return hash;
+}
+
 /* The identity of the content, in the form of a UUID of version 8. */
-static void put_uuid(writer* w, const char* name) {
+static void put_uuid(writer* w, const ty_volume_field* fields, int32_t count) {
     uint64_t hash[2] = {TY_HASH_START, 0};
-    hash[0] = ty_hash_bytes(hash[0], name, strlen(name));
-    hash[0] = ty_hash_bytes(hash[0], &w->compression, sizeof w->compression);
-    hash[0] = ty_hash_bytes(hash[0], w->info.index_to_local.m, sizeof w->info.index_to_local.m);
-    for (int32_t z = 0; z < w->info.size[2]; ++z)
-        for (int32_t y = 0; y < w->info.size[1]; ++y)
-            for (int32_t x = 0; x < w->info.size[0]; ++x) {
-                const float value = ty_grid_voxel(w->grid, x, y, z);
-                hash[0] = ty_hash_bytes(hash[0], &value, sizeof value);
-            }
-    hash[1] = ty_hash_bytes(hash[0], w->info.size, sizeof w->info.size);
+    for (int32_t i = 0; i < count; ++i) hash[0] = hash_field(hash[0], &fields[i], w->compression);
+    const ty_grid_info info = ty_grid_get_info(fields[0].grids[0]);
+    hash[1] = ty_hash_bytes(hash[0], info.size, sizeof info.size);
     char text[48];
     snprintf(text, sizeof text, "%08" PRIx64 "-%04" PRIx64 "-8%03" PRIx64 "-8%03" PRIx64 "-%012" PRIx64, hash[0] >> 32,
              hash[0] >> 16 & 0xffff, hash[0] & 0xfff, hash[1] >> 48 & 0xfff, hash[1] & 0xffffffffffff);
     put(w, text, TY_VDB_UUID_SIZE);
 }
 
-static void put_header(writer* w, const char* name) {
+static void put_header(writer* w, const ty_volume_field* fields, int32_t count) {
     static const char creator[] = "Tyndall " TY_VERSION;
     put_i64(w, TY_VDB_MAGIC);
     put_u32(w, VERSION);
     put_u32(w, LIBRARY_MAJOR);
     put_u32(w, LIBRARY_MINOR);
     put_u8(w, 1); /* grids have offsets */
-    put_uuid(w, name);
+    put_uuid(w, fields, count);
     put_u32(w, 1);
     put_metadata(w, "creator", "string", creator, sizeof creator - 1);
-    put_u32(w, 1); /* grids */
+    put_u32(w, (uint32_t)count);
 }
 
 static void put_grid_metadata(writer* w, const char* name) {
@@ -347,11 +375,16 @@ static void put_transform(writer* w) {
         }
 }
 
+static const char* tree_type(const writer* w) {
+    if (w->components == 1) return w->half ? "Tree_float_5_4_3_HalfFloat" : "Tree_float_5_4_3";
+    return w->half ? "Tree_vec3s_5_4_3_HalfFloat" : "Tree_vec3s_5_4_3";
+}
+
 /* Offsets are known at the end, and are written over zeros. */
-static void put_file(writer* w, const char* name) {
-    put_header(w, name);
+static void put_grid(writer* w) {
+    const char* name = w->field->name;
     put_text(w, name);
-    put_text(w, w->half ? "Tree_float_5_4_3_HalfFloat" : "Tree_float_5_4_3");
+    put_text(w, tree_type(w));
     put_text(w, ""); /* the grid whose tree this one shares */
     const uint64_t table = ty_output_position(w->output);
     uint64_t offsets[3] = {0};
@@ -365,30 +398,40 @@ static void put_file(writer* w, const char* name) {
     for_upper_nodes(w, put_upper_leaves);
     offsets[2] = ty_output_position(w->output);
     ty_output_write_at(w->output, offsets, sizeof offsets, table);
+    ty_output_write_at(w->output, "", 0, offsets[2]); /* the next grid goes behind */
 }
 
-ty_result ty_vdb_write_file(ty_context* context, const ty_grid* grid, const char* name, uint32_t codec,
+static ty_result write_field(ty_context* context, writer* w, const ty_volume_field* field) {
+    w->field = field;
+    w->info = ty_grid_get_info(field->grids[0]);
+    w->half = w->info.type == TY_GRID_F16;
+    w->components = (size_t)field->components;
+    w->active = 0;
+    for (int a = 0; a < 3; ++a) {
+        w->blocks[a] = (w->info.size[a] + TY_LEAF_SIDE - 1) / TY_LEAF_SIDE;
+        w->lower[a] = 0;
+        w->upper[a] = -1;
+    }
+    for (size_t c = 0; c < w->components; ++c) w->background[c] = ty_grid_get_info(field->grids[c]).background;
+    const size_t count = (size_t)w->blocks[0] * (size_t)w->blocks[1] * (size_t)w->blocks[2];
+    w->slots = ty_alloc_array(context, count, sizeof *w->slots, false);
+    if (w->slots == NULL) return TY_ERROR_MEMORY;
+    classify_leaves(w);
+    put_grid(w);
+    ty_free_array(context, w->slots, count, sizeof *w->slots);
+    if (!w->failed) return TY_OK;
+    return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory to compress", w->output->path);
+}
+
+ty_result ty_vdb_write_file(ty_context* context, const ty_volume_field* fields, int32_t count, uint32_t codec,
                             ty_output* output) {
     writer* w = ty_alloc_array(context, 1, sizeof *w, true);
     if (w == NULL) return TY_ERROR_MEMORY;
     w->output = output;
-    w->grid = grid;
-    w->info = ty_grid_get_info(grid);
-    w->half = w->info.type == TY_GRID_F16;
     w->compression = TY_VDB_ACTIVE_MASK | codec;
-    for (int a = 0; a < 3; ++a) {
-        w->blocks[a] = (w->info.size[a] + TY_LEAF_SIDE - 1) / TY_LEAF_SIDE;
-        w->upper[a] = -1;
-    }
-    const size_t count = (size_t)w->blocks[0] * (size_t)w->blocks[1] * (size_t)w->blocks[2];
-    w->slots = ty_alloc_array(context, count, sizeof *w->slots, false);
-    ty_result result = w->slots == NULL ? TY_ERROR_MEMORY : TY_OK;
-    if (result == TY_OK) {
-        classify_leaves(w);
-        put_file(w, name);
-        if (w->failed) result = ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory to compress", output->path);
-    }
-    ty_free_array(context, w->slots, count, sizeof *w->slots);
+    put_header(w, fields, count);
+    ty_result result = TY_OK;
+    for (int32_t i = 0; i < count && result == TY_OK; ++i) result = write_field(context, w, &fields[i]);
     ty_free_array(context, w, 1, sizeof *w);
     return result;
 }

@@ -4,7 +4,10 @@
 #include "base/context.h"
 #include "grid/grid.h"
 #include "io/file.h"
+#include "io/volumes/netcdf.h"
+#include "io/volumes/vtk.h"
 
+#include <stdarg.h>
 #include <string.h>
 #include <strings.h>
 
@@ -13,7 +16,7 @@ enum { PATH_SIZE = 4096 };
 static const double voxels_max = 4e9;
 
 void ty_init_volume_def(void* def, size_t bytes) {
-    const ty_volume_def own = {.grid = "density", .raw_type = "uint8"};
+    const ty_volume_def own = {.grid = "density", .raw_type = "uint8", .series = "", .meters_per_unit = 1};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
@@ -62,36 +65,71 @@ ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, c
     return TY_OK;
 }
 
-typedef enum volume_kind { VOLUME_VDB, VOLUME_NANOVDB, VOLUME_NRRD, VOLUME_RAW } volume_kind;
+void ty_note(ty_volume_notes* notes, const char* name, const char* format, ...) {
+    if (notes->count == TY_VOLUME_NOTES_MAX) return;
+    ty_volume_note* note = &notes->items[notes->count++];
+    snprintf(note->name, sizeof note->name, "%s", name);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(note->text, sizeof note->text, format, arguments);
+    va_end(arguments);
+}
 
 static bool has_extension(const char* path, const char* extension) {
     const size_t length = strlen(path), size = strlen(extension);
     return length > size && strcasecmp(path + length - size, extension) == 0;
 }
 
-/* Detects the format from the first bytes; an unknown file is raw unless its extension says otherwise. */
-static ty_result find_kind(ty_context* context, const char* path, volume_kind* kind) {
-    static const struct {
-        const char *magic, *extensions[2];
-        volume_kind kind;
-    } known[] = {{" BDV", {".vdb", ".vdb"}, VOLUME_VDB},
-                 {"NanoVDB", {".nvdb", ".nvdb"}, VOLUME_NANOVDB},
-                 {"NRRD", {".nrrd", ".nhdr"}, VOLUME_NRRD}};
-    enum { KNOWN = sizeof known / sizeof known[0] };
+/* Formats by the bytes at an offset, and the extensions of files that do not begin so. */
+static const struct {
+    ty_volume_format format;
+    size_t offset, length;
+    const char *magic, *extensions[3];
+} formats[] = {
+    {TY_VOLUME_VDB, 0, 4, " BDV", {".vdb"}},
+    {TY_VOLUME_NANOVDB, 0, 7, "NanoVDB", {".nvdb"}},
+    {TY_VOLUME_NRRD, 0, 4, "NRRD", {".nrrd", ".nhdr"}},
+    {TY_VOLUME_VTK, 0, 5, "<?xml", {".vti", ".vtk"}},
+    {TY_VOLUME_VTK, 0, 8, "<VTKFile", {NULL}},
+    {TY_VOLUME_VTK, 0, 8, "# vtk Da", {NULL}},
+    {TY_VOLUME_NETCDF, 0, 3, "CDF", {".nc", ".cdf"}},
+    {TY_VOLUME_NETCDF, 0, 4, "\x89HDF", {NULL}},
+    {TY_VOLUME_DICOM, 128, 4, "DICM", {".dcm", ".dicom", ".ima"}},
+    {TY_VOLUME_NIFTI, 344, 4, "n+1", {".nii", ".nii.gz", ".hdr.gz"}},
+    {TY_VOLUME_NIFTI, 344, 4, "ni1", {NULL}},
+    {TY_VOLUME_NIFTI, 4, 4, "n+2", {NULL}},
+    {TY_VOLUME_NIFTI, 4, 4, "ni2", {NULL}},
+    {TY_VOLUME_TIFF, 0, 4, "II*\0", {".tif", ".tiff"}},
+    {TY_VOLUME_TIFF, 0, 4, "MM\0*", {NULL}},
+    {TY_VOLUME_TIFF, 0, 4, "II+\0", {NULL}}, /* with offsets of 64 bits */
+    {TY_VOLUME_TIFF, 0, 4, "MM\0+", {NULL}},
+    {TY_VOLUME_MITSUBA, 0, 3, "VOL", {".vol"}},
+};
+enum { FORMATS = sizeof formats / sizeof formats[0], EXTENSIONS = 3 };
+
+ty_volume_format ty_volume_format_of(const char* path, const uint8_t* head, size_t size) {
+    for (int i = 0; i < FORMATS; ++i)
+        if (size >= formats[i].offset + formats[i].length &&
+            memcmp(head + formats[i].offset, formats[i].magic, formats[i].length) == 0)
+            return formats[i].format;
+    for (int i = 0; i < FORMATS; ++i)
+        for (int e = 0; e < EXTENSIONS && formats[i].extensions[e] != NULL; ++e)
+            if (has_extension(path, formats[i].extensions[e])) return formats[i].format;
+    return TY_VOLUME_RAW;
+}
+
+/* A folder is a DICOM series. */
+static ty_result find_format(ty_context* context, const char* path, ty_volume_format* format) {
+    *format = TY_VOLUME_DICOM;
+    if (ty_is_folder(path)) return TY_OK;
     FILE* stream = NULL;
     uint64_t size = 0;
     const ty_result result = ty_open_file(context, path, &stream, &size);
     if (result != TY_OK) return result;
-    char head[8] = "";
+    uint8_t head[TY_VOLUME_HEAD];
     const size_t got = fread(head, 1, sizeof head, stream);
     fclose(stream);
-    *kind = VOLUME_RAW;
-    for (int i = KNOWN - 1; i >= 0; --i)
-        if (has_extension(path, known[i].extensions[0]) || has_extension(path, known[i].extensions[1]))
-            *kind = known[i].kind;
-    for (int i = 0; i < KNOWN; ++i)
-        if (got >= strlen(known[i].magic) && memcmp(head, known[i].magic, strlen(known[i].magic)) == 0)
-            *kind = known[i].kind;
+    *format = ty_volume_format_of(path, head, got);
     return TY_OK;
 }
 
@@ -102,55 +140,104 @@ static ty_result check_def(ty_context* context, const ty_volume_def** given, ty_
     if (result != TY_OK) return result;
     if (out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: out is NULL");
     if (def->grid == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: grid is NULL");
+    if (def->series == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: series is NULL");
     if (def->component < 0)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: component is %d, below 0", def->component);
+    if (!(def->meters_per_unit > 0 && def->meters_per_unit <= 1e6))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: meters_per_unit is %g, outside (0, 1e6]",
+                       def->meters_per_unit);
     return TY_OK;
 }
 
 /* Raw files need a size, which also marks a file as raw. */
 static ty_result check_raw(ty_context* context, const char* path, const ty_volume_def* def) {
     if (def->raw_size[0] > 0 && def->raw_size[1] > 0 && def->raw_size[2] > 0) return TY_OK;
-    return ty_fail(context, TY_ERROR_INPUT,
-                   "%s: neither OpenVDB nor NanoVDB nor NRRD; a raw volume needs its size (raw_size)", path);
+    return ty_fail(context, TY_ERROR_INPUT, "%s: of no format that can be read; a raw volume needs its size (raw_size)",
+                   path);
 }
 
 /* File of a call, with the frame number, and its format. `out` is only checked for NULL. */
 static ty_result find_file(ty_context* context, const char* path, const ty_volume_def** given, ty_volume_def* own,
-                           const void* out, char file[PATH_SIZE], volume_kind* kind) {
+                           const void* out, char file[PATH_SIZE], ty_volume_format* format) {
     ty_result result = check_def(context, given, own, out);
     if (result == TY_OK) result = ty_volume_path(context, path, own->frame, file, PATH_SIZE);
-    return result == TY_OK ? find_kind(context, file, kind) : result;
+    return result == TY_OK ? find_format(context, file, format) : result;
 }
 
-ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
+ty_result ty_volume_read_droplets(ty_context* context, const char* path, const ty_volume_def* def, double* radius,
+                                  ty_grid** out) {
     char file[PATH_SIZE];
-    volume_kind kind = VOLUME_RAW;
+    ty_volume_format format = TY_VOLUME_RAW;
     ty_volume_def own;
-    ty_result result = find_file(context, path, &def, &own, out, file, &kind);
+    ty_result result = find_file(context, path, &def, &own, out, file, &format);
     if (result != TY_OK) return result;
-    switch (kind) {
-    case VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, out);
-    case VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, out);
-    case VOLUME_NRRD: return ty_nrrd_read(context, file, def->component, out);
-    case VOLUME_RAW: break;
+    switch (format) {
+    case TY_VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, out);
+    case TY_VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, out);
+    case TY_VOLUME_NRRD: return ty_nrrd_read(context, file, def->component, out);
+    case TY_VOLUME_VTK: return ty_vtk_read(context, file, def, out);
+    case TY_VOLUME_NETCDF: return ty_netcdf_read(context, file, def, radius, out);
+    case TY_VOLUME_DICOM: return ty_dicom_read(context, file, def->series, def->component, out);
+    case TY_VOLUME_NIFTI: return ty_nifti_read(context, file, def->component, out);
+    case TY_VOLUME_TIFF: return ty_tiff_read(context, file, def->component, out);
+    case TY_VOLUME_MITSUBA: return ty_mitsuba_read(context, file, def->component, out);
+    case TY_VOLUME_RAW: break;
     }
     result = check_raw(context, file, def);
     return result == TY_OK ? ty_raw_read(context, file, def, out) : result;
 }
 
+ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
+    double radius = 0;
+    return ty_volume_read_droplets(context, path, def, &radius, out);
+}
+
+ty_result ty_volume_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity,
+                         int32_t* count) {
+    ty_volume_format format = TY_VOLUME_RAW;
+    if (count == NULL || capacity < 0 || (entries == NULL && capacity > 0))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_list: entries or count is NULL, or capacity negative");
+    const ty_result result = find_format(context, path, &format);
+    if (result != TY_OK) return result;
+    if (format == TY_VOLUME_VTK) return ty_vtk_list(context, path, entries, capacity, count);
+    if (format == TY_VOLUME_NETCDF) return ty_netcdf_list(context, path, entries, capacity, count);
+    return ty_vdb_list(context, path, entries, capacity, count);
+}
+
 ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out) {
     char file[PATH_SIZE];
-    volume_kind kind = VOLUME_RAW;
+    ty_volume_format format = TY_VOLUME_RAW;
     ty_volume_def own;
-    ty_result result = find_file(context, path, &def, &own, out, file, &kind);
+    ty_result result = find_file(context, path, &def, &own, out, file, &format);
     if (result != TY_OK) return result;
-    switch (kind) {
-    case VOLUME_VDB: return ty_vdb_components(context, file, def->grid, out);
-    case VOLUME_NANOVDB: return ty_nanovdb_components(context, file, def->grid, out);
-    case VOLUME_NRRD: return ty_nrrd_components(context, file, out);
-    case VOLUME_RAW: break;
+    switch (format) {
+    case TY_VOLUME_VDB: return ty_vdb_components(context, file, def->grid, out);
+    case TY_VOLUME_NANOVDB: return ty_nanovdb_components(context, file, def->grid, out);
+    case TY_VOLUME_NRRD: return ty_nrrd_components(context, file, out);
+    case TY_VOLUME_VTK: return ty_vtk_components(context, file, def, out);
+    case TY_VOLUME_NETCDF: return ty_netcdf_components(context, file, def, out);
+    case TY_VOLUME_DICOM: *out = 1; return TY_OK;
+    case TY_VOLUME_NIFTI: return ty_nifti_components(context, file, out);
+    case TY_VOLUME_TIFF: return ty_tiff_components(context, file, out);
+    case TY_VOLUME_MITSUBA: return ty_mitsuba_components(context, file, out);
+    case TY_VOLUME_RAW: break;
     }
     result = check_raw(context, file, def);
     if (result == TY_OK) *out = 1;
     return result;
+}
+
+void ty_volume_describe(ty_context* context, const char* path, const ty_volume_def* def, ty_volume_notes* notes) {
+    char file[PATH_SIZE];
+    ty_volume_format format = TY_VOLUME_RAW;
+    ty_volume_def own;
+    *notes = (ty_volume_notes){0};
+    if (find_file(context, path, &def, &own, notes, file, &format) != TY_OK) return;
+    switch (format) {
+    case TY_VOLUME_DICOM: ty_dicom_describe(context, file, def->series, notes); break;
+    case TY_VOLUME_NIFTI: ty_nifti_describe(context, file, notes); break;
+    case TY_VOLUME_TIFF: ty_tiff_describe(context, file, notes); break;
+    case TY_VOLUME_MITSUBA: ty_mitsuba_describe(context, file, notes); break;
+    default: break;
+    }
 }

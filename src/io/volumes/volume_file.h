@@ -22,6 +22,56 @@ ty_result ty_nanovdb_list(ty_context* context, const char* path, ty_vdb_entry* e
                           int32_t* count);
 ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
 ty_result ty_nrrd_components(ty_context* context, const char* path, int32_t* out);
+/* As ty_volume_read; *radius, where droplets are read, is the mean of their effective radius by extinction,
+ * micrometres.
+ */
+ty_result ty_volume_read_droplets(ty_context* context, const char* path, const ty_volume_def* def, double* radius,
+                                  ty_grid** out);
 ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
+
+ty_result ty_dicom_read(ty_context* context, const char* path, const char* series, int32_t component, ty_grid** out);
+ty_result ty_dicom_components(ty_context* context, const char* path, const char* series, int32_t* out);
+ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
+ty_result ty_nifti_components(ty_context* context, const char* path, int32_t* out);
+ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
+ty_result ty_tiff_components(ty_context* context, const char* path, int32_t* out);
+ty_result ty_mitsuba_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
+ty_result ty_mitsuba_components(ty_context* context, const char* path, int32_t* out);
+
+/* Formats that tell more than their voxels, for `tyndall info`. */
+enum { TY_VOLUME_NOTES_MAX = 12 };
+typedef struct ty_volume_note {
+    char name[16], text[160];
+} ty_volume_note;
+typedef struct ty_volume_notes {
+    int32_t count;
+    ty_volume_note items[TY_VOLUME_NOTES_MAX];
+} ty_volume_notes;
+
+/* Adds a note; text is cut to its room. */
+void ty_note(ty_volume_notes* notes, const char* name, const char* format, ...) __attribute__((format(printf, 3, 4)));
+/* Notes about the volume that ty_volume_read reads; none for formats without, and for files that cannot be read. */
+void ty_volume_describe(ty_context* context, const char* path, const ty_volume_def* def, ty_volume_notes* notes);
+void ty_dicom_describe(ty_context* context, const char* path, const char* series, ty_volume_notes* notes);
+void ty_nifti_describe(ty_context* context, const char* path, ty_volume_notes* notes);
+void ty_tiff_describe(ty_context* context, const char* path, ty_volume_notes* notes);
+void ty_mitsuba_describe(ty_context* context, const char* path, ty_volume_notes* notes);
+
+/* Format of a file by its content, or by its name where the content does not tell. */
+typedef enum ty_volume_format {
+    TY_VOLUME_VDB,
+    TY_VOLUME_NANOVDB,
+    TY_VOLUME_NRRD,
+    TY_VOLUME_VTK,
+    TY_VOLUME_NETCDF,
+    TY_VOLUME_DICOM, /* also folders */
+    TY_VOLUME_NIFTI,
+    TY_VOLUME_TIFF,
+    TY_VOLUME_MITSUBA,
+    TY_VOLUME_RAW
+} ty_volume_format;
+/* Format by the first bytes of a file (TY_VOLUME_HEAD of them are enough), else by its name. */
+enum { TY_VOLUME_HEAD = 544 };
+ty_volume_format ty_volume_format_of(const char* path, const uint8_t* head, size_t size);
 
 #endif

@@ -1,0 +1,81 @@
+/* tyndall convert: volumes. */
+#include "base/context.h"
+#include "cli/convert/convert.h"
+#include "grid/grid.h"
+
+static void release(ty_grid* grids[3]) {
+    for (int c = 0; c < 3; ++c) ty_grid_release(grids[c]);
+}
+
+/* The same grid of half floats. */
+static ty_result make_half(ty_context* context, ty_grid** grid) {
+    const ty_grid_info info = ty_grid_get_info(*grid);
+    if (info.type == TY_GRID_F16) return TY_OK;
+    ty_grid_def def = ty_default_grid_def();
+    const size_t voxels = (size_t)info.size[0] * (size_t)info.size[1] * (size_t)info.size[2];
+    uint16_t* values = ty_alloc_array(context, voxels, sizeof *values, false);
+    if (values == NULL) return TY_ERROR_MEMORY;
+    size_t at = 0;
+    for (int32_t k = 0; k < info.size[2]; ++k)
+        for (int32_t j = 0; j < info.size[1]; ++j)
+            for (int32_t i = 0; i < info.size[0]; ++i) values[at++] = ty_float_to_half(ty_grid_voxel(*grid, i, j, k));
+    for (int a = 0; a < 3; ++a) def.size[a] = info.size[a];
+    def.type = TY_GRID_F16;
+    def.index_to_local = info.index_to_local;
+    def.placed = info.placed;
+    def.background = ty_half_to_float(ty_float_to_half(info.background));
+    ty_grid* made = NULL;
+    const ty_result result = ty_grid_adopt(context, &def, values, &made);
+    if (result != TY_OK) return result;
+    ty_grid_release(*grid);
+    *grid = made;
+    return TY_OK;
+}
+
+static int check_options(const convert_volume_options* options, const char* output) {
+    const bool vdb = cli_has_extension(output, ".vdb");
+    if (options->half && !vdb) return cli_usage_error("convert", "--half is for .vdb, and %s is none", output);
+    if (options->vector && !vdb && !cli_has_extension(output, ".vti"))
+        return cli_usage_error("convert", "--vector is for .vdb and .vti, and %s is none", output);
+    return CLI_GO;
+}
+
+/* Reads one component, or all three. */
+static int read_grids(cli_session* session, const convert_volume_options* options, const char* input,
+                      ty_grid* grids[3]) {
+    ty_volume_def def = options->def;
+    int32_t components = 1;
+    ty_result result = TY_OK;
+    if (options->vector) result = ty_volume_components(session->context, input, &def, &components);
+    if (result != TY_OK) return cli_fail_reading(session, result);
+    if (options->vector && components != 3)
+        return cli_usage_error("convert", "--vector: %s has %d values per voxel, not 3", input, components);
+    for (int32_t c = 0; c < components && result == TY_OK; ++c) {
+        if (options->vector) def.component = c;
+        result = ty_volume_read(session->context, input, &def, &grids[c]);
+    }
+    return result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
+}
+
+int cli_convert_volume(cli_session* session, convert_volume_options* options, const char* input, const char* output) {
+    ty_grid* grids[3] = {NULL, NULL, NULL};
+    int status = check_options(options, output);
+    if (options->grid != NULL) {
+        options->def.grid = options->grid;
+        options->def.exact_grid = true;
+    }
+    if (status == CLI_GO) status = read_grids(session, options, input, grids);
+    if (status != CLI_GO) {
+        release(grids);
+        return status;
+    }
+    cli_end_on_interrupt(false);
+    ty_result result = TY_OK;
+    for (int c = 0; c < 3 && options->half && result == TY_OK; ++c)
+        if (grids[c] != NULL) result = make_half(session->context, &grids[c]);
+    const ty_volume_field field = {
+        .name = options->def.grid, .components = options->vector ? 3 : 1, .grids = {grids[0], grids[1], grids[2]}};
+    if (result == TY_OK) result = ty_volume_write(session->context, &field, 1, options->codec, output);
+    release(grids);
+    return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
+}

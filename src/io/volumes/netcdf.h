@@ -1,0 +1,104 @@
+/* NetCDF files: netcdf_library.c loads the library, netcdf_classic.c finds files that are cut short, netcdf_axes.c
+ * finds the axes of a variable and the placement of its values, netcdf_values.c reads values and their units,
+ * netcdf_droplets.c makes extinction of liquid water, and netcdf.c makes grids. */
+#ifndef TY_IO_NETCDF_H
+#define TY_IO_NETCDF_H
+
+#include <tyndall/io.h>
+
+enum { TY_NETCDF_NAME_SIZE = 257, TY_NETCDF_DIMENSIONS_MAX = 8 };
+
+typedef struct ty_netcdf_calls ty_netcdf_calls;
+
+typedef struct ty_netcdf_file {
+    ty_context* context;
+    const char* path;
+    uint64_t size; /* bytes */
+    const ty_netcdf_calls* calls;
+    int id;
+    bool quiet; /* what is wrong with coordinates is no error, and has no message */
+} ty_netcdf_file;
+
+/* Cells along an axis of space. */
+typedef struct ty_netcdf_axis {
+    int dimension; /* index among the variable's */
+    size_t length;
+    bool placed, even, descending;
+    double* edges; /* length + 1, ascending, m or the file's own units; NULL: not placed */
+} ty_netcdf_axis;
+
+/* A variable of three axes of space, and one of times, or of anything else, at most. */
+typedef struct ty_netcdf_variable {
+    int id, type, dimension_count;
+    char name[TY_NETCDF_NAME_SIZE];
+    int dimensions[TY_NETCDF_DIMENSIONS_MAX];
+    size_t lengths[TY_NETCDF_DIMENSIONS_MAX];
+    ty_netcdf_axis axes[3];
+    int times; /* index of the dimension of components, or -1 */
+} ty_netcdf_variable;
+
+/* Opens and closes a file; between both no other thread calls the library. ty_netcdf_close must follow success. */
+ty_result ty_netcdf_open(ty_context* context, const char* path, ty_netcdf_file* file);
+void ty_netcdf_close(ty_netcdf_file* file);
+ty_result ty_netcdf_fail(const ty_netcdf_file* file, int status);
+
+/* Refuses a classic file that is shorter than its header says. */
+ty_result ty_netcdf_check_classic(const ty_netcdf_file* file);
+
+/* Name, type and dimensions. */
+ty_result ty_netcdf_describe(const ty_netcdf_file* file, int id, ty_netcdf_variable* variable);
+/* Finds which dimension is which axis; false if the variable is not a volume of numbers. */
+bool ty_netcdf_find_axes(const ty_netcdf_file* file, ty_netcdf_variable* variable);
+/* Finds the edges of cells; ty_netcdf_release must follow, whatever the result. */
+ty_result ty_netcdf_place(const ty_netcdf_file* file, ty_netcdf_variable* variable, double meters_per_unit);
+void ty_netcdf_release(const ty_netcdf_file* file, ty_netcdf_variable* variable);
+
+/* The text of an attribute, cut to the size; "" without one. id: -1 for the file's own. */
+void ty_netcdf_text(const ty_netcdf_file* file, int id, const char* attribute, char* text, size_t size);
+/* Factor from a length's units to m; 0 for units that are none of a length. */
+double ty_netcdf_length_unit(const char* units);
+/* Factor of a content of liquid water to kg m^-3, or to mass per mass of air if *ratio is set; of a radius to
+ * micrometres; of a density to kg m^-3. 0 for other units. Without units: g m^-3, micrometres, kg m^-3. */
+double ty_netcdf_water_unit(const char* units, bool* ratio);
+double ty_netcdf_radius_unit(const char* units);
+double ty_netcdf_density_unit(const char* units);
+
+/* Reads the values of a variable at one time, in the file's order, from ty_alloc_array; missing ones are 0. */
+ty_result ty_netcdf_load(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time, float** out,
+                         size_t* count);
+
+/* Values on some of a variable's dimensions, or one everywhere. */
+typedef struct ty_netcdf_companion {
+    float* values; /* NULL: `constant` */
+    size_t count, strides[3];
+    double constant, unit;
+} ty_netcdf_companion;
+
+/* Distances between neighbours along x, y and z of another variable in the file's order; 0 along an axis that it does
+ * not have. False if it has others than `of`. */
+bool ty_netcdf_strides(const ty_netcdf_variable* variable, const ty_netcdf_variable* of, size_t strides[3]);
+
+typedef struct ty_netcdf_droplets {
+    ty_netcdf_companion radius, air;
+    double water_unit;
+    bool ratio;
+    int64_t without_radius;
+    double sum, sum_radius; /* of extinction, and of its product with the radius */
+} ty_netcdf_droplets;
+
+/* Reads what the droplets of a variable of liquid water take; ty_netcdf_release_droplets must follow, whatever the
+ * result. */
+ty_result ty_netcdf_open_droplets(const ty_netcdf_file* file, const ty_volume_def* def, const ty_netcdf_variable* water,
+                                  ty_netcdf_droplets* out);
+void ty_netcdf_release_droplets(const ty_netcdf_file* file, ty_netcdf_droplets* droplets);
+/* Extinction coefficient, 1/m, at a place in the file's order, of a value of the variable of water. */
+double ty_netcdf_extinction(ty_netcdf_droplets* d, double water, const size_t at[3]);
+
+/* As ty_volume_read_droplets and so on. */
+ty_result ty_netcdf_read(ty_context* context, const char* path, const ty_volume_def* def, double* radius,
+                         ty_grid** out);
+ty_result ty_netcdf_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out);
+ty_result ty_netcdf_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity,
+                         int32_t* count);
+
+#endif

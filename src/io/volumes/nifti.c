@@ -1,0 +1,181 @@
+/* Voxels of NIfTI files: behind the header or in a separate .img file, plain or in gzip. */
+#include "io/volumes/nifti.h"
+
+#include "base/context.h"
+#include "io/file.h"
+#include "io/volumes/inflate.h"
+#include "io/volumes/volume_file.h"
+
+#include <string.h>
+#include <strings.h>
+
+static const size_t file_size_max = (size_t)1 << 36;
+
+bool ty_is_nifti_file(const char* path) {
+    uint64_t length = 0;
+    uint8_t head[TY_NIFTI2_BYTES];
+    FILE* stream = ty_open_regular(path, &length);
+    if (stream == NULL) return false;
+    const size_t got = fread(head, 1, sizeof head, stream);
+    fclose(stream);
+    return ty_is_nifti(head, got);
+}
+
+static bool is_packed(const uint8_t* bytes, size_t size) {
+    return size >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
+}
+
+/* The header of a file, packed or not. */
+static ty_result read_header(ty_context* context, const char* path, ty_nifti* nifti) {
+    enum { PACKED_MAX = 1 << 16 };
+    uint8_t *bytes = NULL, plain[TY_NIFTI2_BYTES];
+    size_t size = 0;
+    uint64_t got = 0;
+    ty_result result = ty_read_part(context, path, 0, PACKED_MAX, &bytes, &size);
+    if (result != TY_OK) return result;
+    const bool packed = is_packed(bytes, size);
+    if (packed) ty_inflate_gzip(bytes, size, 0, plain, sizeof plain, &got);
+    if (got > sizeof plain) got = sizeof plain;
+    result = ty_nifti_parse(context, path, packed ? plain : bytes, packed ? (size_t)got : size, nifti);
+    ty_free_file(context, bytes, size);
+    return result;
+}
+
+char* ty_nifti_image_path(ty_context* context, const char* path) {
+    char* image = ty_copy_text(context, path);
+    if (image == NULL) return NULL;
+    char* end = image + strlen(image);
+    if (end - image > 3 && strcasecmp(end - 3, ".gz") == 0) end -= 3;
+    const char* from = "hdr";
+    if (end - image < 4 || strncasecmp(end - 4, ".hdr", 4) != 0) return image;
+    for (int i = 0; i < 3; ++i) {
+        char* at = end - 3 + i;
+        *at = (char)(*at - from[i] + "img"[i]);
+    }
+    return image;
+}
+
+/* Bytes of one volume. */
+static size_t volume_bytes(const ty_nifti* nifti) {
+    return nifti->voxels * (size_t)nifti->channels * ty_sample_size(nifti->type);
+}
+
+static ty_result cut_short(ty_context* context, const char* path, const ty_nifti* nifti) {
+    return ty_fail(context, TY_ERROR_INPUT,
+                   "%s: cut short: %d x %d x %d voxels of %d %s in %d volumes do not fit in it", path, nifti->size[0],
+                   nifti->size[1], nifti->size[2], nifti->channels, ty_sample_name(nifti->type), nifti->volumes);
+}
+
+/* As ty_file_form_fn: packed files that the header's data may fill. */
+static ty_result inspect(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
+    ty_nifti nifti;
+    uint8_t plain[TY_NIFTI2_BYTES];
+    uint64_t got = 0;
+    ty_inflate_gzip(head, size, 0, plain, sizeof plain, &got);
+    if (!ty_is_nifti(plain, got < sizeof plain ? (size_t)got : sizeof plain)) return TY_OK; /* an .img */
+    const ty_result result = ty_nifti_parse(context, path, plain, sizeof plain, &nifti);
+    if (result == TY_OK)
+        form->longest = nifti.data + 2 * (uint64_t)nifti.volumes * volume_bytes(&nifti) + TY_FILE_SLACK;
+    return result;
+}
+
+static ty_result unpack(ty_context* context, const char* path, const ty_nifti* nifti, uint64_t first, uint8_t** bytes,
+                        size_t* size) {
+    uint8_t* packed = NULL;
+    size_t packed_size = 0;
+    ty_result result = ty_read_inspected_file(context, path, file_size_max, inspect, &packed, &packed_size);
+    if (result != TY_OK) return result;
+    const size_t wanted = volume_bytes(nifti);
+    if (first + wanted > (uint64_t)packed_size * TY_INFLATE_RATIO_MAX) result = cut_short(context, path, nifti);
+    uint8_t* plain = result == TY_OK ? ty_alloc_array(context, wanted + 1, 1, false) : NULL;
+    if (result == TY_OK && plain == NULL) result = TY_ERROR_MEMORY;
+    uint64_t got = 0;
+    if (result == TY_OK) {
+        const ty_inflated inflated = ty_inflate_gzip(packed, packed_size, first, plain, wanted, &got);
+        if (inflated == TY_INFLATED_SHORT) result = cut_short(context, path, nifti);
+        if (inflated == TY_INFLATED_DAMAGED)
+            result = ty_fail(context, TY_ERROR_INPUT, "%s: the gzip data is damaged or cut short", path);
+    }
+    ty_free_file(context, packed, packed_size);
+    if (result != TY_OK && plain != NULL) ty_free_file(context, plain, wanted);
+    if (result != TY_OK) return result;
+    plain[wanted] = 0;
+    *bytes = plain;
+    *size = wanted;
+    return TY_OK;
+}
+
+static ty_result read_plain(ty_context* context, const char* path, const ty_nifti* nifti, uint64_t first,
+                            uint8_t** bytes, size_t* size) {
+    const size_t wanted = volume_bytes(nifti);
+    FILE* stream = NULL;
+    uint64_t length = 0;
+    ty_result result = ty_open_file(context, path, &stream, &length);
+    if (result != TY_OK) return result;
+    fclose(stream);
+    if (length < first || length - first < wanted) return cut_short(context, path, nifti);
+    result = ty_read_part(context, path, first, wanted, bytes, size);
+    if (result != TY_OK || *size == wanted) return result;
+    ty_free_file(context, *bytes, *size);
+    return ty_fail(context, TY_ERROR_FILE, "cannot read %s: it became shorter meanwhile", path);
+}
+
+/* Samples of the volume that has the component. */
+static ty_result read_bytes(ty_context* context, const char* path, const ty_nifti* nifti, int32_t component,
+                            uint8_t** bytes, size_t* size) {
+    const uint64_t skipped = nifti->channels == 1 ? (uint64_t)component * volume_bytes(nifti) : 0;
+    uint8_t* head = NULL;
+    size_t head_size = 0;
+    const ty_result result = ty_read_part(context, path, 0, 2, &head, &head_size);
+    if (result != TY_OK) return result;
+    const bool packed = is_packed(head, head_size);
+    ty_free_file(context, head, head_size);
+    return (packed ? unpack : read_plain)(context, path, nifti, nifti->data + skipped, bytes, size);
+}
+
+ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
+    ty_nifti nifti;
+    ty_result result = read_header(context, path, &nifti);
+    if (result == TY_OK) result = ty_check_component(context, path, NULL, component, nifti.channels * nifti.volumes);
+    if (result != TY_OK) return result;
+    char* image = nifti.pair ? ty_nifti_image_path(context, path) : ty_copy_text(context, path);
+    if (image == NULL) return TY_ERROR_MEMORY;
+    uint8_t* bytes = NULL;
+    size_t size = 0;
+    result = read_bytes(context, image, &nifti, component, &bytes, &size);
+    if (result == TY_OK) {
+        const ty_samples samples = {.bytes = bytes,
+                                    .type = nifti.type,
+                                    .big_endian = nifti.big_endian,
+                                    .first = nifti.channels > 1 ? (size_t)component : 0,
+                                    .step = (size_t)nifti.channels,
+                                    .slope = nifti.slope,
+                                    .intercept = nifti.intercept};
+        ty_grid_def def = ty_default_grid_def();
+        memcpy(def.size, nifti.size, sizeof def.size);
+        def.index_to_local = nifti.index_to_local;
+        def.placed = true;
+        result = ty_samples_make_grid(context, &samples, &def, out);
+        ty_free_file(context, bytes, size);
+    }
+    ty_free_text(context, image);
+    return result;
+}
+
+ty_result ty_nifti_components(ty_context* context, const char* path, int32_t* out) {
+    ty_nifti nifti;
+    const ty_result result = read_header(context, path, &nifti);
+    if (result == TY_OK) *out = nifti.channels * nifti.volumes;
+    return result;
+}
+
+void ty_nifti_describe(ty_context* context, const char* path, ty_volume_notes* notes) {
+    static const char* const placements[] = {"sform", "qform", "spacing alone"};
+    ty_nifti nifti;
+    if (read_header(context, path, &nifti) != TY_OK) return;
+    ty_note(notes, "format", "NIfTI-%d, %s%s", nifti.version, ty_sample_name(nifti.type), nifti.pair ? ", a pair" : "");
+    ty_note(notes, "unit", "%s", nifti.unit[0] != '\0' ? nifti.unit : "unknown");
+    ty_note(notes, "placement", "%s (right, anterior, superior)", placements[nifti.placement]);
+    if (nifti.slope != 0) ty_note(notes, "scaling", "%.9g times the sample plus %.9g", nifti.slope, nifti.intercept);
+    if (nifti.description[0] != '\0') ty_note(notes, "description", "%s", nifti.description);
+}

@@ -1,0 +1,24 @@
+/* TIFF files: every component of them, and their notes. The bytes go through a file in memory. */
+#define _GNU_SOURCE
+#include "fuzz_target.h"
+
+#include "io/volumes/volume_file.h"
+
+#include <sys/mman.h>
+
+static void read_all(ty_context* context, const char* path) {
+    ty_volume_notes notes = {0};
+    int32_t components = 0;
+    ty_tiff_describe(context, path, &notes);
+    if (ty_tiff_components(context, path, &components) != TY_OK) return;
+    for (int32_t component = 0; component < components && component < 4; ++component) {
+        ty_grid* grid = NULL;
+        if (ty_tiff_read(context, path, component, &grid) == TY_OK) ty_grid_release(grid);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
+    const int file = memfd_create("fuzz.tiff", MFD_CLOEXEC);
+    if (file < 0 || write(file, bytes, size) != (ssize_t)size) abort();
+    return fuzz_read_file(file, read_all);
+}

@@ -1,0 +1,29 @@
+/* Images of VTK, .vti and legacy .vtk: listing, then every array, and its last component. The bytes go through a file
+ * in memory, which is read as VTK if it begins so. */
+#define _GNU_SOURCE
+#include "fuzz_target.h"
+
+#include <tyndall/io.h>
+
+#include <sys/mman.h>
+
+static void read_all(ty_context* context, const char* path) {
+    ty_vdb_entry entries[4];
+    int32_t count = 0;
+    if (ty_volume_list(context, path, entries, 4, &count) != TY_OK) return;
+    for (int32_t i = 0; i < count && i < 4; ++i) {
+        ty_volume_def def = ty_default_volume_def();
+        ty_grid* grid = NULL;
+        int32_t components = 1;
+        def.grid = entries[i].name;
+        def.exact_grid = true;
+        if (ty_volume_components(context, path, &def, &components) == TY_OK) def.component = components - 1;
+        if (ty_volume_read(context, path, &def, &grid) == TY_OK) ty_grid_release(grid);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
+    const int file = memfd_create("fuzz.vti", MFD_CLOEXEC);
+    if (file < 0 || write(file, bytes, size) != (ssize_t)size) abort();
+    return fuzz_read_file(file, read_all);
+}

@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# tyndall fluence: volumes of fluence by every method that has it, their places, and what is refused.
+# usage: test_cli_fluence.sh TYNDALL (works in the current folder, which it empties)
+. "$(dirname "$0")/cli.sh"
+
+# mean FILE GRID: the mean of the green channel.
+mean() {
+  "$tyndall" info "$1" --grid "$2" --component 1 | sed -n 's/.*mean //p'
+}
+
+# near A B FRACTION: two numbers differ by less than a fraction of the second.
+near() {
+  checks=$((checks + 1))
+  awk -v a="$1" -v b="$2" -v f="$3" 'BEGIN { exit !(a > 0 && a - b < f * b && b - a < f * b) }' || fail "$1 is not within $3 of $2"
+}
+
+# Measured: dom 0.1 % and fld 0.05 % from path, whose own noise is 0.2 %.
+test_methods_agree() {
+  for method in path dom fld; do
+    expect 0 fluence builtin:cube_g0 -o $method.vti --method $method --size 8,8,8 --spp 200
+    said out.txt "^wrote $method.vti: 8 x 8 x 8 cells by $method"
+  done
+  near "$(mean dom.vti fluence)" "$(mean path.vti fluence)" 0.01
+  near "$(mean fld.vti fluence)" "$(mean path.vti fluence)" 0.01
+  near "$(mean dom.vti uncollided)" "$(mean path.vti uncollided)" 0.001
+  expect 0 info dom.vti
+  said out.txt '^fluence +float\[3\] +512 active voxels in .0, 0, 0. to .7, 7, 7., voxel 0.125 x 0.125 x 0.125'
+  expect 0 info dom.vti --grid uncollided
+  said out.txt '^index to place +0.125 0 0 -0.4375$'
+}
+
+test_boxes() {
+  expect 0 fluence builtin:cube_g0 -o part.vdb --method fld --box -0.5,-0.5,-0.5,0,0.5,0.5 --size 2,4,4 --half --codec blosc
+  expect 0 info part.vdb --grid fluence
+  said out.txt '^size +2x4x4$'
+  said out.txt '^values +3 per voxel, half'
+  said out.txt '^index to place +0.25 0 0 -0.375$'
+  expect 0 convert part.vdb again.vti --grid fluence --vector
+}
+
+test_messages() {
+  usage_error 'o FILE is missing' fluence builtin:cube_g0
+  usage_error 'extension is not .vti or .vdb' fluence builtin:cube_g0 -o a.nrrd
+  usage_error 'half is for .vdb' fluence builtin:cube_g0 -o a.vti --half
+  usage_error "'8,8' is not X,Y,Z" fluence builtin:cube_g0 -o a.vti --size 8,8
+  usage_error "'8,8,8.5' is not X,Y,Z" fluence builtin:cube_g0 -o a.vti --size 8,8,8.5
+  usage_error "'0,0,0,1,1,0' is not" fluence builtin:cube_g0 -o a.vti --box 0,0,0,1,1,0
+  usage_error "'lpv' is none of" fluence builtin:cube_g0 -o a.vti --method lpv
+  usage_error 'No such file' fluence gone.json -o a.vti
+  usage_error 'no media, and so no box' fluence empty.json -o a.vti
+}
+
+echo '{"tyndall": 1}' > empty.json
+for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
+no_temporary_files
+finish 20
