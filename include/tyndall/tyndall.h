@@ -9,6 +9,7 @@
 #include <tyndall/denoise.h>
 #include <tyndall/dom.h>
 #include <tyndall/fld.h>
+#include <tyndall/flux.h>
 #include <tyndall/grid.h>
 #include <tyndall/image.h>
 #include <tyndall/impulse.h>

@@ -173,6 +173,10 @@ ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_c
     if (result == TY_OK) result = ty_scene_features_find(scene, &choice.features);
     if (result != TY_OK) return result;
     bool path_only = asks_path(&own, &choice);
+    if (!path_only && ty_scene_get_view(scene)->periodic.axes != 0) {
+        snprintf(choice.reason, sizeof choice.reason, "it alone takes periodic scenes");
+        path_only = true;
+    }
     if (!path_only && choice.features.opacity < min_opacity) {
         snprintf(choice.reason, sizeof choice.reason, "no media are in view");
         path_only = true;

@@ -15,6 +15,7 @@ const cli_command cli_commands[CLI_COMMAND_COUNT] = {
     {"compare", "methods or images with a reference", cli_compare, false},
     {"screen", "fog and water over an image with distances", cli_screen, false},
     {"convert", "a volume or an image as another kind of file", cli_convert, false},
+    {"flux", "fluxes through levels, absorbed power and radiance", cli_flux, false},
     {"fluence", "the fluence of a scene as a volume", cli_fluence, false},
     {"figure", "figures and tables of papers", cli_figure, true},
     {"bake", "precomputed light on meshes and at points", cli_bake, false},

@@ -13,6 +13,7 @@ typedef struct ty_grid_view {
     int32_t size[3];
     int32_t bricks[3];
     int32_t clamp; /* value outside: 1 nearest edge value, 0 background */
+    int32_t wraps; /* bit a: along axis a the grid goes on at its other end */
     float background;
 } ty_grid_view;
 
@@ -26,15 +27,25 @@ TY_FN ty_grid_view ty_grid_get_view(const ty_grid* grid) {
         view.bricks[a] = grid->bricks[a];
     }
     view.clamp = grid->placed ? 0 : 1;
+    view.wraps = 0;
     view.background = grid->background;
     return view;
+}
+
+TY_FN int32_t ty_grid_wrap(int32_t i, int32_t n) {
+    const int32_t rest = i % n;
+    return rest < 0 ? rest + n : rest;
 }
 
 /* Value of voxel (i, j, k), which may lie outside. */
 TY_FN float ty_grid_fetch(const ty_grid_view* grid, int32_t i, int32_t j, int32_t k) {
     const int32_t nx = grid->size[0], ny = grid->size[1], nz = grid->size[2];
     if ((uint32_t)i >= (uint32_t)nx || (uint32_t)j >= (uint32_t)ny || (uint32_t)k >= (uint32_t)nz) {
-        if (grid->clamp == 0) return grid->background;
+        if ((grid->wraps & 1) != 0) i = ty_grid_wrap(i, nx);
+        if ((grid->wraps & 2) != 0) j = ty_grid_wrap(j, ny);
+        if ((grid->wraps & 4) != 0) k = ty_grid_wrap(k, nz);
+        const bool outside = (uint32_t)i >= (uint32_t)nx || (uint32_t)j >= (uint32_t)ny || (uint32_t)k >= (uint32_t)nz;
+        if (grid->clamp == 0 && outside) return grid->background;
         i = i < 0 ? 0 : i >= nx ? nx - 1 : i;
         j = j < 0 ? 0 : j >= ny ? ny - 1 : j;
         k = k < 0 ? 0 : k >= nz ? nz - 1 : k;

@@ -5,6 +5,7 @@
 #include "scene/interiors.h"
 #include "scene/lights/light.h"
 #include "scene/media/medium.h"
+#include "scene/periodic.h"
 #include "scene/scene.h"
 #include "scene/surfaces/shape.h"
 #include "scene/surfaces/texture.h"
@@ -21,12 +22,14 @@ static void drop_media(ty_context* context, ty_committed_media* media) {
 
 /* On failure the caller drops what was made; so in all sections below. */
 static ty_result commit_media(const ty_scene* scene, ty_committed_media* out) {
-    if (scene->medium_count == 0) return TY_OK;
+    const ty_result found =
+        ty_periodic_find_cell(scene->context, &scene->periodic, scene->media, scene->medium_count, &out->cell);
+    if (found != TY_OK || scene->medium_count == 0) return found;
     out->views = ty_alloc_array(scene->context, scene->medium_count, sizeof(ty_medium_view), true);
     if (out->views == NULL) return TY_ERROR_MEMORY;
     out->count = scene->medium_count;
     for (size_t i = 0; i < out->count; ++i) {
-        const ty_result result = ty_medium_view_create(scene->context, &scene->media[i], &out->views[i]);
+        const ty_result result = ty_medium_view_create(scene->context, &scene->media[i], &out->cell, &out->views[i]);
         if (result != TY_OK) return result;
     }
     return TY_OK;
@@ -316,7 +319,9 @@ static void set_view(ty_scene* scene) {
                                   .mesh = scene->surfaces.accel,
                                   .surfaces = scene->surfaces.surfaces,
                                   .interiors = scene->interiors.interiors,
-                                  .interior_count = (int32_t)scene->interiors.count};
+                                  .interior_count = (int32_t)scene->interiors.count,
+                                  .periodic = scene->committed_media.cell};
+    ty_periodic_bound_cell(scene, &scene->view.periodic);
     scene->committed = true;
 }
 
@@ -338,6 +343,8 @@ ty_result ty_scene_commit(ty_scene* scene) {
     if (result == TY_OK)
         result =
             commit_interiors(scene, scene->media, &scene->committed_media, &scene->surfaces, true, &scene->interiors);
+    if (result == TY_OK)
+        result = ty_periodic_check(scene, &scene->committed_media.cell, &scene->committed_lights, &scene->interiors);
     if (result != TY_OK) {
         ty_scene_drop_commit(scene);
         return result;
@@ -400,6 +407,7 @@ static void take_media(ty_scene* scene, ty_scene* other, replacement* new) {
     EXCHANGE(ty_medium_def*, scene->media, other->media);
     EXCHANGE(size_t, scene->medium_count, other->medium_count);
     EXCHANGE(size_t, scene->medium_capacity, other->medium_capacity);
+    EXCHANGE(ty_periodic_def, scene->periodic, other->periodic);
 }
 
 static void take_settings(ty_scene* scene, ty_scene* other) {
@@ -428,6 +436,10 @@ ty_result ty_scene_replace(ty_scene* scene, ty_scene* other, unsigned parts) {
         result =
             commit_interiors(scene, media ? other->media : scene->media, media ? &new.media : &scene->committed_media,
                              lights && !new.kept ? &new.surfaces : &scene->surfaces, false, &new.interiors);
+    if (result == TY_OK)
+        result = ty_periodic_check(scene, media ? &new.media.cell : &scene->committed_media.cell,
+                                   lights ? &new.lights : &scene->committed_lights,
+                                   media || lights ? &new.interiors : &scene->interiors);
     if (result == TY_OK) {
         if (media) take_media(scene, other, &new);
         if (lights) take_lights(scene, other, &new);

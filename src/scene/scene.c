@@ -27,6 +27,7 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
         scene->camera.up[2] = 1;
     }
     scene->settings = ty_default_settings;
+    scene->periodic = ty_default_periodic_def();
     *out = scene;
     return TY_OK;
 }
@@ -142,7 +143,7 @@ ty_result ty_scene_check_media(const ty_scene* scene, const char* method) {
     if (view == NULL) return TY_ERROR_ARGUMENT;
     if (view->medium_count == 0)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "%s: the scene has no media", method);
-    return TY_OK;
+    return ty_scene_check_open(scene, method);
 }
 
 ty_context* ty_scene_context(const ty_scene* scene) {

@@ -6,6 +6,7 @@
 #include "scene/lights/light_choice.k.h"
 #include "scene/lights/light_tree.h"
 #include "scene/media/medium.k.h"
+#include "scene/media/periodic.k.h"
 #include "scene/surfaces/accel.h"
 #include "scene/settings.h"
 
@@ -31,12 +32,14 @@ typedef struct ty_scene_view {
     const ty_surface* surfaces;   /* shapes, area lights, meshes */
     const ty_interior* interiors; /* by ty_dielectric.interior */
     int32_t interior_count;       /* 0: no surface bounds a dielectric, or is a pane */
+    ty_periodic_view periodic;
 } ty_scene_view;
 
 /* Parts of a committed scene; commit.c makes them. */
 typedef struct ty_committed_media {
     ty_medium_view* views;
     size_t count;
+    ty_periodic_view cell;
 } ty_committed_media;
 
 /* Shapes, then area lights, then meshes. */
@@ -81,6 +84,7 @@ struct ty_scene {
     size_t option_count, option_capacity;
     uint64_t hash;
     char camera_source[256];
+    ty_periodic_def periodic;
 
     ty_medium_def* media; /* names and grids owned */
     size_t medium_count, medium_capacity;
@@ -124,6 +128,8 @@ ty_result ty_scene_copy_lights(const ty_scene* scene, size_t first, ty_scene* to
 const ty_scene_view* ty_scene_get_view(const ty_scene* scene);
 /* Fails unless the scene is committed and has media, which `method` requires. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_scene_check_media(const ty_scene* scene, const char* method);
+/* Fails if the scene is periodic, which `method` does not take. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_scene_check_open(const ty_scene* scene, const char* method);
 
 /* Bounding box of media, shapes and meshes, m; a point without any. */
 void ty_scene_extent(const ty_scene* scene, double lower[3], double upper[3]);

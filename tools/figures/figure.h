@@ -137,6 +137,7 @@ void figure_place_sheet(figure_run* run, ty_result result, plot_sheet* sheet, co
     X(auto, model, AUTO, "", "the model that it chooses by, and its loss on scenes left out")                          \
     X(path, seeds, PATH, "", "means of images over seeds, lamps in media")                                             \
     X(path, guide, PATH, "", "led by a coarse solve of dom, in equal time")                                            \
+    X(i3rc, step, I3RC, "Case 1", "the step cloud by columns")                                                         \
     X(matrix, scenes, MATRIX, "", "scenes of every kind, by path")                                                     \
     X(matrix, methods, MATRIX, "", "every method on scenes of every kind")                                             \
     X(matrix, fine, MATRIX, "", "errors of structure in larger pictures")                                              \

@@ -18,6 +18,10 @@ const figure_paper figure_papers[FIGURE_PAPERS] = {
     [FIGURE_DOM] = {"Discrete ordinates", ""},
     [FIGURE_AUTO] = {"Method auto", ""},
     [FIGURE_PATH] = {"Path tracing", ""},
+    [FIGURE_I3RC] =
+        {"Intercomparison of 3D radiation codes",
+         "Cahalan et al.: The I3RC: Bringing Together the Most Advanced Radiative Transfer Tools for Cloudy "
+         "Atmospheres (2005)"},
     [FIGURE_MATRIX] = {"Methods by scenes", ""},
 };
 

@@ -15,6 +15,7 @@ typedef enum figure_paper_index {
     FIGURE_DOM,
     FIGURE_AUTO,
     FIGURE_PATH,
+    FIGURE_I3RC,
     FIGURE_MATRIX,
     FIGURE_PAPERS
 } figure_paper_index;

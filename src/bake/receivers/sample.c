@@ -142,6 +142,7 @@ ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_
     run->context = ty_scene_context(scene);
     ty_result result = ty_bake_take_def(run->context, def, &run->known);
     def = run->def = &run->known;
+    if (result == TY_OK) result = ty_scene_check_open(scene, "the baker");
     if (result == TY_OK) result = begin_path(run, scene);
     if (result == TY_OK) result = select_media(run, scene);
     if (result != TY_OK) return result;

@@ -108,6 +108,25 @@ static void print_medium(int32_t index, const ty_medium_def* medium) {
     print_fields(medium);
 }
 
+/* The axes along which a scene repeats, such as "xy"; "": none. */
+static const char* periodic_axes(const ty_periodic_def* periodic, char out[4]) {
+    int count = 0;
+    for (int a = 0; a < 3; ++a)
+        if (periodic->axes[a]) out[count++] = (char)('x' + a);
+    out[count] = '\0';
+    return out;
+}
+
+static void print_boundary(const ty_scene* scene) {
+    const ty_periodic_def periodic = ty_scene_periodic(scene);
+    char axes[4];
+    if (periodic_axes(&periodic, axes)[0] == '\0') return;
+    printf("boundary    periodic,");
+    for (int a = 0; a < 3; ++a)
+        if (periodic.axes[a]) printf(" %c %.6g to %.6g", 'x' + a, periodic.lower[a], periodic.upper[a]);
+    printf(" m\n");
+}
+
 static void print_scene(const ty_scene* scene, const char* path) {
     const ty_scene_info info = ty_scene_get_info(scene);
     const ty_camera_def camera = ty_scene_camera(scene);
@@ -118,6 +137,7 @@ static void print_scene(const ty_scene* scene, const char* path) {
     printf("scene       %s\nhash        %016" PRIx64 "\nup          %c\n", path, ty_scene_hash(scene),
            ty_scene_up_axis(scene) == TY_AXIS_Z ? 'z' : 'y');
     printf("render      %s, %d spp, seed %" PRIu64 "\n", settings.method, settings.spp, settings.seed);
+    print_boundary(scene);
     printf("camera      %dx%d, ", camera.resolution[0], camera.resolution[1]);
     cli_print_vector("from ", camera.position, " to ");
     cli_print_vector("", camera.target, "");
@@ -270,6 +290,15 @@ static void print_scene_json(const ty_scene* scene, const char* path) {
     json_int(&json, "spp", settings.spp);
     json_unsigned(&json, "seed", settings.seed);
     json_close_object(&json);
+    const ty_periodic_def periodic = ty_scene_periodic(scene);
+    char axes[4];
+    if (periodic_axes(&periodic, axes)[0] != '\0') {
+        json_open_object(&json, "boundary");
+        json_text(&json, "periodic", axes);
+        json_numbers(&json, "lower", periodic.lower, 3);
+        json_numbers(&json, "upper", periodic.upper, 3);
+        json_close_object(&json);
+    }
     json_open_object(&json, "camera");
     json_numbers(&json, "resolution", (const double[]){camera.resolution[0], camera.resolution[1]}, 2);
     json_numbers(&json, "position", camera.position, 3);

@@ -22,6 +22,7 @@ typedef struct ty_light_fluence {
     int32_t shared; /* all channels are the first one's planes times color, as in a ty_light_field of one plane */
     float color[3];
     ty_discrete_light sample; /* of TY_FLUENCE_DIRECTIONAL and TY_FLUENCE_POINT */
+    float extent;             /* TY_FLUENCE_POINT: area that the light shows, m^2; 0: it is a point */
 } ty_light_fluence;
 
 /* TY_FLUENCE_P1 knows two moments: radiance scatters as (fluence + 3 g flux . omega) / (4 pi), clamped at 0, which is
@@ -102,9 +103,18 @@ TY_FN void ty_single_fitted(ty_forward forward, float mu, float g, TY_GLOBAL con
     radiance->aside[c] += color * forward.phi_order_l * ty_forward_blended_phase(fit, mu, g);
 }
 
-/* Adds the scattering at cosine mu of a fluence with a lobe. passing: transmittances of its three parts. phase: NULL:
- * Henyey-Greenstein of g; else first collisions scatter by it, and g is its mean cosine. */
-TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_point* at, float mu,
+/* The mean cosine of a light's directions about that from its anchor, by the solid angle of its extent. */
+TY_FN float ty_light_fluence_spread(const ty_light_fluence* light, ty_vec point) {
+    if (light->kind != TY_FLUENCE_POINT || !(light->extent > 0.0f)) return 1.0f;
+    const ty_vec off = ty_sub(point, light->anchor);
+    const float cap = ty_minf(2.0f * TY_PI, light->extent / ty_maxf(ty_dot(off, off), 1e-12f));
+    return 1.0f - cap * TY_INV_4PI;
+}
+
+/* Adds the scattering at cosine mu of a fluence with a lobe. cosine: ty_light_fluence_spread. passing: transmittances
+ * of its three parts. phase: NULL: Henyey-Greenstein of g; else first collisions scatter by it, and g is its mean
+ * cosine. */
+TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_point* at, float mu, float cosine,
                                const float passing[TY_FLUENCE_COUNT][3], const float g[3],
                                TY_GLOBAL const ty_phase_view* phase, TY_GLOBAL const ty_forward_fit* fit,
                                ty_single_radiance* radiance) {
@@ -121,7 +131,7 @@ TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_poin
         const float color = planes == 1 ? light->color[c] : 1.0f;
         const ty_forward forward = {fluence[TY_FLUENCE_UNSCATTERED][plane] * passing[TY_FLUENCE_UNSCATTERED][c],
                                     fluence[TY_FLUENCE_ORDER_L][plane] * passing[TY_FLUENCE_ORDER_L][c],
-                                    fluence[TY_FLUENCE_NEXT_ORDER][plane] * passing[TY_FLUENCE_NEXT_ORDER][c], 1.0f};
+                                    fluence[TY_FLUENCE_NEXT_ORDER][plane] * passing[TY_FLUENCE_NEXT_ORDER][c], cosine};
         if (fit->bands > 0) {
             ty_single_fitted(forward, mu, g[c], fit, color, c, radiance);
             continue;
@@ -131,7 +141,7 @@ TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_poin
         radiance->again[c] +=
             color * (light->lobe_order == 1
                          ? ty_forward_scattered(forward, mu, g[c])
-                         : ty_forward_scattered_order(forward, mu, g[c], light->legendre, light->lobe_order));
+                         : ty_forward_scattered_order(forward, mu, cosine * g[c], light->legendre, light->lobe_order));
     }
 }
 
@@ -149,7 +159,8 @@ TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, cons
                                TY_GLOBAL const ty_phase_view* phase, TY_GLOBAL const ty_forward_fit* fit,
                                ty_single_radiance* radiance) {
     if (light->lobe_order != 0) {
-        ty_single_with_lobe(light, at, ty_light_fluence_cosine(light, point, omega), passing, g, phase, fit, radiance);
+        ty_single_with_lobe(light, at, ty_light_fluence_cosine(light, point, omega),
+                            ty_light_fluence_spread(light, point), passing, g, phase, fit, radiance);
         return;
     }
     const int32_t planes = light->shared != 0 ? 1 : 3;
@@ -171,7 +182,7 @@ TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, cons
             to[c] += passing[TY_FLUENCE_ORDER_L][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
         return;
     }
-    const float mu = ty_light_fluence_cosine(light, point, omega);
+    const float mu = ty_light_fluence_cosine(light, point, omega), cosine = ty_light_fluence_spread(light, point);
     if (phase != NULL) {
         float values[3];
         ty_phase_evaluate(phase, ty_clampf(mu, -1.0f, 1.0f), values);
@@ -180,7 +191,7 @@ TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, cons
     }
     float value = 0.0f;
     for (int32_t c = 0; c < 3; ++c) {
-        if (c == 0 || g[c] != g[c - 1]) value = ty_hg(mu, g[c]);
+        if (c == 0 || g[c] != g[c - 1]) value = ty_hg(mu, cosine * g[c]);
         radiance->first[c] += passing[TY_FLUENCE_ORDER_L][c] * value * fluence[c];
     }
 }

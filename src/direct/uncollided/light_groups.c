@@ -24,7 +24,7 @@ static float distance_to_box(const ty_grid_box* box, ty_vec p) {
 
 /* The group from sample `first` on; dedicated if the light allows it. */
 static ty_light_group next_group(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
-                                 int32_t count, int32_t first) {
+                                 int32_t count, int32_t first, float point_radius) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
     ty_light_group g = {.first = first, .dedicated = true};
     const int32_t light = sources[first].light;
@@ -47,16 +47,16 @@ static ty_light_group next_group(const ty_scene* scene, const ty_grid_box* box, 
         const ty_vec off = ty_sub(sources[i].position, g.center);
         radius = ty_maxf(radius, sqrtf(ty_dot(off, off)));
     }
-    g.dedicated =
-        lights->lights[light].kind != TY_KIND_TRIANGLE && radius <= max_angular_radius * distance_to_box(box, g.center);
+    g.dedicated = lights->lights[light].kind != TY_KIND_TRIANGLE &&
+                  (radius <= point_radius || radius <= max_angular_radius * distance_to_box(box, g.center));
     return g;
 }
 
 int32_t ty_light_groups_find(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
-                             int32_t count, int32_t max_dedicated, ty_light_group* groups) {
+                             int32_t count, int32_t max_dedicated, float point_radius, ty_light_group* groups) {
     int32_t found = 0, dedicated = 0;
     for (int32_t i = 0; i < count; i += groups[found++].count) {
-        groups[found] = next_group(scene, box, sources, count, i);
+        groups[found] = next_group(scene, box, sources, count, i, point_radius);
         groups[found].dedicated = groups[found].dedicated && dedicated < max_dedicated;
         if (groups[found].dedicated) ++dedicated;
     }
@@ -161,7 +161,7 @@ ty_result ty_light_groups_solve(const ty_scene* scene, const ty_grid_medium* med
         .extinction = extinction,
         .samples = samples->items,
         .groups = groups,
-        .group_count = ty_light_groups_find(scene, &medium->box, samples->items, samples->count, max_dedicated, groups),
+        .group_count = ty_light_groups_find(scene, &medium->box, samples->items, samples->count, max_dedicated, 0, groups),
         .progress = progress,
     };
     const ty_result result = light_groups(&job, fields, &fields[max_dedicated], fluences, count);

@@ -13,10 +13,11 @@ typedef struct ty_light_group {
     bool dedicated; /* it has a field of its own, as its light comes from one direction or one point */
 } ty_light_group;
 
-/* Groups all samples; at most max_dedicated of the groups are dedicated. box: region of interest. groups: room for one
- * per sample. Returns the number of groups. */
+/* Groups all samples; at most max_dedicated of the groups are dedicated. box: region of interest. point_radius: radius
+ * up to which area lights and spheres count as points at any distance from it, m; 0: they do where it is far away.
+ * groups: room for one per sample. Returns the number of groups. */
 int32_t ty_light_groups_find(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
-                             int32_t count, int32_t max_dedicated, ty_light_group* groups);
+                             int32_t count, int32_t max_dedicated, float point_radius, ty_light_group* groups);
 /* An empty field for the dedicated groups, or for the others; of one plane if their colors allow it. */
 ty_result ty_light_groups_field(const ty_discrete_light* sources, const ty_light_group* groups, int32_t count,
                                 bool dedicated, const ty_grid_medium* medium, bool with_flux, ty_light_field** out);

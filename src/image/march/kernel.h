@@ -26,6 +26,14 @@ typedef struct ty_froxel_view {
     TY_GLOBAL ty_froxel* froxels; /* slices + 1 of each column, at the slices' ends; column by column, row by row */
 } ty_froxel_view;
 
+/* Pixels through which edges of thick media pass. */
+typedef struct ty_edges_view {
+    int32_t rays; /* of such pixels; 0: there are none */
+    int32_t width;
+    size_t pixels;
+    TY_GLOBAL uint8_t* marked; /* nonzero for such pixels, row by row */
+} ty_edges_view;
+
 typedef struct ty_march_request {
     const ty_scene_view* scene;
     ty_camera_view camera;
@@ -51,6 +59,7 @@ typedef struct ty_march_request {
     int32_t without_emission;       /* 1: surfaces gather no emission of media */
     int32_t has_background;         /* 1: environments are visible */
     ty_froxel_view froxels;
+    ty_edges_view edges;
 } ty_march_request;
 
 /* Sums over the rays of a pixel. */

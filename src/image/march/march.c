@@ -5,6 +5,7 @@
 #include "base/context.h"
 #include "base/progress.h"
 #include "image/aovs.h"
+#include "image/march/edges.h"
 #include "image/march/froxels.h"
 #include "image/image.h"
 #include "image/march/gathered.h"
@@ -39,7 +40,7 @@ typedef struct march_job {
 } march_job;
 
 ty_march_def ty_default_march_def(void) {
-    return (ty_march_def){.spp = 1, .step = 1, .bilateral_sigma = 0.25, .ray_spacing = 1};
+    return (ty_march_def){.spp = 1, .edge_rays = 1, .step = 1, .bilateral_sigma = 0.25, .ray_spacing = 1};
 }
 
 ty_march_def ty_march_def_of(const ty_scene* scene, const ty_image_options* options) {
@@ -103,6 +104,7 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
     if (result == TY_OK) result = ty_check_number(context, "march.height", def->height, 1, TY_IMAGE_SIDE_MAX);
     if (result == TY_OK) result = ty_check_image(context, "march", &options, TY_MARCH_AOVS);
     if (result == TY_OK) result = ty_check_number(context, "march.spp", def->spp, 1, 64);
+    if (result == TY_OK) result = ty_check_number(context, "march.edge_rays", def->edge_rays, 1, 64);
     if (result == TY_OK) result = ty_check_number(context, "march.step", def->step, 0.05, 8);
     if (result == TY_OK) result = ty_check_number(context, "march.ray_spacing", def->ray_spacing, 1, TY_SPACING_MAX);
     if (result == TY_OK) result = ty_check_number(context, "march.bilateral_sigma", def->bilateral_sigma, 0, 1e6);
@@ -325,10 +327,13 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
     if (result == TY_OK && def->ray_spacing == 1 && !ty_march_has_froxels(def))
         result = ty_gathered_create(scene, &job.packed.request, def->width, def->height, &gathering_steps);
     atomic_fetch_add(&job.steps, gathering_steps);
+    if (result == TY_OK && def->ray_spacing == 1 && !ty_march_has_froxels(def))
+        result = ty_edges_create(scene, def->width, def->height, def->edge_rays, &job.packed.request);
     if (result == TY_OK) result = march(&job);
     free_spaced(&job);
     ty_froxels_destroy(job.context, &job.packed.request.froxels);
     ty_gathered_destroy(job.context, &job.packed.request.gathered);
+    ty_edges_destroy(job.context, &job.packed.request.edges);
     ty_march_request_free(&job.packed);
     if (result != TY_OK) {
         ty_image_destroy(job.image);

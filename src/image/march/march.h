@@ -42,10 +42,12 @@ typedef struct ty_march_def {
     uint32_t aovs;          /* of TY_MARCH_AOVS; default 0 */
     int32_t ray_spacing;    /* rays go through every n-th pixel along x and y, 1..8, and pixels between them are
                                interpolated, see docs/marching.md; default 1 */
-    int32_t froxels[3];     /* columns, rows and slices of froxels from which pixels are interpolated, see
-                               docs/marching.md; then `step`, `ray_spacing` and fields have no effect. 0 (default): rays of
-                               pixels march */
-    ty_grid_box light_box;  /* lattice of the lights' fluence; unused without lights */
+    int32_t edge_rays;  /* rays of pixels through which edges of media pass that are opaque within about a pixel, 1..64,
+                           where ray_spacing is 1; default 1; no fewer than spp */
+    int32_t froxels[3]; /* columns, rows and slices of froxels from which pixels are interpolated, see
+                           docs/marching.md; then `step`, `ray_spacing` and fields have no effect. 0 (default): rays of
+                           pixels march */
+    ty_grid_box light_box;          /* lattice of the lights' fluence; unused without lights */
     const ty_light_fluence* lights; /* uncollided light; default none */
     int32_t light_count;            /* 0..TY_MARCH_LIGHTS_MAX */
     bool traces_faces; /* traces these lights through the outer halves of outer cells to the box's faces; false

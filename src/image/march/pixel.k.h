@@ -12,10 +12,41 @@ TY_FN void ty_pixel_place(int32_t sample, int32_t spp, float* dx, float* dy) {
     *dy = phase - floorf(phase);
 }
 
+/* The same of a pixel at an edge, whose lattice is shifted from pixel to pixel: edges run along rows of them. */
+TY_FN void ty_pixel_place_at_edge(int32_t x, int32_t y, int32_t sample, int32_t rays, float* dx, float* dy) {
+    const double right = 0.7548776662466927 * x + 0.5698402909980532 * y;
+    const double down = 0.5698402909980532 * x + 0.7548776662466927 * y;
+    ty_pixel_place(sample, rays, dx, dy);
+    *dx += (float)(right - floor(right));
+    *dy += (float)(down - floor(down));
+    *dx -= floorf(*dx);
+    *dy -= floorf(*dy);
+}
+
+/* Number of rays through a pixel. */
+TY_FN int32_t ty_pixel_rays(TY_GLOBAL const ty_march_request* request, int32_t x, int32_t y) {
+    TY_GLOBAL const ty_edges_view* edges = &request->edges;
+    if (edges->rays == 0 || edges->marked[(size_t)y * (size_t)edges->width + (size_t)x] == 0) return request->spp;
+    return edges->rays;
+}
+
+/* Scales the sums over a pixel's rays. */
+TY_FN void ty_pixel_scale(ty_march_pixel* pixel, float factor) {
+    for (int c = 0; c < 3; ++c) {
+        pixel->unscattered[c] *= factor;
+        pixel->single[c] *= factor;
+        pixel->multiple[c] *= factor;
+        pixel->transmittance[c] *= factor;
+    }
+    pixel->depth *= factor;
+    pixel->hits *= factor;
+}
+
 /* End of the first step of a pixel's ray, as a fraction of a step: maximally different between neighbours (R2, Roberts
  * 2018) and between the rays of a pixel. */
-TY_FN float ty_pixel_offset(TY_GLOBAL const ty_march_request* request, int32_t x, int32_t y, int32_t sample) {
-    const double lattice_position = 0.7548776662466927 * x + 0.5698402909980532 * y + (double)sample / request->spp;
+TY_FN float ty_pixel_offset(TY_GLOBAL const ty_march_request* request, int32_t x, int32_t y, int32_t sample,
+                            int32_t rays) {
+    const double lattice_position = 0.7548776662466927 * x + 0.5698402909980532 * y + (double)sample / rays;
     const float value = (float)(lattice_position - floor(lattice_position)) + request->step_offset;
     return 1.0f - (value - floorf(value));
 }

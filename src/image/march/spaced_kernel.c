@@ -68,7 +68,7 @@ static uint64_t march_rays(const ty_march_request* request, const ty_spaced_rays
     for (int32_t i = begin; i < end; ++i) {
         const int32_t x = pixel_of(i, lattice->spacing, lattice->width);
         steps +=
-            march_ray(request, &ray, direction_through(request, x, y, sample), ty_pixel_offset(request, i, row, sample),
+            march_ray(request, &ray, direction_through(request, x, y, sample), ty_pixel_offset(request, i, row, sample, request->spp),
                       &lattice->rays[(size_t)row * (size_t)lattice->columns + (size_t)i]);
     }
     ty_restore_denormals(state);
@@ -244,7 +244,7 @@ static uint64_t fill_pixels(const ty_march_request* request, const ty_spaced_ray
             ty_march_pixel* pixel = &pixels[first - begin + i];
             if (interpolate(request, lattice, first + i, y, directions[i], hit, pixel)) continue;
             ty_pixel_add_ray(request, &ray, directions[i], hit, (float)(first + i), (float)y,
-                             ty_pixel_offset(request, first + i, y, sample), pixel);
+                             ty_pixel_offset(request, first + i, y, sample, request->spp), pixel);
             steps += ray.steps;
         }
     }

@@ -81,7 +81,7 @@ static ty_result describe(const ty_scene_editor* editor, const ty_scene_reader* 
 
 /* Exchanges the scene for the reader's, after a commit. */
 static ty_result exchange_scene(ty_scene_editor* editor, ty_scene_reader* reader) {
-    const ty_result result = ty_scene_commit(reader->scene);
+    const ty_result result = ty_reader_commit(reader);
     if (result != TY_OK) return result;
     ty_scene* scene = editor->scene;
     editor->scene = reader->scene;
@@ -263,7 +263,7 @@ static uint32_t compare(const json_t* before, const json_t* after) {
     static const char *const render[] = {"render", NULL}, *const camera[] = {"camera", NULL},
                              *const light[] = {"media", "lights", "frame", NULL},
                              *const geometry[] = {"geometry", NULL},
-                             *const space[] = {"meters_per_unit", "up_axis", NULL};
+                             *const space[] = {"meters_per_unit", "up_axis", "boundary", NULL};
     uint32_t flags = TY_EDIT_NOTHING;
     if (differ(before, after, render)) flags |= TY_EDIT_RENDER;
     if (differ(before, after, camera)) flags |= TY_EDIT_CAMERA;
@@ -286,7 +286,7 @@ static bool has_air(const json_t* root) {
 /* Bits of the sections that are read anew. Shapes and meshes are kept or made as a whole, with all that refers to
  * them. */
 static unsigned sections_of(const json_t* before, const json_t* after) {
-    static const char *const all[] = {"geometry", "meters_per_unit", "up_axis", NULL},
+    static const char *const all[] = {"geometry", "meters_per_unit", "up_axis", "boundary", NULL},
                              *const camera[] = {"camera", NULL}, *const media[] = {"media", "frame", NULL},
                              *const lights[] = {"lights", NULL};
     if (differ(before, after, all)) return ALL_SECTIONS;

@@ -119,6 +119,7 @@ ty_result ty_read_sections(ty_scene_reader* reader, unsigned sections) {
     ty_read_number(reader->root, "meters_per_unit", &reader->unit);
     ty_read_int(reader->root, "frame", &reader->frame);
     ty_result result = ty_scene_create(reader->context, reader->up_axis, &reader->scene);
+    if (result == TY_OK) result = ty_read_boundary(reader);
     for (int s = 0; s < TY_SECTIONS && result == TY_OK; ++s) {
         reader->section = (ty_scene_section)s;
         if ((sections & 1u << s) != 0) result = readers[s](reader);
@@ -134,7 +135,7 @@ static ty_result build_scene(ty_scene_reader* reader) {
     ty_result result = ty_read_sections(reader, (1u << TY_SECTIONS) - 1);
     if (result == TY_OK) result = ty_reader_hash(reader, reader->files, &hash);
     if (result == TY_OK) ty_scene_set_hash(reader->scene, hash);
-    if (result == TY_OK) result = ty_scene_commit(reader->scene);
+    if (result == TY_OK) result = ty_reader_commit(reader);
     ty_assets_release(&assets);
     return result;
 }

@@ -1,7 +1,9 @@
 /* Lights of a scene file. */
+#include "base/constants.h"
 #include "io/scenes/scene_reader.h"
 #include "scene/scene.h"
 
+#include <math.h>
 #include <string.h>
 
 static ty_result add_light(const ty_scene_reader* reader, const ty_json_path* path, const ty_light_def* def) {
@@ -69,9 +71,32 @@ static ty_result read_environment(ty_scene_reader* reader, const json_t* light, 
     return add_light(reader, path, &def);
 }
 
+/* A directional light that is given by where it stands. */
+static ty_result read_sun(const ty_scene_reader* reader, const json_t* light, const ty_json_path* path) {
+    ty_light_def def = ty_default_light_def();
+    double zenith = 0, azimuth = 0;
+    ty_read_number(light, "zenith", &zenith);
+    ty_read_number(light, "azimuth", &azimuth);
+    zenith *= TY_PI_F64 / 180;
+    azimuth *= TY_PI_F64 / 180;
+    const bool horizontal = json_object_get(light, "horizontal_irradiance") != NULL;
+    if (horizontal == (json_object_get(light, "irradiance") != NULL))
+        return ty_reader_fail(reader, path, TY_ERROR_INPUT,
+                              "exactly one of \"irradiance\" and \"horizontal_irradiance\" is needed");
+    ty_read_rgb(light, horizontal ? "horizontal_irradiance" : "irradiance", def.color);
+    for (int c = 0; c < 3 && horizontal; ++c) def.color[c] = (float)((double)def.color[c] / cos(zenith));
+    def.kind = TY_LIGHT_DIRECTIONAL;
+    def.direction[0] = -sin(zenith) * cos(azimuth);
+    def.direction[reader->up_axis == TY_AXIS_Z ? 1 : 2] =
+        (reader->up_axis == TY_AXIS_Z ? -1 : 1) * sin(zenith) * sin(azimuth);
+    def.direction[reader->up_axis] = -cos(zenith);
+    return add_light(reader, path, &def);
+}
+
 static ty_result read_light(ty_scene_reader* reader, const json_t* light, const ty_json_path* path) {
     const char* type = json_string_value(json_object_get(light, "type"));
     if (strcmp(type, "environment") == 0) return read_environment(reader, light, path);
+    if (json_object_get(light, "zenith") != NULL) return read_sun(reader, light, path);
     ty_light_def def = ty_default_light_def();
     const char* color = "intensity";
     if (strcmp(type, "directional") == 0) {

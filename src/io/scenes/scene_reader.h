@@ -75,6 +75,9 @@ ty_result ty_read_sections(ty_scene_reader* reader, unsigned sections);
 /* Hash of root and of the files of all sections, each content once. */
 ty_result ty_reader_hash(const ty_scene_reader* reader, const ty_file_digests files[TY_SECTIONS], uint64_t* hash);
 
+/* Commits the scene; its message names the boundary where the scene is periodic. */
+ty_result ty_reader_commit(const ty_scene_reader* reader);
+
 /* Fails with "FILE:LINE: PATH: message", or names the override that set the value. */
 ty_result ty_reader_fail(const ty_scene_reader* reader, const ty_json_path* path, ty_result result, const char* format,
                          ...) __attribute__((format(printf, 4, 5)));
@@ -171,6 +174,7 @@ ty_result ty_read_mesh_placement(const ty_scene_reader* reader, const json_t* it
  * follow, whatever the result. */
 ty_result ty_read_material(ty_scene_reader* reader, const json_t* item, const ty_json_path* path, ty_material_def* out);
 void ty_release_material(const ty_material_def* material);
+ty_result ty_read_boundary(ty_scene_reader* reader);
 ty_result ty_read_camera(ty_scene_reader* reader);
 ty_result ty_read_media(ty_scene_reader* reader);
 ty_result ty_read_lights(ty_scene_reader* reader);

@@ -76,9 +76,11 @@ void ty_dom_destroy(ty_dom* light) {
         ty_free_array(context, light->g[c], light->cells, sizeof(float));
         ty_free_array(context, light->extinction[c], light->cells, sizeof(float));
         ty_free_array(context, light->darkening[c], light->cells, sizeof(float));
+        ty_free_array(context, light->similarity[c], light->cells, sizeof(float));
         ty_free_array(context, light->moments[c], light->cells, bytes);
         if (light->face_fluence[c] != NULL)
             ty_free_array(context, light->face_fluence[c], 6 * light->cells, sizeof(float));
+        if (light->face_even[c] != NULL) ty_free_array(context, light->face_even[c], 6 * light->cells, sizeof(float));
         ty_free_array(context, light->wall_moments[c], light->cells, bytes);
     }
     const size_t sides = light->boundary != NULL ? (size_t)light->boundary->count : 0;

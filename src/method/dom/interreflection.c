@@ -94,7 +94,8 @@ static ty_result gather(const ty_dom_job* job, const ty_dom* light, ty_reflected
 static ty_result begin_more(const ty_dom* light, ty_dom* more) {
     *more = *light;
     const size_t sides = light->boundary != NULL ? (size_t)light->boundary->count : 0;
-    for (int c = 0; c < 3; ++c) more->moments[c] = more->face_fluence[c] = more->wall_moments[c] = NULL;
+    for (int c = 0; c < 3; ++c)
+        more->moments[c] = more->face_fluence[c] = more->face_even[c] = more->wall_moments[c] = NULL;
     for (int c = 0; c < 3; ++c) {
         more->wall_irradiance[c] = sides > 0 ? ty_alloc_array(light->context, sides, sizeof(float), true) : NULL;
         more->wall_forward[c] = sides > 0 ? ty_alloc_array(light->context, sides, sizeof(float), true) : NULL;
@@ -111,6 +112,8 @@ static void end_more(ty_dom* more) {
         ty_free_array(more->context, more->moments[c], more->cells, bytes);
         if (more->face_fluence[c] != NULL)
             ty_free_array(more->context, more->face_fluence[c], 6 * more->cells, sizeof(float));
+        if (more->face_even[c] != NULL)
+            ty_free_array(more->context, more->face_even[c], 6 * more->cells, sizeof(float));
         ty_free_array(more->context, more->wall_moments[c], more->cells, bytes);
         ty_free_array(more->context, more->wall_irradiance[c], sides, sizeof(float));
         ty_free_array(more->context, more->wall_forward[c], sides, sizeof(float));
@@ -131,7 +134,7 @@ static ty_result solve_more(ty_dom_job* job, ty_dom* more, ty_dom_stats* stats) 
     returned.light = more;
     returned.stats = ty_default_dom_stats();
     for (int c = 0; c < 3; ++c) {
-        returned.source[c] = returned.incident_radiance[c] = NULL;
+        returned.source[c] = returned.centers[c] = returned.incident_radiance[c] = NULL;
         returned.wall_radiance[c] = dark;
     }
     for (int32_t c = 0; c < ty_dom_channels(more) && result == TY_OK; ++c) {
@@ -150,23 +153,32 @@ static ty_result solve_more(ty_dom_job* job, ty_dom* more, ty_dom_stats* stats) 
     return result;
 }
 
+/* Adds to what faces show. */
+static void add_faces(ty_dom* light, ty_dom* more, int32_t c, float factor) {
+    const float* walls = more->wall_moments[c];
+    if (more->face_fluence[c] == NULL) return;
+    const bool first = light->face_fluence[c] == NULL;
+    if (first) {
+        light->face_fluence[c] = more->face_fluence[c];
+        light->face_even[c] = more->face_even[c];
+    }
+    for (size_t i = 0; i < 6 * light->cells; ++i) {
+        if (light->face_fluence[c][i] < 0) continue;
+        const float shown = factor * (more->face_fluence[c][i] + (walls != NULL ? walls[i / 6] : 0));
+        const float even = factor * (more->face_even[c][i] + (walls != NULL ? walls[i / 6] : 0));
+        light->face_fluence[c][i] = first ? shown : light->face_fluence[c][i] + shown;
+        light->face_even[c][i] = first ? even : light->face_even[c][i] + even;
+    }
+    if (first) more->face_fluence[c] = more->face_even[c] = NULL;
+}
+
 /* Adds factor times what returns. Its light without a collision since counts as collided, since media have scattered
  * it. */
 static void add_channel(ty_dom* light, ty_dom* more, int32_t c, float factor) {
     const size_t terms = (size_t)(light->output_bands * light->output_bands);
     const size_t sides = light->boundary != NULL ? (size_t)light->boundary->count : 0;
     const float* walls = more->wall_moments[c];
-    if (light->face_fluence[c] == NULL && more->face_fluence[c] != NULL) {
-        light->face_fluence[c] = more->face_fluence[c];
-        more->face_fluence[c] = NULL;
-        for (size_t i = 0; i < 6 * light->cells; ++i)
-            if (light->face_fluence[c][i] >= 0)
-                light->face_fluence[c][i] = factor * (light->face_fluence[c][i] + (walls != NULL ? walls[i / 6] : 0));
-    } else if (more->face_fluence[c] != NULL) {
-        for (size_t i = 0; i < 6 * light->cells; ++i)
-            if (light->face_fluence[c][i] >= 0)
-                light->face_fluence[c][i] += factor * (more->face_fluence[c][i] + (walls != NULL ? walls[i / 6] : 0));
-    }
+    add_faces(light, more, c, factor);
     for (size_t i = 0; i < terms * light->cells; ++i)
         light->moments[c][i] += factor * (more->moments[c][i] + (walls != NULL ? walls[i] : 0));
     for (size_t i = 0; i < sides && light->wall_irradiance[c] != NULL; ++i)

@@ -16,6 +16,8 @@ typedef struct ty_dom_job {
     ty_grid_medium* fine;            /* cells of uncollided light */
     ty_grid_medium* coarse;          /* cells of ordinates */
     double diffusive_paths;          /* of ty_ordinates_def */
+    bool is_narrow;                  /* the bands leave much of the phase function to the forward peak */
+    bool tells_positions;            /* of first collisions within cells that are thick and yet swept */
     bool even_light;                 /* all lights are soft environments */
     ty_discrete_light_set sources;
     const ty_boundary_faces* boundary; /* the solution's, between coarse cells; NULL: there are none */
@@ -29,6 +31,17 @@ typedef struct ty_dom_job {
     ty_dom* light;
     ty_dom_stats stats;
 } ty_dom_job;
+
+/* Thickness of cells, mean free paths of sigma*, above which the positions of first collisions within them are told
+ * apart where media have no edges. */
+#define TY_DOM_DISPLACED_PATHS 1.0
+
+/* The longest edge of a cell in mean free paths. */
+static inline double ty_dom_cell_thickness(const ty_dom_job* job, int32_t plane, size_t cell) {
+    const double* edge = job->coarse->cell;
+    const double longest = edge[0] > edge[1] ? edge[0] : edge[1];
+    return (double)job->coarse->extinction[plane][cell] * (longest > edge[2] ? longest : edge[2]);
+}
 
 extern const ty_option_table ty_dom_options;
 extern const ty_volume_method ty_volume_dom;

@@ -62,8 +62,11 @@ struct ty_dom {
     /* Of ty_ordinates_def.face_fluence, what scatters last in the cell: less the emission that is seen there, over the
        albedo. NULL: there are no diffusive cells; then extinction, per plane of g, is NULL, too. */
     float* face_fluence[3];
+    float* face_even[3];    /* the part of it that comes from even light: what surfaces and media around send */
     float* extinction[3];   /* sigma_t, 1/m */
-    float* darkening[3];    /* likewise: slope of the radiance of faces in the cosine, over that at cosine 0 */
+    float* darkening[3];    /* likewise: slope of the radiance of faces under other light in the cosine, over that at
+                               cosine 0 */
+    float* similarity[3];   /* likewise: s = sqrt(sigma_a / (sigma_t - g sigma_s)) */
     float* wall_moments[3]; /* of light from surfaces that has not scattered since; NULL: none */
     /* Boundary faces: per side, the irradiance of collided light on the cell's face, and on the surface itself the part
        of the uncollided light that is in the forward lobe. */

@@ -166,7 +166,8 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double frac
                        ty_lpv_stats* stats) {
     ty_context* context = ty_scene_context(scene);
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
-    ty_result result = ty_lpv_check_maps(scene, def);
+    ty_result result = ty_scene_check_open(scene, "lpv");
+    if (result == TY_OK) result = ty_lpv_check_maps(scene, def);
     if (result != TY_OK) return result;
     ty_interiors_warn(scene, "lpv", TY_LPV_OF_INTERIORS);
     ty_lpv_job job = {.context = context, .scene = scene, .def = def};

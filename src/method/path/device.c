@@ -79,7 +79,9 @@ ty_result ty_path_device_create(ty_path_run* run, const ty_path_request* odd, ty
     ty_device* device = NULL;
     *out = NULL;
     ty_result result = ty_context_device(run->context, &device);
-    if (result != TY_OK || device == NULL || run->guide != NULL || run->request.enclosed != NULL) return result;
+    if (result != TY_OK || device == NULL || run->guide != NULL || run->request.enclosed != NULL ||
+        run->view.periodic.axes != 0 || run->request.kind == TY_PATH_COLUMNS)
+        return result;
     ty_path_device* on = ty_alloc_array(run->context, 1, sizeof *on, true);
     if (on == NULL) return TY_ERROR_MEMORY;
     on->run = run;

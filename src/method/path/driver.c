@@ -68,7 +68,11 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     run->request.unscattered = def->unscattered && run->view.medium_count > 0;
     run->request.single_reflection = !def->energy_compensation;
     run->request.enclosed = def->enclosed;
-    run->kernel = TY_BEST_KERNELS(ty_path_kernel);
+    const bool periodic = run->view.periodic.axes != 0;
+    if (periodic && def->guide == TY_PATH_GUIDE_DOM)
+        return ty_fail(run->context, TY_ERROR_ARGUMENT, "path.guide: paths of a periodic scene have no guide");
+    if (periodic) run->known.guide = TY_PATH_GUIDE_NONE;
+    run->kernel = periodic ? TY_BEST_KERNELS(ty_path_periodic_kernel) : TY_BEST_KERNELS(ty_path_kernel);
     run->stats.isa = ty_isa_name(ty_best_isa());
     return TY_OK;
 }

@@ -114,7 +114,7 @@ static void add_fine_radiance(const ty_pop* light, ty_vec point, ty_vec directio
         ty_single_radiance sent = {{0}, {0}, {0}};
         if (light->lights[l].lobe_order == 0) continue;
         ty_single_with_lobe(&light->lights[l], &position, ty_light_fluence_cosine(&light->lights[l], point, direction),
-                            ones, unit_lobe, NULL, &none, &sent);
+                            1.0f, ones, unit_lobe, NULL, &none, &sent);
         for (int c = 0; c < 3; ++c) radiance[c] += sent.again[c];
     }
 }

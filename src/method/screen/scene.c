@@ -52,7 +52,8 @@ ty_result ty_screen_set_scene(const ty_scene* scene, int32_t height, ty_screen_d
     ty_result result = ty_take_def(ty_scene_context(scene), def, "ty_default_screen_def", &known, sizeof known);
     const ty_scene_view* view = result == TY_OK ? ty_scene_get_view(scene) : NULL;
     if (view == NULL) return TY_ERROR_ARGUMENT;
-    result = add_media(scene, view, def);
+    result = ty_scene_check_open(scene, "screen");
+    if (result == TY_OK) result = add_media(scene, view, def);
     if (result != TY_OK) return result;
     const ty_camera_def camera = ty_scene_camera(scene);
     def->focal[0] = def->focal[1] = ty_screen_focal(height > 0 ? height : camera.resolution[1], camera.fov_y);

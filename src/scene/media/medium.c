@@ -203,17 +203,33 @@ static void invert_to_floats(const ty_affine* map, float out[12]) {
     for (int i = 0; i < 12; ++i) out[i] = (float)inverse.m[i];
 }
 
-static ty_grid_view place_grid(const ty_medium_def* def, const ty_grid* grid, float to_index[12]) {
+/* True if a grid whose index space `map` takes into the scene spans the cell along an axis, from face to face. */
+static bool spans_cell(const ty_periodic_view* cell, const ty_affine* map, const int32_t size[3], int32_t axis) {
+    if ((cell->axes >> axis & 1) == 0) return false;
+    const double step = map->m[4 * axis + axis];
+    for (int b = 0; b < 3; ++b)
+        if (b != axis && (fabs(map->m[4 * axis + b]) > 1e-6 * step || fabs(map->m[4 * b + axis]) > 1e-6 * step))
+            return false;
+    const double lower = map->m[4 * axis + 3] - 0.5 * step, upper = lower + step * size[axis];
+    return step > 0 && fabs(lower - (double)cell->lower[axis]) < 0.01 * step &&
+           fabs(upper - (double)cell->upper[axis]) < 0.01 * step;
+}
+
+static ty_grid_view place_grid(const ty_medium_def* def, const ty_periodic_view* cell, const ty_grid* grid,
+                               float to_index[12]) {
     const ty_grid_info info = ty_grid_get_info(grid);
     const ty_affine local = index_to_local(def, &info);
     const ty_affine world = ty_affine_multiply(&def->transform, &local);
     invert_to_floats(&world, to_index);
-    return ty_grid_get_view(grid);
+    ty_grid_view view = ty_grid_get_view(grid);
+    for (int32_t a = 0; a < 3; ++a)
+        if (spans_cell(cell, &world, info.size, a)) view.wraps |= 1 << a;
+    return view;
 }
 
-static ty_field_view place_field(const ty_medium_def* def, const ty_grid* grid) {
+static ty_field_view place_field(const ty_medium_def* def, const ty_periodic_view* cell, const ty_grid* grid) {
     ty_field_view field;
-    field.grid = place_grid(def, grid, field.to_index);
+    field.grid = place_grid(def, cell, grid, field.to_index);
     return field;
 }
 
@@ -233,18 +249,36 @@ static void transfer_extremes(const ty_transfer_point* points, int32_t count, fl
     }
 }
 
+/* Interpolation at the faces of a periodic cell reaches over to the opposite face: the bricks at both have common
+ * extremes. */
+static void wrap_extremes(const ty_grid_view* grid, int32_t axis, float* extremes) {
+    const size_t strides[3] = {1, (size_t)grid->bricks[0], (size_t)grid->bricks[0] * (size_t)grid->bricks[1]};
+    const int32_t b = (axis + 1) % 3, c = (axis + 2) % 3;
+    const size_t across = (size_t)(grid->bricks[axis] - 1) * strides[axis];
+    for (int32_t j = 0; j < grid->bricks[b]; ++j)
+        for (int32_t k = 0; k < grid->bricks[c]; ++k) {
+            float* first = extremes + 2 * ((size_t)j * strides[b] + (size_t)k * strides[c]);
+            float* last = first + 2 * across;
+            first[0] = last[0] = ty_minf(first[0], last[0]);
+            first[1] = last[1] = ty_maxf(first[1], last[1]);
+        }
+}
+
 /* Replaces brick extremes of the grid's values by those of the density. */
-static ty_result apply_transfer(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
-    view->transfer = def->transfer;
+static ty_result own_extremes(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
+    view->transfer = def->transfer_count > 0 ? def->transfer : NULL;
     view->transfer_count = def->transfer_count;
     view->transfer_albedo = def->transfer_albedo;
     const size_t bricks = brick_count(&view->grid);
     float* extremes = ty_alloc_array(context, bricks, 2 * sizeof *extremes, false);
     view->extremes = extremes;
+    view->owns_extremes = 1;
     if (extremes == NULL) return TY_ERROR_MEMORY;
-    for (size_t i = 0; i < bricks; ++i)
-        transfer_extremes(def->transfer, def->transfer_count, view->grid.extremes[2 * i],
-                          view->grid.extremes[2 * i + 1], extremes + 2 * i);
+    memcpy(extremes, view->grid.extremes, bricks * 2 * sizeof *extremes);
+    for (int32_t a = 0; a < 3; ++a)
+        if ((view->grid.wraps >> a & 1) != 0) wrap_extremes(&view->grid, a, extremes);
+    for (size_t i = 0; i < bricks && view->transfer != NULL; ++i)
+        transfer_extremes(def->transfer, def->transfer_count, extremes[2 * i], extremes[2 * i + 1], extremes + 2 * i);
     return TY_OK;
 }
 
@@ -274,22 +308,23 @@ static ty_result view_phase(ty_context* context, const ty_medium_def* def, ty_me
 }
 
 /* Albedo, g and temperature fields, and emission. */
-static ty_result view_fields(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
+static ty_result view_fields(ty_context* context, const ty_medium_def* def, const ty_periodic_view* cell,
+                             ty_medium_view* view) {
     if (def->albedo_grid[0] != NULL) {
         const bool one = def->albedo_grid[1] == def->albedo_grid[0] && def->albedo_grid[2] == def->albedo_grid[0];
         view->albedo_fields = one ? 1 : 3;
-        for (int c = 0; c < view->albedo_fields; ++c) view->albedo[c] = place_field(def, def->albedo_grid[c]);
+        for (int c = 0; c < view->albedo_fields; ++c) view->albedo[c] = place_field(def, cell, def->albedo_grid[c]);
     }
     if (def->g_grid != NULL) {
         view->has_g_field = 1;
         view->gray_g = 1;
-        view->g_field = place_field(def, def->g_grid);
+        view->g_field = place_field(def, cell, def->g_grid);
     }
     memcpy(view->emission, def->emission, sizeof view->emission);
     view->emits = def->emission[0] > 0 || def->emission[1] > 0 || def->emission[2] > 0;
     if (def->temperature_grid == NULL || !(def->emission_scale > 0)) return TY_OK;
     view->has_temperature = view->emits = 1;
-    view->temperature = place_field(def, def->temperature_grid);
+    view->temperature = place_field(def, cell, def->temperature_grid);
     view->kelvin[0] = (float)def->kelvin[0];
     view->kelvin[1] = (float)(def->kelvin[1] - def->kelvin[0]);
     view->blackbody_scale = def->emission_scale;
@@ -300,7 +335,8 @@ static ty_result view_fields(ty_context* context, const ty_medium_def* def, ty_m
     return TY_OK;
 }
 
-ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
+ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, const ty_periodic_view* cell,
+                                ty_medium_view* view) {
     memset(view, 0, sizeof *view);
     view->bounds = (int32_t)def->bounds;
     if (def->bounds == TY_BOUNDS_SHELL) {
@@ -314,23 +350,24 @@ ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, t
     ty_result result = view_phase(context, def, view);
     if (result == TY_OK && def->density_grid != NULL) {
         view->has_grid = 1;
-        view->grid = place_grid(def, def->density_grid, view->to_index);
+        view->grid = place_grid(def, cell, def->density_grid, view->to_index);
         view->extremes = view->grid.extremes;
-        if (def->transfer_count > 0) result = apply_transfer(context, def, view);
+        if (def->transfer_count > 0 || view->grid.wraps != 0) result = own_extremes(context, def, view);
     }
-    if (result == TY_OK) result = view_fields(context, def, view);
+    if (result == TY_OK) result = view_fields(context, def, cell, view);
     view->heterogeneous = view->has_grid || view->albedo_fields > 0 || view->has_g_field || view->has_temperature;
     return result;
 }
 
 void ty_medium_view_destroy(ty_context* context, ty_medium_view* view) {
-    if (view->transfer != NULL)
+    if (view->owns_extremes != 0)
         ty_free_array(context, (void*)view->extremes, brick_count(&view->grid), 2 * sizeof(float));
     ty_free_array(context, (void*)view->blackbody, 1, sizeof *view->blackbody);
     ty_phase_view_destroy(context, view->phase);
 }
 
-void ty_medium_extent(const ty_medium_def* def, double lower[3], double upper[3]) {
+/* margin: of grids without bounds, beyond the centres of their outermost voxels, in voxels. */
+static void extend_by(const ty_medium_def* def, double margin, double lower[3], double upper[3]) {
     ty_affine local;
     double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
     if (def->bounds == TY_BOUNDS_SHELL) {
@@ -342,7 +379,10 @@ void ty_medium_extent(const ty_medium_def* def, double lower[3], double upper[3]
     } else {
         const ty_grid_info info = ty_grid_get_info(def->density_grid);
         local = info.index_to_local;
-        for (int a = 0; a < 3; ++a) high[a] = info.size[a];
+        for (int a = 0; a < 3; ++a) {
+            low[a] = -margin;
+            high[a] = info.size[a] - 1 + margin;
+        }
     }
     const ty_affine world = ty_affine_multiply(&def->transform, &local);
     for (int corner = 0; corner < 8; ++corner) {
@@ -354,4 +394,12 @@ void ty_medium_extent(const ty_medium_def* def, double lower[3], double upper[3]
             upper[a] = fmax(upper[a], point[a]);
         }
     }
+}
+
+void ty_medium_extent(const ty_medium_def* def, double lower[3], double upper[3]) {
+    extend_by(def, 1, lower, upper);
+}
+
+void ty_medium_voxel_extent(const ty_medium_def* def, double lower[3], double upper[3]) {
+    extend_by(def, 0.5, lower, upper);
 }

@@ -34,6 +34,7 @@ typedef struct ty_medium_view {
     const ty_accel* shell; /* TY_BOUNDED_MESH */
     float to_index[12];    /* world to the grid's index space */
     TY_GLOBAL const float* extremes; /* extremes of the density per brick, as in ty_grid_view */
+    int32_t owns_extremes;           /* nonzero if they are not the grid's */
     float sigma_s[3];                /* scale included, at density 1 */
     float sigma_t[3];
     float sigma_t_max;                    /* maximum over channels */

@@ -335,7 +335,7 @@ void ty_ordinates_diffusive_compare(ty_ordinates_job* job, ty_ordinates_sums* su
 
 typedef struct fill_loop {
     const ty_ordinates_job* job;
-    float *cells, *face_fluence;
+    float *cells, *face_fluence, *face_incident;
     int32_t terms;
 } fill_loop;
 
@@ -354,6 +354,8 @@ static void fill_plane(void* user, int64_t z, int32_t worker) {
             if (interface_index < 0) continue;
             const float leaving = flow_out(job, cell, face, low_order, incident) + incident[interface_index];
             l->face_fluence[6 * (size_t)cell->index + (size_t)face] = 4 * ty_maxf(leaving, 0);
+            if (l->face_incident != NULL)
+                l->face_incident[6 * (size_t)cell->index + (size_t)face] = 4 * ty_maxf(incident[interface_index], 0);
         }
         for (int axis = 0; axis < 3 && l->terms > 1; ++axis)
             to[term_of[axis]] = 0.5f * SQRT_3 *
@@ -366,6 +368,10 @@ void ty_ordinates_diffusive_fill(const ty_ordinates_job* job, float* cells, int3
     float* face_fluence = job->def->face_fluence;
     for (int64_t i = 0; face_fluence != NULL && i < 6 * job->cells; ++i) face_fluence[i] = -1;
     if (job->diffusive.count == 0) return;
-    fill_loop l = {.job = job, .cells = cells, .face_fluence = face_fluence, .terms = terms};
+    fill_loop l = {.job = job,
+                   .cells = cells,
+                   .face_fluence = face_fluence,
+                   .face_incident = job->def->face_incident,
+                   .terms = terms};
     ty_ordinates_planes(job, fill_plane, &l);
 }

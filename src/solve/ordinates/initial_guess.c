@@ -213,6 +213,7 @@ static bool define(coarse_box* coarse) {
     def->scattering = coarse->scattering;
     def->g = coarse->g;
     def->source = (const float* const*)coarse->source;
+    def->source_center = NULL;
     return true;
 }
 

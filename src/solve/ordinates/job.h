@@ -35,6 +35,7 @@ typedef struct ty_ordinates_job {
     /* Arrays have no ghost cells. Moments and emission are stored cell by cell, `terms` floats each. */
     float* extinction; /* sigma* */
     float* source_lm;  /* q with more than one term; NULL: the plane of the def */
+    float* displaced; /* sqrt(3) d q_00 along x, y and z, cell by cell; NULL: all sources are at their cells' centers */
     float* emission;
     float* moments[TY_ANDERSON_DEPTH];   /* iterates, as swept */
     float* low_order[TY_ANDERSON_DEPTH]; /* low-order moments of the iterates with their corrections (`moments` are
@@ -98,6 +99,11 @@ double ty_ordinates_residual(ty_ordinates_job* job, bool first);
 ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e);
 /* Emitted and absorbed power, W. */
 ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* moments, int32_t terms);
+
+/* Adds to the sources of cells that are swept the first moments that stand for their known positions within the cells;
+ * reduced: sigma* - s_1. The second function subtracts the flux that comes with these. Errors: TY_ERROR_MEMORY. */
+ty_result ty_ordinates_displace(ty_ordinates_job* job, const float* reduced);
+void ty_ordinates_undo_displaced_flux(const ty_ordinates_job* job, float* const* moments);
 
 /* ---- boundary faces and boundary radiance: no-ops without them ---- */
 

@@ -134,6 +134,7 @@ static void free_all(ty_ordinates_job* job) {
     ty_dsa_destroy(job->dsa);
     ty_ordinates_diffusive_free(job);
     ty_fresnel_faces_destroy(job->fresnel);
+    ty_free_array(job->context, job->displaced, (size_t)job->cells, 3 * sizeof(float));
     ty_free_array(job->context, job->dsa_albedo, (size_t)job->def->walls.count, sizeof(float));
 }
 
@@ -209,6 +210,8 @@ static ty_result prepare(ty_ordinates_job* job) {
     if (result != TY_OK) return result;
     job->stats->entering = ty_ordinates_entering(def);
     if (job->source_lm != NULL) ty_ordinates_gather(job, def->source, job->terms, job->source_lm);
+    result = ty_ordinates_displace(job, job->dsa != NULL ? job->changes[0] : NULL);
+    if (result != TY_OK) return result;
     job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
     result = ty_fresnel_faces_create(job->context, def, job->sweep, &job->diffusive, &job->fresnel);
     if (result != TY_OK) return result;
@@ -310,6 +313,7 @@ ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, f
     *job.stats = (ty_ordinates_stats){0};
     job.start = job.reported = ty_wall_seconds();
     result = solve(&job, moments);
+    ty_ordinates_undo_displaced_flux(&job, moments);
     free_all(&job);
     job.stats->seconds = ty_wall_seconds() - job.start;
     return result;

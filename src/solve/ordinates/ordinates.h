@@ -77,19 +77,21 @@ typedef struct ty_ordinates_def {
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
     /* Four planes: the part of q_00 whose positions within cells are known, and that times their center along x, y and
-     * z, -1..1; diffusive cells use them. NULL (default): positions follow from the neighbours' sources. */
+     * z, -1..1; diffusive cells use them, and with bands^2 source terms all others where accelerated. NULL (default):
+     * positions follow from the neighbours' sources. */
     const float* const* source_center;
     ty_ordinates_faces walls;
     ty_boundary_radiance boundary_radiance; /* default: 0 */
     bool accelerated;                       /* diffusion synthetic acceleration, 2 to 12 sweeps, with diffusive cells
                                                (solve/ordinates/diffusive_cells.h); false: source iteration, as many sweeps as scattering
                                                orders */
-    double diffusive_paths;    /* minimum edge of a diffusive cell, mean free paths; default TY_DIFFUSIVE_FREE_PATHS */
-    double tolerance;          /* bound of the estimated remaining error, relative rms of the fluence; default 1e-3 */
-    int32_t sweeps;            /* maximum; 0 (default): 100 accelerated, else 10000 */
-    float* face_fluence;       /* out: per cell, six numbers, one per face (2 * axis + (1 for the upper face)). For a
-                          diffusive cell that faces a transport cell: 4 J_out / sqrt(4 pi), i.e. the fluence a viewer in front
-                          of that face would see. Negative elsewhere. NULL (default): no output */
+    double diffusive_paths; /* minimum edge of a diffusive cell, mean free paths; default TY_DIFFUSIVE_FREE_PATHS */
+    double tolerance;       /* bound of the estimated remaining error, relative rms of the fluence; default 1e-3 */
+    int32_t sweeps;         /* maximum; 0 (default): 100 accelerated, else 10000 */
+    float* face_fluence;    /* out: per cell, six numbers, one per face (2 * axis + (1 for the upper face)). For a
+                       diffusive cell that faces a transport cell: 4 J_out / sqrt(4 pi), i.e. the fluence a viewer in front
+                       of that face would see. Negative elsewhere. NULL (default): no output */
+    float* face_incident; /* out, with face_fluence: 4 J_in / sqrt(4 pi) at the same faces. NULL (default): no output */
     const float* const* start; /* initial moments, bands^2 planes; NULL (default): 0, or diffusion if accelerated */
     void* memory;              /* ty_ordinates_memory bytes, aligned to 64; NULL (default): from the context */
     ty_progress_fn progress;   /* default NULL */

@@ -152,6 +152,7 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     if (light->fit.bands > 0) def.scattered = light->fit.moments;
     if (ty_dom_legendre(light) != NULL) def.scattered = light->scattered;
     def.face_fluence = light->face_fluence[channel];
+    def.face_incident = light->face_even[channel];
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;
     def.progress_user = solve;
@@ -167,20 +168,42 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     return result;
 }
 
+/* The fraction of even light that a half-space reflects (van de Hulst 1980), by its similarity parameter s. */
+static float reflected_fraction(const ty_dom* light, int32_t plane, size_t cell) {
+    const float s = light->similarity[plane][cell];
+    return (1 - s) * (1 - 0.139f * s) / (1 + 1.17f * s);
+}
+
+/* The part of a cell's first-collision source that light of surfaces makes. */
+static float lit_by_surfaces(const ty_dom_job* job, int32_t channel, size_t cell) {
+    const float* surfaces = job->light->wall_moments[channel];
+    if (surfaces == NULL) return 0;
+    const float from = job->coarse->scattering[job->light->planes == 3 ? channel : 0][cell] * surfaces[cell];
+    const float lights = job->centers[channel] != NULL ? job->centers[channel][cell] : 0;
+    return from > 0 ? from / (from + lights) : 0;
+}
+
 /* Turns the fluence of faces into what scatters last in their cells, which the marcher multiplies with sigma_s and
- * attenuates by sigma_t, or by sigma* where the phase function is fitted. */
+ * attenuates by sigma_t, or by sigma* where the phase function is fitted; and what is incident on them into the part of
+ * it that comes from even light. */
 static void keep_scattered(const ty_dom_job* job, int32_t channel) {
     const ty_dom* light = job->light;
     const ty_grid_medium* medium = job->coarse;
     const int32_t plane = light->planes == 3 ? channel : 0;
     const float total = light->color[0] + light->color[1] + light->color[2];
-    float* faces = light->face_fluence[channel];
+    float *faces = light->face_fluence[channel], *even = light->face_even[channel];
     for (size_t i = 0; faces != NULL && i < light->cells; ++i) {
         const float sigma_t = medium->extinction[plane][i], sigma_s = medium->scattering[plane][i];
         const float attenuating = sigma_t - (light->fit.bands > 0 ? light->fit.forward_fraction * sigma_s : 0);
         float emission = medium->emission[0] != NULL ? medium->emission[channel][i] : 0;
         if (light->shared && medium->emission[0] != NULL)
             emission = (medium->emission[0][i] + medium->emission[1][i] + medium->emission[2][i]) / total;
+        const float fraction = reflected_fraction(light, plane, i), lit = lit_by_surfaces(job, channel, i);
+        for (size_t face = 6 * i; face < 6 * i + 6; ++face) {
+            if (faces[face] < 0) continue;
+            const float reflected = ty_minf(faces[face], fraction * even[face]);
+            even[face] = sigma_s > 0 ? (reflected + lit * (faces[face] - reflected)) * attenuating / sigma_s : 0;
+        }
         for (size_t face = 6 * i; face < 6 * i + 6; ++face)
             if (faces[face] >= 0)
                 faces[face] =
@@ -212,11 +235,8 @@ static bool is_dark(const ty_dom_job* job, int32_t channel) {
 
 /* True if some cell may be thick enough for diffusion. */
 static bool has_diffusive_cells(const ty_dom_job* job, int32_t channel) {
-    const double* cell = job->coarse->cell;
-    const float* extinction = job->coarse->extinction[job->light->planes == 3 ? channel : 0];
-    const double longest = fmax(fmax(cell[0], cell[1]), cell[2]);
     for (size_t i = 0; i < job->light->cells; ++i)
-        if ((double)extinction[i] * longest > job->diffusive_paths) return true;
+        if (ty_dom_cell_thickness(job, job->light->planes == 3 ? channel : 0, i) > job->diffusive_paths) return true;
     return false;
 }
 
@@ -229,16 +249,20 @@ static const double max_darkening = 0.57;
 static ty_result keep_media(ty_dom_job* job) {
     ty_dom* light = job->light;
     const ty_grid_medium* medium = job->coarse;
+    if (light->extinction[0] != NULL) return TY_OK;
     for (int32_t p = 0; p < light->planes; ++p) {
         light->extinction[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
         light->darkening[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
-        if (light->extinction[p] == NULL || light->darkening[p] == NULL) return TY_ERROR_MEMORY;
+        light->similarity[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
+        if (light->extinction[p] == NULL || light->darkening[p] == NULL || light->similarity[p] == NULL)
+            return TY_ERROR_MEMORY;
         memcpy(light->extinction[p], medium->extinction[p], light->cells * sizeof(float));
         for (size_t i = 0; i < light->cells; ++i) {
             const double sigma_t = (double)medium->extinction[p][i], sigma_s = (double)medium->scattering[p][i];
             const double reduced = sigma_t - (double)medium->g[p][i] * sigma_s;
-            const double weight = 1 - sqrt(reduced > 0 ? fmax(0, fmin((sigma_t - sigma_s) / reduced, 1)) : 1);
-            light->darkening[p][i] = job->even_light ? 0 : (float)(max_darkening * pow(weight, 4));
+            const double s = sqrt(reduced > 0 ? fmax(0, fmin((sigma_t - sigma_s) / reduced, 1)) : 1);
+            light->darkening[p][i] = job->even_light ? 0 : (float)(max_darkening * pow(1 - s, 4));
+            light->similarity[p][i] = (float)s;
         }
     }
     return TY_OK;
@@ -255,10 +279,12 @@ static ty_result choose_channels(scattering* all) {
             ty_alloc_array(job->context, light->cells, term_count(light->output_bands) * sizeof(float), without_source);
         if (light->moments[c] == NULL) return TY_ERROR_MEMORY;
         if (without_source) continue;
-        if (has_diffusive_cells(job, c))
+        if (has_diffusive_cells(job, c)) {
             light->face_fluence[c] = ty_alloc_array(job->context, 6 * light->cells, sizeof(float), false);
-        if (has_diffusive_cells(job, c) && light->face_fluence[c] == NULL) return TY_ERROR_MEMORY;
-        diffusive = diffusive || light->face_fluence[c] != NULL;
+            light->face_even[c] = ty_alloc_array(job->context, 6 * light->cells, sizeof(float), false);
+            if (light->face_fluence[c] == NULL || light->face_even[c] == NULL) return TY_ERROR_MEMORY;
+            diffusive = true;
+        }
         all->solves[all->count++] = (channel_solve){.all = all, .channel = c};
     }
     return diffusive ? keep_media(job) : TY_OK;

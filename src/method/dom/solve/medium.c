@@ -134,14 +134,33 @@ static void fit_bands(ty_dom_job* job, double g) {
 /* Minimum number of bands that are kept for the eye; surfaces need two. */
 enum { MIN_OUTPUT_BANDS = 2 };
 
+/* Minimum thickness of diffusive cells, mean free paths; the larger one for media with edges, whose cells are full in
+ * part. */
+static const double diffusive_paths = 2, diffusive_paths_edged = TY_DIFFUSIVE_FREE_PATHS;
+
+/* True if some cells are thick and yet swept. */
+static bool has_thick_swept_cells(const ty_dom_job* job) {
+    if (job->diffusive_paths > diffusive_paths) return false;
+    for (int32_t p = 0; p < job->coarse->planes; ++p)
+        for (size_t i = 0; i < job->coarse->cells; ++i) {
+            const double paths = ty_dom_cell_thickness(job, p, i);
+            if (paths > TY_DOM_DISPLACED_PATHS && paths <= job->diffusive_paths) return true;
+        }
+    return false;
+}
+
 static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     ty_dom* light = job->light;
     const double g = largest_g(job->coarse);
     const float* legendre = ty_dom_legendre(light);
     light->isotropic = !(g > 0) && legendre == NULL;
     light->bands = legendre != NULL ? choose_legendre_bands(job, legendre, exact) : choose_bands(job, g, exact);
+    if (light->bands == 1 && job->def->bands == TY_AUTO && has_thick_swept_cells(job)) light->bands = 2;
     if (legendre == NULL) fit_bands(job, g);
-    light->has_lobes = (legendre != NULL ? (double)legendre[light->bands] : pow(g, light->bands)) > min_lobe_peak;
+    job->tells_positions = light->bands > 1 && job->diffusive_paths <= diffusive_paths;
+    const double peak = legendre != NULL ? (double)legendre[light->bands] : pow(g, light->bands);
+    light->has_lobes = peak > min_lobe_peak;
+    job->is_narrow = peak > max_peak + g_tolerance;
     for (int32_t l = 0; l < light->bands && legendre != NULL; ++l)
         light->scattered[l] = legendre[l] - ty_grid_medium_forward(job->fine, light->bands);
     light->output_bands = light->bands < MIN_OUTPUT_BANDS ? MIN_OUTPUT_BANDS : light->bands;
@@ -156,30 +175,37 @@ static int32_t longest_side(const int32_t size[3]) {
     return max > size[2] ? max : size[2];
 }
 
-/* Scattering-weighted mean extinction, 1/m. */
-static double mean_extinction(const ty_grid_medium* medium) {
+/* Scattering-weighted mean of the extinction, or of (1 - g) sigma_s, 1/m. */
+static double mean_extinction(const ty_grid_medium* medium, bool of_transport) {
     double sums[2] = {0, 0};
     for (int32_t p = 0; p < medium->planes; ++p)
         for (size_t i = 0; i < medium->cells; ++i) {
-            sums[0] += (double)medium->scattering[p][i];
-            sums[1] += (double)medium->scattering[p][i] * (double)medium->extinction[p][i];
+            const double scattering = (double)medium->scattering[p][i];
+            sums[0] += scattering;
+            sums[1] += scattering * (of_transport ? (1 - fmax(0, (double)medium->g[p][i])) * scattering
+                                                  : (double)medium->extinction[p][i]);
         }
     return sums[0] > 0 ? sums[1] / sums[0] : 0;
 }
 
-/* refinement: fine cells per side, relative to media without edges. */
-static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine, int32_t refinement) {
+/* refinement: fine cells per side, relative to media without edges. Of few voxels there are more cells than a third
+ * where light diffuses and they would be thicker than MAX_THICKNESS by (1 - g) sigma_s. */
+static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine, int32_t refinement, bool has_voxels) {
     const ty_grid_box* box = &fine->box;
     if (def->resolution > 0) return def->resolution;
     int32_t cells = longest_side(box->size) / (FINE_PER_CELL * refinement);
     double longest = 0;
     for (int a = 0; a < 3; ++a) longest = fmax(longest, box->upper[a] - box->lower[a]);
-    const double thickness = mean_extinction(fine) * longest / fmax(cells, MIN_CELLS);
+    const double thickness = mean_extinction(fine, false) * longest / fmax(cells, MIN_CELLS);
     const bool edged = refinement > 1;
     const int32_t max = edged ? MAX_EDGED_CELLS : MAX_CELLS;
     cells = (int32_t)(cells * fmin(edged ? MAX_EDGED_REFINEMENT : MAX_REFINEMENT,
                                    fmax(1, thickness / (edged ? MAX_EDGED_THICKNESS : MAX_THICKNESS))));
-    return cells < MIN_CELLS ? MIN_CELLS : cells > max ? max : cells;
+    int32_t min = MIN_CELLS;
+    if (has_voxels && !edged && cells < MIN_CELLS * MAX_REFINEMENT)
+        min = (int32_t)(MIN_CELLS * fmin(MAX_REFINEMENT,
+                                         fmax(1, mean_extinction(fine, true) * longest / (MIN_CELLS * MAX_THICKNESS))));
+    return cells < min ? min : cells > max ? max : cells;
 }
 
 /* True if a transfer function maps values to density, with edges sharper than voxels. */
@@ -190,14 +216,20 @@ static bool has_edges(const ty_scene* scene) {
     return false;
 }
 
+static bool has_voxels(const ty_scene* scene) {
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    for (int32_t m = 0; m < view->medium_count; ++m)
+        if (view->media[m].has_grid != 0) return true;
+    return false;
+}
+
 /* True if point or spot lights shine on voxels. */
 static bool has_points_over_voxels(const ty_scene* scene) {
     const ty_scene_view* view = ty_scene_get_view(scene);
-    bool points = false, voxels = false;
+    bool points = false;
     for (int32_t i = 0; i < view->lights.count; ++i)
         points = points || ty_light_is_point_or_spot(view->lights.lights[i].kind);
-    for (int32_t m = 0; m < view->medium_count; ++m) voxels = voxels || view->media[m].has_grid != 0;
-    return points && voxels;
+    return points && has_voxels(scene);
 }
 
 /* Parts of a voxel's side, so that fine cells are at most MAX_FINE_THICKNESS mean free paths thick: in thicker ones,
@@ -209,15 +241,11 @@ static const double MAX_FINE_THICKNESS = 1.5;
 static int32_t find_thick_refinement(const ty_dom_job* job) {
     const ty_grid_medium* fine = job->fine;
     if (job->def->direct != TY_AUTO || !has_few_lights(job->scene) || !has_points_over_voxels(job->scene)) return 1;
-    const double thickness = mean_extinction(fine) * fmax(fine->cell[0], fmax(fine->cell[1], fine->cell[2]));
+    const double thickness = mean_extinction(fine, false) * fmax(fine->cell[0], fmax(fine->cell[1], fine->cell[2]));
     const int32_t max = MAX_FINE_THICK / longest_side(fine->box.size);
     return (int32_t)fmax(
         1, fmin(ceil(thickness / MAX_FINE_THICKNESS), max < MAX_THICK_REFINEMENT ? max : MAX_THICK_REFINEMENT));
 }
-
-/* Minimum thickness of diffusive cells, mean free paths; the larger one for media with edges, whose cells are full in
- * part. */
-static const double diffusive_paths = 2, diffusive_paths_edged = TY_DIFFUSIVE_FREE_PATHS;
 
 /* Fine cells per cell of a box without refinement. */
 static int32_t find_refinement(const ty_dom_job* job, const int32_t size[3]) {
@@ -248,7 +276,7 @@ static ty_result sample(ty_dom_job* job) {
     for (int a = 0; a < 3; ++a) box.size[a] *= refinement;
     result = ty_grid_medium_create(job->scene, &box, &job->fine);
     if (result != TY_OK) return result;
-    ty_grid_box_cut(&box, choose_cells(def, job->fine, refinement), size);
+    ty_grid_box_cut(&box, choose_cells(def, job->fine, refinement, has_voxels(job->scene)), size);
     result = refine_thick(job, &box);
     if (result != TY_OK) return result;
     return ty_grid_medium_resize(job->fine, size, &job->coarse);

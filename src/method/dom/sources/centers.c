@@ -103,12 +103,22 @@ static void find_center(const center_job* centers, const int32_t cell[3], size_t
     for (int n = 0; n < 4; ++n) centers->planes[n][at] = (float)sums[n] * TY_SH_0;
 }
 
-/* True for cells that may be diffusive. */
+/* The longest edge of a cell in mean free paths of sigma*. */
+static double reduced_thickness(const ty_dom_job* job, int32_t plane, size_t cell) {
+    const ty_dom* light = job->light;
+    const float sigma_t = job->coarse->extinction[plane][cell], sigma_s = job->coarse->scattering[plane][cell];
+    const float forward = light->fit.bands > 0             ? light->fit.forward_fraction
+                          : ty_dom_legendre(light) != NULL ? ty_grid_medium_forward(job->coarse, light->bands)
+                                                           : powf(job->coarse->g[plane][cell], (float)light->bands);
+    return sigma_t > 0 ? ty_dom_cell_thickness(job, plane, cell) * (double)(1 - forward * sigma_s / sigma_t) : 0;
+}
+
+/* True for cells that may be diffusive, and for thick ones with first moments of their sources. */
 static bool is_thick(const center_job* centers, size_t cell) {
-    const ty_grid_medium* coarse = centers->job->coarse;
-    const double longest = fmax(coarse->cell[0], fmax(coarse->cell[1], coarse->cell[2]));
-    const float* extinction = coarse->extinction[coarse->planes == 3 ? centers->channel : 0];
-    return (double)extinction[cell] * longest > centers->job->diffusive_paths;
+    const ty_dom_job* job = centers->job;
+    const int32_t plane = job->coarse->planes == 3 ? centers->channel : 0;
+    return ty_dom_cell_thickness(job, plane, cell) > job->diffusive_paths ||
+           (job->tells_positions && reduced_thickness(job, plane, cell) > TY_DOM_DISPLACED_PATHS);
 }
 
 static void center_row(void* user, int64_t row, int32_t worker) {

@@ -3,7 +3,9 @@
 #include "base/context.h"
 #include "base/sh.k.h"
 #include "method/dom/sources/sources.h"
+#include "scene/scene.h"
 
+#include <math.h>
 #include <string.h>
 
 /* ---- fields ---- */
@@ -54,6 +56,17 @@ static ty_result average_dedicated(direct_job* direct, const ty_light_group* gro
     return TY_OK;
 }
 
+/* A light with extent spreads its directions; a sphere shines in all of them from its center. */
+static void extend(const ty_dom_job* job, ty_light_fluence* uncollided) {
+    const ty_light_view* light = &ty_scene_get_view(job->scene)->lights.lights[uncollided->sample.light];
+    if (!job->is_narrow || uncollided->kind != TY_FLUENCE_POINT) return;
+    if (light->kind == TY_KIND_AREA) uncollided->extent = light->area;
+    if (light->kind != TY_KIND_SPHERE) return;
+    uncollided->extent = TY_PI * light->radius * light->radius;
+    uncollided->anchor = uncollided->sample.position = light->position;
+    uncollided->sample.profile = TY_PROFILE_ISOTROPIC;
+}
+
 static ty_result light_dedicated(direct_job* direct, const ty_light_group* group) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
@@ -69,6 +82,7 @@ static ty_result light_dedicated(direct_job* direct, const ty_light_group* group
         result = average_dedicated(direct, group, fields, light->coarse_fields[light->fluence_count]);
     if (result != TY_OK) return result;
     *uncollided = ty_light_group_fluence(job->sources.items, group, fields[TY_FLUENCE_ORDER_L]);
+    extend(job, uncollided);
     describe_lobe(light, fields, uncollided);
     ++light->fluence_count;
     const double begun = ty_wall_seconds();
@@ -253,12 +267,19 @@ static void free_memory(direct_job* direct) {
     ty_light_field_destroy(direct->field);
 }
 
+/* Radius up to which lights with extent count as points near and within media: a cell of the ordinates, within which
+ * the directions of other lights are one. It matters where phase functions are narrow. */
+static float point_radius(const ty_dom_job* job) {
+    const double* cell = job->coarse->cell;
+    return !job->is_narrow ? 0 : (float)fmax(cell[0], fmax(cell[1], cell[2]));
+}
+
 ty_result ty_dom_find_uncollided(ty_dom_job* job) {
     direct_job direct = {.job = job};
     ty_result result = allocate_memory(&direct);
     if (result == TY_OK) {
         direct.group_count = ty_light_groups_find(job->scene, &job->fine->box, job->sources.items, job->sources.count,
-                                                  TY_DOM_DEDICATED_MAX, direct.groups);
+                                                  TY_DOM_DEDICATED_MAX, point_radius(job), direct.groups);
         result = light_all_groups(&direct);
     }
     if (result == TY_OK) result = ty_dom_find_centers(job);

@@ -101,10 +101,22 @@ static float scattered_once(const face_job* job, int32_t channel, size_t cell, c
     return (sums[0] + sums[1] + sums[2]) / (light->color[0] + light->color[1] + light->color[2]);
 }
 
+/* Radiance at a cosine over its mean over the flux, of even light that a half-space reflects: 1 / (1 + c mu), with c =
+ * 2 s / (1 - g s)^2. By reciprocity it is the reflected fraction of light incident at that cosine. Without forward
+ * scattering it is that of H(mu) = (1 + 2 mu) / (1 + 2 mu s) (Hapke 1981); the rest is a fit to paths in half-spaces of
+ * g 0 to 0.9. */
+static double even_shape(const ty_dom* light, int32_t plane, size_t cell, double cosine) {
+    const double s = (double)light->similarity[plane][cell], g = fmax(0, (double)light->g[plane][cell]);
+    const double c = 2 * s / ((1 - g * s) * (1 - g * s));
+    const double mean = c > 1e-2 ? 2 * (1 / c - log1p(c) / (c * c)) : 1 - 2 * c / 3;
+    return 1 / ((1 + c * cosine) * mean);
+}
+
 /* Mean over the faces that the eye sees, by their area in view; false: none. */
 static bool mean_of_faces(const face_job* job, int32_t channel, const int32_t cell[3], size_t at, const double omega[3],
                           double* mean) {
     const ty_dom* light = job->light;
+    const int32_t plane = light->planes == 3 ? channel : 0;
     double sum = 0, weights = 0;
     for (int face = 0; light->face_fluence[channel] != NULL && face < 6; ++face) {
         const double weight = (face & 1) != 0 ? omega[face / 2] : -omega[face / 2];
@@ -112,8 +124,11 @@ static bool mean_of_faces(const face_job* job, int32_t channel, const int32_t ce
         if (leaving < 0 || weight <= 0) continue;
         const seen_face seen = see_face(light, cell, face, omega);
         const double radiance = (double)TY_SH_0 * leaving - (double)scattered_once(job, channel, at, &seen, face / 2);
-        const double slope = (double)light->darkening[light->planes == 3 ? channel : 0][at];
-        sum += weight * fmax(radiance, 0) * (1 + slope * weight) / (1 + slope * (2.0 / 3));
+        const double slope = (double)light->darkening[plane][at];
+        const double even =
+            fmin((double)(TY_SH_0 * light->face_even[channel][6 * at + (size_t)face]), fmax(radiance, 0));
+        sum += weight * ((fmax(radiance, 0) - even) * (1 + slope * weight) / (1 + slope * (2.0 / 3)) +
+                         even * even_shape(light, plane, at, weight));
         weights += weight;
     }
     *mean = weights > 0 ? sum / weights : 0;

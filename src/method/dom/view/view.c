@@ -230,6 +230,7 @@ void ty_dom_set_march(const ty_dom* light, ty_march_def* march) {
     march->fit = light->fit.bands > 0 ? &light->fit : NULL;
     march->bilateral_sigma = 0;
     march->preserve_means = true;
+    march->edge_rays = 32;
 }
 
 ty_result ty_dom_march(ty_volume_call* call, ty_image** out) {

@@ -3,7 +3,7 @@
 #define TY_METHOD_PATH_TRACE_ITEMS_K_H
 
 #include "base/float_mode.h"
-#include "method/path/trace/path.k.h"
+#include "method/path/trace/column.k.h"
 
 static const uint64_t outline_seed = 0x6c62272e07bb0142u;
 
@@ -28,7 +28,10 @@ static void start(ty_path* path, const ty_path_request* request, int64_t item) {
         /* The path goes against the light; 0 - x, so that no component becomes -0. */
         path->direction =
             ty_vec_make((float)((0 - ray[3]) / length), (float)((0 - ray[4]) / length), (float)((0 - ray[5]) / length));
+    } else if (request->kind == TY_PATH_COLUMNS) {
+        ty_path_begin_column(path, request->columns, item);
     } else {
+        const float factor[3] = {1.0f, 1.0f, 1.0f};
         float point[3];
         int64_t rest = item;
         for (int a = 0; a < 3; ++a) {
@@ -37,7 +40,7 @@ static void start(ty_path* path, const ty_path_request* request, int64_t item) {
             const float offset = request->cell[a] > 0 ? ty_sobol_next(&path->random) : 0.5f;
             point[a] = (float)(request->lower[a] + request->cell[a] * ((double)index + (double)offset));
         }
-        ty_path_begin_fluence(path, ty_vec_make(point[0], point[1], point[2]));
+        ty_path_begin_fluence(path, ty_vec_make(point[0], point[1], point[2]), factor);
     }
 }
 
@@ -48,32 +51,63 @@ static uint64_t random_item(const ty_path_request* request, int64_t item) {
     return (uint64_t)(y * request->width + x);
 }
 
+/* The first surface along the camera's ray, and the transmittance and the albedo at the first collision before it. */
+typedef struct first_hit {
+    ty_intersection end;
+    bool hits, collides;
+    float far; /* distance to the surface, m */
+    float transmittance[3], scattered[3];
+} first_hit;
+
+static void find_first_hit_of_piece(const ty_path* path, ty_vec origin, float far, ty_sampler* random, first_hit* out) {
+    const ty_scene_view* scene = path->request->scene;
+    float piece[3], emission[3] = {0.0f, 0.0f, 0.0f};
+    out->hits = scene->mesh != NULL && ty_accel_intersect(scene->mesh, origin, path->direction, far, &out->end.hit);
+    out->far = out->hits ? out->end.hit.distance : far;
+    ty_transmittance(scene->media, scene->medium_count, origin, path->direction, out->far, random, piece);
+    for (int c = 0; c < 3; ++c) out->transmittance[c] *= piece[c];
+    if (out->collides) return;
+    ty_spans spans;
+    ty_collision collision;
+    ty_spans_find(scene->media, scene->medium_count, origin, path->direction, out->far, &spans);
+    out->collides = spans.count > 0 && ty_delta_tracking(scene->media, &spans, origin, path->direction, random,
+                                                         out->scattered, emission, &collision);
+}
+
+static void find_first_hit(const ty_path* path, ty_sampler* random, first_hit* out) {
+    const ty_scene_view* scene = path->request->scene;
+    out->hits = out->collides = false;
+    for (int c = 0; c < 3; ++c) out->transmittance[c] = out->scattered[c] = 1.0f;
+    if (TY_PATH_PERIODIC == 0) {
+        find_first_hit_of_piece(path, path->origin, TY_FLOAT_MAX, random, out);
+        return;
+    }
+    ty_periodic_walk walk;
+    bool more = ty_periodic_walk_begin(&walk, &scene->periodic, path->origin, path->direction);
+    for (; more && !out->hits; more = ty_periodic_walk_next(&walk, &scene->periodic)) {
+        find_first_hit_of_piece(path, walk.origin, walk.far, random, out);
+        out->far += walk.passed;
+    }
+}
+
 /* Adds the first-hit channels. Separate random numbers leave the path's own sequence unchanged. */
 static void add_first_hit(const ty_path* path, uint64_t number, uint32_t sample, ty_path_aov_sums* aov_sums) {
     const ty_scene_view* scene = path->request->scene;
     ty_sampler random = ty_sampler_begin(path->request->sobol, ~path->request->seed, number, sample);
-    ty_intersection end;
-    const bool hits =
-        scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end.hit);
-    const float far = hits ? end.hit.distance : TY_FLOAT_MAX;
-    float transmittance[3], scattered[3] = {1.0f, 1.0f, 1.0f}, emission[3] = {0.0f, 0.0f, 0.0f};
-    ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, far, &random, transmittance);
-    ty_spans spans;
-    ty_collision collision;
-    ty_spans_find(scene->media, scene->medium_count, path->origin, path->direction, far, &spans);
-    const bool collides = spans.count > 0 && ty_delta_tracking(scene->media, &spans, path->origin, path->direction,
-                                                               &random, scattered, emission, &collision);
+    first_hit first;
+    find_first_hit(path, &random, &first);
     for (int c = 0; c < 3; ++c) {
-        aov_sums->transmittance[c] += (double)transmittance[c];
-        if (collides) aov_sums->albedo[c] += (double)scattered[c];
+        aov_sums->transmittance[c] += (double)first.transmittance[c];
+        if (first.collides) aov_sums->albedo[c] += (double)first.scattered[c];
     }
-    if (!hits) return;
-    ty_surface_evaluate(&scene->surfaces[end.hit.surface], &end.hit, path->direction, &end.point);
-    for (int c = 0; c < 3; ++c) aov_sums->surface_albedo[c] += (double)(transmittance[c] * end.point.albedo[c]);
-    aov_sums->normal[0] += (double)end.point.ns.x;
-    aov_sums->normal[1] += (double)end.point.ns.y;
-    aov_sums->normal[2] += (double)end.point.ns.z;
-    aov_sums->depth += (double)far;
+    if (!first.hits) return;
+    ty_intersection* end = &first.end;
+    ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
+    for (int c = 0; c < 3; ++c) aov_sums->surface_albedo[c] += (double)(first.transmittance[c] * end->point.albedo[c]);
+    aov_sums->normal[0] += (double)end->point.ns.x;
+    aov_sums->normal[1] += (double)end->point.ns.y;
+    aov_sums->normal[2] += (double)end->point.ns.z;
+    aov_sums->depth += (double)first.far;
     aov_sums->hits += 1;
 }
 
@@ -130,6 +164,8 @@ TY_FN TY_PATH_KERNEL(ty_path_sample_items) {
             path.outline = i >= TY_OUTLINE_FIRST && request->outlines != NULL && request->outlines[item] != 0;
             if (path.outline != 0) add_seen_emission(&path, item, number, i);
             vertices += ty_path_follow(&path);
+            if (request->kind == TY_PATH_COLUMNS && ty_column_is_diffuse(request->columns, item))
+                memset(path.radiance[TY_PATH_UNCOLLIDED], 0, sizeof path.radiance[TY_PATH_UNCOLLIDED]);
             add_sample(&path, &sums[item - begin], sums_of_item);
         }
     }

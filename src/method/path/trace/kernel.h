@@ -16,8 +16,24 @@ enum { TY_GUIDES_MAX = 4 };
  * sample that has them: pixels with outlines need not be known for a first glance. */
 enum { TY_OUTLINE_RAYS = 16, TY_OUTLINE_FIRST = 1 };
 
-/* Start of paths: through a pixel, along a given ray, or uniform in a cell and over directions. */
-enum { TY_PATH_PIXELS = 0, TY_PATH_RAYS = 1, TY_PATH_CELLS = 2 };
+/* Start of paths: through a pixel, along a given ray, uniform in a cell and over directions, or for a quantity of a
+ * column. */
+enum { TY_PATH_PIXELS = 0, TY_PATH_RAYS = 1, TY_PATH_CELLS = 2, TY_PATH_COLUMNS = 3 };
+
+/* Quantities of a level, in the order of ty_flux_quantity. */
+enum { TY_COLUMN_UP = 0, TY_COLUMN_DOWN_DIFFUSE = 1, TY_COLUMN_DOWN_DIRECT = 2, TY_COLUMN_LEVEL_QUANTITIES = 3 };
+
+/* Columns of a scene, and the quantities that are estimated for each (column.k.h). */
+typedef struct ty_path_columns {
+    int32_t axis[3]; /* both horizontal ones, and up */
+    int32_t size[2]; /* columns along the horizontal axes */
+    int32_t level_count, view_count;
+    double lower[2], cell[2];  /* of the columns, m */
+    double absorbing[2];       /* lowest and highest point of the media that absorb, m */
+    const double* levels;      /* where paths start, m */
+    const double* view_levels; /* by view, m */
+    const float* views;        /* by view: the direction of paths */
+} ty_path_columns;
 
 typedef struct ty_path_request {
     const ty_scene_view* scene;
@@ -29,7 +45,7 @@ typedef struct ty_path_request {
     int32_t deep;                      /* nonzero if environments, and no near lights, hardly light points deep within
                                           a medium */
     int32_t single_reflection;         /* nonzero if surfaces are without energy compensation */
-    int32_t kind;                      /* TY_PATH_PIXELS, _RAYS or _CELLS */
+    int32_t kind;                      /* TY_PATH_PIXELS, _RAYS, _CELLS or _COLUMNS */
     ty_camera_view camera;             /* pixels */
     ty_interior_list camera_inside;    /* the dielectrics around it, where the scene has any */
     const ty_enclosed_field* enclosed; /* light in interiors, by number, at which paths end; NULL: none */
@@ -38,7 +54,8 @@ typedef struct ty_path_request {
     const double* rays;                /* rays: 6 per item, as ty_path_radiance has them */
     double lower[3], cell[3];          /* cells */
     int32_t size[3];
-    int32_t guide_count; /* guiding lights of high-g media and their probabilities, which sum to 1 */
+    const ty_path_columns* columns; /* columns */
+    int32_t guide_count;            /* guiding lights of high-g media and their probabilities, which sum to 1 */
     int32_t guide_light[TY_GUIDES_MAX];
     float guide_weight[TY_GUIDES_MAX];
     float min_contribution;   /* contributions with a radiance below this are traced by chance (Russian roulette) */
@@ -74,5 +91,6 @@ typedef struct ty_path_aov_sums {
 typedef TY_PATH_KERNEL((*ty_path_kernel));
 TY_DECLARE_KERNEL_FUNCTION(TY_PATH_KERNEL, ty_path_kernel);
 TY_DECLARE_KERNEL_FUNCTION(TY_PATH_KERNEL, ty_path_guided_kernel);
+TY_DECLARE_KERNEL_FUNCTION(TY_PATH_KERNEL, ty_path_periodic_kernel);
 
 #endif

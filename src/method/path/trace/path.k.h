@@ -5,6 +5,7 @@
 
 #include "method/path/trace/equiangular.k.h"
 #include "method/path/trace/guided_distance.k.h"
+#include "method/path/trace/periodic.k.h"
 #include "method/path/trace/point_light_direction.k.h"
 #include "method/path/trace/refracted_light.k.h"
 #include "method/path/trace/window.k.h"
@@ -132,10 +133,13 @@ TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample
         for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
     }
     const bool sees_dielectrics = ty_path_sees_dielectrics(path);
-    if (!sees_dielectrics && ty_sum3(radiance) > 0.0f && !ty_path_light_visible(path, origin, sample))
+    if (TY_PATH_PERIODIC == 0 && !sees_dielectrics && ty_sum3(radiance) > 0.0f &&
+        !ty_path_light_visible(path, origin, sample))
         for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
     if (!(ty_sum3(radiance) > 0.0f)) return;
-    if (sees_dielectrics)
+    if (TY_PATH_PERIODIC != 0)
+        ty_periodic_transmittance(scene, origin, sample->wi, &path->random, transmittance);
+    else if (sees_dielectrics)
         ty_path_light_through(path, origin, sample, transmittance);
     else
         ty_transmittance(scene->media, scene->medium_count, origin, sample->wi, sample->distance, &path->random,
@@ -602,8 +606,36 @@ TY_FN_CALLED bool ty_path_next_event_in_field(ty_path* path, const ty_enclosed_f
     return on_surface && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, beta_before);
 }
 
+/* The next event of a path in a periodic cell, as ty_path_next_event. */
+TY_FN bool ty_path_next_event_periodic(ty_path* path, const ty_medium_view** medium, ty_intersection* end) {
+    const ty_scene_view* scene = path->request->scene;
+    const float beta_before = ty_sum3(path->beta);
+    ty_periodic_walk walk;
+    *medium = NULL;
+    if (!(beta_before > 1e-30f)) return false;
+    bool more = ty_periodic_walk_begin(&walk, &scene->periodic, path->origin, path->direction);
+    while (more) {
+        const bool on_surface =
+            scene->mesh != NULL && ty_accel_intersect(scene->mesh, walk.origin, path->direction, walk.far, &end->hit);
+        if (ty_periodic_meets_medium(path, &walk, on_surface ? end->hit.distance : walk.far, medium))
+            return ty_path_survives(path, beta_before);
+        if (!(ty_max3(path->beta) > 0.0f)) return false;
+        if (on_surface) {
+            ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
+            if (TY_PATH_GLOSS != 0 && end->point.glossy != 0) ty_path_meet_gloss(path, &end->point);
+            end->interface = TY_INTERFACE_NONE;
+            return ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, beta_before);
+        }
+        more = ty_periodic_walk_next(&walk, &scene->periodic);
+        if (!more && ty_periodic_walk_is_lost(&walk)) return false;
+    }
+    ty_path_add_emission(path, path->beta, NULL);
+    return false;
+}
+
 /* The next event of a path: true at a new vertex, which lies in *medium or, if that is NULL, on the surface *end. */
 TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_intersection* end) {
+    if (TY_PATH_PERIODIC != 0) return ty_path_next_event_periodic(path, medium, end);
     if (!ty_path_sees_dielectrics(path)) return ty_path_next_event_before_surface(path, medium, end);
     const int32_t scattered = path->scattered;
     for (;;) {
@@ -675,9 +707,9 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     memset(path->radiance, 0, sizeof path->radiance);
 }
 
-/* Starts a path that estimates the fluence at a point: the integral of radiance over all directions, W m^-2. */
-TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
-    const float factor[3] = {1.0f, 1.0f, 1.0f};
+/* Starts a path that estimates the fluence at a point, the integral of radiance over all directions, W m^-2, times a
+ * factor. */
+TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point, const float factor[3]) {
     ty_light_sample sample;
     float chosen;
     path->origin = point;
@@ -690,7 +722,7 @@ TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     const ty_vertex_response response = {NULL, NULL, NULL};
     ty_path_sample_refracted_light(path, light, chosen, shines ? &sample : NULL, &response);
     ty_path_sample_sphere(path);
-    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / TY_INV_4PI;
+    for (int c = 0; c < 3; ++c) path->beta[c] = factor[c] / TY_INV_4PI;
 }
 
 #endif
