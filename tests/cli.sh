@@ -206,7 +206,7 @@ needs_media() {
 compares() {
   by=$1
   shift
-  expect 0 compare fog.json --methods "${by// /,}" --size 16x16 --spp 4 -o compared -q "$@"
+  expect 0 compare fog.json --methods "${by// /,}" --size 16x16 --spp 4 --reference-spp 64 -o compared -q "$@"
   for method in $by; do present "compared/$method.exr"; done
 }
 

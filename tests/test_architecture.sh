@@ -26,7 +26,7 @@ declare -A below=(
   [direct]="base option grid scene"
   [image]="base option grid scene direct"
   [solve]="base option grid scene direct"
-  [method]="base device option grid scene direct image solve"
+  [method]="base device option grid scene direct image solve method/diffuse"
   [bake]="base option grid scene direct image solve method/impulse method/path"
   [io]="base option grid scene image"
   [cli]="$library"
@@ -143,18 +143,24 @@ for room in $rooms; do
   case $room in tools/*) folder=$room ;; esac
   [ -n "$(sources "$folder" 2> /dev/null)" ] || complain "$page: $room: there is no such folder with source files"
 done
-for folder in $(sources src tools | xargs -n 1 dirname | sort -u); do
-  grep -qxF "${folder#src/}" <<< "$rooms" || complain "$page: no row for $folder"
+for folder in $(sources src tools | sed 's,/[^/]*$,,' | sort -u); do
+  case $'\n'$rooms$'\n' in *$'\n'"${folder#src/}"$'\n'*) ;; *) complain "$page: no row for $folder" ;; esac
 done
+files=$(find . \( -path ./build -o -path ./.git \) -prune -o -type f -print)$'\n'
 for name in $(grep -oE '`[A-Za-z0-9_./]+\.(c|h|cpp|sh|cmake|json)`' $page | tr -d '`' | grep -vE 'NAME|ROOM|room/file' | sort -u); do
-  [ -n "$(find . -path ./build -prune -o -path "*/$name" -print -quit)" ] || complain "$page: there is no $name"
+  case $files in *"/$name"$'\n'*) ;; *) complain "$page: there is no $name" ;; esac
 done
-commented() {
-  [ -f "$1" ] && head -n 1 "$1" | grep -qE '^(/\*|//)'
-}
-for file in $(sources src tools); do
-  commented "$file" || commented "${file%.c}.h" || complain "$file: neither it nor its header begins with a comment"
+for file in $(sources src tools | xargs awk '
+  FNR == 1 { if ($0 ~ /^(\/\*|\/\/)/) commented[FILENAME] = 1; else bare[FILENAME] = 1; nextfile }
+  END { for (file in bare) { header = file; sub(/[.]c$/, ".h", header); if (!(header in commented)) print file } }'); do
+  complain "$file: neither it nor its header begins with a comment"
 done
+
+# Under pipefail a search that ends at its first match breaks the pipe of whatever writes into it: the output is read as a
+# whole first.
+while IFS= read -r line; do
+  complain "$line: a pipe into grep -q"
+done < <(grep -nE '[|] *grep +-[A-Za-z]*q' tests/*.sh tests/*/*.sh scripts/*.sh)
 
 [ $failed = 0 ] || exit 1
 echo "architecture: $count includes point down"

@@ -188,7 +188,7 @@ static void features_are_those_of_the_scene(void** state) {
     assert_in_range((int)(100 * look.media), 40, 75);
     assert_close(look.opacity / look.media, 0.9, 0.08); /* 1 - exp(-4) but for edges */
     assert_true(look.surfaces == 0 && look.enclosed == 0);
-    assert_false(look.heterogeneous || look.glows || look.inside);
+    assert_false(look.heterogeneous || look.emissive_media || look.inside);
     assert_int_equal(look.lights, 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_ENVIRONMENT);
     ty_scene_destroy(scene);
     scene = set_up(*state, &with_floor);
@@ -208,7 +208,7 @@ static void overlapping_media_add_up(void** state) {
     add_medium(scene, &haze);
     commit(scene);
     const ty_choice choice = choose(scene, 0, 0);
-    assert_true(choice.features.inside && choice.features.glows);
+    assert_true(choice.features.inside && choice.features.emissive_media);
     assert_close(choice.features.thickness, 4.05 + 0.13, 0.1);
     assert_close(choice.features.media, 1, 1e-6);
     assert_close(choice.features.albedo, 1, 0.01);

@@ -126,12 +126,12 @@ test_builtin() {
 }
 
 test_bench() {
-  expect 0 bench lpv --size 32x18 --runs 1
+  expect 0 bench lpv --quick --size 32x18 --runs 1
   for words in 'propagate, 8 times' 'propagate_gflops: [0-9.]+' 'fraction_of_peak: [0-9.]+' 'mrays: [0-9.]+' 'a frame of .*:' \
     'resolution: \[32, 18\]'; do
     said out.txt "$words"
   done
-  expect 0 bench lpv --size 32x18 --runs 1 --json --data nowhere
+  expect 0 bench lpv --quick --size 32x18 --runs 1 --json --data nowhere
   cp out.txt bench.json
   valid_json bench.json
   said bench.json '"fraction_of_peak": [0-9.]+'

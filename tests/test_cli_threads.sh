@@ -21,13 +21,13 @@ for command in help --version "info with.exr" "info bytes.vdb" "diff with.exr wi
   alone $command
   [ "$threads" -eq 0 ] || fail "it wants $threads threads"
 done
-alone info builtin:demo
+alone info builtin:cube_g0
 alone convert -q bytes.vdb without.nrrd
 cmp with.nrrd without.nrrd || fail "another volume without threads"
 alone render "${small[@]}" -o without.exr
 [ "$threads" -gt 0 ] || fail "the preloaded library is not in use"
 same with.exr without.exr
-alone render "${small[@]}" --method fld -o fld.exr
+alone render builtin:cornell_fog --size 48x32 -q --threads 4 --method fld -o fld.exr
 present fld.exr
 
 # OpenVDB's library would start threads before main, through log4cplus.

@@ -2,6 +2,7 @@
  * names and errors; the PTX of the build. `tyndall bench device` tests GPUs. */
 #define _POSIX_C_SOURCE 200809L
 #include "checks.h"
+#include "effort.h"
 #include "files.h"
 
 #include "device/device.h"
@@ -105,14 +106,14 @@ static void surfaces_are_as_on_the_processor(void** state) {
     (void)state;
     static const char* const scenes[] = {"builtin:cornell_fog", "builtin:lamps", "builtin:atrium",
                                          TYNDALL_SOURCE_DIR "/scenes/glass_of_milk.json"};
-    ty_path_def def = small_def(8), other = def;
+    ty_path_def def = small_def(fewer_under_sanitizers(8, 8)), other = def;
     other.seed = 7;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i) {
         rendering cpu = render_on("cpu", 2, scenes[i], &def), host = render_on("host", 2, scenes[i], &def);
         rendering again = render_on("host", 2, scenes[i], &other);
         const double got = difference(&host, &cpu), noise = difference(&again, &cpu);
         printf("%s: %.4f, noise %.4f\n", scenes[i], got, noise);
-        assert_true(got <= 0.25 * noise);
+        if (numbers_count()) assert_true(got <= 0.25 * noise);
         end(&cpu);
         end(&host);
         end(&again);

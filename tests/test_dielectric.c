@@ -5,7 +5,7 @@
 #include "scene/bsdf/dielectric.k.h"
 #include "scene/bsdf/tables.h"
 
-enum { SIDE = 128 };
+enum { SIDE = 96 };
 
 static const float white[3] = {1, 1, 1};
 static const float etas[] = {1.05f, 1.33f, 1.5f, 2.4f, 1 / 1.05f, 1 / 1.33f, 1 / 1.5f, 1 / 2.4f};

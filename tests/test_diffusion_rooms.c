@@ -1,5 +1,5 @@
 /* Rooms of fog by fld and pop, whose diffusion surfaces enclose. */
-#include "truth.h"
+#include "mean_fluence.h"
 
 #include <stdio.h>
 
@@ -19,57 +19,27 @@ static ty_scene* room(ty_context* context, double albedo, double g, bool around,
     return scene;
 }
 
-enum { ACROSS = 4, ROOM_CELLS = ACROSS * ACROSS * ACROSS };
-static const double lower[3] = {-0.9, -0.9, -0.9}, upper[3] = {0.9, 0.9, 0.9};
-static const int32_t size[3] = {ACROSS, ACROSS, ACROSS};
-
-static double mean_of(const double* values) {
-    double sum = 0;
-    for (int i = 0; i < ROOM_CELLS; ++i) sum += values[3 * i] / ROOM_CELLS;
-    return sum;
-}
+static const double half = 0.9; /* of the cube whose fluence is compared, m */
 
 static double fld_fluence(const ty_scene* scene) {
-    double fluence[3 * ROOM_CELLS];
-    ty_context* context = ty_scene_context(scene);
     ty_fld_def def = ty_default_fld_def();
-    ty_fld_stats stats = ty_default_fld_stats();
-    ty_fld* light = NULL;
     def.resolution = 24;
-    must(context, ty_fld_solve(scene, &def, &light, &stats));
-    assert_true(stats.converged);
-    const double out = stats.absorbed[0] + stats.absorbed_by_surfaces[0] + stats.leaving[0];
-    if (!(fabs(out - stats.emitted[0]) <= 3e-3 * stats.emitted[0])) fail_msg("%g of %g", out, stats.emitted[0]);
-    must(context, ty_fld_fluence(light, lower, upper, size, fluence, NULL, NULL));
-    ty_fld_destroy(light);
-    return mean_of(fluence);
+    return fld_mean_fluence(scene, &def, half);
 }
 
 static double pop_fluence(const ty_scene* scene) {
-    double fluence[3 * ROOM_CELLS];
-    ty_context* context = ty_scene_context(scene);
     ty_pop_def def = ty_default_pop_def();
-    ty_pop* light = NULL;
     def.resolution = 12;
     def.merged = 12;
     def.ordinates = 8;
-    must(context, ty_pop_solve(scene, &def, &light, NULL));
-    must(context, ty_pop_fluence(light, lower, upper, size, fluence, NULL));
-    ty_pop_destroy(light);
-    return mean_of(fluence);
+    return pop_mean_fluence(scene, &def, half);
 }
 
 static double dom_fluence(const ty_scene* scene) {
-    double fluence[3 * ROOM_CELLS];
-    ty_context* context = ty_scene_context(scene);
     ty_dom_def def = ty_default_dom_def();
-    ty_dom* light = NULL;
     def.resolution = 12;
     def.directions = 48;
-    must(context, ty_dom_solve(scene, &def, &light, NULL));
-    must(context, ty_dom_fluence(light, lower, upper, size, fluence, NULL));
-    ty_dom_destroy(light);
-    return mean_of(fluence);
+    return dom_mean_fluence(scene, &def, half);
 }
 
 static ty_light_def lamp(void) {

@@ -1,6 +1,7 @@
 /* dom in media whose cells are many mean free paths thick: a white furnace. A medium that absorbs nothing is invisible
  * in even light, whatever its density. */
 #include "checks.h"
+#include "effort.h"
 
 #include <tyndall/dom.h>
 
@@ -31,7 +32,7 @@ static double front(ty_context* context, double cell, float g) {
     ty_scene* scene = make_cube(context, cell, g);
     ty_image* image = NULL;
     ty_dom_def def = ty_default_dom_def();
-    def.resolution = 24;
+    def.resolution = fewer_under_sanitizers(24, 3);
     def.width = def.height = SIDE;
     assert_int_equal(ty_dom_render(scene, &def, &image, NULL), TY_OK);
     const float* red = ty_image_plane_const(image, 0);
@@ -79,7 +80,7 @@ static void thick_cubes_are_invisible(void** state) {
         for (int g = 0; g < 2; ++g) {
             const double value = front(*state, thickness[i], 0.5f * (float)g);
             print_message("cells of %g mean free paths, g %g: %.4f\n", thickness[i], 0.5 * g, value);
-            assert_close(value, 1.01, 0.025);
+            if (numbers_count()) assert_close(value, 1.01, 0.025);
         }
 }
 

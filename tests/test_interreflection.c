@@ -1,5 +1,5 @@
 /* Interreflection of media with the surfaces outside of their box. */
-#include "truth.h"
+#include "mean_fluence.h"
 
 #include <stdio.h>
 
@@ -32,65 +32,34 @@ static ty_scene* furnace(ty_context* context) {
     return scene;
 }
 
-enum { ACROSS = 4, CELLS = ACROSS * ACROSS * ACROSS, LAMP_POINTS = 36 };
-static const double lower[3] = {-0.5, -0.5, -0.5}, upper[3] = {0.5, 0.5, 0.5};
-static const int32_t size[3] = {ACROSS, ACROSS, ACROSS};
-
-static double mean_of(const double* values) {
-    double sum = 0;
-    for (int i = 0; i < CELLS; ++i) sum += values[3 * i] / CELLS;
-    return sum;
-}
+enum { LAMP_POINTS = 36 };
+static const double half = 0.5; /* of the cube, m */
 
 static double fld_fluence(const ty_scene* scene, bool interreflection) {
-    double fluence[3 * CELLS];
-    ty_context* context = ty_scene_context(scene);
     ty_fld_def def = ty_default_fld_def();
-    ty_fld_stats stats = ty_default_fld_stats();
-    ty_fld* light = NULL;
     def.resolution = 24;
     def.surface_points = LAMP_POINTS;
     def.interreflection = interreflection;
-    must(context, ty_fld_solve(scene, &def, &light, &stats));
-    const double out = stats.absorbed[0] + stats.leaving[0];
-    if (!(fabs(out - stats.emitted[0]) <= 3e-3 * stats.emitted[0])) fail_msg("%g of %g", out, stats.emitted[0]);
-    must(context, ty_fld_fluence(light, lower, upper, size, fluence, NULL, NULL));
-    ty_fld_destroy(light);
-    return mean_of(fluence);
+    return fld_mean_fluence(scene, &def, half);
 }
 
 static double pop_fluence(const ty_scene* scene, bool interreflection) {
-    double fluence[3 * CELLS];
-    ty_context* context = ty_scene_context(scene);
     ty_pop_def def = ty_default_pop_def();
-    ty_pop* light = NULL;
     def.resolution = 8;
     def.merged = 8;
     def.surface_points = 9;
     def.interreflection = interreflection;
-    must(context, ty_pop_solve(scene, &def, &light, NULL));
-    must(context, ty_pop_fluence(light, lower, upper, size, fluence, NULL));
-    ty_pop_destroy(light);
-    return mean_of(fluence);
+    return pop_mean_fluence(scene, &def, half);
 }
 
 static double dom_fluence(const ty_scene* scene, bool interreflection) {
-    double fluence[3 * CELLS];
-    ty_context* context = ty_scene_context(scene);
     ty_dom_def def = ty_default_dom_def();
-    ty_dom_stats stats = ty_default_dom_stats();
-    ty_dom* light = NULL;
     def.resolution = 12;
     def.direct = 12;
     def.directions = 48;
     def.surface_points = LAMP_POINTS;
     def.interreflection = interreflection;
-    must(context, ty_dom_solve(scene, &def, &light, &stats));
-    const double out = stats.absorbed[0] + stats.leaving[0];
-    if (!(fabs(out - stats.emitted[0]) <= 3e-3 * stats.emitted[0])) fail_msg("%g of %g", out, stats.emitted[0]);
-    must(context, ty_dom_fluence(light, lower, upper, size, fluence, NULL));
-    ty_dom_destroy(light);
-    return mean_of(fluence);
+    return dom_mean_fluence(scene, &def, half);
 }
 
 /* In a closed room whose walls emit e and reflect a the radiance is e / (1 - a), also in a medium that absorbs nothing.

@@ -1,6 +1,7 @@
 /* Thick cells of discrete ordinates: what half-spaces and slabs are known to send back and let through, clouds in
  * vacuum of any thickness, and light that is the same everywhere. */
 #include "checks.h"
+#include "effort.h"
 #include "solve/ordinates/job.h"
 
 #include <string.h>
@@ -220,6 +221,7 @@ static void fill_cloud(thick_box* box, double thickness, double albedo, double g
 }
 
 static void sweeps_are_few_at_any_thickness(void** state) {
+    skip_under_sanitizers();
     static const double thicknesses[] = {0.01, 1, 30, 100, 150, 200, 316, 500, 1000, 3162, 10000};
     for (size_t i = 0; i < sizeof thicknesses / sizeof *thicknesses; ++i)
         for (int kind = 0; kind < 6; ++kind) {
@@ -253,6 +255,7 @@ static void even_light_stays_even(void** state) {
 
 /* Finer cells, which are not thick, find the same light. */
 static void thin_cells_agree(void** state) {
+    skip_under_sanitizers();
     double leaving[2];
     for (int finer = 0; finer < 2; ++finer) {
         thick_box* box = make_box(*state, finer != 0 ? 48 : 12, finer != 0 ? 48 : 12, finer != 0 ? 48 : 12, 1);

@@ -53,7 +53,7 @@ typedef struct ty_scene_features {
     double enclosed; ///< Fraction of the directions around scattering points that meet a surface within the length of
                      ///< the media's box.
     bool heterogeneous;   ///< True: media are heterogeneous.
-    bool glows;           ///< True: media emit light.
+    bool emissive_media;  ///< True: media emit light.
     bool inside;          ///< True: the camera is in a medium.
     uint32_t lights;      ///< 1 << ty_light_kind for each kind of light; emitting surfaces count as area lights.
     double voxels;        ///< Cells of a grid as fine as the finest of media; 64 along its longest side without grids.

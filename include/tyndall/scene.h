@@ -33,7 +33,7 @@ typedef struct ty_camera_def {
     uint32_t cookie;       ///< Set by ty_default_camera_def() and checked.
     uint32_t bytes;        ///< Set by ty_default_camera_def() to the size of the structure, and checked.
     double position[3];    ///< m; default (0, 0, 5).
-    double target[3];      ///< A point in the middle of the view, m, not at `position`; default (0, 0, 0).
+    double target[3];      ///< A point at the center of the view, m, not at `position`; default (0, 0, 0).
     double up[3];          ///< A direction that points up in the image, not along the view; default (0, 1, 0).
     double fov_y;          ///< Full vertical angle of view, degrees, (0, 180); default 40.
     int32_t resolution[2]; ///< Width and height, pixels, 1..65536; default 800 x 600.

@@ -6,7 +6,7 @@
 
 static const double report_interval = 0.02; /* s */
 /* The fraction from which on the pace tells how long the rest takes. */
-static const double least_fraction = 0.005;
+static const double min_fraction = 0.005;
 
 bool ty_report_due(double* reported) {
     const double now = ty_wall_seconds();
@@ -19,17 +19,17 @@ ty_progress ty_progress_at(const char* stage, double fraction, double seconds) {
     return (ty_progress){.stage = stage,
                          .fraction = fraction,
                          .seconds = seconds,
-                         .remaining = fraction > least_fraction ? seconds * (1 - fraction) / fraction : -1};
+                         .remaining = fraction > min_fraction ? seconds * (1 - fraction) / fraction : -1};
 }
 
-ty_part_progress ty_part_begin(ty_progress_fn function, void* user, double from, double share) {
+ty_part_progress ty_part_begin(ty_progress_fn function, void* user, double from, double span) {
     return (ty_part_progress){
-        .function = function, .user = user, .begun = ty_wall_seconds(), .from = from, .share = share};
+        .function = function, .user = user, .begun = ty_wall_seconds(), .from = from, .span = span};
 }
 
 ty_result ty_part_next(ty_part_progress* progress, const char* stage, double until) {
-    progress->from += progress->share;
-    progress->share = until - progress->from;
+    progress->from += progress->span;
+    progress->span = until - progress->from;
     progress->reported = 0;
     return ty_part_show(progress, stage, 0);
 }
@@ -44,7 +44,7 @@ bool ty_part_report(void* user, const ty_progress* part) {
     ty_part_progress* progress = user;
     if (progress->function == NULL) return true;
     progress->reported = ty_wall_seconds();
-    progress->shown = fmin(fmax(progress->shown, progress->from + progress->share * part->fraction), 1);
+    progress->shown = fmin(fmax(progress->shown, progress->from + progress->span * part->fraction), 1);
     const ty_progress whole = ty_progress_at(part->stage, progress->shown, progress->reported - progress->begun);
     return progress->function(progress->user, &whole);
 }

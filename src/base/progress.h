@@ -13,14 +13,14 @@ ty_progress ty_progress_at(const char* stage, double fraction, double seconds);
 typedef struct ty_part_progress {
     ty_progress_fn function; /* the caller's; may be NULL */
     void* user;
-    double begun;       /* s */
-    double reported;    /* s: time of the last report */
-    double from, share; /* of the whole work */
-    double shown;       /* the largest fraction that was reported */
+    double begun;      /* s */
+    double reported;   /* s: time of the last report */
+    double from, span; /* of the whole work */
+    double shown;      /* the largest fraction that was reported */
 } ty_part_progress;
 
-/* For work that begins now and is from..from + share of the caller's. */
-ty_part_progress ty_part_begin(ty_progress_fn function, void* user, double from, double share);
+/* For work that begins now and is from..from + span of the caller's. */
+ty_part_progress ty_part_begin(ty_progress_fn function, void* user, double from, double span);
 /* Goes on to the next part, up to the fraction `until` of the whole, and reports it. Errors: TY_CANCELLED. */
 ty_result ty_part_next(ty_part_progress* progress, const char* stage, double until);
 /* Reports a fraction of this part, if a report is due. Errors: TY_CANCELLED. */

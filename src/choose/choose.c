@@ -49,7 +49,7 @@ static void name_lights(uint32_t lights, char* out, size_t size) {
 }
 
 static bool media_emit(const ty_scene_features* features) {
-    return features->glows;
+    return features->emissive_media;
 }
 
 /* For example "media of optical thickness 40, g 0.85, lit by the sun". */

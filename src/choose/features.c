@@ -170,7 +170,7 @@ static void list_media(const ty_scene_view* view, ty_vec camera, ty_scene_featur
     for (int32_t i = 0; i < view->medium_count; ++i) {
         if (is_empty(&view->media[i])) continue;
         out->heterogeneous |= view->media[i].heterogeneous != 0;
-        out->glows |= view->media[i].emits != 0;
+        out->emissive_media |= view->media[i].emits != 0;
     }
     ty_spans_find(view->media, view->medium_count, camera, ty_vec_make(0, 0, 1), TY_FLOAT_MAX, &spans);
     for (int32_t i = 0; i < spans.count; ++i)
@@ -212,7 +212,7 @@ static ty_result trace_view_rays(features_job* job, const ty_scene* scene, view_
     return result;
 }
 
-/* Mean optical thickness of the box along its axes, on the lines through its middle. */
+/* Mean optical thickness of the box along its axes, on the lines through its center. */
 static double find_span(features_job* job, const ty_grid_box* box) {
     double sum = 0;
     for (int a = 0; a < 3; ++a) {

@@ -24,7 +24,7 @@
     {                                                                                                                  \
         TY_OPTION_FIELD(def, spp),                                                                                     \
             .type = TY_OPTION_INT, .min = 1, .max = 64, .preset = 1,                                                   \
-            .doc = "Number of camera rays per pixel; a single ray goes through the middle of the pixel."               \
+            .doc = "Number of camera rays per pixel; a single ray goes through the pixel's center."                    \
     }
 #define TY_OPTION_STEP(def, of)                                                                                        \
     {                                                                                                                  \

@@ -145,6 +145,19 @@ ty_result ty_volume_method_enclose(const ty_volume_method* method, const ty_scen
                        offsetof(ty_volume_options, progress_user),                                                     \
                    "the order of ty_volume_options")
 
+/* Defines run_stage of a method's job, which has a member `progress`: one stage of a solve, up to the fraction `until`
+ * of the caller's progress, and its time in seconds. */
+#define TY_DEFINE_RUN_STAGE(job_type)                                                                                  \
+    static ty_result run_stage(job_type* job, const char* stage, double until, ty_result (*run)(job_type * job),       \
+                               double* seconds) {                                                                      \
+        const double begun = ty_wall_seconds();                                                                        \
+        ty_result result = ty_part_next(&job->progress, stage, until);                                                 \
+        if (result == TY_OK) result = run(job);                                                                        \
+        *seconds = ty_wall_seconds() - begun;                                                                          \
+        return result;                                                                                                 \
+    }                                                                                                                  \
+    _Static_assert(true, "")
+
 /* The marcher's def with the camera, channels, surfaces and progress of a call. */
 ty_march_def ty_volume_march_def(ty_volume_call* call);
 

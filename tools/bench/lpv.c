@@ -185,13 +185,13 @@ static void print_paper(const bench_session* bench) {
 }
 
 static ty_result bench_growth(const bench_session* bench, const ty_scene* scene) {
-    static const int32_t sides[GROWTH] = {24, 32, 64, 96};
+    static const int32_t sides[2][GROWTH] = {{24, 32, 64, 96}, {8, 12, 16, 24}}; /* the latter with --quick */
     ty_result result = TY_OK;
     json_open_object(bench->json, "growth");
     for (int m = 0; m < MODES && result == TY_OK; ++m) {
         timed t[GROWTH];
         for (int i = 0; i < GROWTH && result == TY_OK; ++i) {
-            const ty_lpv_def def = table_def(modes[m], sides[i]);
+            const ty_lpv_def def = table_def(modes[m], sides[bench->options->quick][i]);
             result = time_def(bench, scene, &def, &t[i]);
         }
         if (result == TY_OK) print_growth(bench, m, t);

@@ -23,9 +23,7 @@ void bench_write_numbers(json_writer* json, const bench_member* members, size_t 
 }
 
 int bench_make_folder(char out[BENCH_PATH_SIZE]) {
-    const char* folder = getenv("TMPDIR");
-    snprintf(out, BENCH_PATH_SIZE, "%s/tyndall-bench-XXXXXX", folder != NULL && folder[0] != '\0' ? folder : "/tmp");
-    if (mkdtemp(out) != NULL) return CLI_GO;
+    if (cli_make_temporary_folder("bench", out, BENCH_PATH_SIZE)) return CLI_GO;
     return cli_fail(CLI_FAILED, "%s: a folder for the bench cannot be made: %s", out, strerror(errno));
 }
 

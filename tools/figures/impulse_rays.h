@@ -35,7 +35,8 @@ static inline double rays_at(double a, double b, int i, double* weight) {
 }
 
 static inline double rays_phase(double cosine, double g) {
-    return (1 - g * g) / (4 * TY_PI_F64 * pow(1 + g * g - 2 * g * cosine, 1.5));
+    const double base = 1 + g * g - 2 * g * cosine;
+    return (1 - g * g) / (4 * TY_PI_F64 * base * sqrt(base));
 }
 
 static inline void rays_panel(const rays_scene* scene, const double from[3], const double omega[3], double a, double b,
@@ -55,7 +56,7 @@ static inline void rays_panel(const rays_scene* scene, const double from[3], con
 }
 
 /* Radiance along a direction for g = -0.5, 0, 0.5, by panels that grow with distance from the ray's closest point to
- * the emitter. */
+ * the emitter. Beyond that point, where transmittance and source both fall, panels end once one adds less than 1e-8. */
 static inline void rays_radiance(const rays_scene* scene, const double from[3], const double omega[3],
                                  double out[RAYS_PHASES]) {
     double nearest = 0, square = 0, end = 40;
@@ -66,8 +67,10 @@ static inline void rays_radiance(const rays_scene* scene, const double from[3], 
     memset(out, 0, RAYS_PHASES * sizeof *out);
     double width = fmin(1.5, 0.7 * sqrt(square) + 1e-9);
     for (double a = nearest; a < end; width = fmin(1.5, 1.7 * width)) {
+        const double before = out[1];
         rays_panel(scene, from, omega, a, fmin(end, a + width), out);
         a += width;
+        if (width == 1.5 && out[1] - before < 1e-8 * out[1]) break;
     }
     width = fmin(1.5, 0.7 * sqrt(square) + 1e-9);
     for (double b = nearest; b > 0; width = fmin(1.5, 1.7 * width)) {

@@ -40,7 +40,7 @@ TY_FN ty_vec ty_cache_point(const ty_cache_view* view, int32_t cell, float x, fl
 /* One side of a cell: paths whose first ray hits no back face, and paths whose first ray does. */
 typedef struct ty_cache_side_sums {
     ty_vec anchor;
-    ty_cache_sums fronts, backs;
+    ty_cache_sums front_paths, back_paths;
 } ty_cache_side_sums;
 
 /* The sides of the cell being filled. */
@@ -95,7 +95,7 @@ TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, ui
                back = hit_surface && ty_dot(hit.normal, direction) > 0.0f;
     if (hit_surface) ty_cache_mark_surface(request, &hit, direction);
     const uint64_t rays = 4 + 2 * ty_path_follow(&path);
-    ty_cache_sums* sum = back ? &side->backs : &side->fronts;
+    ty_cache_sums* sum = back ? &side->back_paths : &side->front_paths;
     for (int c = 0; c < 3; ++c)
         indirect[c] =
             path.radiance[TY_PATH_REFLECTED][c] + path.radiance[TY_PATH_SINGLE][c] + path.radiance[TY_PATH_MULTIPLE][c];
@@ -130,13 +130,13 @@ TY_FN void ty_cache_store(const ty_cache_view* view, const ty_cache_sums* sums, 
 /* Rays that hit back faces and carry no light start inside walls: on a side that lies partly inside, only the other
  * rays count. False: no ray counts. */
 TY_FN bool ty_cache_store_side(const ty_cache_view* view, ty_cache_side_sums* side, float* light) {
-    ty_cache_sums* all = &side->fronts;
-    if (ty_cache_sum(&side->backs, TY_CACHE_DIRECT) + ty_cache_sum(&side->backs, TY_CACHE_INDIRECT) > 0) {
-        all->paths += side->backs.paths;
+    ty_cache_sums* all = &side->front_paths;
+    if (ty_cache_sum(&side->back_paths, TY_CACHE_DIRECT) + ty_cache_sum(&side->back_paths, TY_CACHE_INDIRECT) > 0) {
+        all->paths += side->back_paths.paths;
         for (int32_t k = 0; k < TY_CACHE_KINDS; ++k)
             for (int c = 0; c < 3; ++c) {
-                all->radiance[k][c] += side->backs.radiance[k][c];
-                for (int a = 0; a < 3; ++a) all->vector[k][c][a] += side->backs.vector[k][c][a];
+                all->radiance[k][c] += side->back_paths.radiance[k][c];
+                for (int a = 0; a < 3; ++a) all->vector[k][c][a] += side->back_paths.vector[k][c][a];
             }
     }
     if (!(all->paths > 0)) return false;

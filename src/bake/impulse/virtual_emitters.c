@@ -376,10 +376,10 @@ static void gather(emitter_search* s, uint32_t samples) {
 }
 
 /* Gathered irradiance summed over layers. */
-static double gathered(const emitter_search* s, int32_t sender, int channel) {
+static double gathered(const emitter_search* s, int32_t emitter, int channel) {
     double sum = 0;
     for (int32_t layer = 0; layer < TY_BAKE_LAYERS; ++layer)
-        sum += s->light[(size_t)sender * LIGHT_SIZE + (size_t)((layer * 3 + channel) * TY_BAKE_SURFACE_TERMS)];
+        sum += s->light[(size_t)emitter * LIGHT_SIZE + (size_t)((layer * 3 + channel) * TY_BAKE_SURFACE_TERMS)];
     return sum / s->samples;
 }
 

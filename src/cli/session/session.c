@@ -188,6 +188,17 @@ int cli_make_folder(const char* command, const char* path) {
     return CLI_GO;
 }
 
+bool cli_make_temporary_folder(const char* use, char* out, size_t size) {
+    const char* folder = getenv("TMPDIR");
+    if (folder == NULL || folder[0] == '\0') folder = "/tmp";
+    const int length = snprintf(out, size, "%s/tyndall-%s-XXXXXX", folder, use);
+    if (length < 0 || (size_t)length >= size) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    return mkdtemp(out) != NULL;
+}
+
 bool cli_has_extension(const char* path, const char* extension) {
     const size_t length = strlen(path), size = strlen(extension);
     return length > size && strcasecmp(path + length - size, extension) == 0;

@@ -41,6 +41,9 @@ const char* cli_last_message(void);
 int cli_check_output(const char* command, const char* path);
 /* Checks a folder likewise, and creates it if missing. */
 int cli_make_folder(const char* command, const char* path);
+/* Creates a folder of its own for temporary files, tyndall-USE-XXXXXX in TMPDIR or /tmp. False, with errno set: it
+ * cannot be made, or its path is longer than `size`. */
+bool cli_make_temporary_folder(const char* use, char* out, size_t size);
 /* True if path ends in an extension (".exr"), ignoring case. */
 bool cli_has_extension(const char* path, const char* extension);
 

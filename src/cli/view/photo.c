@@ -279,7 +279,7 @@ void view_photo_pixels(const view_photo* photo, float* rgb) {
         for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = input->color[c][i];
 }
 
-/* Means of colours over squares; of distances the one in the middle, since means of near and far are neither. */
+/* Means of colours over squares; of distances the central one, since means of near and far are neither. */
 static void shrink(const screen_input* from, int32_t by, float* const color[3], screen_input* to) {
     const float weight = 1 / (float)(by * by);
     for (int32_t y = 0; y < to->height; ++y)

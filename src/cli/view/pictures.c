@@ -107,8 +107,9 @@ static bool read_file(const char* path, uint8_t** bytes, size_t* size) {
 
 bool view_live_image(void* user, view_channel channel, uint8_t** bytes, size_t* size) {
     view_live* live = user;
-    char folder[] = "/tmp/tyndall-view-XXXXXX", path[64], text[512];
-    if (mkdtemp(folder) == NULL) return false;
+    enum { SIZE = 1024 };
+    char folder[SIZE], path[SIZE + 16], text[512];
+    if (!cli_make_temporary_folder("view", folder, sizeof folder)) return false;
     snprintf(path, sizeof path, "%s/image.exr", folder);
     const bool made = view_write_picture(live, channel, path, text, sizeof text) && read_file(path, bytes, size);
     unlink(path);

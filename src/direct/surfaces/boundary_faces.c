@@ -199,7 +199,7 @@ bool ty_boundary_contains(const ty_grid_medium* medium, ty_vec point) {
     return inside;
 }
 
-/* The fraction 1 - 1 / staircase_factor of the light that a stair sends meets other stairs of its surface. */
+/* The fraction 1 - 1 / staircase_factor of the light that a face sends meets other faces of the same staircase. */
 void ty_staircase_albedo(const ty_boundary_side* side, float albedo, float* effective_albedo, float* emission_factor) {
     const float occluded_fraction = 1 - 1 / side->staircase_factor;
     *effective_albedo = albedo / (1 - occluded_fraction * (1 - albedo));

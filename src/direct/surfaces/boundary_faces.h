@@ -36,8 +36,8 @@ void ty_boundary_faces_destroy(ty_boundary_faces* faces);
 /* True for points within half a cell of a medium's box, whose surfaces are closed faces. */
 bool ty_boundary_contains(const ty_grid_medium* medium, ty_vec point);
 
-/* Corrects for stairs that shade each other where the real surface does not: with this albedo, and emission_factor
- * times its emission, a staircase looks from afar as the surface does. */
+/* Corrects for faces of a staircase that shade each other where the real surface does not: with this albedo, and
+ * emission_factor times its emission, a staircase looks from afar as the surface does. */
 void ty_staircase_albedo(const ty_boundary_side* side, float albedo, float* effective_albedo, float* emission_factor);
 
 /* Adjusts the flux of a cell at a side, in the terms of a source field (isotropic, x, y, z), so that they give the

@@ -125,7 +125,7 @@ static void reach(flood* f, size_t cell) {
     f->cells[f->count++] = (int32_t)cell;
 }
 
-/* Flood fill from all reached cells through open faces. */
+/* Flood fill from all visited cells through open faces. */
 static void spread(flood* f) {
     const int32_t* size = f->faces->size;
     const int32_t steps[3] = {1, size[0], size[0] * size[1]};

@@ -130,20 +130,20 @@ static ty_result light_group(const groups_job* job, const ty_light_group* group,
 static ty_result light_groups(const groups_job* job, ty_light_field** fields, ty_light_field** aggregate,
                               ty_light_fluence* fluences, int32_t* count) {
     ty_part_progress* progress = job->progress;
-    const double from = progress->from, fraction = progress->share;
+    const double from = progress->from, fraction = progress->span;
     ty_result result = TY_OK;
     *count = 0;
-    progress->share = fraction / ty_maxf(1, (float)job->group_count);
+    progress->span = fraction / ty_maxf(1, (float)job->group_count);
     for (int32_t i = 0; i < job->group_count && result == TY_OK; ++i) {
         const ty_light_group* group = &job->groups[i];
         ty_light_field** field = group->dedicated ? &fields[*count] : aggregate;
         result = light_group(job, group, field);
-        progress->from += progress->share;
+        progress->from += progress->span;
         if (result == TY_OK && group->dedicated)
             fluences[(*count)++] = ty_light_group_fluence(job->samples, group, *field);
     }
     progress->from = from;
-    progress->share = fraction;
+    progress->span = fraction;
     if (result == TY_OK && *aggregate != NULL)
         fluences[(*count)++] = ty_light_group_fluence(job->samples, NULL, *aggregate);
     return result;

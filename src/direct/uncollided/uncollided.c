@@ -65,7 +65,7 @@ typedef struct add_job {
     float* const* extinction;
     ty_light_field* field;
     ty_transpose_scratch* buffer; /* per plane of the medium; NULL: allocated for each sweep */
-    ty_part_progress progress;    /* its share: of one source */
+    ty_part_progress progress;    /* its span: of one source */
 } add_job;
 
 /* A source's color in units of a field's planes. */
@@ -115,7 +115,7 @@ static void choose_planes(const add_job* job, const ty_discrete_light* const* so
 static ty_result add_collimated(add_job* job, const ty_discrete_light* const* sources, int32_t count) {
     ty_collimated passing[TY_COLLIMATED_MAX];
     ty_part_progress progress = job->progress;
-    progress.share *= (double)count / job->medium->planes;
+    progress.span *= (double)count / job->medium->planes;
     ty_collimated_batch beams = {.beams = passing, .progress = &progress};
     ty_result result = TY_OK;
     for (int32_t begun = 0; begun < count && result == TY_OK; ++begun, ++beams.count)
@@ -125,10 +125,10 @@ static ty_result add_collimated(add_job* job, const ty_discrete_light* const* so
         beams.scratch = job->buffer != NULL ? &job->buffer[p] : NULL;
         choose_planes(job, sources, p, &beams);
         result = ty_collimated_sweep(&beams, job->medium);
-        progress.from += progress.share;
+        progress.from += progress.span;
     }
     for (int32_t i = 0; i < beams.count; ++i) ty_collimated_end(&passing[i]);
-    job->progress.from += count * job->progress.share;
+    job->progress.from += count * job->progress.span;
     job->progress.reported = progress.reported;
     return result;
 }
@@ -184,7 +184,7 @@ static ty_result add_point(add_job* job, const ty_discrete_light* source) {
     color_of_planes(field, source, out.color);
     const ty_result result =
         ty_point_light_add(ty_scene_get_view(job->scene), job->medium, job->extinction, source, &out, &job->progress);
-    job->progress.from += job->progress.share;
+    job->progress.from += job->progress.span;
     return result;
 }
 

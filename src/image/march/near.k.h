@@ -122,7 +122,7 @@ typedef struct ty_near_ray {
 
 /* Adds the optical depths along the ray piece by piece, until it is opaque or the media are uniform: from there the
  * cells are accurate, but for the outer halves of outer cells, whose light is not interpolated. Media with unresolved
- * edges never count as uniform. Returns the distance reached, m. extinction: at the origin. */
+ * edges never count as uniform. Returns the distance marched, m. extinction: at the origin. */
 TY_FN float ty_near_integrate(TY_GLOBAL const ty_march_request* request, const ty_near_ray* near, float extinction,
                               float depth[TY_FLUENCE_COUNT][3]) {
     const float* sums = depth[TY_FLUENCE_UNSCATTERED];
@@ -216,19 +216,19 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     if (request->traces_faces == 0 && (ray.inner[0] > 0.0f || ray.max_distance < 0.0f)) return false;
     float depth[TY_FLUENCE_COUNT][3];
     memset(depth, 0, sizeof depth);
-    const float reached = ty_near_integrate(request, &ray, extinction, depth);
-    const bool outside = enters && reached >= ray.max_distance;
+    const float marched = ty_near_integrate(request, &ray, extinction, depth);
+    const bool outside = enters && marched >= ray.max_distance;
     const float* sums = depth[TY_FLUENCE_UNSCATTERED];
     const bool opaque = sums[0] + sums[1] + sums[2] > 3.0f * TY_NEAR_BLACK;
-    if (!outside && !opaque && (reached < ray.inner[0] || reached > ray.inner[1])) return false;
-    if (scene->mesh != NULL && ty_accel_occluded(scene->mesh, point, wi, reached)) return false;
-    const float distance_ratio = distance < TY_FLOAT_MAX ? (distance - reached) / distance : 1.0f;
+    if (!outside && !opaque && (marched < ray.inner[0] || marched > ray.inner[1])) return false;
+    if (scene->mesh != NULL && ty_accel_occluded(scene->mesh, point, wi, marched)) return false;
+    const float distance_ratio = distance < TY_FLOAT_MAX ? (distance - marched) / distance : 1.0f;
     out->falloff = distance_ratio * distance_ratio;
     const float falloff = outside ? 1.0f : out->falloff;
     for (int32_t f = 0; f < (light->lobe_order != 0 ? TY_FLUENCE_COUNT : 1); ++f)
         for (int32_t c = 0; c < 3; ++c) out->transmittance[f][c] = falloff * ty_attenuation(depth[f][c]);
     for (int32_t c = 0; c < 3; ++c) out->depth[c] = sums[c];
-    out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, reached));
+    out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, marched));
     if (!outside) return true;
     float unattenuated[3];
     ty_near_unattenuated(scene, &light->sample, point, unattenuated);

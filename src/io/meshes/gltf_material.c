@@ -299,10 +299,10 @@ static ty_result read_emission(ty_gltf* gltf, const json_t* json, const ty_json_
         result = ty_gltf_read_number(gltf, extension, json_path, "emissiveStrength", 0, EMISSION_MAX, &strength);
     if (result != TY_OK) return result;
     for (int c = 0; c < 3; ++c) def->emission[c] = (float)fmin(color[c] * strength, EMISSION_MAX);
-    const bool glows = def->emission[0] > 0 || def->emission[1] > 0 || def->emission[2] > 0;
-    return !glows ? TY_OK
-                  : read_texture(gltf, json, json_path, "emissiveTexture", false, &material->emission_texture,
-                                 &def->emission_uv, def->emission_map);
+    const bool emissive = def->emission[0] > 0 || def->emission[1] > 0 || def->emission[2] > 0;
+    return !emissive ? TY_OK
+                     : read_texture(gltf, json, json_path, "emissiveTexture", false, &material->emission_texture,
+                                    &def->emission_uv, def->emission_map);
 }
 
 static ty_result read_alpha(const ty_gltf* gltf, const json_t* json, const ty_json_path* json_path,

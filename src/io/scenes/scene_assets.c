@@ -127,35 +127,35 @@ ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* json_path, 
     return result;
 }
 
+static bool find_grid(const ty_scene_reader* reader, const ty_asset* asset, ty_grid** out) {
+    const ty_asset* found = ty_assets_find(reader->assets, asset);
+    if (found != NULL) *out = found->grid;
+    return found != NULL;
+}
+
+/* Keeps a grid that was made, with the result `made`, for a key of the scene file. */
+static ty_result keep_grid(ty_scene_reader* reader, const ty_json_path* json_path, ty_result made, ty_asset* asset,
+                           ty_grid** out) {
+    ty_result result = ty_reader_prefix_error(reader, json_path, made);
+    if (result == TY_OK) result = ty_assets_keep(reader->assets, asset);
+    if (result == TY_OK) *out = asset->grid;
+    return result;
+}
+
 ty_result ty_make_noise(ty_scene_reader* reader, const ty_json_path* json_path, const ty_noise_def* def,
                         ty_grid** out) {
-    ty_asset noise = {.kind = TY_ASSET_NOISE, .noise = *def};
-    const ty_asset* found = ty_assets_find(reader->assets, &noise);
-    if (found != NULL) {
-        *out = found->grid;
-        return TY_OK;
-    }
-    ty_result result =
-        ty_reader_prefix_error(reader, json_path, ty_grid_create_noise(reader->context, def, &noise.grid));
-    if (result == TY_OK) result = ty_assets_keep(reader->assets, &noise);
-    if (result == TY_OK) *out = noise.grid;
-    return result;
+    ty_asset asset = {.kind = TY_ASSET_NOISE, .noise = *def};
+    if (find_grid(reader, &asset, out)) return TY_OK;
+    return keep_grid(reader, json_path, ty_grid_create_noise(reader->context, def, &asset.grid), &asset, out);
 }
 
 ty_result ty_make_exponential(ty_scene_reader* reader, const ty_json_path* json_path, const ty_exponential_density* def,
                               ty_grid** out) {
     ty_asset asset = {.kind = TY_ASSET_EXPONENTIAL, .exponential = *def};
-    const ty_asset* found = ty_assets_find(reader->assets, &asset);
-    if (found != NULL) {
-        *out = found->grid;
-        return TY_OK;
-    }
-    ty_result result = ty_reader_prefix_error(reader, json_path,
-                                              ty_grid_create_exponential(reader->context, reader->up_axis, def->low,
-                                                                         def->high, def->scale_height, &asset.grid));
-    if (result == TY_OK) result = ty_assets_keep(reader->assets, &asset);
-    if (result == TY_OK) *out = asset.grid;
-    return result;
+    if (find_grid(reader, &asset, out)) return TY_OK;
+    const ty_result made = ty_grid_create_exponential(reader->context, reader->up_axis, def->low, def->high,
+                                                      def->scale_height, &asset.grid);
+    return keep_grid(reader, json_path, made, &asset, out);
 }
 
 /* ---- volumes ---- */

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* Progress of a solve after each of its parts. */
+/* Progress of a solve after each stage. */
 static const double medium_until = 0.1, direct_until = 0.4, ordinates_until = 0.8;
 
 /* ---- solving ---- */
@@ -26,29 +26,23 @@ static void end_job(ty_dom_job* job) {
     ty_grid_medium_destroy(job->fine);
 }
 
-static ty_result run_part(ty_dom_job* job, const char* stage, double until, ty_result (*run)(ty_dom_job* job),
-                          double* seconds) {
-    const double begun = ty_wall_seconds();
-    ty_result result = ty_part_next(&job->progress, stage, until);
-    if (result == TY_OK) result = run(job);
-    *seconds = ty_wall_seconds() - begun;
-    return result;
-}
+TY_DEFINE_RUN_STAGE(ty_dom_job);
 
-static ty_result run_parts(ty_dom_job* job, double fraction) {
+static ty_result run_stages(ty_dom_job* job, double fraction) {
     ty_dom_stats* stats = &job->stats;
-    ty_result result = run_part(job, "media", fraction * medium_until, ty_dom_sample_media, &stats->medium_seconds);
+    ty_result result = run_stage(job, "media", fraction * medium_until, ty_dom_sample_media, &stats->medium_seconds);
     if (result == TY_OK) result = ty_dom_find_boundary(job);
     if (result == TY_OK) result = ty_dom_collect_lights(job);
     if (result == TY_OK)
-        result = run_part(job, "direct light", fraction * direct_until, ty_dom_find_uncollided, &stats->direct_seconds);
+        result =
+            run_stage(job, "direct light", fraction * direct_until, ty_dom_find_uncollided, &stats->direct_seconds);
     stats->direct_seconds -= stats->source_seconds;
     if (result == TY_OK)
-        result = run_part(job, "walls", fraction * direct_until, ty_dom_light_boundary, &stats->wall_seconds);
+        result = run_stage(job, "walls", fraction * direct_until, ty_dom_light_boundary, &stats->wall_seconds);
     if (result == TY_OK)
-        result = run_part(job, "ordinates", fraction * ordinates_until, ty_dom_solve_channels, &stats->solve_seconds);
+        result = run_stage(job, "ordinates", fraction * ordinates_until, ty_dom_solve_channels, &stats->solve_seconds);
     double seconds = 0;
-    if (result == TY_OK) result = run_part(job, "interreflection", fraction, ty_dom_interreflect, &seconds);
+    if (result == TY_OK) result = run_stage(job, "interreflection", fraction, ty_dom_interreflect, &seconds);
     stats->solve_seconds += seconds;
     return result;
 }
@@ -60,7 +54,7 @@ static ty_result solve(ty_volume_call* call) {
                       .progress = call->progress,
                       .light = call->light};
     job.light->context = call->context;
-    const ty_result result = run_parts(&job, call->fraction);
+    const ty_result result = run_stages(&job, call->fraction);
     memcpy(call->stats, &job.stats, sizeof job.stats);
     end_job(&job);
     return result;

@@ -24,7 +24,8 @@ static const ty_option options[] = {
          "Cells of uncollided light along that side; auto is as fine as the finest voxels, or twice as fine where a "
          "transfer function makes edges within them, 256 at most (192 of these where not all lights shine from one "
          "direction or position), and 64 without voxels; voxels thicker than 1.5 mean free paths that point and "
-         "spot lights alone, or with directional ones, shine on are divided into up to 4 per side, 128 cells at most."},
+         "spot lights alone, or with directional ones, shine on are divided into up to 4 per side, 128 cells at most; "
+         "raise it where shadows within media look blurred or stepped; time grows with its third power."},
     {TY_OPTION_FIELD(ty_dom_def, bands), .type = TY_OPTION_INT, .min = 1, .max = TY_DOM_BANDS_MAX, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO,
      .doc = "L, the number of Legendre terms that the phase function keeps without its forward peak; auto follows from "

@@ -5,7 +5,7 @@
 #include "base/sh.k.h"
 #include "method/dom/solve/solve.h"
 #include "method/dom/view/view.h"
-#include "method/interreflection.h"
+#include "method/diffuse/interreflection.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #include "method/fld/job.h"
 
 #include "base/context.h"
-#include "method/diffuse_view.h"
+#include "method/diffuse/view.h"
 #include "method/volume_method.h"
 #include "scene/scene.h"
 #include "solve/diffusion/diffusion.h"
@@ -24,14 +24,7 @@ static void end_job(ty_fld_job* job) {
     ty_grid_medium_destroy(job->fine);
 }
 
-static ty_result run_stage(ty_fld_job* job, const char* stage, double until, ty_result (*run)(ty_fld_job* job),
-                           double* seconds) {
-    const double begun = ty_wall_seconds();
-    ty_result result = ty_part_next(&job->progress, stage, until);
-    if (result == TY_OK) result = run(job);
-    *seconds = ty_wall_seconds() - begun;
-    return result;
-}
+TY_DEFINE_RUN_STAGE(ty_fld_job);
 
 static ty_result run_stages(ty_fld_job* job, double fraction) {
     ty_fld_stats* stats = &job->stats;

@@ -5,7 +5,7 @@
 #include "direct/single/single.k.h"
 #include "direct/uncollided/uncollided.h"
 #include "solve/diffusion/diffuse_light.h"
-#include "method/interreflection.h"
+#include "method/diffuse/interreflection.h"
 #include "method/volume_method.h"
 
 #include <tyndall/fld.h>

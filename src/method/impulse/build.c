@@ -124,7 +124,7 @@ static void run_index(void* user, int64_t index, int32_t worker) {
 /* Runs a loop as the next fraction of the progress, with cancellation. */
 static ty_result run(ty_impulse_work* work, ty_parallel_fn body, int64_t count, double fraction,
                      ty_part_progress* progress) {
-    progress->share = fraction;
+    progress->span = fraction;
     for (int64_t i = 0; i < STEPS; ++i) {
         loop_range p = {body, work, count * i / STEPS};
         ty_parallel_flushed(work->tables->context, count * (i + 1) / STEPS - p.from, run_index, &p);
@@ -146,7 +146,7 @@ static void bounce(ty_impulse_work* work) {
             double sum = 0;
             for (int32_t j = 0; j < count; ++j)
                 sum += half_space_operator[j] * ty_impulse_half_space_fluence(work, b)[j];
-            ty_impulse_half_space_fluence(work, b + 1)[i] = sqrt(4 * TY_PI_F64) * sum;
+            ty_impulse_half_space_fluence(work, b + 1)[i] = ty_impulse_zonal_norm(0) * sum;
             for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k, fluence_operator += count) {
                 const double* fluence = ty_impulse_fluence(work, b, k);
                 sum = 0;

@@ -14,7 +14,7 @@ static void project(const ty_impulse_recurrence* recurrence, const ty_impulse_pa
             const int32_t pair = ty_impulse_pair(l, m);
             sum += sqrt(2) * response->at[pair] * y[pair];
         }
-        zonal[l] = sqrt(4 * TY_PI_F64 / (2 * l + 1)) * sum;
+        zonal[l] = ty_impulse_zonal_norm(l) * sum;
     }
 }
 

@@ -33,7 +33,7 @@ void ty_impulse_half_space_single(void* user, int64_t index, int32_t worker) {
             for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l)
                 sums[g][l] += light * ty_hg_f64(mu, TY_IMPULSE_PHASE_G * (g - 1)) * zonal[l];
     }
-    ty_impulse_half_space_fluence(work, 1)[index] = sqrt(4 * TY_PI_F64) * sums[1][0];
+    ty_impulse_half_space_fluence(work, 1)[index] = ty_impulse_zonal_norm(0) * sums[1][0];
     if (index >= TY_IMPULSE_DISTANCES) return;
     for (int32_t g = 0; g < TY_IMPULSE_PHASES; ++g)
         ty_impulse_store(work, TY_IMPULSE_DIRECTIONAL, 0, (int32_t)index, g, sums[g]);

@@ -40,6 +40,10 @@ static inline int32_t ty_impulse_emitted_orders(int32_t m) {
     return m < 3 ? TY_IMPULSE_ORDERS - m : (TY_IMPULSE_ORDER_LAST - m) / 2 + 1;
 }
 
+/* P_l over y_l^0. */
+static inline double ty_impulse_zonal_norm(int32_t l) {
+    return sqrt(4 * TY_PI_F64 / (2 * l + 1));
+}
 /* y_l^0 only: the basis of Eq. 14 and 15 (Dubouchet 2019). */
 void ty_impulse_zonal(double cosine, double out[TY_IMPULSE_TERMS]);
 

@@ -50,7 +50,7 @@ void ty_impulse_make_fluence_operator(void* user, int64_t index, int32_t worker)
             for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k) kernel[k] += path_weight * at_emitter[k];
         }
         for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k) {
-            const double polynomial = sqrt(4 * TY_PI_F64 / (2 * ty_impulse_orders[k] + 1)) * kernel[k];
+            const double polynomial = ty_impulse_zonal_norm(ty_impulse_orders[k]) * kernel[k];
             for (int32_t j = 0; j < 4; ++j)
                 rows[k * work->distance_count + first + j] += 0.5 * radii.weight[i] * weight[j] * polynomial;
         }
@@ -118,7 +118,7 @@ static void gather(const double angle[TY_IMPULSE_EMITTED_PAIRS], const double* p
 
 static void store_points(const ty_impulse_work* work, int32_t bin, const double* products) {
     /* Order 0 of an area is a quarter of its point. */
-    const double factor = 4 * 2 * TY_PI_F64 * sqrt(4 * TY_PI_F64);
+    const double factor = 4 * 2 * TY_PI_F64 * ty_impulse_zonal_norm(0);
     for (int32_t bounce = 2; bounce <= work->tables->bounces; ++bounce, products += TY_IMPULSE_PRODUCTS) {
         double zonal[TY_IMPULSE_TERMS];
         for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) zonal[l] = factor * products[l * TY_IMPULSE_ORDERS];

@@ -57,7 +57,7 @@ static void make_point(const ty_impulse_recurrence* recurrence, double psi, doub
     for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out->zonal[l] = full_circle * pairs[l];
     ty_impulse_legendre_emitted(recurrence, cos(alpha), sin(alpha), emitted);
     for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k)
-        out->emitted[k] = full_circle * sqrt(4 * TY_PI_F64 / (2 * ty_impulse_orders[k] + 1)) * emitted[k];
+        out->emitted[k] = full_circle * ty_impulse_zonal_norm(ty_impulse_orders[k]) * emitted[k];
     for (int32_t angle = 0; angle < TY_IMPULSE_ANGLES; ++angle) {
         const double cosine = (double)ty_impulse_cosines[angle], sine = sqrt(1 - cosine * cosine);
         clamped_cosine(cosine * cos(alpha), sine * sin(alpha), fourier);

@@ -150,7 +150,7 @@ static ty_result propagate(ty_lpv_job* job, int32_t index, double until) {
     return result;
 }
 
-static ty_result run_parts(ty_lpv_job* job, double fraction) {
+static ty_result run_stages(ty_lpv_job* job, double fraction) {
     ty_result result = ty_part_next(&job->progress, "media", fraction * medium_until);
     if (result == TY_OK) result = place(job);
     if (result == TY_OK) result = ty_part_next(&job->progress, "maps", fraction * map_until);
@@ -161,7 +161,7 @@ static ty_result run_parts(ty_lpv_job* job, double fraction) {
     return result;
 }
 
-/* share: fraction of the caller's progress that the solve covers. */
+/* fraction: the fraction of the caller's progress that the solve covers. */
 static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double fraction, ty_lpv** out,
                        ty_lpv_stats* stats) {
     ty_context* context = ty_scene_context(scene);
@@ -175,7 +175,7 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double frac
     job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
     if (job.light == NULL) return TY_ERROR_MEMORY;
     job.light->context = context;
-    result = run_parts(&job, fraction);
+    result = run_stages(&job, fraction);
     job.stats.seconds = ty_wall_seconds() - job.progress.begun;
     job.stats.rays = atomic_load(&job.counter.rays);
     job.stats.ray_seconds = 1e-9 * (double)atomic_load(&job.counter.nanoseconds) / ty_context_threads(context);

@@ -32,7 +32,9 @@ static const ty_option options[] = {
      .doc = "Number of bands of spherical harmonics."},
     {TY_OPTION_FIELD(ty_lpv_def, window), .type = TY_OPTION_DOUBLE, .min = 0, .max = 1, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO,
-     .doc = "Reduction of high bands at injection, against ringing; auto is 0 with 2 bands and 0.01 with 3."},
+     .doc = "Reduction of high bands at injection, against ringing; auto is 0 with 2 bands and 0.01 with 3; raise it "
+            "where "
+            "dark or negative rings surround small bright patches, which widens all lobes."},
     {TY_OPTION_FIELD(ty_lpv_def, iterations), .type = TY_OPTION_INT, .min = 1, .max = 4096, .preset = TY_AUTO,
      .flags = TY_OPTION_AUTO,
      .doc = "Iterations of propagation; auto goes on until tolerance is reached, and takes 8 in mode published."},
@@ -43,7 +45,9 @@ static const ty_option options[] = {
     {TY_OPTION_FIELD(ty_lpv_def, samples), .type = TY_OPTION_INT, .min = 1, .max = 64, .preset = 8,
      .doc = "Samples on each ray from a light to a texel at most."},
     {TY_OPTION_FIELD(ty_lpv_def, block_side), .type = TY_OPTION_INT, .min = 1, .max = 16, .preset = 3, .unit = "texels",
-     .doc = "Texels per cell, along a side, of the depth maps that find blockers."},
+     .doc = "Texels per cell, along a side, of the depth maps that find blockers; raise it where light leaks past "
+            "columns, "
+            "railings or gaps finer than a third of a cell; time and memory of the blockers grow with its square."},
     {TY_OPTION_FIELD(ty_lpv_def, shadow_side), .type = TY_OPTION_INT, .min = 16, .max = 4096, .preset = 512,
      .unit = "texels", .doc = "Side of the shadow maps of single scattering."},
     {TY_OPTION_FIELD(ty_lpv_def, light_samples), .type = TY_OPTION_INT, .min = 1, .max = 256, .preset = 8,

@@ -55,14 +55,14 @@ static double field_bytes(const ty_octaves* light) {
 ty_result ty_octaves_light(ty_octaves_job* job) {
     const ty_grid_medium* medium = job->medium;
     const int32_t count = job->light->octaves.count;
-    const double from = job->progress.from, fraction = job->progress.share;
+    const double from = job->progress.from, fraction = job->progress.span;
     float* extinction[3] = {0};
     ty_result result = TY_OK;
     for (int32_t p = 0; p < medium->planes && result == TY_OK; ++p) {
         extinction[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
         if (extinction[p] == NULL) result = TY_ERROR_MEMORY;
     }
-    job->progress.share = 0; /* the progress span is divided among the octaves */
+    job->progress.span = 0; /* the progress span is divided among the octaves */
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
         result = ty_part_next(&job->progress, "direct light", from + fraction * (i + 1) / count);
         if (result == TY_OK) result = light_octave(job, extinction, i);

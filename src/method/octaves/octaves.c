@@ -23,14 +23,7 @@ static ty_result sample_media(ty_octaves_job* job) {
     return TY_OK;
 }
 
-static ty_result run_stage(ty_octaves_job* job, const char* stage, double until, ty_result (*run)(ty_octaves_job* job),
-                           double* seconds) {
-    const double begun = ty_wall_seconds();
-    ty_result result = ty_part_next(&job->progress, stage, until);
-    if (result == TY_OK) result = run(job);
-    *seconds = ty_wall_seconds() - begun;
-    return result;
-}
+TY_DEFINE_RUN_STAGE(ty_octaves_job);
 
 static ty_result solve(ty_volume_call* call) {
     ty_octaves_job job = {.context = call->context,

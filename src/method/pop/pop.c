@@ -1,6 +1,6 @@
 /* Entry points of the method: solve, view, render, importance. */
 #include "base/context.h"
-#include "method/diffuse_view.h"
+#include "method/diffuse/view.h"
 #include "method/pop/job.h"
 #include "method/volume_method.h"
 

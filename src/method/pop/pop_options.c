@@ -49,7 +49,10 @@ static const ty_option options[] = {
          "Mean cosine below which light goes on as isotropic, for all ordinates together, in the same modes; 0 means "
          "never, 0.02 errs by 0.4 % and 0.3 by 10 %, at 63 and 20 iterations."},
     {TY_OPTION_FIELD(ty_pop_def, residuum_iterations), .type = TY_OPTION_INT, .min = 1, .max = 10000, .preset = TY_AUTO,
-     .flags = TY_OPTION_AUTO, .doc = "Iterations of that light at most; auto ends when a thousandth is left."},
+     .flags = TY_OPTION_AUTO,
+     .doc = "Iterations of that light at most; auto ends when a thousandth is left; lower it where dense media that "
+            "hardly "
+            "absorb take too long, and what is left (`left` in --stats) is lost."},
     {TY_OPTION_FIELD(ty_pop_def, max_flux_fraction), .formerly = "streaming", .type = TY_OPTION_DOUBLE, .min = 0,
      .max = 1, .preset = TY_AUTO, .flags = TY_OPTION_AUTO | TY_OPTION_OPEN_MIN,
      .doc =

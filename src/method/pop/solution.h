@@ -5,7 +5,7 @@
 #include "direct/single/single.k.h"
 #include "direct/uncollided/uncollided.h"
 #include "method/pop/merge/merge.h"
-#include "method/interreflection.h"
+#include "method/diffuse/interreflection.h"
 #include "method/pop/ordinate/ordinate.h"
 #include "solve/diffusion/diffuse_light.h"
 

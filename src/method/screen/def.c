@@ -24,7 +24,7 @@ static const ty_option options[] = {
     {CHANNELS(forward), .max = 1, .preset = 1, .doc = "Fraction of the scattered light that still arrives."},
     {AXES(focal), .max = 1e9, .flags = TY_OPTION_OPEN_MIN, .unit = "pixels", .doc = "Focal length."},
     {AXES(center), .min = -1e9, .max = 1e9, .preset = -1, .unit = "pixels",
-     .doc = "Principal point from the left and top edge; -1 is the middle."},
+     .doc = "Principal point from the left and top edge; -1 is the center."},
     {TY_OPTION_FIELD(ty_screen_def, missing_depth), .type = TY_OPTION_FLOAT, .max = 1e15, .preset = 1e6,
      .flags = TY_OPTION_OPEN_MIN, .unit = "m", .doc = "Distance of pixels that have none, such as sky."},
     {TY_OPTION_FIELD(ty_screen_def, variant), .type = TY_OPTION_WORD, .words = variants,

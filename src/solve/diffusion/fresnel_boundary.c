@@ -36,8 +36,8 @@ double ty_fresnel_partial_current_factor(double n) {
     return (1 + 3 * m.c2) / (1 - 2 * m.c1);
 }
 
-double ty_fresnel_effective_reflectance(double n, double stairs) {
+double ty_fresnel_effective_reflectance(double n, double staircase_factor) {
     const ty_fresnel_moments m = ty_fresnel_moments_of(n);
-    const double above = stairs * (1 + 3 * m.c2), below = fmax(1 - 2 * m.c1, 0);
+    const double above = staircase_factor * (1 + 3 * m.c2), below = fmax(1 - 2 * m.c1, 0);
     return (above - below) / (above + below);
 }

@@ -19,9 +19,9 @@ typedef struct ty_fresnel_moments {
 ty_fresnel_moments ty_fresnel_moments_of(double n);
 /* A of a relative index n; 1 without an interface (Marshak). */
 double ty_fresnel_partial_current_factor(double n);
-/* R_eff, the fraction of the partial current that an interface of relative index n returns, 0..1. stairs: the area of
- * the faces of cells over that of the surface that they stand for, at least 1, by which A grows, so that as much leaves
- * through the faces as through the surface. */
-double ty_fresnel_effective_reflectance(double n, double stairs);
+/* R_eff, the fraction of the partial current that an interface of relative index n returns, 0..1. staircase_factor: the
+ * area of the faces of cells over that of the surface that they stand for, at least 1, by which A grows, so that as
+ * much leaves through the faces as through the surface. */
+double ty_fresnel_effective_reflectance(double n, double staircase_factor);
 
 #endif

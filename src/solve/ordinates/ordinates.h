@@ -22,11 +22,12 @@ enum { TY_DIFFUSIVE_FREE_PATHS = 6 };
  * dielectrics, which reflect each direction into the one mirrored at the face, with Fresnel's reflectance at the angle
  * to the interface; what they do not reflect counts as absorbed by the faces. */
 typedef struct ty_ordinates_faces {
-    int32_t count;         /* number of sides; 0 (default): no faces */
-    const int32_t* first;  /* first side of each row of cells; the last entry is count */
-    const int32_t* x;      /* cell of each side within its row */
-    const uint8_t* face;   /* 2 * axis + (1 for the upper face) */
-    const float* albedo;   /* [0, 1]; of an interface R_eff, ty_fresnel_effective_reflectance of its index and stairs */
+    int32_t count;        /* number of sides; 0 (default): no faces */
+    const int32_t* first; /* first side of each row of cells; the last entry is count */
+    const int32_t* x;     /* cell of each side within its row */
+    const uint8_t* face;  /* 2 * axis + (1 for the upper face) */
+    const float*
+        albedo; /* [0, 1]; of an interface R_eff, ty_fresnel_effective_reflectance of its index and staircase factor */
     const float* emission; /* emitted radiance besides reflection, W m^-2 sr^-1 */
     float* irradiance;     /* out: irradiance, W m^-2; may be NULL */
     const float* ior;    /* index of the side's cell relative to the other side of the interface, at least 1; 0: opaque.

@@ -181,18 +181,18 @@ static ty_result light_aggregate(direct_job* direct, const ty_light_group* group
 static ty_result light_all_groups(direct_job* direct) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
-    const double from = job->progress.from, fraction = job->progress.share;
+    const double from = job->progress.from, fraction = job->progress.span;
     ty_result result = TY_OK;
     for (int32_t i = 0; i < direct->group_count && result == TY_OK; ++i) {
         const ty_light_group* group = &direct->groups[i];
-        job->progress.share = fraction / ty_maxf(1, (float)direct->group_count);
+        job->progress.span = fraction / ty_maxf(1, (float)direct->group_count);
         result = ty_part_show(&job->progress, "direct light", 0);
         if (result == TY_OK)
             result = group->dedicated ? light_dedicated(direct, group) : light_aggregate(direct, group);
-        job->progress.from += job->progress.share;
+        job->progress.from += job->progress.span;
     }
     job->progress.from = from;
-    job->progress.share = fraction;
+    job->progress.span = fraction;
     if (result != TY_OK || light->aggregate == NULL) return result;
     ty_dom_collimated_batch_flush(job, &direct->batch, &direct->scratch);
     if (!light->isotropic) {

@@ -37,10 +37,10 @@ static double channel_factor(const ty_dom* light, const ty_light_field* field, i
 static void find_direction(const ty_dom* light, const ty_light_fluence* uncollided, const int32_t cell[3],
                            double omega[3]) {
     const ty_vec anchor = uncollided->anchor;
-    const double toward[3] = {(double)anchor.x, (double)anchor.y, (double)anchor.z};
-    for (int a = 0; a < 3; ++a) omega[a] = toward[a];
+    const double position[3] = {(double)anchor.x, (double)anchor.y, (double)anchor.z};
+    for (int a = 0; a < 3; ++a) omega[a] = position[a];
     if (uncollided->kind == TY_FLUENCE_DIRECTIONAL) return;
-    ty_dom_direction_to_eye(light, cell, toward, omega);
+    ty_dom_direction_to_eye(light, cell, position, omega);
     for (int a = 0; a < 3; ++a) omega[a] = -omega[a];
 }
 

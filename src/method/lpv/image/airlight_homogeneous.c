@@ -36,12 +36,12 @@ typedef struct kink_list {
 } kink_list;
 
 /* A lit part of an interval without a kink. */
-typedef struct lit_interval {
+typedef struct lit_segment {
     const media_interval* interval;
     float from, to;
     float weight[3]; /* fraction of the light scattered towards the eye per metre; for local lights without the phase
                         function */
-} lit_interval;
+} lit_segment;
 
 static void add_kink(kink_list* kinks, float from, float to, float t) {
     if (!(t > from && t < to) || kinks->count == CUTS_MAX) return;
@@ -130,36 +130,37 @@ static void scattered_in(const airlight_ray* ray, const media_interval* interval
     }
 }
 
-/* ---- lit parts ---- */
+/* ---- lit segments ---- */
 
 typedef struct lit_segments {
     int32_t count, next;
     const float (*at)[2];
 } lit_segments;
 
-/* Callback for each lit part between two kinks. */
-typedef void (*part_fn)(const airlight_ray* ray, const void* user, const lit_interval* lit_part);
+/* Callback for each lit segment between two kinks. */
+typedef void (*segment_fn)(const airlight_ray* ray, const void* user, const lit_segment* segment);
 
-static void for_each_lit_part(const airlight_ray* ray, const kink_list* kinks, lit_segments* lit,
-                              const media_interval* interval, part_fn take, const void* user, lit_interval* lit_part) {
-    lit_part->interval = interval;
+static void for_each_lit_segment(const airlight_ray* ray, const kink_list* kinks, lit_segments* lit,
+                                 const media_interval* interval, segment_fn take, const void* user,
+                                 lit_segment* segment) {
+    segment->interval = interval;
     for (; lit->next < lit->count; ++lit->next) {
         const float end = ty_minf(lit->at[lit->next][1], interval->to);
         float t = ty_maxf(lit->at[lit->next][0], interval->from);
         for (int32_t i = 0; i <= kinks->count && t < end; ++i) {
             const float kink = i < kinks->count ? kinks->at[i] : end;
             if (kink <= t) continue;
-            lit_part->from = t;
-            lit_part->to = t = ty_minf(kink, end);
-            take(ray, user, lit_part);
+            segment->from = t;
+            segment->to = t = ty_minf(kink, end);
+            take(ray, user, segment);
         }
         if (lit->at[lit->next][1] > interval->to) return;
     }
 }
 
-static void add_part(const airlight_ray* ray, const lit_interval* lit_part, const float scattered[3],
-                     const float light[3]) {
-    for (int c = 0; c < 3; ++c) ray->sum->radiance[c] += scattered[c] * lit_part->weight[c] * light[c];
+static void add_segment(const airlight_ray* ray, const lit_segment* segment, const float scattered[3],
+                        const float light[3]) {
+    for (int c = 0; c < 3; ++c) ray->sum->radiance[c] += scattered[c] * segment->weight[c] * light[c];
 }
 
 /* ---- directional lights ---- */
@@ -254,36 +255,35 @@ static void depth_at(const sun_paths* sun, float t, float depth[3]) {
 }
 
 /* Closed-form integral over a part with linear optical depth. */
-static void take_linear(const airlight_ray* ray, const sun_paths* sun, const lit_interval* lit_part) {
+static void take_linear(const airlight_ray* ray, const sun_paths* sun, const lit_segment* segment) {
     static const float one[3] = {1, 1, 1};
-    const media_interval* interval = lit_part->interval;
-    const float length = lit_part->to - lit_part->from;
+    const media_interval* interval = segment->interval;
+    const float length = segment->to - segment->from;
     float first[3], second[3], light[3] = {0, 0, 0};
     /* Sampled inside the part, because faces of media may lie at its ends. */
-    depth_at(sun, lit_part->from + 0.25f * length, first);
-    depth_at(sun, lit_part->from + 0.75f * length, second);
+    depth_at(sun, segment->from + 0.25f * length, first);
+    depth_at(sun, segment->from + 0.75f * length, second);
     for (int c = 0; c < ray->airlight->channels; ++c) {
-        const float before = interval->depth[c] + interval->extinction[c] * (lit_part->from - interval->from);
+        const float before = interval->depth[c] + interval->extinction[c] * (segment->from - interval->from);
         const float slope = 2.0f * (second[c] - first[c]), start = ty_maxf(0.0f, first[c] - 0.25f * slope);
         const float change = slope + interval->extinction[c] * length, size = fabsf(change);
         light[c] = length * ty_attenuation(before + start + ty_minf(change, 0.0f)) *
                    ty_mean_attenuation(size, ty_attenuation(size));
     }
     for (int c = ray->airlight->channels; c < 3; ++c) light[c] = light[0];
-    add_part(ray, lit_part, one, light);
+    add_segment(ray, segment, one, light);
 }
 
 /* Quadrature over a part with nonlinear optical depth. */
-static void take_curved(const airlight_ray* ray, const sun_paths* sun, const lit_interval* lit_part) {
+static void take_curved(const airlight_ray* ray, const sun_paths* sun, const lit_segment* segment) {
     static const float one[3] = {1, 1, 1};
-    const media_interval* interval = lit_part->interval;
+    const media_interval* interval = segment->interval;
     const ty_scene_view* scene = ray->airlight->scene;
-    const int32_t panels =
-        1 + (int32_t)ty_minf(16.0f, greatest3(interval->extinction) * (lit_part->to - lit_part->from));
-    const float size = (lit_part->to - lit_part->from) / (float)panels;
+    const int32_t panels = 1 + (int32_t)ty_minf(16.0f, greatest3(interval->extinction) * (segment->to - segment->from));
+    const float size = (segment->to - segment->from) / (float)panels;
     float light[3] = {0, 0, 0};
     for (int32_t i = 0; i < panels * NODES; ++i) {
-        const float t = lit_part->from + size * ((float)(i / NODES) + 0.5f + 0.5f * node[i % NODES]);
+        const float t = segment->from + size * ((float)(i / NODES) + 0.5f + 0.5f * node[i % NODES]);
         float passing[3];
         ty_transmittance(ray->airlight->light_media, scene->medium_count, ty_mad(ray->origin, ray->direction, t),
                          sun->back, TY_FLOAT_MAX, NULL, passing);
@@ -291,15 +291,15 @@ static void take_curved(const airlight_ray* ray, const sun_paths* sun, const lit
             light[c] += size * node_weight[i % NODES] * passing[c] *
                         ty_attenuation(interval->depth[c] + interval->extinction[c] * (t - interval->from));
     }
-    add_part(ray, lit_part, one, light);
+    add_segment(ray, segment, one, light);
 }
 
-static void take_sun(const airlight_ray* ray, const void* user, const lit_interval* lit_part) {
+static void take_sun(const airlight_ray* ray, const void* user, const lit_segment* segment) {
     const sun_paths* sun = user;
     if (sun->curved != 0)
-        take_curved(ray, sun, lit_part);
+        take_curved(ray, sun, segment);
     else
-        take_linear(ray, sun, lit_part);
+        take_linear(ray, sun, segment);
 }
 
 static void add_sun(const airlight_ray* ray, const ty_airlight_source* light, lit_segments lit) {
@@ -308,10 +308,10 @@ static void add_sun(const airlight_ray* ray, const ty_airlight_source* light, li
     find_sun(ray, light->light, &sun, &kinks);
     const float mu = ty_dot(sun.back, ray->direction);
     for (int32_t i = 0; i < ray->count && lit.next < lit.count; ++i) {
-        lit_interval lit_part;
-        scattered_in(ray, &ray->intervals[i], mu, lit_part.weight);
-        for (int c = 0; c < 3; ++c) lit_part.weight[c] *= light->light->color[c];
-        for_each_lit_part(ray, &kinks, &lit, &ray->intervals[i], take_sun, &sun, &lit_part);
+        lit_segment segment;
+        scattered_in(ray, &ray->intervals[i], mu, segment.weight);
+        for (int c = 0; c < 3; ++c) segment.weight[c] *= light->light->color[c];
+        for_each_lit_segment(ray, &kinks, &lit, &ray->intervals[i], take_sun, &sun, &segment);
     }
 }
 
@@ -337,10 +337,10 @@ typedef struct quadrature_panel {
     float low, high, sign;
 } quadrature_panel;
 
-static void passing_to(const airlight_ray* ray, const local_light* local, const lit_interval* lit_part, float t,
+static void passing_to(const airlight_ray* ray, const local_light* local, const lit_segment* segment, float t,
                        float distance, float passing[3]) {
     const ty_scene_view* scene = ray->airlight->scene;
-    const media_interval* interval = lit_part->interval;
+    const media_interval* interval = segment->interval;
     const bool simple = local->of->inside != 0 && (ray->airlight->collide & ~interval->media) == 0 &&
                         ray->airlight->light_media == scene->media;
     const float travelled = t - interval->from + (simple ? distance : 0.0f);
@@ -356,7 +356,7 @@ static void passing_to(const airlight_ray* ray, const local_light* local, const 
     for (int c = 0; c < 3; ++c) passing[c] *= from_light[c];
 }
 
-static void take_panel(const airlight_ray* ray, const local_light* local, const lit_interval* lit_part,
+static void take_panel(const airlight_ray* ray, const local_light* local, const lit_segment* segment,
                        const quadrature_panel* panel) {
     const float center = 0.5f * (panel->low + panel->high), half = 0.5f * (panel->high - panel->low);
     const ty_light_view* light = local->of->light;
@@ -364,19 +364,19 @@ static void take_panel(const airlight_ray* ray, const local_light* local, const 
         float sine, cosine, scattered[3], passing[3];
         ty_sincos_2pi((center + half * node[i]) * (0.5f / TY_PI), &sine, &cosine);
         const float ahead = panel->sign * cosine, distance = local->approach.off / sine;
-        const float t = ty_clampf(local->approach.nearest + ahead * distance, lit_part->from, lit_part->to);
+        const float t = ty_clampf(local->approach.nearest + ahead * distance, segment->from, segment->to);
         float weight = node_weight[i] * 2.0f * half / local->approach.off;
         if (light->kind == TY_KIND_SPOT) weight *= ty_spot_falloff(light, sine * local->beside + ahead * local->along);
-        scattered_in(ray, lit_part->interval, -ahead, scattered);
-        passing_to(ray, local, lit_part, t, distance, passing);
+        scattered_in(ray, segment->interval, -ahead, scattered);
+        passing_to(ray, local, segment, t, distance, passing);
         for (int c = 0; c < 3; ++c) passing[c] *= weight;
-        add_part(ray, lit_part, scattered, passing);
+        add_segment(ray, segment, scattered, passing);
     }
 }
 
 /* A part on one side of the closest point, between `near` and `far` metres from it, in panels narrower than the peak of
  * the phase functions. */
-static void take_side(const airlight_ray* ray, const local_light* local, const lit_interval* lit_part, float near,
+static void take_side(const airlight_ray* ray, const local_light* local, const lit_segment* segment, float near,
                       float far, float sign) {
     const float high = atan2f(local->approach.off, near), peak = local->peak[sign > 0];
     float low = atan2f(local->approach.off, far);
@@ -384,24 +384,24 @@ static void take_side(const airlight_ray* ray, const local_light* local, const l
         quadrature_panel panel = {.low = low, .sign = sign};
         panel.high = ty_minf(high, low + ty_minf(local->panel, 2.0f * (low + peak)));
         if (high - panel.high < 0.25f * (panel.high - low)) panel.high = high;
-        take_panel(ray, local, lit_part, &panel);
+        take_panel(ray, local, segment, &panel);
         low = panel.high;
     }
 }
 
-static void integrate_local_light(const airlight_ray* ray, const void* user, const lit_interval* whole) {
+static void integrate_local_light(const airlight_ray* ray, const void* user, const lit_segment* whole) {
     const local_light* local = user;
     const float nearest = local->approach.nearest,
                 depth = greatest3(whole->interval->extinction) * (whole->to - whole->from);
     const int32_t count = 1 + (int32_t)ty_minf(depth * (1.0f / PANEL_DEPTH), 64.0f);
     for (int32_t i = 0; i < count; ++i) {
-        lit_interval lit_part = *whole;
-        lit_part.from = ty_lerpf(whole->from, whole->to, (float)i / (float)count);
-        lit_part.to = ty_lerpf(whole->from, whole->to, (float)(i + 1) / (float)count);
-        if (lit_part.from < nearest)
-            take_side(ray, local, &lit_part, ty_maxf(0.0f, nearest - lit_part.to), nearest - lit_part.from, -1.0f);
-        if (lit_part.to > nearest)
-            take_side(ray, local, &lit_part, ty_maxf(0.0f, lit_part.from - nearest), lit_part.to - nearest, 1.0f);
+        lit_segment segment = *whole;
+        segment.from = ty_lerpf(whole->from, whole->to, (float)i / (float)count);
+        segment.to = ty_lerpf(whole->from, whole->to, (float)(i + 1) / (float)count);
+        if (segment.from < nearest)
+            take_side(ray, local, &segment, ty_maxf(0.0f, nearest - segment.to), nearest - segment.from, -1.0f);
+        if (segment.to > nearest)
+            take_side(ray, local, &segment, ty_maxf(0.0f, segment.from - nearest), segment.to - nearest, 1.0f);
     }
 }
 
@@ -425,10 +425,10 @@ static void find_peaks(const ty_airlight* airlight, local_light* local) {
 /* A spot light's intensity has kinks at its inner cone. */
 static void add_spot_kinks(const airlight_ray* ray, const ty_light_view* light, kink_list* kinks) {
     const float from = ray->intervals[0].from, to = ray->intervals[ray->count - 1].to;
-    ty_ray_interval lit_part = {from, to};
-    if (!ty_ray_interval_clip_cone(light, light->cos_inner, ray->origin, ray->direction, &lit_part)) return;
-    add_kink(kinks, from, to, lit_part.from);
-    add_kink(kinks, from, to, lit_part.to);
+    ty_ray_interval segment = {from, to};
+    if (!ty_ray_interval_clip_cone(light, light->cos_inner, ray->origin, ray->direction, &segment)) return;
+    add_kink(kinks, from, to, segment.from);
+    add_kink(kinks, from, to, segment.to);
 }
 
 static void add_local_light(const airlight_ray* ray, const ty_airlight_source* light, lit_segments lit) {
@@ -445,10 +445,10 @@ static void add_local_light(const airlight_ray* ray, const ty_airlight_source* l
         local.beside = ty_dot(beside, light->light->direction) / local.approach.off;
         add_spot_kinks(ray, light->light, &kinks);
     }
-    lit_interval lit_part;
-    memcpy(lit_part.weight, light->light->color, sizeof lit_part.weight);
+    lit_segment segment;
+    memcpy(segment.weight, light->light->color, sizeof segment.weight);
     for (int32_t i = 0; i < ray->count && lit.next < lit.count; ++i)
-        for_each_lit_part(ray, &kinks, &lit, &ray->intervals[i], integrate_local_light, &local, &lit_part);
+        for_each_lit_segment(ray, &kinks, &lit, &ray->intervals[i], integrate_local_light, &local, &segment);
 }
 
 /* ---- all lights ---- */

@@ -101,7 +101,7 @@ static ty_result place_light_points(ty_lpv_march_state* state) {
 /* Renders all bands of one sample; until: as in ty_part_next. */
 static ty_result add_sample(ty_lpv_march_state* state, double until) {
     static const double surfaces_share = 0.9; /* of the work of a band */
-    const double from = state->progress.from + state->progress.share, per_row = (until - from) / state->height;
+    const double from = state->progress.from + state->progress.span, per_row = (until - from) / state->height;
     ty_result result = place_light_points(state);
     for (int32_t top = 0, composed = 0; top < state->height && result == TY_OK; top += TY_BAND) {
         const int32_t bottom = top + TY_BAND < state->height ? top + TY_BAND : state->height;

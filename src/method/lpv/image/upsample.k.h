@@ -103,7 +103,7 @@ enum { TY_LPV_UPSAMPLE_WIDTH = 16 };
 typedef struct ty_lpv_upsample_neighbours {
     TY_GLOBAL const ty_lpv_media_sample* media_samples[TY_LPV_UPSAMPLE_WIDTH][4];
     float far[TY_LPV_UPSAMPLE_WIDTH];
-    float reached[4][TY_LPV_UPSAMPLE_WIDTH], weight[4][TY_LPV_UPSAMPLE_WIDTH], farther[4][TY_LPV_UPSAMPLE_WIDTH];
+    float marched[4][TY_LPV_UPSAMPLE_WIDTH], weight[4][TY_LPV_UPSAMPLE_WIDTH], farther[4][TY_LPV_UPSAMPLE_WIDTH];
     float sum[TY_LPV_UPSAMPLE_WIDTH]; /* of weights */
 } ty_lpv_upsample_neighbours;
 
@@ -118,7 +118,7 @@ TY_FN void ty_lpv_upsample_find(const ty_lpv_upsample* from, int32_t x, int32_t 
         row->far[k] = ty_minf(distance[k < count ? k : 0], TY_FLOAT_MAX);
         for (int i = 0; i < 4; ++i) {
             row->media_samples[k][i] = lines[i / 2] + columns[i % 2];
-            row->reached[i][k] = row->media_samples[k][i]->radiance.distance;
+            row->marched[i][k] = row->media_samples[k][i]->radiance.distance;
         }
     }
 }
@@ -133,8 +133,8 @@ TY_FN void ty_lpv_upsample_weigh(const ty_lpv_upsample* from, int32_t x, int32_t
     for (int i = 0; i < 4; ++i) {
 #pragma omp simd
         for (int32_t k = 0; k < TY_LPV_UPSAMPLE_WIDTH; ++k) {
-            row->reached[i][k] = ty_minf(row->reached[i][k], TY_FLOAT_MAX);
-            like[i][k] = ty_similarity(row->far[k], row->reached[i][k]);
+            row->marched[i][k] = ty_minf(row->marched[i][k], TY_FLOAT_MAX);
+            like[i][k] = ty_similarity(row->far[k], row->marched[i][k]);
         }
     }
 #pragma omp simd
@@ -159,7 +159,7 @@ TY_FN void ty_lpv_upsample_weigh(const ty_lpv_upsample* from, int32_t x, int32_t
         const float scale = 1.0f / sum;
         for (int i = 0; i < 4; ++i) {
             row->weight[i][k] *= scale;
-            row->farther[i][k] = row->weight[i][k] != 0.0f ? row->far[k] - row->reached[i][k] : 0.0f;
+            row->farther[i][k] = row->weight[i][k] != 0.0f ? row->far[k] - row->marched[i][k] : 0.0f;
         }
         row->sum[k] = sum;
     }

@@ -99,7 +99,7 @@ TY_FN void ty_spans_emitted_radiance(TY_GLOBAL const ty_medium_view* media, cons
     float at = 0.0f;
     for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
     for (;;) {
-        float next = TY_FLOAT_MAX, sigma_t[3] = {0.0f, 0.0f, 0.0f}, sends[3] = {0.0f, 0.0f, 0.0f};
+        float next = TY_FLOAT_MAX, sigma_t[3] = {0.0f, 0.0f, 0.0f}, emission[3] = {0.0f, 0.0f, 0.0f};
         for (int32_t i = 0; i < spans->count; ++i) {
             if (spans->enter[i] > at) next = ty_minf(next, spans->enter[i]);
             if (spans->leave[i] > at) next = ty_minf(next, spans->leave[i]);
@@ -107,14 +107,14 @@ TY_FN void ty_spans_emitted_radiance(TY_GLOBAL const ty_medium_view* media, cons
             TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[i]];
             for (int c = 0; c < 3; ++c) {
                 sigma_t[c] += medium->sigma_t[c];
-                sends[c] += (medium->sigma_t[c] - medium->sigma_s[c]) * medium->emission[c];
+                emission[c] += (medium->sigma_t[c] - medium->sigma_s[c]) * medium->emission[c];
             }
         }
         const bool last = next >= TY_FLOAT_MAX;
         for (int c = 0; c < 3; ++c) {
             if (!(sigma_t[c] > 0.0f)) continue;
             const float depth = sigma_t[c] * (next - at);
-            radiance[c] += passed[c] * (last ? 1.0f : ty_collision_probability(depth)) * sends[c] / sigma_t[c];
+            radiance[c] += passed[c] * (last ? 1.0f : ty_collision_probability(depth)) * emission[c] / sigma_t[c];
             passed[c] *= last ? 0.0f : ty_expf(-depth);
         }
         if (last) return;
@@ -179,64 +179,64 @@ typedef struct ty_majorant_tracker {
     float t; /* distance of the tentative collision; TY_FLOAT_MAX past the last */
 } ty_majorant_tracker;
 
-TY_FN void ty_majorant_tracker_next(ty_majorant_tracker* walker, float u) {
+TY_FN void ty_majorant_tracker_next(ty_majorant_tracker* tracker, float u) {
     float left = ty_exponential(u);
-    float t = walker->t;
+    float t = tracker->t;
     for (;;) {
-        const float rate = walker->bricks.majorant * walker->bricks.medium->sigma_t_max;
-        const float room = (walker->bricks.leave - t) * rate;
-        if (left < room) {
-            walker->t = t + ty_maxf(left / rate, TY_MIN_COLLISION_STEP * t);
+        const float rate = tracker->bricks.majorant * tracker->bricks.medium->sigma_t_max;
+        const float depth = (tracker->bricks.leave - t) * rate;
+        if (left < depth) {
+            tracker->t = t + ty_maxf(left / rate, TY_MIN_COLLISION_STEP * t);
             return;
         }
-        left -= room;
-        if (!ty_majorant_dda_next(&walker->bricks)) break;
-        t = walker->bricks.enter;
+        left -= depth;
+        if (!ty_majorant_dda_next(&tracker->bricks)) break;
+        t = tracker->bricks.enter;
     }
-    walker->t = TY_FLOAT_MAX;
+    tracker->t = TY_FLOAT_MAX;
 }
 
-TY_FN void ty_majorant_tracker_begin(ty_majorant_tracker* walker, TY_GLOBAL const ty_medium_view* medium, ty_vec origin,
-                                     ty_vec direction, float enter, float leave, float u) {
-    ty_majorant_dda_begin(&walker->bricks, medium, origin, direction, enter, leave);
-    walker->t = enter;
-    ty_majorant_tracker_next(walker, u);
+TY_FN void ty_majorant_tracker_begin(ty_majorant_tracker* tracker, TY_GLOBAL const ty_medium_view* medium,
+                                     ty_vec origin, ty_vec direction, float enter, float leave, float u) {
+    ty_majorant_dda_begin(&tracker->bricks, medium, origin, direction, enter, leave);
+    tracker->t = enter;
+    ty_majorant_tracker_next(tracker, u);
 }
 
 /* Single-scattering albedo at a tentative collision. */
-TY_FN void ty_majorant_tracker_albedo(const ty_majorant_tracker* walker, ty_vec origin, ty_vec direction,
+TY_FN void ty_majorant_tracker_albedo(const ty_majorant_tracker* tracker, ty_vec origin, ty_vec direction,
                                       float albedo[3]) {
-    ty_medium_albedo(walker->bricks.medium, ty_mad(origin, direction, walker->t), albedo);
+    ty_medium_albedo(tracker->bricks.medium, ty_mad(origin, direction, tracker->t), albedo);
 }
 
 /* Accepts a tentative collision as real or null and updates beta. A gray medium whose minorant already decides needs no
  * density lookup. Emission is accumulated at every tentative collision. */
-TY_FN bool ty_majorant_tracker_collides(const ty_majorant_tracker* walker, ty_vec origin, ty_vec direction,
+TY_FN bool ty_majorant_tracker_collides(const ty_majorant_tracker* tracker, ty_vec origin, ty_vec direction,
                                         ty_sampler* random, float beta[3], float emitted[3]) {
-    TY_GLOBAL const ty_medium_view* medium = walker->bricks.medium;
-    const float high = walker->bricks.majorant;
+    TY_GLOBAL const ty_medium_view* medium = tracker->bricks.medium;
+    const float high = tracker->bricks.majorant;
     const float u = ty_rng_uniform(random);
     float albedo[3];
     if (medium->gray != 0 && medium->emits == 0) {
-        const bool real = u * high < walker->bricks.minorant ||
-                          u * high < ty_majorant_dda_density(&walker->bricks, walker->t, random);
+        const bool real = u * high < tracker->bricks.minorant ||
+                          u * high < ty_majorant_dda_density(&tracker->bricks, tracker->t, random);
         if (real) {
-            ty_majorant_tracker_albedo(walker, origin, direction, albedo);
+            ty_majorant_tracker_albedo(tracker, origin, direction, albedo);
             for (int c = 0; c < 3; ++c) beta[c] *= albedo[c];
         }
         return real;
     }
-    const float fraction = ty_majorant_dda_density(&walker->bricks, walker->t, random) / (high * medium->sigma_t_max);
+    const float fraction = ty_majorant_dda_density(&tracker->bricks, tracker->t, random) / (high * medium->sigma_t_max);
     if (medium->emits != 0) {
-        float sends[3];
-        ty_medium_emission_coefficient(medium, ty_mad(origin, direction, walker->t), sends);
-        for (int c = 0; c < 3; ++c) emitted[c] += beta[c] * fraction * sends[c];
+        float emission[3];
+        ty_medium_emission_coefficient(medium, ty_mad(origin, direction, tracker->t), emission);
+        for (int c = 0; c < 3; ++c) emitted[c] += beta[c] * fraction * emission[c];
     }
     float real = 0.0f;
     for (int c = 0; c < 3; ++c) real += beta[c] * medium->sigma_t[c];
     const float probability = fraction * real / ty_sum3(beta);
     if (u < probability) {
-        ty_majorant_tracker_albedo(walker, origin, direction, albedo);
+        ty_majorant_tracker_albedo(tracker, origin, direction, albedo);
         for (int c = 0; c < 3; ++c) beta[c] *= fraction * medium->sigma_t[c] * albedo[c] / probability;
         return true;
     }
@@ -250,21 +250,21 @@ TY_FN bool ty_majorant_tracker_collides(const ty_majorant_tracker* walker, ty_ve
  * to emitted at every tentative collision. */
 TY_FN bool ty_delta_tracking(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, ty_vec origin,
                              ty_vec direction, ty_sampler* random, float beta[3], float emitted[3], ty_collision* out) {
-    ty_majorant_tracker walkers[TY_SPANS_MAX];
+    ty_majorant_tracker trackers[TY_SPANS_MAX];
     for (int32_t i = 0; i < spans->count; ++i)
-        ty_majorant_tracker_begin(&walkers[i], &media[spans->medium[i]], origin, direction, spans->enter[i],
+        ty_majorant_tracker_begin(&trackers[i], &media[spans->medium[i]], origin, direction, spans->enter[i],
                                   spans->leave[i], i == 0 ? ty_sobol_next(random) : ty_rng_uniform(random));
     for (;;) {
         int32_t first = 0;
         for (int32_t i = 1; i < spans->count; ++i)
-            if (walkers[i].t < walkers[first].t) first = i;
-        if (walkers[first].t >= TY_FLOAT_MAX) return false;
-        if (ty_majorant_tracker_collides(&walkers[first], origin, direction, random, beta, emitted)) {
-            out->t = walkers[first].t;
+            if (trackers[i].t < trackers[first].t) first = i;
+        if (trackers[first].t >= TY_FLOAT_MAX) return false;
+        if (ty_majorant_tracker_collides(&trackers[first], origin, direction, random, beta, emitted)) {
+            out->t = trackers[first].t;
             out->medium = spans->medium[first];
             return true;
         }
-        ty_majorant_tracker_next(&walkers[first], ty_rng_uniform(random));
+        ty_majorant_tracker_next(&trackers[first], ty_rng_uniform(random));
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/octahedral.k.h"
 #include "base/random.k.h"
+#include "base/voxel_dda.h"
 #include "scene/media/phase.k.h"
 
 /* Defined as 1 in the build of the kernel that takes a guide. */
@@ -86,20 +87,22 @@ TY_FN int64_t ty_guide_jittered_cell(const ty_guide_cells* cells, ty_vec at, ty_
     return ty_guide_cell_at(cells, at, offset);
 }
 
-/* Cells along a ray (Amanatides and Woo 1987). */
+/* Cells along a ray. */
 typedef struct ty_guide_walk {
+    ty_voxel_dda dda;
     float from, to, leave; /* m along the ray: the present cell, the end of all */
-    float next[3], step_t[3];
-    int32_t cell[3], step[3], size[3];
+    int32_t size[3];
 } ty_guide_walk;
 
 TY_FN int64_t ty_guide_walk_cell(const ty_guide_walk* walk) {
-    return walk->cell[0] + (int64_t)walk->size[0] * (walk->cell[1] + (int64_t)walk->size[1] * walk->cell[2]);
+    const int32_t* cell = walk->dda.voxel;
+    return cell[0] + (int64_t)walk->size[0] * (cell[1] + (int64_t)walk->size[1] * cell[2]);
 }
 
-TY_FN int32_t ty_guide_walk_axis(const ty_guide_walk* walk) {
-    const int32_t axis = walk->next[0] <= walk->next[1] ? 0 : 1;
-    return walk->next[axis] <= walk->next[2] ? axis : 2;
+/* Sets the end of the present cell. */
+TY_FN void ty_guide_walk_set_end(ty_guide_walk* walk) {
+    const float face = (float)walk->dda.next[ty_voxel_dda_axis(&walk->dda)];
+    walk->to = ty_minf(walk->leave, ty_maxf(walk->from, face));
 }
 
 /* False if the ray has no part of [enter, leave] in the box. */
@@ -121,28 +124,23 @@ TY_FN bool ty_guide_walk_begin(ty_guide_walk* walk, const ty_guide_cells* cells,
     walk->leave = leave;
     for (int a = 0; a < 3; ++a) {
         const int32_t cell = ty_guide_clamp_cell(cells, a, ty_guide_coordinate(cells, a, o[a] + d[a] * enter));
+        const double side = 1.0 / (double)cells->per_metre[a],
+                     low = (double)cells->lower[a] + cell * side - (double)o[a];
         walk->size[a] = cells->size[a];
-        walk->cell[a] = cell;
-        walk->step[a] = d[a] > 0.0f ? 1 : -1;
-        walk->next[a] = walk->step_t[a] = TY_FLOAT_MAX;
-        if (d[a] == 0.0f) continue;
-        const float inverse = 1.0f / d[a], edge = 1.0f / cells->per_metre[a];
-        walk->next[a] = (cells->lower[a] + (float)(d[a] > 0.0f ? cell + 1 : cell) * edge - o[a]) * inverse;
-        walk->step_t[a] = edge * fabsf(inverse);
+        ty_voxel_dda_set(&walk->dda, a, cell, (double)d[a], low, low + side, side);
     }
-    walk->to = ty_minf(leave, ty_maxf(enter, walk->next[ty_guide_walk_axis(walk)]));
+    ty_guide_walk_set_end(walk);
     return true;
 }
 
 /* Goes on to the next cell; false at the end. */
 TY_FN bool ty_guide_walk_next(ty_guide_walk* walk) {
     if (!(walk->to < walk->leave)) return false;
-    const int32_t axis = ty_guide_walk_axis(walk);
-    walk->cell[axis] += walk->step[axis];
-    if (walk->cell[axis] < 0 || walk->cell[axis] >= walk->size[axis]) return false;
-    walk->next[axis] += walk->step_t[axis];
+    const int32_t axis = ty_voxel_dda_axis(&walk->dda);
+    ty_voxel_dda_advance(&walk->dda, axis);
+    if (walk->dda.voxel[axis] < 0 || walk->dda.voxel[axis] >= walk->size[axis]) return false;
     walk->from = walk->to;
-    walk->to = ty_minf(walk->leave, ty_maxf(walk->from, walk->next[ty_guide_walk_axis(walk)]));
+    ty_guide_walk_set_end(walk);
     return true;
 }
 

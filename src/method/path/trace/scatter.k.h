@@ -25,9 +25,9 @@ typedef struct ty_scatter_vertex {
 TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
     if (light->kind == TY_KIND_DIRECTIONAL) return ty_scale(light->direction, -1.0f);
     ty_vec to = ty_sub(light->position, from);
-    const float middle = light->kind == TY_KIND_TRIANGLE ? 1.0f / 3.0f : 0.5f;
+    const float center = light->kind == TY_KIND_TRIANGLE ? 1.0f / 3.0f : 0.5f;
     if (light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE)
-        to = ty_mad(ty_mad(to, light->u, middle), light->v, middle);
+        to = ty_mad(ty_mad(to, light->u, center), light->v, center);
     const float d2 = ty_dot(to, to);
     return d2 > 1e-30f ? ty_scale(to, 1.0f / sqrtf(d2)) : ty_vec_make(0, 0, 1);
 }

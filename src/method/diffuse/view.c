@@ -1,6 +1,6 @@
 /* Fields of diffuse light: without surfaces the light's own arrays; with them copies, in which neither light behind a
  * surface nor the dark inside of a solid is left where interpolation for the eye reads it. */
-#include "method/diffuse_view.h"
+#include "method/diffuse/view.h"
 
 #include "base/context.h"
 #include "image/march/hidden_cells.h"

@@ -1,9 +1,9 @@
 /* Surfaces outside of the box return light of media to them. Its first return is solved as light that enters the box,
  * and stands for all further ones, which are in proportion. */
-#include "method/interreflection.h"
+#include "method/diffuse/interreflection.h"
 
 #include "base/context.h"
-#include "method/diffuse_view.h"
+#include "method/diffuse/view.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Interreflection of media with the surfaces outside of their box, for methods that diffuse light on cells. */
-#ifndef TY_METHOD_INTERREFLECTION_H
-#define TY_METHOD_INTERREFLECTION_H
+#ifndef TY_METHOD_DIFFUSE_INTERREFLECTION_H
+#define TY_METHOD_DIFFUSE_INTERREFLECTION_H
 
 #include "image/march/irradiance_cache.h"
 #include "solve/diffusion/diffuse_light.h"
