@@ -249,7 +249,8 @@ killed_after() {
   seconds=$1
   shift
   rm -f out.exr*
-  start render "$@" --spp 1000000 -o out.exr --resume
+  # Without a guide, whose solve and pilot come before the first sample and count as time.
+  start render "$@" --spp 1000000 -o out.exr --resume -D render.path.guide=none
   before="$(date +%s.%N) $(work)"
   sleep "$seconds"
   after="$(date +%s.%N) $(work)"

@@ -113,7 +113,8 @@ static void one_of_several_series_is_chosen(void** state) {
            "is for folders and files of DICOM");
     refuse(HEAD "'media':[{'sigma_s':1,'density':{'file':'a.vol'}}]}", "cut short in its header");
     refuse(HEAD "'media':[{'sigma_s':1,'density':{'file':'head','raw':{'size':[1,1,1]}}}]}", "is for raw files");
-    refuse(HEAD "'media':[{'sigma_s':1,'density':{'file':'head','grid':'density'}}]}", "is for .vdb and .nvdb files");
+    refuse(HEAD "'media':[{'sigma_s':1,'density':{'file':'head','grid':'density'}}]}",
+           "is for .vdb, .nvdb, .vti, .vtk and .nc files");
     put_file("plain", "x", 1);
     refuse(HEAD "'media':[{'sigma_s':1,'density':{'file':'plain'}}]}", "cannot read volumes of this type");
 }

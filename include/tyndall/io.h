@@ -169,8 +169,9 @@ typedef struct ty_volume_field {
 /// - .vti, any number of fields of one size and placement: "zip", "none". Floats at points, the centres of voxels.
 /// - .nvdb, .nrrd, one field of one component: ty_nanovdb_write() with "zip", "none"; ty_nrrd_write() with "gzip",
 ///   "none".
+/// - .vol, the same: ty_mitsuba_write() with "none".
 ///
-/// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+/// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY, and of .vol TY_ERROR_INPUT (voxels that are turned).
 TY_API ty_result ty_volume_write(ty_context* context, const ty_volume_field* fields, int32_t count, const char* codec,
                                  const char* path);
 

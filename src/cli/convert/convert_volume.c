@@ -77,5 +77,6 @@ int cli_convert_volume(cli_session* session, convert_volume_options* options, co
         .name = options->def.grid, .components = options->vector ? 3 : 1, .grids = {grids[0], grids[1], grids[2]}};
     if (result == TY_OK) result = ty_volume_write(session->context, &field, 1, options->codec, output);
     release(grids);
+    if (result == TY_ERROR_INPUT) return cli_fail_reading(session, result); /* a grid that the format cannot hold */
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }

@@ -81,13 +81,15 @@ ty_result ty_volume_write(ty_context* context, const ty_volume_field* fields, in
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_write: path is NULL");
     if (has_extension(path, ".vdb")) return write_vdb(context, fields, count, codec, path);
     if (has_extension(path, ".vti")) return write_vti(context, fields, count, codec, path);
-    const bool nanovdb = has_extension(path, ".nvdb");
-    if (!nanovdb && !has_extension(path, ".nrrd"))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "%s: a volume goes to .vdb, .nvdb, .nrrd or .vti", path);
+    const bool nanovdb = has_extension(path, ".nvdb"), mitsuba = has_extension(path, ".vol");
+    if (!nanovdb && !mitsuba && !has_extension(path, ".nrrd"))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti or .vol", path);
     if (count > 1 || fields[0].components > 1)
         return ty_fail(context, TY_ERROR_ARGUMENT, "%s: one field of one value per voxel goes there", path);
     if (nanovdb) return ty_nanovdb_write(context, fields[0].grids[0], fields[0].name, codec ? codec : "zip", path);
     const bool none = codec != NULL && strcmp(codec, "none") == 0;
+    if (mitsuba && codec != NULL && !none) return wrong_codec(context, path, codec);
+    if (mitsuba) return ty_mitsuba_write(context, fields[0].grids[0], path);
     if (codec != NULL && !none && strcmp(codec, "gzip") != 0) return wrong_codec(context, path, codec);
     return ty_nrrd_write(context, fields[0].grids[0], none ? TY_NRRD_CODEC_RAW : TY_NRRD_CODEC_GZIP, path);
 }
