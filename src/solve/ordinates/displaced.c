@@ -33,7 +33,8 @@ static void find_displaced(const ty_ordinates_job* job, size_t cell, float reduc
 
 ty_result ty_ordinates_displace(ty_ordinates_job* job, const float* reduced) {
     const int32_t* slots = job->diffusive.slots;
-    if (job->def->source_center == NULL || job->source_lm == NULL || reduced == NULL) return TY_OK;
+    if (!job->def->displaces_sources || job->def->source_center == NULL || job->source_lm == NULL || reduced == NULL)
+        return TY_OK;
     job->displaced = ty_alloc_array(job->context, (size_t)job->cells, 3 * sizeof(float), true);
     if (job->displaced == NULL) return TY_ERROR_MEMORY;
     for (size_t i = 0; i < (size_t)job->cells; ++i) {

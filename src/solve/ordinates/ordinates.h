@@ -80,6 +80,7 @@ typedef struct ty_ordinates_def {
      * z, -1..1; diffusive cells use them, and with bands^2 source terms all others where accelerated. NULL (default):
      * positions follow from the neighbours' sources. */
     const float* const* source_center;
+    bool displaces_sources; /* the centers count in swept cells, too, by first moments */
     ty_ordinates_faces walls;
     ty_boundary_radiance boundary_radiance; /* default: 0 */
     bool accelerated;                       /* diffusion synthetic acceleration, 2 to 12 sweeps, with diffusive cells

@@ -160,6 +160,7 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     for (size_t n = 0; n < 4 && job->centers[channel] != NULL; ++n)
         centers[n] = job->centers[channel] + light->cells * n;
     def.source_center = centers[0] != NULL ? centers : NULL;
+    def.displaces_sources = job->tells_positions;
     float* zeros = NULL;
     ty_result result = ty_dom_solve_boundary_light(solve->all->job, channel, &def, &solve->boundary);
     if (result == TY_OK) result = ty_dom_set_reflection(solve->all->job, channel, &def, &zeros);

@@ -138,9 +138,22 @@ enum { MIN_OUTPUT_BANDS = 2 };
  * part. */
 static const double diffusive_paths = 2, diffusive_paths_edged = TY_DIFFUSIVE_FREE_PATHS;
 
+static bool has_voxels(const ty_scene* scene) {
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    for (int32_t m = 0; m < view->medium_count; ++m)
+        if (view->media[m].has_grid != 0) return true;
+    return false;
+}
+
+/* True if media are even within cells, as the moment that stands for the position of a source takes them. Voxels vary
+ * there, and a source that is displaced as if they did not loses light. */
+static bool has_even_cells(const ty_dom_job* job) {
+    return job->diffusive_paths <= diffusive_paths && !has_voxels(job->scene);
+}
+
 /* True if some cells are thick and yet swept. */
 static bool has_thick_swept_cells(const ty_dom_job* job) {
-    if (job->diffusive_paths > diffusive_paths) return false;
+    if (!has_even_cells(job)) return false;
     for (int32_t p = 0; p < job->coarse->planes; ++p)
         for (size_t i = 0; i < job->coarse->cells; ++i) {
             const double paths = ty_dom_cell_thickness(job, p, i);
@@ -157,7 +170,7 @@ static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     light->bands = legendre != NULL ? choose_legendre_bands(job, legendre, exact) : choose_bands(job, g, exact);
     if (light->bands == 1 && job->def->bands == TY_AUTO && has_thick_swept_cells(job)) light->bands = 2;
     if (legendre == NULL) fit_bands(job, g);
-    job->tells_positions = light->bands > 1 && job->diffusive_paths <= diffusive_paths;
+    job->tells_positions = light->bands > 1 && has_even_cells(job);
     const double peak = legendre != NULL ? (double)legendre[light->bands] : pow(g, light->bands);
     light->has_lobes = peak > min_lobe_peak;
     job->is_narrow = peak > max_peak + g_tolerance;
@@ -213,13 +226,6 @@ static bool has_edges(const ty_scene* scene) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     for (int32_t m = 0; m < view->medium_count; ++m)
         if (view->media[m].transfer != NULL) return true;
-    return false;
-}
-
-static bool has_voxels(const ty_scene* scene) {
-    const ty_scene_view* view = ty_scene_get_view(scene);
-    for (int32_t m = 0; m < view->medium_count; ++m)
-        if (view->media[m].has_grid != 0) return true;
     return false;
 }
 
