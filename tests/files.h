@@ -2,7 +2,7 @@
 #ifndef TY_TESTS_FILES_H
 #define TY_TESTS_FILES_H
 
-#include <tyndall/base.h>
+#include <tyndall/io.h>
 
 #include <dirent.h>
 #include <setjmp.h>
@@ -63,6 +63,15 @@ static inline int64_t check_short_memory(ty_context* context, strict_memory* mem
         assert_int_equal(result, TY_ERROR_MEMORY);
         assert_true(refused < 1000);
     }
+}
+
+/* Such work: reads a volume; user: its path. */
+static inline ty_result read_volume(ty_context* context, void* user) {
+    const ty_volume_def def = ty_default_volume_def();
+    ty_grid* grid = NULL;
+    const ty_result result = ty_volume_read(context, user, &def, &grid);
+    if (result == TY_OK) ty_grid_release(grid);
+    return result;
 }
 
 /* A new file each time: rewriting one in place makes some file systems wait for the disk. */

@@ -1,6 +1,5 @@
 /* The command line: one argument a line, parsed by a table with options of every kind. Accepted values lie in the
  * ranges of the table. Help goes nowhere, and is not asked to write files. */
-#define _GNU_SOURCE
 #include "fuzz_target.h"
 
 #include "cli/options/options.h"

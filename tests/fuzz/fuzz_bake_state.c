@@ -1,6 +1,5 @@
 /* The text state of bakes: as it is, and after a true beginning, so that its lines are reached. An accepted state is in
  * range, has its files, and is the same once printed and read again. */
-#define _GNU_SOURCE
 #include "fuzz_target.h"
 
 #include "cli/bake/bake.h"

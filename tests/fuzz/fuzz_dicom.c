@@ -1,12 +1,9 @@
 /* DICOM files: a file and its frames. The bytes go through a file in memory. */
-#define _GNU_SOURCE
 #include "fuzz_target.h"
 
 #include "io/volumes/dicom/dicom.h"
 
 #include "base/context.h"
-
-#include <sys/mman.h>
 
 /* As the reader of a series does, with one file. */
 static void read_all(ty_context* context, const char* path) {
@@ -26,7 +23,5 @@ static void read_all(ty_context* context, const char* path) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
-    const int file = memfd_create("fuzz.dcm", MFD_CLOEXEC);
-    if (file < 0 || write(file, bytes, size) != (ssize_t)size) abort();
-    return fuzz_read_file(file, read_all);
+    return fuzz_read_bytes(bytes, size, read_all);
 }

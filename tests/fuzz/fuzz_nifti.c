@@ -1,10 +1,7 @@
 /* NIfTI files: every component of them, and their notes. The bytes go through a file in memory. */
-#define _GNU_SOURCE
 #include "fuzz_target.h"
 
 #include "io/volumes/volume_file.h"
-
-#include <sys/mman.h>
 
 static void read_all(ty_context* context, const char* path) {
     ty_volume_notes notes = {0};
@@ -18,7 +15,5 @@ static void read_all(ty_context* context, const char* path) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
-    const int file = memfd_create("fuzz.nifti", MFD_CLOEXEC);
-    if (file < 0 || write(file, bytes, size) != (ssize_t)size) abort();
-    return fuzz_read_file(file, read_all);
+    return fuzz_read_bytes(bytes, size, read_all);
 }

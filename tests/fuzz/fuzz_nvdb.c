@@ -2,7 +2,6 @@
  * any other is a small plain file of a grid, changed: a type for the grid, then patches of a 32-bit offset, counted
  * from the start or from a place of interest, and a 32-bit word each. Plain files are too large to be found by chance.
  */
-#define _GNU_SOURCE
 #include "fuzz_target.h"
 
 #include <tyndall/io.h>

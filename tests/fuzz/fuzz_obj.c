@@ -1,5 +1,4 @@
 /* OBJ files from memory, and material files: what follows a line "#mtl" is one, and is read first. */
-#define _GNU_SOURCE
 #include "fuzz_model.h"
 
 #include "io/meshes/obj.h"

@@ -1,10 +1,7 @@
 /* Phase functions in text files, by every reading of their content. The bytes go through a file in memory. */
-#define _GNU_SOURCE
 #include "fuzz_target.h"
 
 #include <tyndall/io.h>
-
-#include <sys/mman.h>
 
 static void read_all(ty_context* context, const char* path) {
     static double cosines[TY_PHASE_NODES_MAX], values[TY_PHASE_NODES_MAX];
@@ -17,7 +14,5 @@ static void read_all(ty_context* context, const char* path) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
-    const int file = memfd_create("fuzz.txt", MFD_CLOEXEC);
-    if (file < 0 || write(file, bytes, size) != (ssize_t)size) abort();
-    return fuzz_read_file(file, read_all);
+    return fuzz_read_bytes(bytes, size, read_all);
 }

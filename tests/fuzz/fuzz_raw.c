@@ -1,6 +1,5 @@
 /* Raw volumes: a layout (type, three sides, byte order, offset), then the file's bytes, which go through a file in
  * memory. */
-#define _GNU_SOURCE
 #include "fuzz_target.h"
 
 #include <tyndall/io.h>

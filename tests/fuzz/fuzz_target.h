@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
@@ -57,6 +58,14 @@ static inline int fuzz_read_file(int file, void (*read_all)(ty_context* context,
     fuzz_finish(context, &used);
     close(file);
     return 0;
+}
+
+/* The same of bytes. */
+static inline int fuzz_read_bytes(const uint8_t* bytes, size_t size,
+                                  void (*read_all)(ty_context* context, const char* path)) {
+    const int file = memfd_create("fuzz", MFD_CLOEXEC);
+    if (file < 0 || write(file, bytes, size) != (ssize_t)size) abort();
+    return fuzz_read_file(file, read_all);
 }
 
 /* A copy that ends in a zero, as files that are read do; to be freed. */

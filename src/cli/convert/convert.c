@@ -2,7 +2,7 @@
 #include "cli/convert/convert.h"
 #include "cli/commands.h"
 #include "cli/options/raw_options.h"
-#include "io/volumes/nifti.h"
+#include "io/volumes/nifti/nifti.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #include "io/meshes/gltf.h"
 #include "io/scenes/scene_reader.h"
 #include "io/volumes/dicom/dicom.h"
-#include "io/volumes/nifti.h"
+#include "io/volumes/nifti/nifti.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 #include "base/context.h"
 #include "grid/grid.h"
 #include "io/file.h"
-#include "io/volumes/netcdf.h"
-#include "io/volumes/vtk.h"
+#include "io/volumes/netcdf/netcdf.h"
+#include "io/volumes/vtk/vtk.h"
 
 #include <stdarg.h>
 #include <string.h>
@@ -75,7 +75,7 @@ void ty_note(ty_volume_notes* notes, const char* name, const char* format, ...) 
     va_end(arguments);
 }
 
-static bool has_extension(const char* path, const char* extension) {
+bool ty_volume_has_extension(const char* path, const char* extension) {
     const size_t length = strlen(path), size = strlen(extension);
     return length > size && strcasecmp(path + length - size, extension) == 0;
 }
@@ -114,7 +114,7 @@ ty_volume_format ty_volume_format_of(const char* path, const uint8_t* head, size
             return formats[i].format;
     for (int i = 0; i < FORMATS; ++i)
         for (int e = 0; e < EXTENSIONS && formats[i].extensions[e] != NULL; ++e)
-            if (has_extension(path, formats[i].extensions[e])) return formats[i].format;
+            if (ty_volume_has_extension(path, formats[i].extensions[e])) return formats[i].format;
     return TY_VOLUME_RAW;
 }
 

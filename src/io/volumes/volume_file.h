@@ -70,6 +70,9 @@ typedef enum ty_volume_format {
     TY_VOLUME_MITSUBA,
     TY_VOLUME_RAW
 } ty_volume_format;
+/* True if a path ends with an extension, such as ".vdb", in any case. */
+bool ty_volume_has_extension(const char* path, const char* extension);
+
 /* Format by the first bytes of a file (TY_VOLUME_HEAD of them are enough), else by its name. */
 enum { TY_VOLUME_HEAD = 544 };
 ty_volume_format ty_volume_format_of(const char* path, const uint8_t* head, size_t size);

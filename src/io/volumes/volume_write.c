@@ -1,16 +1,11 @@
 /* Writing volumes of any format: choice of the writer, common checks. */
 #include "io/volumes/vdb.h"
-#include "io/volumes/vtk.h"
+#include "io/volumes/volume_file.h"
+#include "io/volumes/vtk/vtk.h"
 
 #include "base/context.h"
 
 #include <string.h>
-#include <strings.h>
-
-static bool has_extension(const char* path, const char* extension) {
-    const size_t length = strlen(path), size = strlen(extension);
-    return length > size && strcasecmp(path + length - size, extension) == 0;
-}
 
 static bool same_lattice(const ty_grid* a, const ty_grid* b) {
     const ty_grid_info x = ty_grid_get_info(a), y = ty_grid_get_info(b);
@@ -79,10 +74,10 @@ ty_result ty_volume_write(ty_context* context, const ty_volume_field* fields, in
     const ty_result result = check_fields(context, fields, count);
     if (result != TY_OK) return result;
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_write: path is NULL");
-    if (has_extension(path, ".vdb")) return write_vdb(context, fields, count, codec, path);
-    if (has_extension(path, ".vti")) return write_vti(context, fields, count, codec, path);
-    const bool nanovdb = has_extension(path, ".nvdb"), mitsuba = has_extension(path, ".vol");
-    if (!nanovdb && !mitsuba && !has_extension(path, ".nrrd"))
+    if (ty_volume_has_extension(path, ".vdb")) return write_vdb(context, fields, count, codec, path);
+    if (ty_volume_has_extension(path, ".vti")) return write_vti(context, fields, count, codec, path);
+    const bool nanovdb = ty_volume_has_extension(path, ".nvdb"), mitsuba = ty_volume_has_extension(path, ".vol");
+    if (!nanovdb && !mitsuba && !ty_volume_has_extension(path, ".nrrd"))
         return ty_fail(context, TY_ERROR_ARGUMENT, "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti or .vol", path);
     if (count > 1 || fields[0].components > 1)
         return ty_fail(context, TY_ERROR_ARGUMENT, "%s: one field of one value per voxel goes there", path);

@@ -1,5 +1,5 @@
 /* Grids of NetCDF variables, and of the extinction of droplets by their liquid water and effective radius. */
-#include "io/volumes/netcdf.h"
+#include "io/volumes/netcdf/netcdf.h"
 
 #include "base/context.h"
 #include "grid/grid.h"
@@ -7,7 +7,7 @@
 
 #if TYNDALL_NETCDF
 
-#include "io/volumes/netcdf_calls.h"
+#include "io/volumes/netcdf/calls.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* Headers of classic NetCDF files (CDF-1, -2 and -5), of which the library reads zeros where they are cut short: the
  * bytes that a whole file has. */
-#include "io/volumes/netcdf.h"
+#include "io/volumes/netcdf/netcdf.h"
 
 #include "base/context.h"
 #include "io/file.h"

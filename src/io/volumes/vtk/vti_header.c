@@ -1,6 +1,6 @@
 /* The XML of .vti files, by Expat, up to the appended data, which need not be XML. Arrays within the XML are located by
  * their bytes, so that their values are copied once. */
-#include "io/volumes/vtk.h"
+#include "io/volumes/vtk/vtk.h"
 
 #include "base/context.h"
 #include "base/number.h"

@@ -1,5 +1,5 @@
 /* Voxels of NIfTI files: behind the header or in a separate .img file, plain or in gzip. */
-#include "io/volumes/nifti.h"
+#include "io/volumes/nifti/nifti.h"
 
 #include "base/context.h"
 #include "io/file.h"

@@ -1,12 +1,12 @@
 /* The extinction of droplets by their liquid water content and effective radius, and values that stand beside those of
  * a NetCDF variable. */
-#include "io/volumes/netcdf.h"
+#include "io/volumes/netcdf/netcdf.h"
 
 #include "base/context.h"
 
 #if TYNDALL_NETCDF
 
-#include "io/volumes/netcdf_calls.h"
+#include "io/volumes/netcdf/calls.h"
 
 #include <stdio.h>
 #include <string.h>

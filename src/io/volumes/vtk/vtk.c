@@ -1,5 +1,5 @@
 /* Images of VTK as volumes: arrays by name, as grids. */
-#include "io/volumes/vtk.h"
+#include "io/volumes/vtk/vtk.h"
 
 #include "base/context.h"
 #include "base/half.h"

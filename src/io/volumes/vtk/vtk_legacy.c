@@ -1,5 +1,5 @@
 /* Legacy .vtk files of structured points: keywords and text, or big-endian values between them. */
-#include "io/volumes/vtk.h"
+#include "io/volumes/vtk/vtk.h"
 
 #include "base/context.h"
 #include "base/number.h"

@@ -1,11 +1,11 @@
 /* Values of NetCDF variables: packing, missing values, units. */
-#include "io/volumes/netcdf.h"
+#include "io/volumes/netcdf/netcdf.h"
 
 #include "base/context.h"
 
 #if TYNDALL_NETCDF
 
-#include "io/volumes/netcdf_calls.h"
+#include "io/volumes/netcdf/calls.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* Writing .vti files: values at points, the centres of voxels, as 32-bit floats, appended as bytes or as blocks of
  * zlib. Offsets and packed sizes are known later than they stand in the file, and are written over blanks. */
-#include "io/volumes/vtk.h"
+#include "io/volumes/vtk/vtk.h"
 
 #include "base/context.h"
 #include "base/number.h"

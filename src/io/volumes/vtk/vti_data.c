@@ -1,6 +1,6 @@
 /* Values of arrays in .vti files: bytes as they are or in base64, behind their number; or blocks of zlib behind the
  * number of blocks, the size of a block, the size of the last one if it is smaller, and the packed size of each. */
-#include "io/volumes/vtk.h"
+#include "io/volumes/vtk/vtk.h"
 
 #include "base/context.h"
 

@@ -1,12 +1,12 @@
 /* The NetCDF library, loaded at run time, and files of it. */
-#include "io/volumes/netcdf.h"
+#include "io/volumes/netcdf/netcdf.h"
 
 #include "base/context.h"
 #include "io/file.h"
 
 #if TYNDALL_NETCDF
 
-#include "io/volumes/netcdf_calls.h"
+#include "io/volumes/netcdf/calls.h"
 
 #include <dlfcn.h>
 #include <pthread.h>

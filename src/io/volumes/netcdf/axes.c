@@ -1,13 +1,13 @@
 /* Axes of NetCDF variables: which dimension is x, y and z, and the edges of cells along them, by the conventions of
  * docs/formats.md. */
-#include "io/volumes/netcdf.h"
+#include "io/volumes/netcdf/netcdf.h"
 
 #include "base/context.h"
 #include "grid/grid.h"
 
 #if TYNDALL_NETCDF
 
-#include "io/volumes/netcdf_calls.h"
+#include "io/volumes/netcdf/calls.h"
 
 #include <ctype.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Headers of NIfTI files. */
-#include "io/volumes/nifti.h"
+#include "io/volumes/nifti/nifti.h"
 
 #include "base/context.h"
 #include "io/volumes/volume_file.h"
