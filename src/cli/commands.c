@@ -6,21 +6,21 @@
 #include <string.h>
 
 const cli_command cli_commands[CLI_COMMAND_COUNT] = {
-    {"render", "render a scene to an image", cli_render, false},
-    {"view", "a scene in the browser, live", cli_view, false},
-    {"info", "what a scene, volume, image or mesh holds", cli_info, false},
-    {"diff", "how an image differs from another", cli_diff, false},
-    {"merge", "renderings of one scene to a better or larger one", cli_merge, false},
-    {"denoise", "a path-traced image without its noise", cli_denoise, false},
-    {"compare", "methods or images with a reference", cli_compare, false},
-    {"screen", "fog and water over an image with distances", cli_screen, false},
-    {"convert", "a volume or an image as another kind of file", cli_convert, false},
-    {"flux", "fluxes through levels, absorbed power and radiance", cli_flux, false},
-    {"fluence", "the fluence of a scene as a volume", cli_fluence, false},
-    {"figure", "figures and tables of papers", cli_figure, true},
-    {"bake", "precomputed light on meshes and at points", cli_bake, false},
-    {"bench", "measure speed", cli_bench, true},
-    {"help", "what a command does, and manual pages", cli_help, false},
+    {"render", "render a scene to an image", cli_render, false, true},
+    {"view", "a scene in the browser, live", cli_view, false, true},
+    {"info", "what a scene, volume, image or mesh holds", cli_info, false, false},
+    {"diff", "how an image differs from another", cli_diff, false, false},
+    {"merge", "renderings of one scene to a better or larger one", cli_merge, false, false},
+    {"denoise", "a path-traced image without its noise", cli_denoise, false, false},
+    {"compare", "methods or images with a reference", cli_compare, false, true},
+    {"screen", "fog and water over an image with distances", cli_screen, false, false},
+    {"convert", "a volume or an image as another kind of file", cli_convert, false, false},
+    {"flux", "fluxes through levels, absorbed power and radiance", cli_flux, false, false},
+    {"fluence", "the fluence of a scene as a volume", cli_fluence, false, false},
+    {"figure", "figures and tables of papers", cli_figure, true, false},
+    {"bake", "precomputed light on meshes and at points", cli_bake, false, true},
+    {"bench", "measure speed", cli_bench, true, false},
+    {"help", "what a command does, and manual pages", cli_help, false, false},
 };
 
 const cli_command* cli_find_command(const char* asker, const char* name) {

@@ -6,9 +6,10 @@
 #include "cli/methods/method_help.h"
 #include "cli/methods/methods.h"
 #include "cli/methods/report.h"
-#include "cli/session/session.h"
+#include "cli/session/ranks.h"
 #include "cli/images/tev.h"
 #include "image/aovs.h"
+#include "method/path/shared.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -160,6 +161,7 @@ static int render_scene(cli_session* session, const ty_scene* scene, render_opti
     if (options->denoise && cli_check_denoiser(session, options->denoiser) != CLI_GO) return CLI_USAGE;
     const int possible = cli_check_request(session, scene, method, &request);
     if (possible != CLI_GO) return possible;
+    if (method != &cli_method_auto && strcmp(method->name, "path") != 0) cli_ranks_tell_alone(session, method->name);
     report->method = method->name;
     report->seed = request.seed;
     report->fov_y = ty_scene_camera(scene).fov_y;
@@ -186,6 +188,19 @@ static void report_stats(json_writer* json, const void* user) {
     if (report->denoised.cookie != 0) cli_denoised_json(json, &report->denoised);
 }
 
+/* A rank other than 0: it reads the scene, and traces paths for rank 0. */
+static int help_rendering(cli_session* session, const char* path, const render_options* options) {
+    ty_scene* scene = NULL;
+    const ty_result result =
+        ty_scene_load(session->context, path, options->overrides.items, options->overrides.count, &scene);
+    ty_path_helper helper = {scene, cli_progress_report, &session->progress};
+    const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_PATH] = ty_path_job_worker(&helper)};
+    int status = result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
+    status = cli_ranks_serve(session, status, scene, workers);
+    ty_scene_destroy(scene);
+    return cli_session_close(session, status);
+}
+
 static int load_and_render(cli_session* session, const char* path, render_options* options) {
     cli_checkpoint checkpoint = {.session = session};
     cli_report report = {.method = "", .complete = false};
@@ -198,7 +213,7 @@ static int load_and_render(cli_session* session, const char* path, render_option
         const ty_result result =
             ty_scene_load(session->context, path, options->overrides.items, options->overrides.count, &scene);
         cli_end_on_interrupt(false);
-        if (result != TY_OK) status = cli_fail_reading(session, result);
+        status = result != TY_OK ? cli_fail_reading(session, result) : cli_ranks_greet(session, scene);
     }
     if (status == CLI_GO) {
         report.load_seconds = cli_wall_seconds() - session->started;
@@ -321,5 +336,8 @@ int cli_render(int count, char** arguments) {
     if (status == CLI_GO) status = check_options(&options);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "render", &given.common);
-    return status == CLI_GO ? load_and_render(&session, given.positional[0], &options) : status;
+    if (status == CLI_GO) status = cli_ranks_open(&session);
+    if (status != CLI_GO) return status;
+    return cli_ranks_helps(&session) ? help_rendering(&session, given.positional[0], &options)
+                                     : load_and_render(&session, given.positional[0], &options);
 }

@@ -1,6 +1,7 @@
 /* Sessions: contexts, messages, --stats, and common checks of commands. */
 #define _GNU_SOURCE
 #include "cli/session/session.h"
+#include "cli/session/ranks.h"
 #include "cli/text/text.h"
 #include "cli/text/text_file.h"
 #include "device/device.h"
@@ -84,6 +85,7 @@ int cli_session_close(cli_session* session, int status) {
         const ty_result result = cli_write_text_file(session->context, session->common.stats, print_stats, session);
         if (result != TY_OK) status = cli_fail_running(session, result);
     }
+    cli_ranks_close(session, status == CLI_INTERRUPTED ? cli_interrupt_status() : status);
     ty_context_destroy(session->context);
     return status;
 }
