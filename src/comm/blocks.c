@@ -35,7 +35,7 @@ bool ty_blocks_take(ty_blocks* blocks, int64_t block) {
 
 int64_t ty_blocks_lend(ty_blocks* blocks, int64_t most, int32_t ranks, int64_t* first) {
     const int64_t fair = atomic_load(&blocks->untaken) / (2 * ranks);
-    const int64_t wanted = most < 1 ? 1 : most < fair ? most : fair < 1 ? 1 : fair;
+    const int64_t least = most < fair ? most : fair, wanted = least > 1 ? least : 1;
     int64_t at = atomic_load(&blocks->end), count = 0;
     while (at > 0 && count < wanted && change(blocks, at - 1, FREE, AWAY)) {
         --at;
@@ -49,9 +49,11 @@ int64_t ty_blocks_lend(ty_blocks* blocks, int64_t most, int32_t ranks, int64_t* 
 }
 
 bool ty_blocks_return(ty_blocks* blocks, int64_t block) {
-    if (!change(blocks, block, AWAY, DONE)) return false;
+    return change(blocks, block, AWAY, DONE);
+}
+
+void ty_blocks_settle(ty_blocks* blocks) {
     atomic_fetch_sub(&blocks->away, 1);
-    return true;
 }
 
 bool ty_blocks_take_back(ty_blocks* blocks, int64_t block) {

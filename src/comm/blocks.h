@@ -27,8 +27,10 @@ bool ty_blocks_take(ty_blocks* blocks, int64_t block);
 /* Takes up to `most` blocks [*first, *first + n) for one of so many ranks, and at most a fair part of those that are
  * left; the result is n. */
 int64_t ty_blocks_lend(ty_blocks* blocks, int64_t most, int32_t ranks, int64_t* first);
-/* Another rank has computed a block: false if that is of no use, since this process has taken it back meanwhile. */
+/* Another rank has computed a block: false if that is of no use, since this process has taken it back meanwhile. After
+ * true the block counts as away until the caller has its result and settles that. */
 bool ty_blocks_return(ty_blocks* blocks, int64_t block);
+void ty_blocks_settle(ty_blocks* blocks);
 /* Takes back a block from a rank that does not answer: false if no rank has it. */
 bool ty_blocks_take_back(ty_blocks* blocks, int64_t block);
 

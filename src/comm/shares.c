@@ -34,7 +34,7 @@ struct ty_shares {
     ty_buffer head;  /* the message that describes the job */
     ty_buffer in, out;
     pthread_t thread;
-    bool started;
+    _Atomic bool begun; /* a job is under way; another thread of the command may begin one */
     _Atomic bool over;
     _Atomic double longest; /* seconds of the longest share */
 };
@@ -193,7 +193,7 @@ static void* run_job(void* user) {
 }
 
 bool ty_shares_begin(ty_shares* shares, const ty_job* job, const void* bytes, size_t size) {
-    if (shares->started) return false;
+    if (atomic_exchange(&shares->begun, true)) return false;
     shares->job = *job;
     ++shares->number;
     const ty_message_head head = {.job = shares->number, .kind = job->kind};
@@ -206,21 +206,21 @@ bool ty_shares_begin(ty_shares* shares, const ty_job* job, const void* bytes, si
     }
     atomic_store(&shares->over, false);
     atomic_store(&shares->longest, 0);
-    shares->started = pthread_create(&shares->thread, NULL, run_job, shares) == 0;
-    return shares->started;
+    const bool started = pthread_create(&shares->thread, NULL, run_job, shares) == 0;
+    if (!started) atomic_store(&shares->begun, false);
+    return started;
 }
 
 void ty_shares_end(ty_shares* shares) {
-    if (!shares->started) return;
     atomic_store(&shares->over, true);
     pthread_join(shares->thread, NULL);
-    shares->started = false;
     const ty_message_head head = {.job = shares->number};
     for (int32_t i = 1; i < ty_comm_size(shares->comm); ++i) {
         if (shares->others[i].state != ASKS) continue;
         const bool sent = ty_message_send(shares->comm, i, TY_TAG_OVER, &head, NULL, 0);
         shares->others[i].state = sent ? FREE : GONE;
     }
+    atomic_store(&shares->begun, false);
 }
 
 bool ty_shares_destroy(ty_shares* shares, int32_t status) {

@@ -41,9 +41,10 @@ bool ty_shares_greet(ty_shares* shares, const char* text, double seconds, char* 
 /* Lets the others go, with the status that their commands shall end with. True if all have answered. */
 bool ty_shares_destroy(ty_shares* shares, int32_t status);
 
-/* Offers a job, described by bytes, to the others; one job at a time. False: nobody can help now. */
+/* Offers a job, described by bytes, to the others; one job at a time. False: they
+ * have one, and it shall not be ended. */
 bool ty_shares_begin(ty_shares* shares, const ty_job* job, const void* bytes, size_t size);
-/* The job is over; shares that are still away come to nothing. */
+/* The job that was begun is over; shares that are still away come to nothing. */
 void ty_shares_end(ty_shares* shares);
 /* Seconds that a rank may take for a share before its items should be computed again. */
 double ty_shares_patience(ty_shares* shares);

@@ -84,11 +84,14 @@ int cli_ranks_greet(cli_session* session, const ty_scene* scene) {
     return CLI_GO;
 }
 
-int cli_ranks_serve(cli_session* session, int status, const ty_scene* scene, const ty_job_worker* workers) {
+void cli_ranks_hello(cli_session* session, int status, const ty_scene* scene) {
     char text[TEXT_SIZE];
     describe(scene, text);
     ty_shares_hello(session->comm, status == CLI_GO ? 0 : status, status == CLI_GO ? text : kept_message);
     cli_end_on_interrupt(true);
+}
+
+int cli_ranks_serve(cli_session* session, const ty_job_worker* workers) {
     return ty_shares_serve(session->comm, workers);
 }
 

@@ -91,6 +91,7 @@ static void accept(void* user, int64_t first, int64_t count, const uint8_t* byte
         atomic_fetch_add(&pass->paths, (uint64_t)(next - at) * (run->items[at].count - before));
         pthread_rwlock_unlock(&pass->items);
         atomic_fetch_add(&pass->blocks_done, 1);
+        ty_blocks_settle(&pass->blocks);
     }
 }
 
