@@ -89,6 +89,21 @@ static bool join(ty_comm* comm, double seconds, int32_t rank) {
     return joined;
 }
 
+ty_result ty_comm_join(const ty_comm_backend* backend, double seconds, int32_t rank, ty_comm** out) {
+    ty_comm* comm = calloc(1, sizeof *comm);
+    if (comm == NULL) return TY_ERROR_MEMORY;
+    comm->backend = backend;
+    pthread_mutex_init(&comm->lock, NULL);
+    if (join(comm, seconds, rank)) {
+        *out = comm;
+        return TY_OK;
+    }
+    pthread_mutex_destroy(&comm->lock);
+    free(comm);
+    *out = NULL;
+    return ty_fail(NULL, TY_ERROR_UNSUPPORTED, "MPI does not start");
+}
+
 ty_result ty_comm_open(const char* module, double seconds, ty_comm** out) {
     int32_t rank, size;
     *out = NULL;
@@ -102,17 +117,7 @@ ty_result ty_comm_open(const char* module, double seconds, ty_comm** out) {
     if (backend == NULL || backend->version != TY_COMM_BACKEND_VERSION)
         return ty_fail(NULL, TY_ERROR_UNSUPPORTED, "%s cannot be loaded: %s", module,
                        handle == NULL ? dlerror() : "it is of another build");
-    ty_comm* comm = calloc(1, sizeof *comm);
-    if (comm == NULL) return TY_ERROR_MEMORY;
-    comm->backend = backend;
-    pthread_mutex_init(&comm->lock, NULL);
-    if (join(comm, seconds, rank)) {
-        *out = comm;
-        return TY_OK;
-    }
-    pthread_mutex_destroy(&comm->lock);
-    free(comm);
-    return ty_fail(NULL, TY_ERROR_UNSUPPORTED, "MPI does not start");
+    return ty_comm_join(backend, seconds, rank, out);
 }
 
 void ty_comm_close(ty_comm* comm, bool all, int status) {

@@ -17,6 +17,8 @@ bool ty_comm_launched(int32_t* rank, int32_t* size);
  * that waits for the others longer than `seconds` prints one line and ends with the status 2. Errors, with a message of
  * no context: TY_ERROR_UNSUPPORTED: there is no module, or it cannot be used. */
 ty_result ty_comm_open(const char* module, double seconds, ty_comm** out);
+/* The same through a table of functions, for the rank that a launcher told. */
+ty_result ty_comm_join(const ty_comm_backend* backend, double seconds, int32_t rank, ty_comm** out);
 /* Leaves. `all`: every rank is known to leave; otherwise some have died, and the call does not wait for them. Where the
  * others do not leave within ten seconds the program ends with a status. */
 void ty_comm_close(ty_comm* comm, bool all, int status);

@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* Target duration of a share, and the longest wait for ranks at the end of the command, seconds. */
-static const double share_seconds = 0.2, farewell_seconds = 10;
+static const double share_seconds = 0.2, farewell_seconds = 5;
 /* How long a rank may take for a share: at least so long, and so many times the longest share. */
 static const double patience_shortest = 1, patience_factor = 4;
 

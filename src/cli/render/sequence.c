@@ -291,14 +291,10 @@ static int list_chains(sequence* s) {
 
 static void report_stats(json_writer* json, const void* user) {
     const sequence* s = user;
-    const ty_comm_traffic traffic = ty_comm_get_traffic(s->session->comm);
     json_text(json, "method", s->method->name);
     json_int(json, "frames", s->frame_count);
     json_int(json, "frames_rendered", s->finished);
     json_int(json, "frames_before", s->before);
-    json_int(json, "ranks", ty_comm_size(s->session->comm));
-    json_int(json, "messages", (int64_t)traffic.messages);
-    json_int(json, "message_bytes", (int64_t)traffic.bytes);
 }
 
 static int run_rank_0(sequence* s, const ty_scene* scene) {

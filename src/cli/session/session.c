@@ -71,6 +71,12 @@ static ty_result print_stats(ty_context* context, FILE* file, const void* user) 
     json_text(&json, "command", session->command);
     json_int(&json, "threads", ty_context_threads(context));
     if (session->stats != NULL) session->stats(&json, session->stats_user);
+    if (session->comm != NULL) {
+        const ty_comm_traffic traffic = ty_comm_get_traffic(session->comm);
+        json_int(&json, "ranks", ty_comm_size(session->comm));
+        json_int(&json, "messages", (int64_t)traffic.messages);
+        json_int(&json, "message_bytes", (int64_t)traffic.bytes);
+    }
     json_number(&json, "seconds", cli_wall_seconds() - session->started);
     json_number(&json, "cpu_seconds", timeval_seconds(usage.ru_utime) + timeval_seconds(usage.ru_stime));
     json_int(&json, "peak_memory_bytes", 1024 * (int64_t)usage.ru_maxrss);
