@@ -32,16 +32,24 @@ start_ranks() {
   process=$!
 }
 
-# kill_rank RANK WORD: ends with SIGKILL the process of that rank whose command line has the word.
-kill_rank() {
+# find_rank RANK WORD: $victim is the process of that rank whose command line has the word, once there is one.
+find_rank() {
+  victim=
+  wait_for is_rank "$@"
+}
+is_rank() {
   local found
   for found in /proc/[0-9]*; do
     grep -zqx "OMPI_COMM_WORLD_RANK=$1" "$found/environ" 2> /dev/null || continue
     grep -zq -- "$PWD/$2" "$found/cmdline" 2> /dev/null || continue
-    kill -9 "${found#/proc/}"
-    return
+    victim=${found#/proc/}
+    return 0
   done
-  fail "there is no rank $1 to kill"
+  return 1
+}
+
+kill_victim() {
+  kill -9 "$victim" 2> /dev/null || fail "it had ended before it could be killed"
 }
 
 # one_line PATTERN: what tyndall said on stderr is one line that matches; mpirun adds lines of its own.
@@ -65,7 +73,7 @@ at_least() {
   [ "$(find "$2" -name '*.exr' | wc -l)" -ge "$1" ]
 }
 
-# Rendered volumes: a ball of smoke that rises through 8 x 8 x 8 voxels.
+# Rendered volumes: a ball of smoke that rises through 8 x 8 x 8 voxels, solved in 24 x 24 x 24 cells.
 make_smoke() {
   python3 - "$frames" << 'END'
 import math, struct, sys
@@ -83,7 +91,7 @@ END
  "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "fov_y": 40, "resolution": [32, 24]},
  "media": [{"density": {"file": "smoke_####.nrrd"}, "bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 3, "sigma_a": 0.1}],
  "lights": [{"type": "directional", "direction": [1, -1, 0], "irradiance": [3, 3, 3]}],
- "render": {"method": "dom", "spp": 2, "dom": {"resolution": 16}}}
+ "render": {"method": "dom", "spp": 2, "dom": {"resolution": 24}}}
 END
 }
 
@@ -154,8 +162,9 @@ test_killed() {
   expect 0 render $scene -o whole.exr
   # shellcheck disable=SC2086
   start_ranks 4 "" render $scene -o "$PWD/killed.exr" --resume --checkpoint 0.05
+  find_rank 2 killed.exr
   wait_for test -s killed.exr.state
-  kill_rank 2 killed.exr
+  kill_victim
   wait "$process"
   checks=$((checks + 1))
   [ ! -e killed.exr ] || fail "it was finished before it could be killed"
@@ -168,8 +177,9 @@ test_killed() {
 test_recovery() {
   # shellcheck disable=SC2086
   start_ranks 3 --enable-recovery render $scene -o "$PWD/lost.exr" --resume --checkpoint 0.05
+  find_rank 1 lost.exr
   wait_for test -s lost.exr.state
-  kill_rank 1 lost.exr
+  kill_victim
   wait "$process"
   status=$?
   checks=$((checks + 1))
@@ -191,8 +201,9 @@ test_killed_sequence() {
     rm -rf killed
     mkdir killed
     start_ranks 3 "" render smoke.json -o "$PWD/killed/f_####.exr" --frames 1-$frames --chain 4 --resume
+    find_rank $rank killed/f_
     wait_for at_least 1 killed
-    kill_rank $rank killed/f_
+    kill_victim
     wait "$process"
     ranks 0 2 render smoke.json -o "$PWD/killed/f_####.exr" --frames 1-$frames --chain 4 --resume
     rm -f killed/*.tmp

@@ -22,7 +22,7 @@ static int run(int count, char** arguments) {
     }
     const cli_command* command = cli_find_command("", name);
     if (command == NULL) return CLI_USAGE;
-    return helps && !command->shares ? CLI_DONE : command->run(count - 2, arguments + 2);
+    return helps && !command->distributed ? CLI_DONE : command->run(count - 2, arguments + 2);
 }
 
 int main(int count, char** arguments) {

@@ -33,9 +33,9 @@ bool ty_blocks_take(ty_blocks* blocks, int64_t block) {
     return true;
 }
 
-int64_t ty_blocks_lend(ty_blocks* blocks, int64_t most, int32_t ranks, int64_t* first) {
+int64_t ty_blocks_lend(ty_blocks* blocks, int64_t max_count, int32_t ranks, int64_t* first) {
     const int64_t fair = atomic_load(&blocks->untaken) / (2 * ranks);
-    const int64_t least = most < fair ? most : fair, wanted = least > 1 ? least : 1;
+    const int64_t few = max_count < fair ? max_count : fair, wanted = few > 1 ? few : 1;
     int64_t at = atomic_load(&blocks->end), count = 0;
     while (at > 0 && count < wanted && change(blocks, at - 1, FREE, AWAY)) {
         --at;

@@ -24,9 +24,9 @@ void ty_blocks_reset(ty_blocks* blocks);
 
 /* Takes a block for this process: false if another rank has it, or it is done. */
 bool ty_blocks_take(ty_blocks* blocks, int64_t block);
-/* Takes up to `most` blocks [*first, *first + n) for one of so many ranks, and at most a fair part of those that are
- * left; the result is n. */
-int64_t ty_blocks_lend(ty_blocks* blocks, int64_t most, int32_t ranks, int64_t* first);
+/* Takes up to `max_count` blocks [*first, *first + n) for one of so many ranks, and at most a fair part of those that
+ * are left; the result is n. */
+int64_t ty_blocks_lend(ty_blocks* blocks, int64_t max_count, int32_t ranks, int64_t* first);
 /* Another rank has computed a block: false if that is of no use, since this process has taken it back meanwhile. After
  * true the block counts as away until the caller has its result and settles that. */
 bool ty_blocks_return(ty_blocks* blocks, int64_t block);

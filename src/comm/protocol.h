@@ -1,10 +1,10 @@
-/* Messages of shares: docs/farm.md, "Messages". */
+/* Messages of tasks: docs/farm.md, "Messages". */
 #ifndef TY_COMM_PROTOCOL_H
 #define TY_COMM_PROTOCOL_H
 
-#include "comm/shares.h"
+#include "comm/queue.h"
 
-enum { TY_TAG_HELLO = 1, TY_TAG_JOB, TY_TAG_ASK, TY_TAG_SHARE, TY_TAG_OVER, TY_TAG_QUIT };
+enum { TY_TAG_HELLO = 1, TY_TAG_JOB, TY_TAG_ASK, TY_TAG_TASK, TY_TAG_OVER, TY_TAG_QUIT };
 
 /* First bytes of every message. */
 typedef struct ty_message_head {

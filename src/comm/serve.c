@@ -1,4 +1,4 @@
-/* The other ranks' side of shares. */
+/* The other ranks' side of tasks. */
 #define _GNU_SOURCE
 #include "comm/protocol.h"
 
@@ -11,7 +11,7 @@
 /* A rank that waits looks for messages again after so many seconds. */
 static const double look_seconds = 3600;
 
-void ty_shares_hello(ty_comm* comm, int32_t status, const char* text) {
+void ty_queue_hello(ty_comm* comm, int32_t status, const char* text) {
     char host[256] = "";
     ty_buffer texts = {.size = 0};
     gethostname(host, sizeof host - 1);
@@ -35,7 +35,7 @@ static void end_job(service* s) {
     s->worker = NULL;
 }
 
-/* Asks for the first share, or refuses the job. */
+/* Asks for the first task, or refuses the job. */
 static void begin_job(service* s, const ty_message_head* head) {
     end_job(s);
     const ty_job_worker* worker = head->kind >= 0 && head->kind < TY_JOB_KINDS ? &s->workers[head->kind] : NULL;
@@ -46,7 +46,7 @@ static void begin_job(service* s, const ty_message_head* head) {
     ty_message_send(s->comm, 0, TY_TAG_ASK, &answer, NULL, 0);
 }
 
-static void do_share(service* s, const ty_message_head* head) {
+static void do_task(service* s, const ty_message_head* head) {
     ty_message_head answer = *head;
     const double begun = ty_wall_seconds();
     s->out.size = 0;
@@ -62,7 +62,7 @@ static void do_share(service* s, const ty_message_head* head) {
     ty_comm_send(s->comm, 0, TY_TAG_ASK, s->out.bytes, s->out.size);
 }
 
-int32_t ty_shares_serve(ty_comm* comm, const ty_job_worker* workers) {
+int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers) {
     service s = {.comm = comm, .workers = workers};
     ty_message_head head = {.status = 0};
     for (bool going = true; going;) {
@@ -70,7 +70,7 @@ int32_t ty_shares_serve(ty_comm* comm, const ty_job_worker* workers) {
         if (!ty_comm_wait(comm, look_seconds, &found) || !ty_message_take(comm, &found, &s.in, &head)) continue;
         switch (found.tag) {
         case TY_TAG_JOB: begin_job(&s, &head); break;
-        case TY_TAG_SHARE: do_share(&s, &head); break;
+        case TY_TAG_TASK: do_task(&s, &head); break;
         case TY_TAG_OVER: end_job(&s); break;
         default: going = found.tag != TY_TAG_QUIT; break;
         }

@@ -1,7 +1,7 @@
 /* Sampling of receivers in passes, with progress, an error bound and cancellation. */
 #include "bake/cache/cache.h"
 #include "bake/impulse/impulse.h"
-#include "bake/receivers/shared.h"
+#include "bake/receivers/distributed.h"
 
 #include "base/context.h"
 #include "base/progress.h"

@@ -1,7 +1,7 @@
 /* tyndall bake: precomputed light on meshes and at points. */
 #define _GNU_SOURCE
 #include "cli/bake/bake.h"
-#include "bake/receivers/shared.h"
+#include "bake/receivers/distributed.h"
 #include "cli/commands.h"
 #include "cli/session/ranks.h"
 #include "cli/text/text_file.h"

@@ -1,7 +1,7 @@
 #include "cli/methods/help_paths.h"
 
 #include "cli/session/ranks.h"
-#include "method/path/shared.h"
+#include "method/path/distributed.h"
 
 int cli_help_paths(cli_session* session, const char* scene_path, const cli_list* overrides) {
     ty_scene* scene = NULL;

@@ -306,7 +306,7 @@ int cli_render(int count, char** arguments) {
         {"frames", 0, CLI_TEXT, "A-B[:STEP]",
          "render these frames of a sequence; OUT has #### in place of the number (see above)", &options.frames_text, 0,
          0, NULL},
-        {"chain", 0, CLI_INT, "N", "with --frames: frames that follow one another as one share of work (default 8)",
+        {"chain", 0, CLI_INT, "N", "with --frames: frames that follow one another as one task (default 8)",
          &options.chain, 1, 1 << 20, &options.chain_given},
         {"part", 0, CLI_TEXT, "I/N", "only part I of N: a band of rows, or of --frames every Nth chain",
          &options.part_text, 0, 0, NULL},
@@ -333,7 +333,7 @@ int cli_render(int count, char** arguments) {
         "--frames renders the scene with frame=A, A+1 ... B, which picks the files of volumes, into images of their "
         "own;\n"
         "--resume then leaves those that the same command finished before. dom starts from the light of the frame\n"
-        "before in the chain. Under mpirun the ranks share a frame's paths, or frames: docs/farm.md.\n"
+        "before in the chain. Under mpirun the ranks divide a frame's paths, or frames: docs/farm.md.\n"
         "--part is for machines without MPI: 'tyndall merge' puts bands together to the same image, bit for bit.\n\n"
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
         "media\n"

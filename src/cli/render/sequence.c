@@ -1,4 +1,4 @@
-/* Sequences: chains of frames, which ranks share. */
+/* Sequences: chains of frames, which are tasks of all ranks. */
 #define _GNU_SOURCE
 #include "cli/render/render.h"
 
@@ -204,11 +204,11 @@ static void end_chain(sequence* s, int32_t chain, int32_t rank, int status) {
 
 /* ---- rank 0 ---- */
 
-static int64_t lend(void* user, int64_t most, int64_t* first) {
-    (void)most;
+static int64_t lend(void* user, int64_t max_count, int64_t* first) {
+    (void)max_count;
     sequence* s = user;
     if (s->status != CLI_GO || cli_interrupted()) return 0;
-    return ty_blocks_lend(&s->blocks, 1, ty_shares_ranks(s->session->shares), first);
+    return ty_blocks_lend(&s->blocks, 1, ty_queue_ranks(s->session->queue), first);
 }
 
 static void pack(void* user, int64_t first, int64_t count, ty_buffer* out) {
@@ -249,7 +249,7 @@ static void wait_for_others(sequence* s) {
     while (goes_on(s) && atomic_load(&s->blocks.away) > 0) {
         const struct timespec pause = {.tv_nsec = 5000000};
         nanosleep(&pause, NULL);
-        if (ty_wall_seconds() - begun < ty_shares_patience(s->session->shares)) continue;
+        if (ty_wall_seconds() - begun < ty_queue_patience(s->session->queue)) continue;
         for (int64_t i = 0; i < s->blocks.count && goes_on(s); ++i)
             if (ty_blocks_take_back(&s->blocks, i)) render_own(s, i);
     }
@@ -258,11 +258,11 @@ static void wait_for_others(sequence* s) {
 static int render_chains(sequence* s) {
     const ty_job job = {TY_JOB_FRAMES, s, lend, pack, accept};
     if (!ty_blocks_create(&s->blocks, s->chain_count)) return cli_fail(CLI_FAILED, "not enough memory");
-    const bool shared = s->session->shares != NULL && ty_shares_begin(s->session->shares, &job, NULL, 0);
+    const bool shared = s->session->queue != NULL && ty_queue_begin(s->session->queue, &job, NULL, 0);
     for (int64_t i = 0; i < s->blocks.count && goes_on(s); ++i)
         if (ty_blocks_take(&s->blocks, i)) render_own(s, i);
     if (shared) wait_for_others(s);
-    if (shared) ty_shares_end(s->session->shares);
+    if (shared) ty_queue_end(s->session->queue);
     ty_blocks_destroy(&s->blocks);
     if (cli_interrupted()) return CLI_INTERRUPTED;
     return s->status;
@@ -318,7 +318,7 @@ static bool begin_job(void* user, const uint8_t* bytes, size_t size, void** job)
     return true;
 }
 
-static bool do_share(void* user, int64_t first, int64_t count, const uint8_t* bytes, size_t size, ty_buffer* out) {
+static bool do_task(void* user, int64_t first, int64_t count, const uint8_t* bytes, size_t size, ty_buffer* out) {
     (void)first;
     (void)count;
     sequence* s = user;
@@ -338,7 +338,7 @@ static void end_job(void* job) {
 }
 
 static int run_other_rank(sequence* s, int status, const ty_scene* scene) {
-    const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_FRAMES] = {begin_job, do_share, end_job, s}};
+    const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_FRAMES] = {begin_job, do_task, end_job, s}};
     cli_ranks_hello(s->session, status, scene);
     return cli_ranks_serve(s->session, workers);
 }

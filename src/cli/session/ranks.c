@@ -59,8 +59,8 @@ int cli_ranks_open(cli_session* session) {
         session->progress.mode = CLI_NONE;
         return CLI_GO;
     }
-    session->shares = ty_shares_create(session->comm);
-    if (session->shares == NULL) ty_comm_abort(session->comm, cli_fail(CLI_FAILED, "not enough memory"));
+    session->queue = ty_queue_create(session->comm);
+    if (session->queue == NULL) ty_comm_abort(session->comm, cli_fail(CLI_FAILED, "not enough memory"));
     return CLI_GO;
 }
 
@@ -68,7 +68,7 @@ bool cli_ranks_helps(const cli_session* session) {
     return ty_comm_rank(session->comm) > 0;
 }
 
-/* What all ranks must have in common, as one text. */
+/* A text of the things that all ranks must have in common. */
 static void describe(const ty_scene* scene, char out[TEXT_SIZE]) {
     snprintf(out, TEXT_SIZE, "scene %016" PRIx64 ", version %s, instruction set %s",
              scene != NULL ? ty_scene_hash(scene) : 0, ty_version(), ty_isa_name(ty_best_isa()));
@@ -76,27 +76,27 @@ static void describe(const ty_scene* scene, char out[TEXT_SIZE]) {
 
 int cli_ranks_greet(cli_session* session, const ty_scene* scene) {
     char text[TEXT_SIZE], message[MESSAGE_SIZE];
-    if (session->shares == NULL) return CLI_GO;
+    if (session->queue == NULL) return CLI_GO;
     describe(scene, text);
-    if (!ty_shares_greet(session->shares, text, wait_seconds(), message, sizeof message))
+    if (!ty_queue_greet(session->queue, text, wait_seconds(), message, sizeof message))
         return cli_fail(CLI_USAGE, "%s", message);
-    ty_context_set_shares(session->context, session->shares);
+    ty_context_set_queue(session->context, session->queue);
     return CLI_GO;
 }
 
 void cli_ranks_hello(cli_session* session, int status, const ty_scene* scene) {
     char text[TEXT_SIZE];
     describe(scene, text);
-    ty_shares_hello(session->comm, status == CLI_GO ? 0 : status, status == CLI_GO ? text : kept_message);
+    ty_queue_hello(session->comm, status == CLI_GO ? 0 : status, status == CLI_GO ? text : kept_message);
     cli_end_on_interrupt(true);
 }
 
 int cli_ranks_serve(cli_session* session, const ty_job_worker* workers) {
-    return ty_shares_serve(session->comm, workers);
+    return ty_queue_serve(session->comm, workers);
 }
 
 void cli_ranks_tell_alone(cli_session* session, const char* method) {
-    if (session->shares == NULL || session->common.quiet) return;
+    if (session->queue == NULL || session->common.quiet) return;
     cli_progress_clear(&session->progress);
     fprintf(stderr, "%s is solved by rank 0 alone; the other %d help where it traces paths\n", method,
             (int)ty_comm_size(session->comm) - 1);
@@ -104,11 +104,11 @@ void cli_ranks_tell_alone(cli_session* session, const char* method) {
 
 void cli_ranks_close(cli_session* session, int status) {
     bool all = true;
-    if (session->shares != NULL) {
-        ty_context_set_shares(session->context, NULL);
-        all = ty_shares_destroy(session->shares, status);
+    if (session->queue != NULL) {
+        ty_context_set_queue(session->context, NULL);
+        all = ty_queue_destroy(session->queue, status);
     }
     ty_comm_close(session->comm, all, status);
-    session->shares = NULL;
+    session->queue = NULL;
     session->comm = NULL;
 }

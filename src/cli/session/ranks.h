@@ -1,10 +1,10 @@
-/* Commands that several processes run together, under mpirun: rank 0 runs the command, and the others do shares of its
- * work (comm/shares.h). */
+/* Commands that several processes run together, under mpirun: rank 0 runs the command, and the others do tasks of its
+ * work (comm/queue.h). */
 #ifndef TY_CLI_SESSION_RANKS_H
 #define TY_CLI_SESSION_RANKS_H
 
 #include "cli/session/session.h"
-#include "comm/shares.h"
+#include "comm/queue.h"
 
 /* For a program that a launcher may have started several times, first of all: true on ranks other than 0, which then
  * print nothing, and keep their first message for rank 0. */

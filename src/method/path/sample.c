@@ -275,7 +275,7 @@ static uint32_t next_pass(const ty_sampling* pass, uint32_t done) {
     const ty_path_run* run = pass->run;
     const bool bounded = run->def->seconds > 0 || run->def->error > 0 || run->def->partial != NULL;
     uint32_t count = done < 1 ? 1 : done < PASS_MAX ? done : PASS_MAX;
-    if (pass->shares != NULL && !bounded) count = PASS_MAX_SHARED;
+    if (pass->queue != NULL && !bounded) count = PASS_MAX_SHARED;
     if (done + count > (uint32_t)run->def->spp) count = (uint32_t)run->def->spp - done;
     return count;
 }
@@ -313,7 +313,7 @@ static void sample_passes(ty_sampling* pass) {
         if (pass->last > TY_OUTLINE_FIRST) ty_path_find_outlines(pass->run);
         if (pass->device != NULL)
             ty_sample_pass_on_device(pass);
-        else if (pass->shares != NULL)
+        else if (pass->queue != NULL)
             ty_sample_pass_shared(pass);
         else
             ty_parallel_for(pass->run->context, ty_sampling_blocks(pass->run), sample_block, pass);
@@ -357,7 +357,7 @@ static bool run_passes(ty_sampling* pass) {
     if (pass->device != NULL) run->stats.isa = ty_path_device_kind(pass->device);
     pass->vertices_before = run->stats.vertices;
     sample_passes(pass);
-    ty_sampling_end_shares(pass);
+    ty_sampling_end_queue(pass);
     const bool cancelled = atomic_load(&pass->cancelled) && pass->done_before < (uint32_t)run->def->spp;
     ty_sampling_report(pass, true);
     run->stats = totals(pass);
@@ -373,7 +373,7 @@ ty_result ty_path_sample(ty_path_run* run) {
     const size_t room = saves ? ty_path_state_room(run) : 0, blocks = saves ? ty_path_state_blocks(run) : 0;
     ty_result result = allocate_states(&pass, room, blocks);
     if (result == TY_OK) result = ty_path_device_create(run, &pass.odd, &pass.device);
-    if (result == TY_OK) result = ty_sampling_share(&pass);
+    if (result == TY_OK) result = ty_sampling_distribute(&pass);
     const bool cancelled = result == TY_OK && run_passes(&pass);
     ty_path_device_destroy(pass.device);
     ty_sampling_close(&pass);

@@ -3,7 +3,7 @@
 #define TY_PATH_SAMPLING_H
 
 #include "comm/blocks.h"
-#include "comm/shares.h"
+#include "comm/queue.h"
 #include "method/path/device.h"
 #include "method/path/driver.h"
 
@@ -35,8 +35,8 @@ typedef struct ty_sampling {
     _Atomic uint32_t stride; /* paths that take about stride_seconds */
     _Atomic bool cancelled, out_of_time;
     ty_path_device* device; /* NULL: the processor traces */
-    ty_shares* shares;      /* other ranks help; NULL: they do not, or there are none */
-    ty_blocks blocks;       /* of a pass, with shares */
+    ty_work_queue* queue;   /* other ranks help; NULL: they do not, or there are none */
+    ty_blocks blocks;       /* of a pass, with a queue */
     ty_result failed;       /* of the device */
 } ty_sampling;
 
@@ -69,8 +69,8 @@ void ty_sampling_block(ty_sampling* pass, int64_t block);
 /* ---- shared.c ---- */
 
 /* Offers the run to other ranks, if there are any and they can trace it. Errors: TY_ERROR_MEMORY. */
-ty_result ty_sampling_share(ty_sampling* pass);
-void ty_sampling_end_shares(ty_sampling* pass);
+ty_result ty_sampling_distribute(ty_sampling* pass);
+void ty_sampling_end_queue(ty_sampling* pass);
 /* One pass of this rank and the others. */
 void ty_sample_pass_shared(ty_sampling* pass);
 

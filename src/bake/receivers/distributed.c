@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-#include "bake/receivers/shared.h"
+#include "bake/receivers/distributed.h"
 
 #include "base/context.h"
 
@@ -14,10 +14,10 @@ typedef struct bake_job {
     int32_t terms, cached;
 } bake_job;
 
-/* Before the receivers and the sums of a share. */
-typedef struct bake_share {
+/* Before the receivers and the sums of a task. */
+typedef struct bake_task {
     uint32_t first, count; /* samples */
-} bake_share;
+} bake_task;
 
 static int64_t receivers_end(const ty_bake_run* run, int64_t block_end) {
     const int64_t end = block_end * TY_BAKE_BLOCK;
@@ -51,17 +51,17 @@ static void unpack_sums(ty_bake_run* run, const uint8_t* bytes, int64_t first, i
 
 /* ---- rank 0 ---- */
 
-static int64_t lend(void* user, int64_t most, int64_t* first) {
+static int64_t lend(void* user, int64_t max_count, int64_t* first) {
     ty_bake_shared* shared = user;
-    return ty_blocks_lend(&shared->blocks, most, ty_shares_ranks(shared->shares), first);
+    return ty_blocks_lend(&shared->blocks, max_count, ty_queue_ranks(shared->queue), first);
 }
 
 static void pack(void* user, int64_t first, int64_t count, ty_buffer* out) {
     const ty_bake_shared* shared = user;
     const ty_bake_run* run = shared->run;
     const int64_t begin = first * TY_BAKE_BLOCK, end = receivers_end(run, first + count);
-    const bake_share share = {shared->first, shared->count};
-    ty_buffer_add(out, &share, sizeof share);
+    const bake_task task = {shared->first, shared->count};
+    ty_buffer_add(out, &task, sizeof task);
     ty_buffer_add(out, run->request.receivers + begin, (size_t)(end - begin) * sizeof *run->request.receivers);
     pack_sums(run, begin, end, out);
 }
@@ -69,16 +69,16 @@ static void pack(void* user, int64_t first, int64_t count, ty_buffer* out) {
 static void accept(void* user, int64_t first, int64_t count, const uint8_t* bytes, size_t size) {
     ty_bake_shared* shared = user;
     ty_bake_run* run = shared->run;
-    bake_share share;
+    bake_task task;
     const int64_t begin = first * TY_BAKE_BLOCK, end = receivers_end(run, first + count);
     if (first < 0 || first + count > shared->blocks.count ||
-        size != sizeof share + (size_t)(end - begin) * sums_size(run))
+        size != sizeof task + (size_t)(end - begin) * sums_size(run))
         return;
-    memcpy(&share, bytes, sizeof share);
-    if (share.first != shared->first) return; /* of a pass before */
+    memcpy(&task, bytes, sizeof task);
+    if (task.first != shared->first) return; /* of a pass before */
     for (int64_t b = first; b < first + count; ++b) {
         if (!ty_blocks_return(&shared->blocks, b)) continue;
-        unpack_sums(run, bytes + sizeof share, begin, end - begin, b * TY_BAKE_BLOCK, receivers_end(run, b + 1));
+        unpack_sums(run, bytes + sizeof task, begin, end - begin, b * TY_BAKE_BLOCK, receivers_end(run, b + 1));
         ty_blocks_settle(&shared->blocks);
     }
 }
@@ -86,9 +86,9 @@ static void accept(void* user, int64_t first, int64_t count, const uint8_t* byte
 /* Virtual emitters of impulse responses come from all receivers at once, and stay on this rank. */
 ty_result ty_bake_shared_open(ty_bake_shared* shared, ty_bake_run* run) {
     *shared = (ty_bake_shared){.run = run};
-    ty_shares* shares = ty_context_shares(run->context);
+    ty_work_queue* queue = ty_context_queue(run->context);
     const int64_t blocks = (run->count + TY_BAKE_BLOCK - 1) / TY_BAKE_BLOCK;
-    if (shares == NULL || blocks < 2 || run->def->method == TY_BAKE_IMPULSE) return TY_OK;
+    if (queue == NULL || blocks < 2 || run->def->method == TY_BAKE_IMPULSE) return TY_OK;
     bake_job job = {*run->def, run->count, run->request.terms, run->def->cache != NULL};
     job.def.tables = NULL;
     job.def.cache = NULL;
@@ -97,24 +97,24 @@ ty_result ty_bake_shared_open(ty_bake_shared* shared, ty_bake_run* run) {
     const ty_job offered = {TY_JOB_BAKE, shared, lend, pack, accept};
     if (!ty_blocks_create(&shared->blocks, blocks)) return TY_ERROR_MEMORY;
     atomic_store(&shared->blocks.end, 0); /* until the first pass */
-    shared->shares = shares;
-    if (!ty_shares_begin(shares, &offered, &job, sizeof job)) shared->shares = NULL;
+    shared->queue = queue;
+    if (!ty_queue_begin(queue, &offered, &job, sizeof job)) shared->queue = NULL;
     return TY_OK;
 }
 
 void ty_bake_shared_close(ty_bake_shared* shared) {
-    if (shared->shares != NULL) ty_shares_end(shared->shares);
+    if (shared->queue != NULL) ty_queue_end(shared->queue);
     ty_blocks_destroy(&shared->blocks);
 }
 
 void ty_bake_shared_begin_pass(ty_bake_shared* shared, uint32_t first, uint32_t count) {
     shared->first = first;
     shared->count = count;
-    if (shared->shares != NULL) ty_blocks_reset(&shared->blocks);
+    if (shared->queue != NULL) ty_blocks_reset(&shared->blocks);
 }
 
 bool ty_bake_shared_take(ty_bake_shared* shared, int64_t block) {
-    return shared->shares == NULL || ty_blocks_take(&shared->blocks, block);
+    return shared->queue == NULL || ty_blocks_take(&shared->blocks, block);
 }
 
 static void sample_again(void* user, int64_t block, int32_t worker) {
@@ -127,12 +127,12 @@ static void sample_again(void* user, int64_t block, int32_t worker) {
 }
 
 void ty_bake_shared_end_pass(ty_bake_shared* shared) {
-    if (shared->shares == NULL) return;
+    if (shared->queue == NULL) return;
     const double begun = ty_wall_seconds();
     while (atomic_load(&shared->blocks.away) > 0) {
         const struct timespec pause = {.tv_nsec = 500000};
         nanosleep(&pause, NULL);
-        if (ty_wall_seconds() - begun > ty_shares_patience(shared->shares))
+        if (ty_wall_seconds() - begun > ty_queue_patience(shared->queue))
             ty_parallel_for(shared->run->context, shared->blocks.count, sample_again, shared);
     }
 }
@@ -175,39 +175,39 @@ static bool begin_job(void* user, const uint8_t* bytes, size_t size, void** out)
     return true;
 }
 
-/* Blocks of a share, from its first one on. */
-typedef struct share_blocks {
+/* Blocks of a task, from its first one on. */
+typedef struct task_blocks {
     ty_bake_run* run;
     int64_t first;
-    bake_share share;
-} share_blocks;
+    bake_task task;
+} task_blocks;
 
-static void sample_share(void* user, int64_t index, int32_t worker) {
+static void sample_task(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const share_blocks* blocks = user;
+    const task_blocks* blocks = user;
     ty_bake_run* run = blocks->run;
     const int64_t block = blocks->first + index;
-    run->kernel(&run->request, block * TY_BAKE_BLOCK, receivers_end(run, block + 1), blocks->share.first,
-                blocks->share.count, run->sums, run->light);
+    run->kernel(&run->request, block * TY_BAKE_BLOCK, receivers_end(run, block + 1), blocks->task.first,
+                blocks->task.count, run->sums, run->light);
 }
 
-static bool do_share(void* user, int64_t first, int64_t count, const uint8_t* bytes, size_t size, ty_buffer* out) {
+static bool do_task(void* user, int64_t first, int64_t count, const uint8_t* bytes, size_t size, ty_buffer* out) {
     bake_service* service = user;
     ty_bake_run* run = &service->run;
-    share_blocks blocks = {.run = run, .first = first};
+    task_blocks blocks = {.run = run, .first = first};
     const int64_t begin = first * TY_BAKE_BLOCK, end = receivers_end(run, first + count);
     const size_t receivers = (size_t)(end - begin) * sizeof *service->receivers;
-    if (first < 0 || begin >= end || size != sizeof blocks.share + receivers + (size_t)(end - begin) * sums_size(run))
+    if (first < 0 || begin >= end || size != sizeof blocks.task + receivers + (size_t)(end - begin) * sums_size(run))
         return false;
-    memcpy(&blocks.share, bytes, sizeof blocks.share);
-    memcpy(service->receivers + begin, bytes + sizeof blocks.share, receivers);
-    unpack_sums(run, bytes + sizeof blocks.share + receivers, begin, end - begin, begin, end);
-    ty_parallel_for(run->context, count, sample_share, &blocks);
-    ty_buffer_add(out, &blocks.share, sizeof blocks.share);
+    memcpy(&blocks.task, bytes, sizeof blocks.task);
+    memcpy(service->receivers + begin, bytes + sizeof blocks.task, receivers);
+    unpack_sums(run, bytes + sizeof blocks.task + receivers, begin, end - begin, begin, end);
+    ty_parallel_for(run->context, count, sample_task, &blocks);
+    ty_buffer_add(out, &blocks.task, sizeof blocks.task);
     pack_sums(run, begin, end, out);
     return true;
 }
 
 ty_job_worker ty_bake_job_worker(ty_bake_helper* helper) {
-    return (ty_job_worker){begin_job, do_share, end_job, helper};
+    return (ty_job_worker){begin_job, do_task, end_job, helper};
 }

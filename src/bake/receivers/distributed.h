@@ -1,18 +1,18 @@
-/* Receivers as shares of several ranks (comm/shares.h). */
-#ifndef TY_BAKE_RECEIVERS_SHARED_H
-#define TY_BAKE_RECEIVERS_SHARED_H
+/* Receivers as tasks of several ranks (comm/queue.h). */
+#ifndef TY_BAKE_RECEIVERS_DISTRIBUTED_H
+#define TY_BAKE_RECEIVERS_DISTRIBUTED_H
 
 #include "bake/gather/run.h"
 #include "comm/blocks.h"
-#include "comm/shares.h"
+#include "comm/queue.h"
 
 /* Receivers that are sampled together. */
 enum { TY_BAKE_BLOCK = 8 };
 
-/* A run of rank 0 that others help with; shares NULL: it is alone, and every block is its own. */
+/* A run of rank 0 that others help with; queue NULL: it is alone, and every block is its own. */
 typedef struct ty_bake_shared {
     ty_bake_run* run;
-    ty_shares* shares;
+    ty_work_queue* queue;
     ty_blocks blocks;
     uint32_t first, count; /* samples of the pass */
 } ty_bake_shared;

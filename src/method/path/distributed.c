@@ -1,6 +1,6 @@
-/* Passes over the blocks of an image by several ranks. A share has sums of samples and returns sums of more of them. */
+/* Passes over the blocks of an image by several ranks. A task has sums of samples and returns sums of more of them. */
 #define _POSIX_C_SOURCE 200809L
-#include "method/path/shared.h"
+#include "method/path/distributed.h"
 
 #include "base/context.h"
 #include "method/path/outlines.h"
@@ -16,18 +16,18 @@ typedef struct path_job {
     ty_path_def def; /* without pointers; the guide is none or a known one */
 } path_job;
 
-/* Before the items of a share: samples of each item at its end, and, of results, the vertices of the paths. */
-typedef struct path_share {
+/* Before the items of a task: samples of each item at its end, and, of results, the vertices of the paths. */
+typedef struct path_task {
     uint64_t vertices;
     uint32_t last, reserved;
-} path_share;
+} path_task;
 
 static int64_t items_end(const ty_path_run* run, int64_t block_end) {
     const int64_t end = block_end * TY_PATH_BLOCK;
     return end < run->item_count ? end : run->item_count;
 }
 
-/* Bytes of an item in a share. */
+/* Bytes of an item in a task. */
 static size_t item_size(const ty_path_run* run) {
     return sizeof *run->items + (run->aov_sums != NULL ? sizeof *run->aov_sums : 0) +
            (run->halves != NULL ? sizeof *run->halves : 0);
@@ -55,16 +55,16 @@ static void unpack_items(ty_path_run* run, const uint8_t* bytes, int64_t first, 
 
 /* ---- rank 0 ---- */
 
-static int64_t lend(void* user, int64_t most, int64_t* first) {
+static int64_t lend(void* user, int64_t max_count, int64_t* first) {
     ty_sampling* pass = user;
     if (ty_sampling_stops(pass)) return 0;
-    return ty_blocks_lend(&pass->blocks, most, ty_shares_ranks(pass->shares), first);
+    return ty_blocks_lend(&pass->blocks, max_count, ty_queue_ranks(pass->queue), first);
 }
 
 static void pack(void* user, int64_t first, int64_t count, ty_buffer* out) {
     ty_sampling* pass = user;
-    const path_share share = {.last = pass->last};
-    ty_buffer_add(out, &share, sizeof share);
+    const path_task task = {.last = pass->last};
+    ty_buffer_add(out, &task, sizeof task);
     pthread_rwlock_rdlock(&pass->items);
     pack_items(pass->run, first * TY_PATH_BLOCK, items_end(pass->run, first + count), out);
     pthread_rwlock_unlock(&pass->items);
@@ -74,20 +74,20 @@ static void pack(void* user, int64_t first, int64_t count, ty_buffer* out) {
 static void accept(void* user, int64_t first, int64_t count, const uint8_t* bytes, size_t size) {
     ty_sampling* pass = user;
     ty_path_run* run = pass->run;
-    path_share share;
+    path_task task;
     const int64_t begin = first * TY_PATH_BLOCK, end = items_end(run, first + count);
     if (first < 0 || first + count > ty_sampling_blocks(run) ||
-        size != sizeof share + (size_t)(end - begin) * item_size(run))
+        size != sizeof task + (size_t)(end - begin) * item_size(run))
         return;
-    memcpy(&share, bytes, sizeof share);
-    if (share.last != pass->last) return;
-    atomic_fetch_add(&pass->vertices, share.vertices);
+    memcpy(&task, bytes, sizeof task);
+    if (task.last != pass->last) return;
+    atomic_fetch_add(&pass->vertices, task.vertices);
     for (int64_t b = first; b < first + count; ++b) {
         if (!ty_blocks_return(&pass->blocks, b)) continue;
         const int64_t at = b * TY_PATH_BLOCK, next = items_end(run, b + 1);
         pthread_rwlock_rdlock(&pass->items);
         const uint32_t before = run->items[at].count;
-        unpack_items(run, bytes + sizeof share, begin, end - begin, at, next);
+        unpack_items(run, bytes + sizeof task, begin, end - begin, at, next);
         atomic_fetch_add(&pass->paths, (uint64_t)(next - at) * (run->items[at].count - before));
         pthread_rwlock_unlock(&pass->items);
         atomic_fetch_add(&pass->blocks_done, 1);
@@ -96,10 +96,10 @@ static void accept(void* user, int64_t first, int64_t count, const uint8_t* byte
 }
 
 /* A device traces faster than the others could, and light in dielectrics is on this rank alone. */
-ty_result ty_sampling_share(ty_sampling* pass) {
+ty_result ty_sampling_distribute(ty_sampling* pass) {
     ty_path_run* run = pass->run;
-    ty_shares* shares = ty_context_shares(run->context);
-    if (shares == NULL || run->request.kind != TY_PATH_PIXELS || run->def->enclosed != NULL || pass->device != NULL ||
+    ty_work_queue* queue = ty_context_queue(run->context);
+    if (queue == NULL || run->request.kind != TY_PATH_PIXELS || run->def->enclosed != NULL || pass->device != NULL ||
         ty_sampling_blocks(run) < 2)
         return TY_OK;
     path_job job = {.scene = run->scene_hash, .def = *run->def};
@@ -112,13 +112,13 @@ ty_result ty_sampling_share(ty_sampling* pass) {
     const ty_job offered = {TY_JOB_PATH, pass, lend, pack, accept};
     if (!ty_blocks_create(&pass->blocks, ty_sampling_blocks(run))) return TY_ERROR_MEMORY;
     atomic_store(&pass->blocks.end, 0); /* until the first pass */
-    if (ty_shares_begin(shares, &offered, &job, sizeof job)) pass->shares = shares;
+    if (ty_queue_begin(queue, &offered, &job, sizeof job)) pass->queue = queue;
     return TY_OK;
 }
 
-void ty_sampling_end_shares(ty_sampling* pass) {
-    if (pass->shares != NULL) ty_shares_end(pass->shares);
-    pass->shares = NULL;
+void ty_sampling_end_queue(ty_sampling* pass) {
+    if (pass->queue != NULL) ty_queue_end(pass->queue);
+    pass->queue = NULL;
     ty_blocks_destroy(&pass->blocks);
 }
 
@@ -144,7 +144,7 @@ void ty_sample_pass_shared(ty_sampling* pass) {
         nanosleep(&pause, NULL);
         ty_sampling_report(pass, false);
         ty_sampling_save(pass, false);
-        if (ty_wall_seconds() - begun > ty_shares_patience(pass->shares))
+        if (ty_wall_seconds() - begun > ty_queue_patience(pass->queue))
             ty_parallel_for(pass->run->context, count, sample_again, pass);
     }
 }
@@ -174,33 +174,33 @@ static bool begin_job(void* user, const uint8_t* bytes, size_t size, void** out)
     return true;
 }
 
-/* Blocks of a share, from its first one on. */
-typedef struct share_blocks {
+/* Blocks of a task, from its first one on. */
+typedef struct task_blocks {
     ty_sampling* pass;
     int64_t first;
-} share_blocks;
+} task_blocks;
 
-static void sample_share(void* user, int64_t index, int32_t worker) {
+static void sample_task(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const share_blocks* blocks = user;
+    const task_blocks* blocks = user;
     ty_sampling_block(blocks->pass, blocks->first + index);
 }
 
-static bool do_share(void* user, int64_t first, int64_t count, const uint8_t* bytes, size_t size, ty_buffer* out) {
+static bool do_task(void* user, int64_t first, int64_t count, const uint8_t* bytes, size_t size, ty_buffer* out) {
     path_service* service = user;
     ty_path_run* run = &service->run;
-    path_share share;
+    path_task task;
     const int64_t begin = first * TY_PATH_BLOCK, end = items_end(run, first + count);
-    if (first < 0 || begin >= end || size != sizeof share + (size_t)(end - begin) * item_size(run)) return false;
-    memcpy(&share, bytes, sizeof share);
-    unpack_items(run, bytes + sizeof share, begin, end - begin, begin, end);
-    service->pass.last = share.last;
+    if (first < 0 || begin >= end || size != sizeof task + (size_t)(end - begin) * item_size(run)) return false;
+    memcpy(&task, bytes, sizeof task);
+    unpack_items(run, bytes + sizeof task, begin, end - begin, begin, end);
+    service->pass.last = task.last;
     atomic_store(&service->pass.vertices, 0);
-    if (share.last > TY_OUTLINE_FIRST) ty_path_find_outlines(run);
-    share_blocks blocks = {&service->pass, first};
-    ty_parallel_for(run->context, count, sample_share, &blocks);
-    share.vertices = atomic_load(&service->pass.vertices);
-    ty_buffer_add(out, &share, sizeof share);
+    if (task.last > TY_OUTLINE_FIRST) ty_path_find_outlines(run);
+    task_blocks blocks = {&service->pass, first};
+    ty_parallel_for(run->context, count, sample_task, &blocks);
+    task.vertices = atomic_load(&service->pass.vertices);
+    ty_buffer_add(out, &task, sizeof task);
     pack_items(run, begin, end, out);
     return !ty_sampling_stops(&service->pass);
 }
@@ -213,5 +213,5 @@ static void end_job(void* user) {
 }
 
 ty_job_worker ty_path_job_worker(ty_path_helper* helper) {
-    return (ty_job_worker){begin_job, do_share, end_job, helper};
+    return (ty_job_worker){begin_job, do_task, end_job, helper};
 }

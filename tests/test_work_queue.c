@@ -1,10 +1,10 @@
-/* Shares of work among ranks that are threads of this program, with mailboxes in place of MPI: images and bakes are
+/* Tasks among ranks that are threads of this program, with mailboxes in place of MPI: images and bakes are
  * those of one rank, and blocks are handed out once. */
-#include "bake/receivers/shared.h"
+#include "bake/receivers/distributed.h"
 #include "base/context.h"
 #include "checks.h"
 #include "comm/blocks.h"
-#include "method/path/shared.h"
+#include "method/path/distributed.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -75,7 +75,7 @@ static ty_scene* load(ty_context* context) {
     return scene;
 }
 
-/* What a rank other than 0 is told. */
+/* The task of a rank other than 0. */
 typedef struct helping {
     int32_t rank;
     const char* text; /* of its greeting */
@@ -92,8 +92,8 @@ static void* help(void* user) {
     const ty_job_worker workers[TY_JOB_KINDS] = {
         [TY_JOB_PATH] = ty_path_job_worker(&paths), [TY_JOB_BAKE] = ty_bake_job_worker(&bakes)};
     if (ty_comm_join(&box_backend, 10, told->rank, &comm) == TY_OK) {
-        ty_shares_hello(comm, 0, told->text);
-        if (ty_shares_serve(comm, workers) != 3) abort();
+        ty_queue_hello(comm, 0, told->text);
+        if (ty_queue_serve(comm, workers) != 3) abort();
         ty_comm_close(comm, true, 0);
     }
     ty_scene_destroy(scene);
@@ -106,7 +106,7 @@ typedef struct ranks {
     ty_context* context;
     ty_scene* scene;
     ty_comm* comm;
-    ty_shares* shares;
+    ty_work_queue* queue;
     helping told[RANKS];
     pthread_t threads[RANKS];
 } ranks;
@@ -117,8 +117,8 @@ static void begin_ranks(ranks* all, const char* text_of_last) {
     all->scene = load(all->context);
     assert_int_equal(ty_comm_join(&box_backend, 10, 0, &all->comm), TY_OK);
     assert_int_equal(ty_comm_size(all->comm), RANKS);
-    all->shares = ty_shares_create(all->comm);
-    assert_non_null(all->shares);
+    all->queue = ty_queue_create(all->comm);
+    assert_non_null(all->queue);
     for (int32_t i = 1; i < RANKS; ++i) {
         all->told[i] = (helping){i, i == RANKS - 1 ? text_of_last : "the same"};
         assert_int_equal(pthread_create(&all->threads[i], NULL, help, &all->told[i]), 0);
@@ -126,8 +126,8 @@ static void begin_ranks(ranks* all, const char* text_of_last) {
 }
 
 static void end_ranks(ranks* all) {
-    ty_context_set_shares(all->context, NULL);
-    assert_true(ty_shares_destroy(all->shares, 3));
+    ty_context_set_queue(all->context, NULL);
+    assert_true(ty_queue_destroy(all->queue, 3));
     for (int i = 1; i < RANKS; ++i) pthread_join(all->threads[i], NULL);
     ty_comm_close(all->comm, true, 0);
     ty_scene_destroy(all->scene);
@@ -136,8 +136,8 @@ static void end_ranks(ranks* all) {
 
 static void greet(ranks* all) {
     char message[256] = "";
-    assert_true(ty_shares_greet(all->shares, "the same", 60, message, sizeof message));
-    ty_context_set_shares(all->context, all->shares);
+    assert_true(ty_queue_greet(all->queue, "the same", 60, message, sizeof message));
+    ty_context_set_queue(all->context, all->queue);
 }
 
 /* ---- tests ---- */
@@ -164,9 +164,9 @@ static void images_of_ranks_are_those_of_one(void** state) {
         def.error = i == 2 ? 0.5 : 0;
         def.aovs = aovs[i];
         assert_int_equal(ty_path_render(all.scene, &def, &shared, &of_shared), TY_OK);
-        ty_context_set_shares(all.context, NULL);
+        ty_context_set_queue(all.context, NULL);
         assert_int_equal(ty_path_render(all.scene, &def, &alone, &of_alone), TY_OK);
-        ty_context_set_shares(all.context, all.shares);
+        ty_context_set_queue(all.context, all.queue);
         assert_same_images(shared, alone);
         assert_true(of_shared.paths == of_alone.paths && of_shared.vertices == of_alone.vertices);
         ty_image_destroy(shared);
@@ -190,7 +190,7 @@ static void bakes_of_ranks_are_those_of_one(void** state) {
     def.method = TY_BAKE_SURFACES;
     def.spp = 40; /* two passes */
     assert_int_equal(ty_bake_probes(all.scene, &def, positions, COUNT, shared, NULL), TY_OK);
-    ty_context_set_shares(all.context, NULL);
+    ty_context_set_queue(all.context, NULL);
     assert_int_equal(ty_bake_probes(all.scene, &def, positions, COUNT, alone, NULL), TY_OK);
     assert_memory_equal(shared, alone, sizeof shared);
     end_ranks(&all);
@@ -201,7 +201,7 @@ static void a_rank_with_other_files_is_named(void** state) {
     ranks all;
     char message[256] = "";
     begin_ranks(&all, "another");
-    assert_false(ty_shares_greet(all.shares, "the same", 60, message, sizeof message));
+    assert_false(ty_queue_greet(all.queue, "the same", 60, message, sizeof message));
     assert_non_null(strstr(message, "rank 2 on "));
     assert_non_null(strstr(message, "(another, not the same)"));
     end_ranks(&all);
