@@ -163,7 +163,7 @@ test_image() {
 
 # A rank that dies ends the job; what the others did is in the state, and another number of ranks goes on from it.
 test_killed() {
-  scene="builtin:cornell_fog --method path --spp 400 --size 64x48 -q"
+  scene="builtin:cornell_fog --method path --spp 200 --size 64x48 -q"
   # shellcheck disable=SC2086
   expect 0 render $scene -o whole.exr
   # shellcheck disable=SC2086
@@ -228,7 +228,7 @@ test_bake() {
 }
 
 test_compare() {
-  compare="builtin:cornell_fog --methods fld --reference-spp 8 --size 24x18 -q"
+  compare="builtin:cornell_fog --methods fld --reference-spp 4 --size 16x12 -q"
   # shellcheck disable=SC2086
   expect 0 compare $compare -o compare1 --threads 1
   # shellcheck disable=SC2086
@@ -271,6 +271,8 @@ test_bad_input() {
   one_line 'nowhere.json'
   ranks 2 3 render builtin:cornell_fog -o x.exr --spp none
   one_line "'none'"
+  unlike 2 render builtin:cornell_fog -o x.exr -- "$tyndall" render builtin:cornell_fog -o x.exr --spp none
+  one_line "rank 1: .*'none'"
   sed 's/"sigma_s": 3/"sigma_s": 4/' smoke.json > other.json
   mkdir apart
   cp smoke_0001.nrrd apart
@@ -332,5 +334,6 @@ test_compare
 test_alone
 test_bad_input
 test_without_module
+rm -f killed.exr.*.tmp lost.exr.*.tmp # of killed processes
 no_temporary_files
 finish 200

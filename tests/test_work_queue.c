@@ -93,7 +93,8 @@ static void* help(void* user) {
         [TY_JOB_PATH] = ty_path_job_worker(&paths), [TY_JOB_BAKE] = ty_bake_job_worker(&bakes)};
     if (ty_comm_join(&box_backend, 10, told->rank, &comm) == TY_OK) {
         ty_queue_hello(comm, 0, told->text);
-        if (ty_queue_serve(comm, workers) != 3) abort();
+        bool together = false;
+        if (ty_queue_serve(comm, workers, &together) != 3 || !together) abort();
         ty_comm_close(comm, true, 0);
     }
     ty_scene_destroy(scene);

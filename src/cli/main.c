@@ -8,8 +8,7 @@
 
 #include <tyndall/base.h>
 
-static int run(int count, char** arguments) {
-    const bool helps = cli_ranks_start();
+static int run(int count, char** arguments, bool helps) {
     if (count < 2) {
         if (!helps) cli_print_overview();
         return CLI_USAGE;
@@ -27,5 +26,7 @@ static int run(int count, char** arguments) {
 
 int main(int count, char** arguments) {
     cli_start_program();
-    return cli_finish(run(count, arguments));
+    const bool helps = cli_ranks_start();
+    const int status = run(count, arguments, helps);
+    return cli_finish(helps ? cli_ranks_end(status) : status);
 }

@@ -222,26 +222,34 @@ void ty_queue_end(ty_work_queue* queue) {
     atomic_store(&queue->begun, false);
 }
 
-bool ty_queue_destroy(ty_work_queue* queue, int32_t status) {
-    const ty_message_head head = {.status = status};
+/* Waits for the ranks that are busy, as long as they answer soon; the result is the number of those that do not. */
+static int32_t wait_for_busy(ty_work_queue* queue) {
     const double begun = ty_wall_seconds();
-    int32_t left = ty_comm_size(queue->comm) - 1;
-    for (int32_t i = 1; i < ty_comm_size(queue->comm); ++i) {
-        const rank_state state = queue->others[i].state;
-        if (state != BUSY && state != GONE && ty_message_send(queue->comm, i, TY_TAG_QUIT, &head, NULL, 0)) --left;
-    }
-    while (left > 0 && ty_wall_seconds() - begun < farewell_seconds) {
+    int32_t lost = 0;
+    for (int32_t i = 1; i < ty_comm_size(queue->comm); ++i)
+        lost += queue->others[i].state == BUSY || queue->others[i].state == GONE;
+    while (lost > 0 && ty_wall_seconds() - begun < farewell_seconds) {
         ty_comm_message found;
         ty_message_head answer;
-        if (!ty_comm_wait(queue->comm, 0.1, &found) || !ty_message_take(queue->comm, &found, &queue->in, &answer))
+        if (!ty_comm_wait(queue->comm, 0.1, &found) || !ty_message_take(queue->comm, &found, &queue->in, &answer) ||
+            queue->others[found.from].state != BUSY)
             continue;
-        ty_message_send(queue->comm, found.from, TY_TAG_QUIT, &head, NULL, 0);
-        --left;
+        queue->others[found.from].state = FREE;
+        --lost;
     }
+    return lost;
+}
+
+bool ty_queue_destroy(ty_work_queue* queue, int32_t status) {
+    const int32_t lost = wait_for_busy(queue);
+    const ty_message_head head = {.status = status, .count = lost};
+    for (int32_t i = 1; i < ty_comm_size(queue->comm); ++i)
+        if (queue->others[i].state == FREE || queue->others[i].state == ASKS)
+            ty_message_send(queue->comm, i, TY_TAG_QUIT, &head, NULL, 0);
     free(queue->others);
     free(queue->head.bytes);
     free(queue->in.bytes);
     free(queue->out.bytes);
     free(queue);
-    return left == 0;
+    return lost == 0;
 }

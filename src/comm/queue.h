@@ -65,7 +65,7 @@ typedef struct ty_job_worker {
 /* Greets rank 0 with a text: of what it has read, or, with status != 0, why it cannot start. */
 void ty_queue_hello(ty_comm* comm, int32_t status, const char* text);
 /* Works until rank 0 lets it go, and returns the status that rank 0 gives. workers: TY_JOB_KINDS of them; one without
- * `begin` refuses its jobs. */
-int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers);
+ * `begin` refuses its jobs. *all: no rank is lost. */
+int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers, bool* all);
 
 #endif

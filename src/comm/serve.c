@@ -62,7 +62,7 @@ static void do_task(service* s, const ty_message_head* head) {
     ty_comm_send(s->comm, 0, TY_TAG_ASK, s->out.bytes, s->out.size);
 }
 
-int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers) {
+int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers, bool* all) {
     service s = {.comm = comm, .workers = workers};
     ty_message_head head = {.status = 0};
     for (bool going = true; going;) {
@@ -78,5 +78,6 @@ int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers) {
     end_job(&s);
     free(s.in.bytes);
     free(s.out.bytes);
+    *all = head.count == 0;
     return head.status;
 }

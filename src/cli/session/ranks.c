@@ -17,6 +17,8 @@ static const double wait_default = 120;
 
 /* The messages of a rank other than 0, for rank 0. */
 static char kept_message[MESSAGE_SIZE];
+static bool joined; /* the ranks have found one another */
+static bool lost;   /* some have died since, so that the others do not wait for all */
 
 bool cli_ranks_start(void) {
     int32_t rank, size;
@@ -25,6 +27,15 @@ bool cli_ranks_start(void) {
     cli_silence_interrupts();
     if (freopen("/dev/null", "w", stdout) == NULL) fclose(stdout);
     return true;
+}
+
+int cli_ranks_end(int status) {
+    int32_t rank, size;
+    if (status == CLI_DONE || joined || !ty_comm_launched(&rank, &size)) return status;
+    sleep(10); /* the launcher ends all ranks when the first one fails, which wakes this one */
+    if (cli_interrupted()) return status;
+    cli_keep_messages(NULL, 0);
+    return cli_fail(status, "rank %d: %s", (int)rank, kept_message);
 }
 
 /* The path of the module: in the folder of this program, as in a build, or in that of an installation. */
@@ -53,6 +64,7 @@ int cli_ranks_open(cli_session* session) {
     const ty_result result = ty_comm_open(find_module(path) ? path : NULL, wait_seconds(), &session->comm);
     if (result != TY_OK) return cli_session_close(session, cli_fail(CLI_USAGE, "%s", ty_take_error(NULL)));
     if (session->comm == NULL) return CLI_GO;
+    joined = true;
     if (ty_comm_rank(session->comm) > 0) {
         session->common.quiet = true;
         session->common.stats = NULL;
@@ -92,7 +104,10 @@ void cli_ranks_hello(cli_session* session, int status, const ty_scene* scene) {
 }
 
 int cli_ranks_serve(cli_session* session, const ty_job_worker* workers) {
-    return ty_queue_serve(session->comm, workers);
+    bool all = true;
+    const int status = ty_queue_serve(session->comm, workers, &all);
+    lost = !all;
+    return status;
 }
 
 void cli_ranks_tell_alone(cli_session* session, const char* method) {
@@ -103,12 +118,11 @@ void cli_ranks_tell_alone(cli_session* session, const char* method) {
 }
 
 void cli_ranks_close(cli_session* session, int status) {
-    bool all = true;
     if (session->queue != NULL) {
         ty_context_set_queue(session->context, NULL);
-        all = ty_queue_destroy(session->queue, status);
+        lost = !ty_queue_destroy(session->queue, status);
     }
-    ty_comm_close(session->comm, all, status);
+    ty_comm_close(session->comm, !lost, status);
     session->queue = NULL;
     session->comm = NULL;
 }

@@ -9,6 +9,9 @@
 /* For a program that a launcher may have started several times, first of all: true on ranks other than 0, which then
  * print nothing, and keep their first message for rank 0. */
 bool cli_ranks_start(void);
+/* The exit status of a rank other than 0 whose command has ended with a status: one that ends with an error before it
+ * joined the others first gives rank 0 ten seconds to say the same, and then says it itself. */
+int cli_ranks_end(int status);
 
 /* Joins the others: CLI_GO, or an exit status after a message. Without a launcher it does nothing. */
 int cli_ranks_open(cli_session* session);
