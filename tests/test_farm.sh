@@ -124,7 +124,7 @@ test_sequence_options() {
   usage_error 'give --frames' render smoke.json -o x.exr --chain 4
   usage_error '.exr images' render smoke.json -o x_##.png --frames 1-3 --resume
   usage_error 'Method auto' render smoke.json -o x_##.exr --frames 1-3 --method auto
-  usage_error 'smoke_0098' render smoke.json -o x_##.exr --frames 98-99:2 -D frame=1
+  usage_error 'smoke_0998' render smoke.json -o x_##.exr --frames 998-999:2
 }
 
 # Frames by one process, which parts and ranks are held against. The same command again leaves them; chains matter.
