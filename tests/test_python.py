@@ -263,6 +263,7 @@ class Scenes(unittest.TestCase):
         with self.assertRaises(tyndall.FileError) as caught:
             tyndall.Scene("missing.json")
         self.assertIsInstance(caught.exception, OSError)
+        self.assertEqual(caught.exception.file, "missing.json")
         with self.assertRaisesRegex(tyndall.InputError, "did you mean|unknown|not a key") as caught:
             tyndall.Scene(FOG).render("dom", directionz=48)
         self.assertIn("render.dom", caught.exception.key)
@@ -416,8 +417,9 @@ class Rendering(unittest.TestCase):
         pathlib.Path("own.png").write_bytes(image.to_png(exposure=1))
         self.assertEqual(tyndall.diff(tyndall.read("own.png"), tyndall.read("saved.png"))["differing"], 0)
         self.assertEqual(image._repr_png_()[:8], b"\x89PNG\r\n\x1a\n")
-        with self.assertRaises(tyndall.ArgumentError):
-            image.save("saved.gif")
+        for name, options in (("saved.gif", {}), ("saved.exr", {"channel": "depth.Z"})):
+            with self.assertRaises(tyndall.ArgumentError):
+                image.save(name, **options)
 
     @needs_numpy
     def test_colors_of_files_are_in_order(self):
@@ -427,6 +429,8 @@ class Rendering(unittest.TestCase):
         read = tyndall.read("order.exr")
         for layer in ("single", "normal", ""):
             np.testing.assert_array_equal(read[layer], image[layer])
+        with self.assertRaisesRegex(tyndall.ArgumentError, "no colours"):
+            tyndall.Image({"depth": image["R"], "mask": image["G"]}).rgb
 
     @needs_numpy
     def test_fields(self):
@@ -504,6 +508,16 @@ class Rendering(unittest.TestCase):
         self.assertEqual(image.metadata["tyndall.complete"], 0)
         with self.assertRaises(tyndall.Cancelled):
             tyndall.Scene(FOG).render("dom", resolution=64, directions=1024, progress=lambda p: False)
+
+    def test_exceptions_of_functions(self):
+        """They come through, with the partial image."""
+        def fail(_):
+            raise RuntimeError("enough")
+
+        for function in ("progress", "partial"):
+            with self.assertRaisesRegex(RuntimeError, "enough") as caught:
+                tyndall.Scene(FOG).render(seconds=30, **{function: fail})
+            self.assertFalse(caught.exception.image.complete)
 
     def interrupt_soon(self, delay=0.3):
         timer = threading.Timer(delay, os.kill, (os.getpid(), signal.SIGINT))
@@ -648,6 +662,8 @@ class Tools(unittest.TestCase):
         self.assertEqual(scene.bake("probes", grid=box, spp=4).size, (2, 2))
         with self.assertRaisesRegex(tyndall.Error, "spp"):
             scene.bake("vertices", spp=0)
+        with self.assertRaisesRegex(tyndall.ArgumentError, "terms: 7"):
+            scene.bake("probes", grid=box, terms=7)
 
     @needs_numpy
     def test_denoise(self):

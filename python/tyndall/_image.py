@@ -129,7 +129,9 @@ class Image:
     def _color_names(self) -> Sequence[str]:
         if {"R", "G", "B"} <= set(self.channels):
             return ("R", "G", "B")
-        return (self.channels[0],) * 3 if len(self.channels) == 1 else ("Y",) * 3
+        if len(self.channels) > 1 and "Y" not in self.channels:
+            raise ArgumentError(f"the image has no colours; its channels are {', '.join(self.channels)}")
+        return (self.channels[0] if len(self.channels) == 1 else "Y",) * 3
 
     def _colors(self) -> Any:
         memory = self._core.colors(*self._color_names())
@@ -216,6 +218,8 @@ class Image:
         """
         name = os.fspath(path)
         lower = name.lower()
+        if channel is not None and not lower.endswith(".png"):
+            raise ArgumentError(f"{name}: one channel alone is written to .png")
         if lower.endswith(".exr"):
             self._core.write_exr(name)
         elif lower.endswith(".png") and channel is not None:
