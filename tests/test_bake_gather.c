@@ -187,6 +187,8 @@ static void probes_see_the_sky_and_backs(void** state) {
     assert_true(fabs((double)probes[0].sh[0][1][0] - sqrt(4 * pi)) < 0.02);
     for (int t = 1; t < TY_BAKE_SH_TERMS; ++t) assert_true(fabsf(probes[0].sh[0][1][t]) < 0.25f);
     assert_true(probes[0].blocked == 0 && probes[1].blocked > 0.95f);
+    assert_int_equal(ty_bake_probes(scene, &def, NULL, 2, probes, NULL), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_bake_probes(scene, &def, at, 2, NULL, NULL), TY_ERROR_ARGUMENT);
     ty_scene_destroy(scene);
 }
 
