@@ -1,0 +1,25 @@
+/* The light on cells as a texture of three dimensions, for shaders that march through it. */
+#ifndef TY_CLI_FLUENCE_FOG_TEXTURE_H
+#define TY_CLI_FLUENCE_FOG_TEXTURE_H
+
+#include <tyndall/tyndall.h>
+
+/* What red, green and blue of a texel are; its alpha is the extinction, 1/m, the mean of the channels. */
+typedef enum cli_fog_quantity {
+    CLI_FOG_SCATTER = 0, /* radiance that media scatter, isotropically, and emit per metre, W m^-3 sr^-1 */
+    CLI_FOG_FLUENCE = 1  /* fluence, W m^-2 */
+} cli_fog_quantity;
+
+typedef struct cli_fog_texture {
+    cli_fog_quantity quantity;
+    const double *lower, *upper; /* box, m */
+    const int32_t* size;         /* cells */
+    const double* fluence;       /* cells x 3, x fastest */
+    int32_t zstd;                /* of .ktx2 */
+} cli_fog_texture;
+
+/* Writes half floats to .ktx2 or .dds, and beside it a file .json with the box and the units. */
+ty_result cli_write_fog_texture(ty_context* context, const ty_scene* scene, const cli_fog_texture* fog,
+                                const char* path);
+
+#endif
