@@ -19,7 +19,7 @@ typedef struct fluence_options {
     const char *output, *method, *size_text, *box_text, *codec;
     int32_t spp, size[3];
     int quantity; /* a cli_fog_quantity */
-    bool spp_given, half;
+    bool spp_given, half, plain;
     cli_list overrides;
     double lower[3], upper[3];
 } fluence_options;
@@ -194,7 +194,7 @@ static ty_result write_light(ty_context* context, const ty_scene* scene, const f
                                  .upper = options->upper,
                                  .size = options->size,
                                  .fluence = cells->values[FLUENCE],
-                                 .zstd = ty_has_zstd() ? ZSTD_LEVEL : 0};
+                                 .zstd = ty_has_zstd() && !options->plain ? ZSTD_LEVEL : 0};
     return cli_write_fog_texture(context, scene, &fog, options->output);
 }
 
@@ -246,6 +246,7 @@ int cli_fluence(int count, char** arguments) {
         {"texture", 0, CLI_CHOICE, "scatter|fluence",
          "red, green and blue of a texture: light that media scatter and emit per metre (default), or fluence",
          &options.quantity, 0, 0, NULL},
+        {"no-zstd", 0, CLI_FLAG, NULL, "a .ktx2 without compression", &options.plain, 0, 0, NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)",
          &options.overrides, 0, 0, NULL},
     };
