@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """`tyndall export`: the coefficients of probes give our irradiance by each engine's own formula, lightmaps hold the bake's light, and
 what is refused. usage: test_export.py TYNDALL EXAMPLES (works in the current folder)"""
-import array, json, math, os, random, shutil, struct, subprocess, sys
+import array, json, math, os, random, re, shutil, struct, subprocess, sys
 
 TYNDALL, EXAMPLES = sys.argv[1], sys.argv[2]
 ENGINES = ("three", "godot", "unity", "unreal")
@@ -96,10 +96,11 @@ def check_probes(up):
             scale = 100 if engine == "unreal" else 1
             expected = [scale * v for v in to_engine(engine, ours["position"], up)]
             assert all(abs(a - b) < 1e-5 * scale for a, b in zip(expected, theirs["position"])), (expected, theirs["position"])
+            coefficients = [theirs["coefficients"][3 * t:3 * t + 3] for t in range(9)]
             for _ in range(20):
                 n = [chance.gauss(0, 1) for _ in range(3)]
                 n = [v / math.sqrt(sum(w * w for w in n)) for v in n]
-                a, b = irradiance(ours["sh"], n), FORMULAS[engine](theirs["coefficients"], to_engine(engine, n, up))
+                a, b = irradiance(ours["sh"], n), FORMULAS[engine](coefficients, to_engine(engine, n, up))
                 worst = max(worst, max(abs(p - q) / sum(a) for p, q in zip(a, b)))
         print(f"{engine}, {up} up: irradiance by its formula within {worst:.1e}")
         assert worst < 1e-5, engine  # the formulas' constants have six digits
@@ -158,7 +159,42 @@ def check_refusals():
         refused(message, "export", "other", "-o", "out")
 
 
+# ---- importers ----
+
+def check_importers():
+    """No engine is here: their files name only what there is, and read only what export.json and its like have."""
+    godot = os.path.join(EXAMPLES, "godot")
+    script = open(os.path.join(godot, "addons/tyndall/tyndall_level.gd")).read()
+    scene = open(os.path.join(godot, "level.tscn")).read()
+    project = open(os.path.join(godot, "project.godot")).read()
+    named = re.findall(r'"res://([^"]+\.(?:gd|gdshader|tscn))"', script + scene + project)
+    assert len(named) >= 5 and all(os.path.exists(os.path.join(godot, name)) for name in named), named
+    for shader in (name for name in named if name.endswith(".gdshader")):
+        text = open(os.path.join(godot, shader)).read()
+        assert text.count("{") == text.count("}") and "shader_type spatial;" in text, shader
+        uniforms = set(re.findall(r"uniform \w+ (\w+)", text))
+        assert uniforms & set(re.findall(r'"(\w+)"', script)), shader
+    for parameter in re.findall(r'set_shader_parameter\("(\w+)"', script):
+        assert any(parameter in open(os.path.join(godot, name)).read() for name in named if name.endswith(".gdshader")), parameter
+    export, grid = json.load(open("godot/export.json")), json.load(open("baked_y_godot/grid.json"))
+    json.dump({"tyndall": 1, "media": [{"bounds": [[0, 0, 0], [1, 1, 1]], "sigma_t": 1, "albedo": 0.5}],
+               "lights": [{"type": "environment", "radiance": [1, 1, 1]}]}, open("fog.json", "w"))
+    tyndall("fluence", "fog.json", "-o", "fog_texture.dds", "--size", "4,4,4")
+    known = set(export) | set(export["lightmaps"][0]) | set(export["lightmaps"][0]["meshes"][0]) | set(grid) | set(grid["probes"][0])
+    known |= set(json.load(open("fog_texture.json")))
+    read = set(re.findall(r'(?:files|fog|map|mesh|probe)\["(\w+)"\]', script)) | set(re.findall(r'get\("(\w+)"', script))
+    assert read <= known, read - known
+    unreal_script = open(os.path.join(EXAMPLES, "unreal/tyndall_import.py")).read()
+    compile(unreal_script, "tyndall_import.py", "exec")
+    assert set(re.findall(r'(?:export|lightmap|mesh|p)\["(\w+)"\]', unreal_script)) <= known
+    text = open(os.path.join(EXAMPLES, "unity/TyndallImporter.cs")).read()
+    fields = set(re.findall(r"public (?:string|int|float|float\[\]|Lightmap\[\]|MeshEntry\[\]|Probe\[\]) ([\w, ]+);", text))
+    names = {name.strip() for field in fields for name in re.sub(r"public \w+ ", "", field).split(",")}
+    assert text.count("{") == text.count("}") and names <= known | {"probes"}, names - known
+
+
 check_probes("+y")
 check_probes("+z")
 check_lightmaps()
+check_importers()
 check_refusals()

@@ -1,4 +1,5 @@
-/* tyndall export: probes and light grids as lists of positions and coefficients. */
+/* tyndall export: probes and light grids as lists of positions and coefficients. No array is in another, because
+ * Unity's JsonUtility reads none. */
 #include "base/context.h"
 #include "cli/export/export.h"
 #include "cli/text/text_file.h"
@@ -112,7 +113,7 @@ static ty_result read_grid(const export_run* run, const json_t* entry, const cha
 /* ---- Writing ---- */
 
 static void put_probe(json_writer* json, const probe_list* list, const float axes[3][3], const probe* p) {
-    double position[3] = {0}, turned[3][EXPORT_TERMS];
+    double position[3] = {0}, turned[3][EXPORT_TERMS], flat[3 * EXPORT_TERMS];
     for (int a = 0; a < 3; ++a)
         for (int i = 0; i < 3; ++i)
             position[a] += (double)axes[a][i] * p->position[i] * list->run->engine->units_per_meter;
@@ -120,10 +121,8 @@ static void put_probe(json_writer* json, const probe_list* list, const float axe
     json_open_object(json, NULL);
     json_numbers(json, "position", position, 3);
     json_number(json, "blocked", p->blocked);
-    json_open_array(json, "coefficients");
-    for (int t = 0; t < EXPORT_TERMS; ++t)
-        json_numbers(json, NULL, (const double[]){turned[0][t], turned[1][t], turned[2][t]}, 3);
-    json_close_array(json);
+    for (int i = 0; i < 3 * EXPORT_TERMS; ++i) flat[i] = turned[i % 3][i / 3];
+    json_numbers(json, "coefficients", flat, 3 * EXPORT_TERMS);
     json_close_object(json);
 }
 
@@ -138,7 +137,8 @@ static ty_result print_probes(ty_context* context, FILE* file, const void* user)
     json_text(&json, "engine", list->run->engine->name);
     json_text(&json, "axes", list->run->engine->axes_text);
     json_text(&json, "coefficients", list->run->engine->probes_text);
-    json_text(&json, "order", "1, y, z, x, xy, yz, 3zz - 1, xz, xx - yy, in the engine's axes; red, green, blue each");
+    json_text(&json, "order",
+              "1, y, z, x, xy, yz, 3zz - 1, xz, xx - yy, in the engine's axes; red, green and blue of each");
     if (list->grid[0] > 0) {
         json_numbers(&json, "grid", (const double[]){list->grid[0], list->grid[1], list->grid[2]}, 3);
         json_text(&json, "grid_order", "x fastest, then y, then z, in the axes of the scene");
