@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""`tyndall export`: the coefficients of probes give our irradiance by each engine's own formula, lightmaps hold the bake's light, and
-what is refused. usage: test_export.py TYNDALL EXAMPLES (works in the current folder)"""
+"""`tyndall export`: the coefficients of probes give our irradiance by each engine's own formula, lightmaps hold the bake's light,
+importers name what there is; `tyndall unwrap` keeps triangles; and what is refused. usage: test_export.py TYNDALL EXAMPLES (works in the current folder)"""
 import array, json, math, os, random, re, shutil, struct, subprocess, sys
 
 TYNDALL, EXAMPLES = sys.argv[1], sys.argv[2]
@@ -145,6 +145,59 @@ def check_lightmaps():
         assert error < 0.0064 * total, engine  # measured: 5.9 %, of a map of 16 paths a texel, whose noise is larger
 
 
+# ---- unwrap ----
+
+def read_glb(path):
+    data = open(path, "rb").read()
+    length, = struct.unpack_from("<I", data, 12)
+    return json.loads(data[20:20 + length]), data[28 + length:]
+
+
+def elements(gltf, body, index):
+    a = gltf["accessors"][index]
+    view = gltf["bufferViews"][a["bufferView"]]
+    code, size = {5126: ("f", 4), 5125: ("I", 4), 5123: ("H", 2)}[a["componentType"]]
+    count = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}[a["type"]]
+    at, stride = view.get("byteOffset", 0) + a.get("byteOffset", 0), view.get("byteStride", count * size)
+    return [struct.unpack_from(f"<{count}{code}", body, at + stride * i) for i in range(a["count"])]
+
+
+def triangles(gltf, body, name):
+    """Corners of a mesh's triangles, by position and normal."""
+    found = []
+    for primitive in next(m for m in gltf["meshes"] if m["name"] == name)["primitives"]:
+        position, normal = (elements(gltf, body, primitive["attributes"][key]) for key in ("POSITION", "NORMAL"))
+        index = [i[0] for i in elements(gltf, body, primitive["indices"])]
+        found += [tuple((position[k], normal[k]) for k in index[i:i + 3]) for i in range(0, len(index), 3)]
+    return sorted(found)
+
+
+def check_unwrap():
+    """The ball gets a lightmap; its triangles stay, and so do the lightmaps of the others."""
+    done = subprocess.run([TYNDALL, "unwrap", "room.glb", "-o", "unwrapped.glb", "--density", "24", "--json"],
+                          capture_output=True, text=True, check=True)
+    found, = json.loads(done.stdout)
+    assert found["mesh"] == "ball" and found["stretch"] <= 1.5 and 0.2 < found["fill"] < 1 and found["charts"] < 50, found
+    before, after = read_glb("room.glb"), read_glb("unwrapped.glb")
+    for name in ("ball", "walls", "table"):
+        assert triangles(*before, name) == triangles(*after, name), name
+    assert "TEXCOORD_1" in next(m for m in after[0]["meshes"] if m["name"] == "ball")["primitives"][0]["attributes"]
+    tyndall("bake", "unwrapped.glb", "-o", "unwrapped", "--lightmaps", "--spp", "16", "--density", "16", "--method", "surfaces")
+    assert os.path.exists("unwrapped/ball.exr")
+    refused("-o FILE is missing", "unwrap", "room.glb")
+    refused("is not .glb or .gltf", "unwrap", "room.obj", "-o", "a.glb")
+    refused("is not .glb", "unwrap", "room.glb", "-o", "a.gltf")
+    refused("gone.glb", "unwrap", "gone.glb", "-o", "a.glb")
+    gltf, body = before
+    gltf["meshes"][-1]["primitives"][0]["targets"] = [{"POSITION": gltf["meshes"][-1]["primitives"][0]["attributes"]["POSITION"]}]
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    with open("morphed.glb", "wb") as file:
+        file.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(body)) + struct.pack("<I4s", len(text), b"JSON") + text +
+                   struct.pack("<I4s", len(body), b"BIN\0") + body)
+    refused("morph targets cannot be given new vertices", "unwrap", "morphed.glb", "-o", "a.glb")
+
+
 def check_refusals():
     refused("-o FOLDER is missing", "export", "room")
     refused("gone/bake.json", "export", "gone", "-o", "out")
@@ -197,4 +250,5 @@ check_probes("+y")
 check_probes("+z")
 check_lightmaps()
 check_importers()
+check_unwrap()
 check_refusals()
