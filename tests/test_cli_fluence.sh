@@ -40,7 +40,8 @@ test_boxes() {
 
 test_messages() {
   usage_error 'o FILE is missing' fluence builtin:cube_g0
-  usage_error 'extension is not .vti or .vdb' fluence builtin:cube_g0 -o a.nrrd
+  usage_error 'extension is not .vti, .vdb, .ktx2 or .dds' fluence builtin:cube_g0 -o a.nrrd
+  usage_error 'texture is for .ktx2 and .dds' fluence builtin:cube_g0 -o a.vti --texture fluence
   usage_error 'half is for .vdb' fluence builtin:cube_g0 -o a.vti --half
   usage_error "'8,8' is not X,Y,Z" fluence builtin:cube_g0 -o a.vti --size 8,8
   usage_error "'8,8,8.5' is not X,Y,Z" fluence builtin:cube_g0 -o a.vti --size 8,8,8.5

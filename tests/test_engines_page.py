@@ -193,14 +193,14 @@ def check_fog(browser):
     check("fog.js against dom", compare(turned(found, width, height), expected, width, height, 4), 0.01, 0.02)
 
 
-def make_level():
+def make_level(*quality):
     for name in ("fog.js", "level.js", "main.js", "index.html", "level.json"):
         shutil.copy(os.path.join(EXAMPLES, "three", name), name)
     os.makedirs("node_modules", exist_ok=True)
     if not os.path.exists("node_modules/three"):
         os.symlink(os.path.abspath(THREE), "node_modules/three")
     subprocess.run([sys.executable, os.path.join(EXAMPLES, "make_room.py"), "room.glb"], check=True)
-    tyndall("bake", "level.json", "-o", "baked", "--spp", "32", "--density", "8", "--cache", "16")
+    tyndall("bake", "level.json", "-o", "baked", *quality)
     tyndall("export", "baked", "-o", "files")
     tyndall("fluence", "level.json", "-o", "files/fog.ktx2")
     shutil.copy("baked/room.glb", "files/room.glb")
@@ -248,7 +248,7 @@ def main():
         check_bc6h(browser)
         check_fog(browser)
         if os.path.isdir(THREE):
-            make_level()
+            make_level("--spp", "32", "--cache", "16")
             check_sample(browser, address)
         else:
             print("left out: the three.js sample, as three.js is not installed (npm install in examples/three, or TYNDALL_THREE)")
