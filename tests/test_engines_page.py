@@ -114,7 +114,7 @@ def read_floats(path):
     return width, height, array.array("f", data[at:at + 16 * width * height])
 
 
-def turned(pixels, width, height):
+def rotated(pixels, width, height):
     """Rows from the other end."""
     return [v for y in reversed(range(height)) for v in pixels[4 * width * y:4 * width * (y + 1)]]
 
@@ -190,7 +190,7 @@ def check_fog(browser):
     width, height, expected = read_floats("fog.exr")
     box = json.load(open("fog.json"))
     found = browser.run(f"window.fog('fog.ktx2', {json.dumps(box)}, {json.dumps(camera_of(FOG_SCENE))}, 64)")
-    check("fog.js against dom", compare(turned(found, width, height), expected, width, height, 4), 0.01, 0.02)
+    check("fog.js against dom", compare(rotated(found, width, height), expected, width, height, 4), 0.01, 0.02)
 
 
 def make_level(*quality):
@@ -212,9 +212,9 @@ def check_sample(browser, address):
     browser.wait_for("window.ready")
     found = browser.run("window.readRadiance()")
     width, height, expected = read_floats("dom.exr")
-    check("three.js sample against dom", compare(turned(found, width, height), expected, width, height, 8), 0.02, 0.07)
+    check("three.js sample against dom", compare(rotated(found, width, height), expected, width, height, 8), 0.02, 0.07)
     tyndall("render", "level.json", "-o", "path.exr", "--method", "path", "--size", "96x72", "--spp", "64")
-    check("three.js sample against path", compare(turned(found, width, height), read_floats("path.exr")[2], width, height, 24),
+    check("three.js sample against path", compare(rotated(found, width, height), read_floats("path.exr")[2], width, height, 24),
           0.03, 0.1)
 
 

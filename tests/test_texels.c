@@ -114,10 +114,10 @@ static void every_mode_decodes(void** state) {
     for (int s = 0; s < 2; ++s)
         for (int m = 0; m < TY_BC6H_MODES; ++m) {
             const ty_bc6h_mode* mode = &tables.modes[m];
-            const int32_t least = (int32_t)fmin(fmin(mode->delta[0], mode->delta[1]), mode->delta[2]);
+            const int32_t smallest = (int32_t)fmin(fmin(mode->delta[0], mode->delta[1]), mode->delta[2]);
             const int32_t bits = mode->bits - s;
             const double step = log(2) * 31 / (1 << bits);
-            const float scale = fminf(1, ldexpf(4, least - mode->bits));
+            const float scale = fminf(1, ldexpf(4, smallest - mode->bits));
             const quality q = measure(1u << m, s == 1, scale);
             print_message("mode %2d%s: %3d blocks, %.4f %%, %.3f steps\n", (int)mode->number, s == 1 ? " signed" : "",
                           q.used[m], 100 * q.relative_rmse, q.relative_rmse / step);

@@ -81,7 +81,7 @@ static ty_unwrap unwrap_at(double density, double stretch) {
     return out;
 }
 
-/* Whether a point is within a triangle of the map, not on its edges. */
+/* True for points within a triangle of the map, not on its edges. */
 static bool within(const float* uv, float x, float y) {
     const float area = (uv[2] - uv[0]) * (uv[5] - uv[1]) - (uv[3] - uv[1]) * (uv[4] - uv[0]);
     for (int k = 0; k < 3; ++k) {

@@ -8,7 +8,7 @@ uniform sampler3D fogTexture;
 uniform vec3 fogLower, fogUpper; // the box, m
 uniform int fogSteps;
 
-// What the fog between origin and origin + distance * direction adds (rgb), and what it leaves of what is behind (a).
+// The light that the fog between origin and origin + distance * direction adds (rgb), and its transmittance (a).
 vec4 fogAlong(vec3 origin, vec3 direction, float distance) {
     vec3 a = (fogLower - origin) / direction, b = (fogUpper - origin) / direction;
     vec3 low = min(a, b), high = max(a, b);

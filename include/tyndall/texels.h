@@ -23,7 +23,7 @@ typedef enum ty_texel_format {
     TY_TEXELS_RGBM = 6    ///< Three bytes and a multiplier: byte a range / 255^2. KTX2, DDS, PNG.
 } ty_texel_format;
 
-/// How a texture is written. Create it with ty_default_texels_def().
+/// The form of a texture. Create it with ty_default_texels_def().
 typedef struct ty_texels_def {
     uint32_t cookie;        ///< Set by ty_default_texels_def() and checked.
     uint32_t bytes;         ///< Set by ty_default_texels_def() to the size of the structure, and checked.
@@ -49,7 +49,7 @@ static inline ty_texels_def ty_default_texels_def(void) {
 /// is in KTX2 and PNG files as `rgbm_range`. Errors: TY_ERROR_ARGUMENT (no RGB, slices that do not divide the height, a
 /// format that the file cannot hold, Zstandard in a build without it), TY_ERROR_MEMORY, TY_ERROR_FILE.
 TY_API ty_result ty_texels_write(ty_context* context, const ty_image* image, const ty_texels_def* def,
-                                  const char* path);
+                                 const char* path);
 
 #ifdef __cplusplus
 }

@@ -26,16 +26,16 @@ static int32_t place(ty_unwrap_rectangle* rectangles, const entry* entries, int3
     memset(skyline, 0, (size_t)width * sizeof *skyline);
     for (int32_t i = 0; i < count; ++i) {
         ty_unwrap_rectangle* r = &rectangles[entries[i].index];
-        int32_t least = INT32_MAX;
+        int32_t smallest = INT32_MAX;
         for (int32_t x = 0; x + r->width <= width;) {
             int32_t top = 0, highest = x;
-            for (int32_t k = x; k < x + r->width && top < least; ++k)
+            for (int32_t k = x; k < x + r->width && top < smallest; ++k)
                 if (skyline[k] >= top) {
                     top = skyline[k];
                     highest = k;
                 }
-            if (top < least) {
-                least = top;
+            if (top < smallest) {
+                smallest = top;
                 r->x = x;
                 r->y = top;
             }
@@ -59,18 +59,18 @@ ty_result ty_unwrap_pack(ty_context* context, ty_unwrap_rectangle* rectangles, i
         widest = rectangles[i].width > widest ? rectangles[i].width : widest;
     }
     qsort(entries, (size_t)count, sizeof *entries, compare_entries);
-    /* Of several widths about the root of the area, the one with the least area. */
+    /* Of several widths about the root of the area, the one with the smallest area. */
     const int32_t largest = (int32_t)ceil(1.5 * sqrt(area)) > widest ? (int32_t)ceil(1.5 * sqrt(area)) : widest;
     int32_t* skyline = ty_alloc_array(context, (size_t)largest, sizeof *skyline, false);
-    double least = INFINITY;
+    double smallest = INFINITY;
     int32_t best = widest;
     for (int i = 0; i <= WIDTHS && skyline != NULL; ++i) {
         const bool last = i == WIDTHS; /* places them again */
         const int32_t wanted = (int32_t)ceil(sqrt(area) * (1 + 0.5 * i / WIDTHS));
         const int32_t tried = last ? best : wanted > widest ? wanted : widest;
         const int32_t needed = place(rectangles, entries, count, tried, skyline);
-        if (!last && (double)tried * needed < least) {
-            least = (double)tried * needed;
+        if (!last && (double)tried * needed < smallest) {
+            smallest = (double)tried * needed;
             best = tried;
         }
         *width = tried;

@@ -1,4 +1,4 @@
-/* Unwrapping: charts are grown, projected, freed from overlaps, turned, and packed. */
+/* Unwrapping: charts are grown, projected, freed from overlaps, rotated, and packed. */
 #include "bake/unwrap/unwrap.h"
 #include "base/context.h"
 
@@ -90,9 +90,9 @@ static void find_box(const job* j, plane* p) {
 static void find_axes(const job* j, plane* p) {
     float n[3], u[3], v[3];
     find_normal(j, p, n);
-    const int least = fabsf(n[0]) <= fabsf(n[1]) && fabsf(n[0]) <= fabsf(n[2]) ? 0 : fabsf(n[1]) <= fabsf(n[2]) ? 1 : 2;
-    const float length = sqrtf(1 - n[least] * n[least]);
-    for (int a = 0; a < 3; ++a) u[a] = ((a == least) - n[least] * n[a]) / length;
+    const int minor = fabsf(n[0]) <= fabsf(n[1]) && fabsf(n[0]) <= fabsf(n[2]) ? 0 : fabsf(n[1]) <= fabsf(n[2]) ? 1 : 2;
+    const float length = sqrtf(1 - n[minor] * n[minor]);
+    for (int a = 0; a < 3; ++a) u[a] = ((a == minor) - n[minor] * n[a]) / length;
     for (int a = 0; a < 3; ++a) v[a] = n[(a + 1) % 3] * u[(a + 2) % 3] - n[(a + 2) % 3] * u[(a + 1) % 3];
     plane best = *p;
     float smallest = INFINITY;
@@ -143,13 +143,13 @@ static bool cover(float p[3][2], int32_t width, int32_t height, uint8_t* owned) 
         for (int32_t y = (int32_t)fmaxf(low[1], 0); y <= (int32_t)high[1] && y < height; ++y)
             for (int32_t x = (int32_t)fmaxf(low[0], 0); x <= (int32_t)high[0] && x < width; ++x) {
                 const float at[2] = {(float)x + 0.5f, (float)y + 0.5f};
-                float least = INFINITY;
+                float smallest = INFINITY;
                 for (int k = 0; k < 3; ++k) {
                     const float *a = p[k], *b = p[(k + 1) % 3];
                     const float side = (b[0] - a[0]) * (at[1] - a[1]) - (b[1] - a[1]) * (at[0] - a[0]);
-                    least = fminf(least, side / area);
+                    smallest = fminf(smallest, side / area);
                 }
-                if (!(least > 1e-4f)) continue; /* points on edges belong to nobody */
+                if (!(smallest > 1e-4f)) continue; /* points on edges belong to nobody */
                 if (pass == 0)
                     met = met || owned[(size_t)y * (size_t)width + (size_t)x];
                 else

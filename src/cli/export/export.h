@@ -8,7 +8,7 @@
 
 enum { EXPORT_PATH_SIZE = 4096, EXPORT_TERMS = 9 };
 
-/* What an engine expects. Axes are given for scenes with y up, as glTF has them, right-handed. */
+/* The conventions of an engine. Axes are given for scenes with y up, as glTF has them, right-handed. */
 typedef struct export_engine {
     const char* name;
     const char* extension;  /* of lightmaps */

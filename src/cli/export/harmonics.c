@@ -80,7 +80,7 @@ static void turn(const float axes[3][3], const double in[EXPORT_TERMS], double o
     out[8] = (p[0][0] - p[1][1]) / K2;
 }
 
-/* What each term is multiplied with. */
+/* The factor of each term. */
 static double factor_of(const export_engine* engine, int term) {
     /* A_l / pi, of the cosine lobe (Ramamoorthi and Hanrahan 2001), times the harmonic's own factor. */
     static const double unity[EXPORT_TERMS] = {K0,        2.0 / 3 * K1, 2.0 / 3 * K1, 2.0 / 3 * K1, 0.25 * K2,

@@ -113,15 +113,15 @@ static ty_result read_grid(const export_run* run, const json_t* entry, const cha
 /* ---- Writing ---- */
 
 static void put_probe(json_writer* json, const probe_list* list, const float axes[3][3], const probe* p) {
-    double position[3] = {0}, turned[3][EXPORT_TERMS], flat[3 * EXPORT_TERMS];
+    double position[3] = {0}, rotated[3][EXPORT_TERMS], flat[3 * EXPORT_TERMS];
     for (int a = 0; a < 3; ++a)
         for (int i = 0; i < 3; ++i)
             position[a] += (double)axes[a][i] * p->position[i] * list->run->engine->units_per_meter;
-    for (int c = 0; c < 3; ++c) export_harmonics(list->run->engine, axes, p->sh[c], turned[c]);
+    for (int c = 0; c < 3; ++c) export_harmonics(list->run->engine, axes, p->sh[c], rotated[c]);
     json_open_object(json, NULL);
     json_numbers(json, "position", position, 3);
     json_number(json, "blocked", p->blocked);
-    for (int i = 0; i < 3 * EXPORT_TERMS; ++i) flat[i] = turned[i % 3][i / 3];
+    for (int i = 0; i < 3 * EXPORT_TERMS; ++i) flat[i] = rotated[i % 3][i / 3];
     json_numbers(json, "coefficients", flat, 3 * EXPORT_TERMS);
     json_close_object(json);
 }

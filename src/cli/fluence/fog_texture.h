@@ -4,7 +4,7 @@
 
 #include <tyndall/tyndall.h>
 
-/* What red, green and blue of a texel are; its alpha is the extinction, 1/m, the mean of the channels. */
+/* The quantity in red, green and blue of a texel; its alpha is the extinction, 1/m, the mean of the channels. */
 typedef enum cli_fog_quantity {
     CLI_FOG_SCATTER = 0, /* radiance that media scatter, isotropically, and emit per metre, W m^-3 sr^-1 */
     CLI_FOG_FLUENCE = 1  /* fluence, W m^-2 */

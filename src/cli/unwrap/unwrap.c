@@ -14,7 +14,7 @@ typedef struct unwrap_options {
     bool all, json;
 } unwrap_options;
 
-/* What the writer takes of one mesh, with its arrays. */
+/* The writer's description of one mesh, with its arrays. */
 typedef struct new_mesh {
     ty_mesh_uv2 mesh;
     int64_t* source;

@@ -15,7 +15,7 @@ typedef struct block {
     bool with_sign;
 } block;
 
-/* What a block would be in one mode. */
+/* A fit of a block in one mode. */
 typedef struct trial {
     int32_t mode, partition; /* partition: 0 for one subset */
     int32_t ends[4][3];      /* as they are before the transform */
@@ -106,7 +106,7 @@ static void find_ends(const block* b, uint32_t mask, float ends[2][3]) {
     }
 }
 
-/* Least squares of the ends, given the indices. False: all indices are alike. */
+/* least squares of the ends, given the indices. False: all indices are alike. */
 static bool refine_ends(const block* b, uint32_t mask, const int32_t* index, const int32_t* weights, float ends[2][3]) {
     float aa = 0, ab = 0, bb = 0, at[3] = {0}, bt[3] = {0};
     for (int i = 0; i < TEXELS; ++i) {
@@ -173,17 +173,17 @@ static void choose_indices(const block* b, uint32_t mask, int anchor, const int3
     }
     for (int i = 0; i < TEXELS; ++i) {
         if (!(mask >> i & 1)) continue;
-        float least = FLT_MAX;
+        float smallest = FLT_MAX;
         for (int32_t k = 0; k < (i == anchor ? count / 2 : count); ++k) {
             const float x = b->texels[i][0] - palette[k][0], y = b->texels[i][1] - palette[k][1],
                         z = b->texels[i][2] - palette[k][2];
             const float error = x * x + y * y + z * z;
-            if (error < least) {
-                least = error;
+            if (error < smallest) {
+                smallest = error;
                 t->index[i] = k;
             }
         }
-        t->error += least;
+        t->error += smallest;
     }
 }
 
@@ -211,20 +211,20 @@ static void fit(const block* b, const ty_bc6h_request* request, int32_t begin, i
     }
 }
 
-/* The partitions that leave the least variance beside their lines. */
+/* The partitions that leave the smallest variance beside their lines. */
 static void find_partitions(const block* b, int32_t out[CANDIDATES]) {
-    float least[CANDIDATES];
-    for (int k = 0; k < CANDIDATES; ++k) least[k] = FLT_MAX;
+    float smallest[CANDIDATES];
+    for (int k = 0; k < CANDIDATES; ++k) smallest[k] = FLT_MAX;
     for (int32_t p = 0; p < TY_BC6H_PARTITIONS; ++p) {
         float mean[3], axis[3];
         const uint32_t second = ty_bc6h_partitions[p];
         float rest = find_axis(b, 0xffff & ~second, mean, axis) + find_axis(b, second, mean, axis);
         int32_t moved = p;
         for (int k = 0; k < CANDIDATES; ++k)
-            if (rest < least[k]) {
-                const float value = least[k];
+            if (rest < smallest[k]) {
+                const float value = smallest[k];
                 const int32_t index = out[k];
-                least[k] = rest;
+                smallest[k] = rest;
                 out[k] = moved;
                 rest = value;
                 moved = index;

@@ -122,7 +122,7 @@ static size_t put_values(const ty_stored_texture* texture, uint8_t* bytes) {
     return put_value(bytes, at, "rgbm_range", number);
 }
 
-/* What a level is in the file. */
+/* A level as it is in the file. */
 typedef struct stored_level {
     const uint8_t* bytes;
     uint8_t* packed; /* NULL: not compressed */

@@ -63,7 +63,7 @@ static void pack_rgbe(const float rgb[3], uint8_t out[4]) {
     out[3] = (uint8_t)(exponent + 128);
 }
 
-/* A byte per channel and a multiplier, the least that holds the largest channel. */
+/* A byte per channel and a multiplier, the smallest that holds the largest channel. */
 static void pack_rgbm(const float rgb[3], float range, uint8_t out[4]) {
     const float largest = fmaxf(fmaxf(rgb[0], rgb[1]), rgb[2]) / range;
     const float multiplier = fminf(fmaxf(ceilf(255 * largest), 1), 255);

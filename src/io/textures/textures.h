@@ -37,7 +37,7 @@ ty_result ty_write_dds(ty_context* context, const ty_stored_texture* texture, co
 
 /* ---- zstd.c ---- */
 
-/* Whether this build has Zstandard. */
+/* Tells whether this build has Zstandard. */
 bool ty_has_zstd(void);
 /* Bytes that `size` bytes may become, at most. */
 size_t ty_zstd_bound(size_t size);

@@ -51,13 +51,13 @@ func _ready() -> void:
 ## The coefficients of the nearest probe: nine terms of radiance over pi, in the order of LightmapGI's light probes.
 func nearest_probe(at: Vector3) -> PackedColorArray:
 	var nearest := PackedColorArray()
-	var least := INF
+	var smallest := INF
 	for probe: Dictionary in _read("grid.json").get("probes", []):
 		var p: Array = probe["position"]
 		var distance := at.distance_squared_to(Vector3(p[0], p[1], p[2]))
-		if distance >= least or float(probe["blocked"]) > 0.5:
+		if distance >= smallest or float(probe["blocked"]) > 0.5:
 			continue
-		least = distance
+		smallest = distance
 		nearest.clear()
 		for term in 9:
 			var c: Array = probe["coefficients"].slice(3 * term, 3 * term + 3)
