@@ -187,6 +187,7 @@ static int run_export(export_run* run) {
 
 int cli_export(int count, char** arguments) {
     int engine = 0;
+    bool plain = false;
     export_run run = {.texels = -1, .zstd = ty_has_zstd() ? ZSTD_LEVEL : 0};
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FOLDER", "where the files go", &run.folder, 0, 0, NULL},
@@ -194,6 +195,7 @@ int cli_export(int count, char** arguments) {
         {"texels", 0, CLI_CHOICE, "bc6h|bc6h-signed|half|float|rgb9e5|rgbe|rgbm",
          "of lightmaps (default rgb9e5 for three, bc6h for godot and unity)", &run.texels, 0, 0, NULL},
         {"mipmaps", 0, CLI_FLAG, NULL, "lightmaps with smaller levels", &run.mipmaps, 0, 0, NULL},
+        {"no-zstd", 0, CLI_FLAG, NULL, ".ktx2 without compression", &plain, 0, 0, NULL},
         {"denoised", 0, CLI_FLAG, NULL, "the denoised lightmaps of bake --denoise", &run.denoised, 0, 0, NULL},
     };
     const cli_syntax syntax = {
@@ -201,7 +203,8 @@ int cli_export(int count, char** arguments) {
         "BAKED -o FOLDER [--for ENGINE] [options]",
         "Writes the lightmaps and probes of a bake as an engine loads them.",
         "BAKED is a folder of tyndall bake. Lightmaps become .ktx2 (three), .dds (godot, unity) or .exr (unreal);\n"
-        "probes and light grids become coefficients in the engine's order, signs, factors and axes. export.json\n"
+        "probes and light grids become coefficients in the engine's order, signs, factors and axes, light grids also\n"
+        "volumes (.ktx2 or .dds) of the first four. export.json\n"
         "lists them with their meshes. docs/engines.md has the importers.",
         table,
         sizeof table / sizeof table[0],
@@ -215,6 +218,7 @@ int cli_export(int count, char** arguments) {
     if (status == CLI_GO) status = cli_session_open(&session, "export", &given.common);
     if (status != CLI_GO) return status;
     run.session = &session;
+    if (plain) run.zstd = 0;
     run.engine = &export_engines[engine];
     run.from = given.positional[0];
     return cli_session_close(&session, run_export(&run));

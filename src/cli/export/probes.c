@@ -3,9 +3,13 @@
 #include "base/context.h"
 #include "cli/export/export.h"
 #include "cli/text/text_file.h"
+#include "io/textures/textures.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/* Probes of which more rays met backs of surfaces are inside of walls. */
+#define BLOCKED 0.5
 
 typedef struct probe {
     double position[3];
@@ -17,7 +21,8 @@ typedef struct probe_list {
     const export_run* run;
     probe* probes;
     int64_t count;
-    int32_t grid[3]; /* 0: no grid */
+    int32_t grid[3];              /* 0: no grid */
+    double origin[3], spacing[3]; /* of the grid, in the axes of the scene, m */
 } probe_list;
 
 static ty_result wrong(const export_run* run, const char* name) {
@@ -80,7 +85,11 @@ static bool take_grid(const json_t* entry, const ty_image* image, probe_list* li
     list->probes = calloc((size_t)pixels, sizeof *list->probes);
     if (list->probes == NULL) return false;
     list->count = pixels;
-    for (int a = 0; a < 3; ++a) list->grid[a] = (int32_t)count[a];
+    for (int a = 0; a < 3; ++a) {
+        list->grid[a] = (int32_t)count[a];
+        list->origin[a] = origin[a];
+        list->spacing[a] = spacing[a];
+    }
     const int32_t blocked = ty_image_find_channel(image, "blocked.Z");
     const float* planes[3][EXPORT_TERMS];
     for (int c = 0; c < 3; ++c)
@@ -141,13 +150,67 @@ static ty_result print_probes(ty_context* context, FILE* file, const void* user)
               "1, y, z, x, xy, yz, 3zz - 1, xz, xx - yy, in the engine's axes; red, green and blue of each");
     if (list->grid[0] > 0) {
         json_numbers(&json, "grid", (const double[]){list->grid[0], list->grid[1], list->grid[2]}, 3);
+        double lower[3], upper[3];
+        for (int a = 0; a < 3; ++a) {
+            lower[a] = list->origin[a] - list->spacing[a] / 2;
+            upper[a] = lower[a] + list->spacing[a] * list->grid[a];
+        }
         json_text(&json, "grid_order", "x fastest, then y, then z, in the axes of the scene");
+        json_text(&json, "up", list->run->z_up ? "+z" : "+y");
+        json_numbers(&json, "lower", lower, 3);
+        json_numbers(&json, "upper", upper, 3);
+        json_text(
+            &json, "volumes",
+            "grid_0 to grid_3: the first four terms times a weight, which is alpha; texels lie in the box from lower "
+            "to upper, m, in the axes of the scene");
     }
     json_open_array(&json, "probes");
     for (int64_t i = 0; i < list->count; ++i) put_probe(&json, list, (const float(*)[3])axes, &list->probes[i]);
     json_close_array(&json);
     json_close_object(&json);
     return TY_OK;
+}
+
+/* ---- Volumes ---- */
+
+/* A light grid's band 0 and 1 as four volumes, which hardware interpolates: red, green and blue of a term times the
+ * probe's weight, and the weight as alpha, 0 inside of walls. */
+static ty_result write_volume(const probe_list* list, const float axes[3][3], int term) {
+    static const char* const names[] = {"R", "G", "B", "A"};
+    const export_run* run = list->run;
+    ty_context* context = run->session->context;
+    ty_image* image = NULL;
+    char path[EXPORT_PATH_SIZE];
+    ty_result result = ty_image_create(context, list->grid[0], list->grid[1] * list->grid[2], 4, names, &image);
+    for (int64_t i = 0; i < list->count && result == TY_OK; ++i) {
+        const probe* p = &list->probes[i];
+        const double weight = p->blocked > BLOCKED ? 0 : 1;
+        for (int c = 0; c < 3; ++c) {
+            double out[EXPORT_TERMS];
+            export_harmonics(run->engine, axes, p->sh[c], out);
+            ty_image_plane(image, c)[i] = (float)(weight * out[term]);
+        }
+        ty_image_plane(image, 3)[i] = (float)weight;
+    }
+    ty_texels_def def = ty_default_texels_def();
+    const bool ktx2 = strcmp(run->engine->extension, "ktx2") == 0;
+    def.format = TY_TEXELS_HALF;
+    def.slices = list->grid[2];
+    def.zstd = ktx2 ? run->zstd : 0;
+    snprintf(path, sizeof path, "%s/grid_%d.%s", run->folder, term, ktx2 ? "ktx2" : "dds");
+    if (result == TY_OK) result = ty_texels_write(context, image, &def, path);
+    ty_image_destroy(image);
+    return result;
+}
+
+static ty_result write_volumes(const probe_list* list) {
+    float axes[3][3];
+    ty_result result = TY_OK;
+    export_axes(list->run->engine, list->run->z_up, axes);
+    for (int32_t a = 0; a < 3; ++a)
+        if (list->grid[a] > TY_TEXTURE_SIDE_MAX_3D) return TY_OK; /* no texture is as large */
+    for (int term = 0; term < 4 && result == TY_OK; ++term) result = write_volume(list, (const float(*)[3])axes, term);
+    return result;
 }
 
 ty_result export_probes(export_run* run, const json_t* entry, const char* name) {
@@ -157,6 +220,7 @@ ty_result export_probes(export_run* run, const json_t* entry, const char* name) 
     ty_result result = grid ? read_grid(run, entry, name, &list) : read_list(run, name, &list);
     snprintf(path, sizeof path, "%s/%s.json", run->folder, grid ? "grid" : "probes");
     if (result == TY_OK) result = cli_write_text_file(run->session->context, path, print_probes, &list);
+    if (result == TY_OK && grid) result = write_volumes(&list);
     if (result == TY_OK) run->probe_count += list.count;
     free(list.probes);
     return result;
