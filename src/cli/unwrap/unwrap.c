@@ -166,7 +166,7 @@ static int write_file(unwrap_run* run) {
 }
 
 static int run_unwrap(unwrap_run* run) {
-    const cli_list nothing = {.items = NULL};
+    const cli_list nothing = {.count = 0};
     cli_end_on_interrupt(true);
     ty_result result = cli_load_mesh_scene(run->session, run->options->input, &nothing, &run->scene);
     if (result != TY_OK) return cli_fail_reading(run->session, result);

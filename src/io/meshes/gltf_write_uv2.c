@@ -2,6 +2,7 @@
 #include "base/context.h"
 #include "io/meshes/gltf_writer.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The elements of an accessor in the output's binary chunk. */
@@ -46,6 +47,28 @@ static ty_result fail_layout(const ty_gltf_writer* w, const ty_mesh_origin* orig
                    w->gltf.path, (int)origin->node, (int)origin->primitive, name);
 }
 
+/* Positions must have bounds, and exact ones. */
+static ty_result set_bounds(const ty_gltf_writer* w, json_t* accessor, size_t at, size_t stride, int64_t count) {
+    if (member(accessor, "componentType", 0) != TY_GLTF_F32) return TY_OK; /* quantized ones keep theirs */
+    double bounds[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int64_t i = 0; i < count; ++i)
+        for (size_t a = 0; a < 3; ++a) {
+            const uint8_t* bytes = w->body + at + stride * (size_t)i + 4 * a;
+            uint32_t bits = 0;
+            for (size_t b = 0; b < 4; ++b) bits |= (uint32_t)bytes[b] << (8 * b);
+            float value;
+            memcpy(&value, &bits, sizeof value);
+            bounds[0][a] = fmin(bounds[0][a], (double)value);
+            bounds[1][a] = fmax(bounds[1][a], (double)value);
+        }
+    for (int i = 0; i < 2; ++i) {
+        json_t* corner = json_pack("[f, f, f]", bounds[i][0], bounds[i][1], bounds[i][2]);
+        if (corner == NULL || json_object_set_new(accessor, i == 0 ? "min" : "max", corner) != 0)
+            return ty_gltf_no_memory(w);
+    }
+    return TY_OK;
+}
+
 /* Appends elements, aligned to four bytes each, as an accessor like another. */
 static ty_result gather(ty_gltf_writer* w, int64_t from, const ty_mesh_uv2* mesh, const elements* source,
                         int64_t* index) {
@@ -70,7 +93,11 @@ static ty_result gather(ty_gltf_writer* w, int64_t from, const ty_mesh_uv2* mesh
         json_decref(copy);
         return ty_gltf_no_memory(w);
     }
-    return ty_gltf_add_item(w, "accessors", copy, index);
+    if (json_object_get(copy, "min") != NULL && source->size == 12)
+        result = set_bounds(w, copy, at, stride, mesh->vertex_count);
+    if (result == TY_OK) return ty_gltf_add_item(w, "accessors", copy, index);
+    json_decref(copy);
+    return result;
 }
 
 /* Appends an array as an accessor. */

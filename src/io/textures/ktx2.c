@@ -203,7 +203,7 @@ static ty_result write_file(ty_context* context, const ty_stored_texture* textur
 }
 
 ty_result ty_write_ktx2(ty_context* context, const ty_stored_texture* texture, const char* path) {
-    stored_level stored[TY_TEXTURE_LEVELS_MAX] = {{NULL}};
+    stored_level stored[TY_TEXTURE_LEVELS_MAX] = {{.bytes = NULL}};
     ty_result result = store_levels(context, texture, stored);
     if (result == TY_OK) result = write_file(context, texture, stored, path);
     for (int32_t i = 0; i < texture->level_count; ++i)
