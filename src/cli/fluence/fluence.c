@@ -19,7 +19,7 @@ typedef struct fluence_options {
     const char *output, *method, *size_text, *box_text, *codec;
     int32_t spp, size[3];
     int quantity; /* a cli_fog_quantity */
-    bool spp_given, half, plain;
+    bool spp_given, half, plain, scattered;
     cli_list overrides;
     double lower[3], upper[3];
 } fluence_options;
@@ -56,8 +56,9 @@ static int check_options(fluence_options* options) {
     if (!cli_has_extension(options->output, ".vti") && !cli_has_extension(options->output, ".vdb") &&
         !is_texture(options->output))
         return cli_usage_error("fluence", "%s: the extension is not .vti, .vdb, .ktx2 or .dds", options->output);
-    if (options->quantity != CLI_FOG_SCATTER && !is_texture(options->output))
-        return cli_usage_error("fluence", "--texture is for .ktx2 and .dds, and %s is neither", options->output);
+    if ((options->quantity != CLI_FOG_SCATTER || options->scattered) && !is_texture(options->output))
+        return cli_usage_error("fluence", "--texture and --scattered are for .ktx2 and .dds, and %s is neither",
+                               options->output);
     if (options->half && !cli_has_extension(options->output, ".vdb"))
         return cli_usage_error("fluence", "--half is for .vdb, and %s is none", options->output);
     if (options->size_text != NULL) {
@@ -187,12 +188,15 @@ static ty_result write_cells(ty_context* context, const fluence_options* options
 }
 
 static ty_result write_light(ty_context* context, const ty_scene* scene, const fluence_options* options,
-                             const fluence_cells* cells) {
+                             fluence_cells* cells) {
     if (!is_texture(options->output)) return write_cells(context, options, cells);
+    for (size_t i = 0; options->scattered && i < 3 * cells->cells; ++i)
+        cells->values[FLUENCE][i] = fmax(cells->values[FLUENCE][i] - cells->values[UNCOLLIDED][i], 0);
     const cli_fog_texture fog = {.quantity = (cli_fog_quantity)options->quantity,
                                  .lower = options->lower,
                                  .upper = options->upper,
                                  .size = options->size,
+                                 .scattered = options->scattered,
                                  .fluence = cells->values[FLUENCE],
                                  .zstd = ty_has_zstd() && !options->plain ? ZSTD_LEVEL : 0};
     return cli_write_fog_texture(context, scene, &fog, options->output);
@@ -246,6 +250,8 @@ int cli_fluence(int count, char** arguments) {
         {"texture", 0, CLI_CHOICE, "scatter|fluence",
          "red, green and blue of a texture: light that media scatter and emit per metre (default), or fluence",
          &options.quantity, 0, 0, NULL},
+        {"scattered", 0, CLI_FLAG, NULL, "a texture without uncollided light, for engines that add their lights' own",
+         &options.scattered, 0, 0, NULL},
         {"no-zstd", 0, CLI_FLAG, NULL, "a .ktx2 without compression", &options.plain, 0, 0, NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)",
          &options.overrides, 0, 0, NULL},

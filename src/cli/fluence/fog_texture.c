@@ -52,6 +52,7 @@ static ty_result print_sidecar(ty_context* context, FILE* file, const void* user
     json_numbers(&json, "size", (const double[]){s->fog->size[0], s->fog->size[1], s->fog->size[2]}, 3);
     json_text(&json, "quantity", fluence ? "fluence" : "scatter");
     json_text(&json, "rgb", fluence ? "fluence, W m^-2" : "radiance scattered and emitted per metre, W m^-3 sr^-1");
+    json_text(&json, "light", s->fog->scattered ? "all but uncollided" : "all");
     json_text(&json, "alpha", "extinction, 1/m");
     json_text(&json, "layout", "x along the width, y along the height, z along the depth; texels are means of cells");
     json_close_object(&json);

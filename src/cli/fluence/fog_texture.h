@@ -14,6 +14,7 @@ typedef struct cli_fog_texture {
     cli_fog_quantity quantity;
     const double *lower, *upper; /* box, m */
     const int32_t* size;         /* cells */
+    bool scattered;              /* fluence is without uncollided light */
     const double* fluence;       /* cells x 3, x fastest */
     int32_t zstd;                /* of .ktx2 */
 } cli_fog_texture;
