@@ -57,15 +57,20 @@ async function level(file) { // the first level of a KTX2 file without compressi
     const [width, height, depth] = [20, 24, 28].map((at) => view.getUint32(at, true));
     return { width, height, depth, data: bytes.slice(view.getUint32(80, true), view.getUint32(80, true) + view.getUint32(88, true)) };
 }
-window.fog = async (file, box, camera, steps) => {
+async function volume(unit, file) {
     const { width, height, depth, data } = await level(file);
-    gl.activeTexture(gl.TEXTURE0);
+    gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
     gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, width, height, depth, 0, gl.RGBA, gl.HALF_FLOAT, new Uint16Array(data));
     for (const name of ['MIN_FILTER', 'MAG_FILTER']) gl.texParameteri(gl.TEXTURE_3D, gl['TEXTURE_' + name], gl.LINEAR);
     for (const name of ['S', 'T', 'R']) gl.texParameteri(gl.TEXTURE_3D, gl['TEXTURE_WRAP_' + name], gl.CLAMP_TO_EDGE);
+}
+window.fog = async (file, box, camera, steps, light) => {
+    await volume(0, file);
+    if (light) await volume(6, 'uncollided.ktx2');
     const at = compile(`#version 300 es
         precision highp float;
+        ${light ? '#define FOG_LIGHT' : ''}
         ${fogChunk}
         uniform vec3 eye, right, up, ahead;
         uniform vec2 size;
@@ -75,6 +80,8 @@ window.fog = async (file, box, camera, steps) => {
             color = fogAlong(eye, normalize(ahead + p.x * right + p.y * up), 1e9);
         }`);
     gl.uniform1i(at('fogTexture'), 0);
+    gl.uniform1i(at('fogUncollided'), 6);
+    if (light) gl.uniform4fv(at('fogLight'), light);
     gl.uniform1i(at('fogSteps'), steps);
     gl.uniform3fv(at('fogLower'), box.lower);
     gl.uniform3fv(at('fogUpper'), box.upper);
@@ -90,12 +97,7 @@ window.grid = async (box, positions, normals) => { // irradiance at each positio
         out vec4 color;
         void main() { int i = int(gl_FragCoord.x); color = vec4(gridIrradiance(positions[i], normals[i]), 1.0); }`);
     for (let term = 0; term < 4; ++term) {
-        const { width, height, depth, data } = await level(`grid/grid_${term}.ktx2`);
-        gl.activeTexture(gl.TEXTURE2 + term);
-        gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
-        gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, width, height, depth, 0, gl.RGBA, gl.HALF_FLOAT, new Uint16Array(data));
-        for (const name of ['MIN_FILTER', 'MAG_FILTER']) gl.texParameteri(gl.TEXTURE_3D, gl['TEXTURE_' + name], gl.LINEAR);
-        for (const name of ['S', 'T', 'R']) gl.texParameteri(gl.TEXTURE_3D, gl['TEXTURE_WRAP_' + name], gl.CLAMP_TO_EDGE);
+        await volume(2 + term, `grid/grid_${term}.ktx2`);
         gl.uniform1i(at('grid' + term), 2 + term);
     }
     gl.uniform3fv(at('gridLower'), box.lower);
@@ -208,12 +210,22 @@ def check_bc6h(browser):
         check(texels, compare(found, source, width, height, 4), 0.005, 0.01)
 
 
-def check_fog(browser):
-    """The shader with 48^3 texels against dom, which takes single scattering at points."""
-    width, height, expected = read_floats("fog.exr")
+def draw_fog(browser, light):
     box = json.load(open("fog.json"))
-    found = browser.run(f"window.fog('fog.ktx2', {json.dumps(box)}, {json.dumps(camera_of(FOG_SCENE))}, 64)")
-    check("fog.js against dom", compare(rotated(found, width, height), expected, width, height, 4), 0.01, 0.02)
+    pixels = browser.run(f"window.fog('fog.ktx2', {json.dumps(box)}, {json.dumps(camera_of(FOG_SCENE))}, 64, {json.dumps(light)})")
+    width, height, expected = read_floats("fog.exr")
+    return compare(rotated(pixels, width, height), expected, width, height, 4)
+
+
+def check_fog(browser):
+    """The shader with 48 x 24 x 48 texels against dom, which takes single scattering at points."""
+    check("fog.js against dom", draw_fog(browser, None), 0.01, 0.02)
+    FOG_SCENE["media"][0]["g"] = 0.3
+    json.dump(FOG_SCENE, open("fog_scene.json", "w"))
+    tyndall("render", "fog_scene.json", "-o", "fog.exr", "--method", "dom")
+    for name, options in (("fog", ("--scattered",)), ("uncollided", ("--texture", "uncollided"))):
+        tyndall("fluence", "fog_scene.json", "-o", f"{name}.ktx2", "--size", "48,24,48", "--no-zstd", *options)
+    check("the same at g = 0.3", draw_fog(browser, FOG_SCENE["lights"][0]["direction"] + [0]), 0.02, 0.05)
 
 
 def check_grid(browser):

@@ -197,7 +197,8 @@ static ty_result write_light(ty_context* context, const ty_scene* scene, const f
                                  .upper = options->upper,
                                  .size = options->size,
                                  .scattered = options->scattered,
-                                 .fluence = cells->values[FLUENCE],
+                                 .fluence =
+                                     cells->values[options->quantity == CLI_FOG_UNCOLLIDED ? UNCOLLIDED : FLUENCE],
                                  .zstd = ty_has_zstd() && !options->plain ? ZSTD_LEVEL : 0};
     return cli_write_fog_texture(context, scene, &fog, options->output);
 }
@@ -247,8 +248,9 @@ int cli_fluence(int count, char** arguments) {
         {"codec", 0, CLI_TEXT, "NAME", ".vdb: zip, blosc, none; .vti: zip, none (default: zip)", &options.codec, 0, 0,
          NULL},
         {"half", 0, CLI_FLAG, NULL, "store values as half floats (.vdb)", &options.half, 0, 0, NULL},
-        {"texture", 0, CLI_CHOICE, "scatter|fluence",
-         "red, green and blue of a texture: light that media scatter and emit per metre (default), or fluence",
+        {"texture", 0, CLI_CHOICE, "scatter|fluence|uncollided",
+         "a texture's quantity: light that media scatter and emit per metre (default), fluence, or uncollided light to "
+         "be scattered",
          &options.quantity, 0, 0, NULL},
         {"scattered", 0, CLI_FLAG, NULL, "a texture without uncollided light, for engines that add their lights' own",
          &options.scattered, 0, 0, NULL},

@@ -17,15 +17,16 @@ static ty_result fill(ty_context* context, const ty_grid_medium* medium, const c
     ty_result result = ty_image_create(context, fog->size[0], fog->size[1] * fog->size[2], 4, names, out);
     if (result != TY_OK) return result;
     for (size_t i = 0; i < medium->cells; ++i) {
-        double extinction = 0;
+        double alpha = 0;
         for (int c = 0; c < 3; ++c) {
             const double fluence = fog->fluence[3 * i + (size_t)c];
             const double emission = medium->emission[c] == NULL ? 0 : (double)medium->emission[c][i];
-            const double scattered = ((double)medium->scattering[c][i] * fluence + emission) * PER_4PI;
-            ty_image_plane(*out, c)[i] = (float)(fog->quantity == CLI_FOG_FLUENCE ? fluence : scattered);
-            extinction += (double)medium->extinction[c][i] / 3;
+            const double scattered = (double)medium->scattering[c][i] * fluence;
+            const double values[] = {(scattered + emission) * PER_4PI, fluence, scattered};
+            ty_image_plane(*out, c)[i] = (float)values[fog->quantity];
+            alpha += (double)(fog->quantity == CLI_FOG_UNCOLLIDED ? medium->g : medium->extinction)[c][i] / 3;
         }
-        ty_image_plane(*out, 3)[i] = (float)extinction;
+        ty_image_plane(*out, 3)[i] = (float)alpha;
     }
     return TY_OK;
 }
@@ -41,7 +42,10 @@ typedef struct sidecar {
 static ty_result print_sidecar(ty_context* context, FILE* file, const void* user) {
     (void)context;
     const sidecar* s = user;
-    const bool fluence = s->fog->quantity == CLI_FOG_FLUENCE;
+    static const char* const names[] = {"scatter", "fluence", "uncollided"};
+    static const char* const texts[] = {"radiance scattered and emitted per metre, W m^-3 sr^-1", "fluence, W m^-2",
+                                        "scattering coefficient times uncollided fluence, W m^-3"};
+    const cli_fog_quantity quantity = s->fog->quantity;
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_int(&json, "tyndall_fog", 1);
@@ -50,10 +54,13 @@ static ty_result print_sidecar(ty_context* context, FILE* file, const void* user
     json_numbers(&json, "lower", s->fog->lower, 3);
     json_numbers(&json, "upper", s->fog->upper, 3);
     json_numbers(&json, "size", (const double[]){s->fog->size[0], s->fog->size[1], s->fog->size[2]}, 3);
-    json_text(&json, "quantity", fluence ? "fluence" : "scatter");
-    json_text(&json, "rgb", fluence ? "fluence, W m^-2" : "radiance scattered and emitted per metre, W m^-3 sr^-1");
-    json_text(&json, "light", s->fog->scattered ? "all but uncollided" : "all");
-    json_text(&json, "alpha", "extinction, 1/m");
+    json_text(&json, "quantity", names[quantity]);
+    json_text(&json, "rgb", texts[quantity]);
+    json_text(&json, "light",
+              quantity == CLI_FOG_UNCOLLIDED ? "uncollided"
+              : s->fog->scattered            ? "all but uncollided"
+                                             : "all");
+    json_text(&json, "alpha", quantity == CLI_FOG_UNCOLLIDED ? "mean cosine of the phase function" : "extinction, 1/m");
     json_text(&json, "layout", "x along the width, y along the height, z along the depth; texels are means of cells");
     json_close_object(&json);
     return TY_OK;
