@@ -207,7 +207,8 @@ def check_refusals():
     for text, message in (("{", "other/bake.json:1"), ("{}", "not the list of a bake"),
                           ('{"tyndall_bake": 1, "complete": false}', "--resume"),
                           ('{"tyndall_bake": 1, "complete": true, "files": [{"kind": "probes", "file": "p.json"}]}', "other/p.json"),
-                          ('{"tyndall_bake": 1, "complete": true, "files": [{"kind": "lightmap", "file": "p.exr"}]}', "other/p.exr")):
+                          ('{"tyndall_bake": 1, "complete": true, "files": [{"kind": "lightmap", "file": "p.exr"}]}', "other/p.exr"),
+                          ('{"tyndall_bake": 1, "complete": true, "files": [{"kind": "lightmap", "file": "../p.exr"}]}', "another folder")):
         open("other/bake.json", "w").write(text)
         refused(message, "export", "other", "-o", "out")
 

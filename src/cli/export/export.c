@@ -138,7 +138,14 @@ static bool same_folder(const char* a, const char* b) {
 }
 
 static ty_result export_entry(export_run* run, const json_t* entry) {
+    static const char* const keys[] = {"file", "denoised"};
     const char* kind = kind_of(entry);
+    for (int i = 0; i < 2; ++i) {
+        const char* name = json_string_value(json_object_get(entry, keys[i]));
+        if (name != NULL && strchr(name, '/') != NULL)
+            return ty_fail(run->session->context, TY_ERROR_INPUT, "%s/bake.json: %s is in another folder", run->from,
+                           name);
+    }
     if (strcmp(kind, "lightmap") == 0) return export_lightmap(run, entry);
     if (strcmp(kind, "grid") == 0 || strcmp(kind, "probes") == 0)
         return export_probes(run, entry, json_string_value(json_object_get(entry, "file")));

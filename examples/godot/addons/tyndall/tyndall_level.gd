@@ -27,12 +27,17 @@ func _ready() -> void:
 	if document.append_from_file(folder.path_join(files["vertex_colors"]), state) != OK:
 		push_error("%s: cannot be read" % files["vertex_colors"])
 		return
-	add_child(document.generate_scene(state))
+	var level := document.generate_scene(state)
+	add_child(level)
 	var lit := {}
 	for map: Dictionary in files["lightmaps"]:
 		var texture := load(folder.path_join(map["file"])) as Texture2D
 		for mesh: Dictionary in map["meshes"]:
-			var instance := state.get_scene_node(int(mesh["node"])) as MeshInstance3D
+			var node_name: String = state.get_nodes()[int(mesh["node"])].resource_name
+			var instance := level.find_child(node_name, true, false) as MeshInstance3D
+			if instance == null:
+				push_warning("%s: the level has no mesh of this name" % node_name)
+				continue
 			_set_material(instance, int(mesh["primitive"]), LIGHTMAP, {"lightmap": texture, "gain": _gain})
 			lit[instance] = true
 	for instance: MeshInstance3D in find_children("*", "MeshInstance3D", true, false):
