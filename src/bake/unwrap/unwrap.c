@@ -158,7 +158,8 @@ static bool cover(float p[3][2], int32_t width, int32_t height, uint8_t* owned) 
     return met;
 }
 
-/* Takes triangles that lie over others out of their chart. *taken: whether there were any. */
+/* Takes triangles that lie over others, or are stretched too much, out of their chart. *taken: whether there were any.
+ */
 static ty_result separate(job* j, const plane* p, bool* taken) {
     const float sides[2] = {p->high[0] - p->low[0], p->high[1] - p->low[1]};
     const float scale =
@@ -166,12 +167,18 @@ static ty_result separate(job* j, const plane* p, bool* taken) {
     const int32_t width = (int32_t)(sides[0] * scale) + 1, height = (int32_t)(sides[1] * scale) + 1;
     uint8_t* owned = ty_alloc_array(j->context, (size_t)width * (size_t)height, 1, true);
     if (owned == NULL) return TY_ERROR_MEMORY;
+    float normal[3];
+    for (int a = 0; a < 3; ++a)
+        normal[a] =
+            p->axes[0][(a + 1) % 3] * p->axes[1][(a + 2) % 3] - p->axes[0][(a + 2) % 3] * p->axes[1][(a + 1) % 3];
     for (int64_t i = 0; i < p->count; ++i) {
         const int32_t triangle = j->by_chart[p->first + i];
         float at[3][2];
         for (int k = 0; k < 3; ++k)
             for (int b = 0; b < 2; ++b) at[k][b] = (along(p->axes[b], corner(j, triangle, k)) - p->low[b]) * scale;
-        if (!cover(at, width, height, owned)) continue;
+        const ty_unwrap_face* face = &j->faces[triangle];
+        const bool steep = face->area > 0 && along(normal, face->normal) < 0.9999 / j->def->stretch;
+        if (!steep && !cover(at, width, height, owned)) continue;
         j->faces[triangle].chart = -1;
         *taken = true;
     }
@@ -185,6 +192,11 @@ static ty_result make_charts(job* j) {
     for (int round = 0; taken && round < ROUNDS && result == TY_OK; ++round) {
         ty_unwrap_grow(j->faces, j->mesh->triangle_count, j->order, j->def->stretch, j->queue, &j->charts);
         result = make_planes(j);
+        if (round == 0 && result == TY_OK) { /* later it would undo what was separated */
+            result = ty_unwrap_merge(j->context, j->faces, j->mesh->triangle_count, j->by_chart, j->def->stretch,
+                                     &j->charts);
+            if (result == TY_OK) result = make_planes(j);
+        }
         taken = false;
         for (int32_t c = 0; c < j->charts && result == TY_OK; ++c)
             if (j->planes[c].count > 1) result = separate(j, &j->planes[c], &taken);

@@ -50,6 +50,13 @@ ty_result ty_unwrap_find_faces(ty_context* context, const ty_unwrap_mesh* mesh, 
 void ty_unwrap_grow(ty_unwrap_face* faces, int64_t count, const int32_t* order, double stretch, int32_t* queue,
                     int32_t* charts);
 
+/* ---- merge.c ---- */
+
+/* Joins charts to neighbours where the stretch allows it, from the smallest on, and numbers them anew. by_chart: all
+ * faces, chart by chart. Errors: TY_ERROR_MEMORY. */
+ty_result ty_unwrap_merge(ty_context* context, ty_unwrap_face* faces, int64_t count, const int32_t* by_chart,
+                          double stretch, int32_t* charts);
+
 /* ---- pack.c ---- */
 
 typedef struct ty_unwrap_rectangle {
