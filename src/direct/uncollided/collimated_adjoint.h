@@ -6,19 +6,20 @@
 #include "direct/lights/discrete_light.h"
 #include "direct/media/grid_medium.h"
 
-/* The loss is the sum over `channels` channels and all cells of weight[c] color[c] T, with T the mean transmittance
- * from one direction through one plane of extinction. */
+/* The loss is the sum over directions, channels and cells of weight[c] color T, with T the mean transmittance from one
+ * direction through one plane of extinction. */
 typedef struct ty_collimated_loss {
-    const ty_discrete_light* source; /* a direction; its color is not used */
-    const float* extinction;         /* 1/m */
-    int32_t channels;                /* 1..3 */
-    const float* weight[3];          /* one per cell */
-    float color[3];                  /* fluence without media, W m^-2 */
+    const ty_discrete_light* sources; /* directions alone */
+    int32_t count;
+    const float* extinction; /* 1/m */
+    int32_t first, channels; /* channels [first, first + channels) of the colors */
+    const float* weight[3];  /* of each of these channels, one per cell */
 } ty_collimated_loss;
 
-/* Adds the derivatives by extinction to `gradient`, one per cell, and sets strength[c] to the part of the loss that is
- * channel c's, which is its derivative by a factor of the light. Errors: TY_ERROR_MEMORY. */
+/* Adds the derivatives by extinction to `gradient`, one per cell, and the parts of the loss that each direction has in
+ * each channel, its derivatives by a factor of the direction's color, to strength[index of its light]. Errors:
+ * TY_ERROR_MEMORY. */
 ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_collimated_loss* loss, float* gradient,
-                                double strength[3]);
+                                double (*strength)[3]);
 
 #endif

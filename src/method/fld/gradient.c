@@ -14,7 +14,7 @@
 
 /* Bound of the adjoint equation's residual; the light's own, above which it is no solution; largest ratio of cells
  * without refinement. */
-static const double TOLERANCE = 1e-5, MAX_IMBALANCE = 0.1, MAX_RATIO = 3;
+static const double TOLERANCE = 3e-5, MAX_IMBALANCE = 0.1, MAX_RATIO = 3;
 
 typedef struct gradient_job {
     ty_fld_job fld; /* media, lights and sources as in the solve */

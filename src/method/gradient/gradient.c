@@ -76,18 +76,15 @@ ty_result ty_gradient_add_uncollided(ty_gradient* gradient, const ty_discrete_li
     const ty_grid_medium* medium = gradient->medium;
     const int32_t channels = medium->planes == 3 ? 1 : 3;
     ty_result result = TY_OK;
-    for (int32_t s = 0; s < sources->count && result == TY_OK; ++s)
-        for (int32_t p = 0; p < medium->planes && result == TY_OK; ++p) {
-            ty_collimated_loss loss = {.source = &sources->items[s], .extinction = extinction[p], .channels = channels};
-            double strength[3];
-            for (int32_t c = 0; c < channels; ++c) {
-                loss.weight[c] = weight[p + c];
-                loss.color[c] = loss.source->color[p + c];
-            }
-            result = ty_collimated_adjoint(medium, &loss, by_extinction[p], strength);
-            for (int32_t c = 0; c < channels && result == TY_OK; ++c)
-                gradient->lights[loss.source->light][p + c] += strength[c];
-        }
+    for (int32_t p = 0; p < medium->planes && result == TY_OK; ++p) {
+        ty_collimated_loss loss = {.sources = sources->items,
+                                   .count = sources->count,
+                                   .extinction = extinction[p],
+                                   .first = p,
+                                   .channels = channels};
+        for (int32_t c = 0; c < channels; ++c) loss.weight[c] = weight[p + c];
+        result = ty_collimated_adjoint(medium, &loss, by_extinction[p], gradient->lights);
+    }
     return result;
 }
 

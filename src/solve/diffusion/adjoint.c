@@ -8,8 +8,8 @@
 #include <string.h>
 
 /* Krylov vectors until a restart, largest number of linear solves, and their tolerance. */
-enum { KRYLOV = 12, SOLVES_MAX = 120 };
-static const double SOLVE_TOLERANCE = 0.01;
+enum { KRYLOV = 30, SOLVES_MAX = 150 };
+static const double SOLVE_TOLERANCE = 0.1;
 /* Smaller boxes run on one thread: waking the others takes longer. */
 enum { CELLS_FOR_THREADS = 1 << 14 };
 
@@ -192,33 +192,106 @@ static double by_fluence_of(const adjoint_job* job, const double* c, const int32
     return sum;
 }
 
-typedef double (*cell_function)(const adjoint_job* job, const double* v, const int32_t at[3], int64_t i);
-
-/* to = factor * to + function(a) for a plane. */
-static void fill_plane(const adjoint_job* job, int64_t z, cell_function function, double factor) {
+/* True if cell (x, y, z) is at least `depth` cells from all faces of the box, but for x. */
+static bool is_inside(const adjoint_job* job, int32_t y, int64_t z, int32_t depth) {
     const int32_t* size = job->def->size;
-    int64_t i = z * plane_cells(job);
-    for (int32_t y = 0; y < size[1]; ++y)
-        for (int32_t x = 0; x < size[0]; ++x, ++i) {
-            const double value = function(job, job->a, (const int32_t[3]){x, y, (int32_t)z}, i);
-            job->to[i] = factor != 0 ? factor * job->to[i] + value : value;
+    return y >= depth && y < size[1] - depth && z >= depth && z < size[2] - depth;
+}
+
+/* The same as by_diffusivity_of for cells [begin, end) of a row inside of the box. */
+static void by_diffusivity_inside(const adjoint_job* job, const double* v, int64_t begin, int64_t end, double* to) {
+    const float* phi = job->fluence;
+    const ptrdiff_t row = job->step[1], plane = job->step[2];
+    const double *cell = job->def->cell,
+                 k[3] = {0.5 / (cell[0] * cell[0]), 0.5 / (cell[1] * cell[1]), 0.5 / (cell[2] * cell[2])};
+#pragma omp simd
+    for (int64_t i = begin; i < end; ++i) {
+        const double here = (double)phi[i], own = v[i];
+        to[i] =
+            k[0] * (((double)phi[i - 1] - here) * (own - v[i - 1]) + ((double)phi[i + 1] - here) * (own - v[i + 1])) +
+            k[1] * (((double)phi[i - row] - here) * (own - v[i - row]) +
+                    ((double)phi[i + row] - here) * (own - v[i + row])) +
+            k[2] * (((double)phi[i - plane] - here) * (own - v[i - plane]) +
+                    ((double)phi[i + plane] - here) * (own - v[i + plane]));
+    }
+}
+
+/* The same as by_fluence_of at least two cells from the faces. */
+static void by_fluence_inside(const adjoint_job* job, const double* c, int64_t begin, int64_t end, double* to) {
+    const double *own = job->by_fluence, *x = job->by_slope[0], *y = job->by_slope[1], *z = job->by_slope[2];
+    const ptrdiff_t row = job->step[1], plane = job->step[2];
+#pragma omp simd
+    for (int64_t i = begin; i < end; ++i)
+        to[i] = c[i] * own[i] + c[i - 1] * x[i - 1] - c[i + 1] * x[i + 1] + c[i - row] * y[i - row] -
+                c[i + row] * y[i + row] + c[i - plane] * z[i - plane] - c[i + plane] * z[i + plane];
+}
+
+/* A v - to, as of apply_cell, inside of the box. */
+static void apply_inside(const adjoint_job* job, const double* v, int64_t begin, int64_t end, double* to) {
+    const double* d = job->diffusivity;
+    const float* absorption = job->def->absorption;
+    const ptrdiff_t row = job->step[1], plane = job->step[2];
+    const double *cell = job->def->cell,
+                 k[3] = {0.5 / (cell[0] * cell[0]), 0.5 / (cell[1] * cell[1]), 0.5 / (cell[2] * cell[2])};
+#pragma omp simd
+    for (int64_t i = begin; i < end; ++i) {
+        const double own = v[i], here = d[i];
+        to[i] = k[0] * ((here + d[i - 1]) * (own - v[i - 1]) + (here + d[i + 1]) * (own - v[i + 1])) +
+                k[1] * ((here + d[i - row]) * (own - v[i - row]) + (here + d[i + row]) * (own - v[i + row])) +
+                k[2] * ((here + d[i - plane]) * (own - v[i - plane]) + (here + d[i + plane]) * (own - v[i + plane])) -
+                to[i];
+    }
+    for (int64_t i = begin; i < end && absorption != NULL; ++i) to[i] += (double)absorption[i] * v[i];
+}
+
+/* A pass over a plane: of cells near the faces one by one, of others in rows. */
+typedef struct cell_pass {
+    double (*cell)(const adjoint_job* job, const double* v, const int32_t at[3], int64_t i);
+    void (*inside)(const adjoint_job* job, const double* v, int64_t begin, int64_t end, double* to);
+    int32_t depth;   /* cells from the faces from which `inside` holds */
+    double previous; /* factor of what is there */
+} cell_pass;
+
+static void fill_cells(const adjoint_job* job, const cell_pass* pass, int32_t begin, int32_t end, int32_t y,
+                       int64_t z) {
+    const int64_t row = z * job->step[2] + y * job->step[1];
+    for (int32_t x = begin; x < end; ++x) {
+        const double value = pass->cell(job, job->a, (const int32_t[3]){x, y, (int32_t)z}, row + x);
+        job->to[row + x] = pass->previous != 0 ? pass->previous * job->to[row + x] + value : value;
+    }
+}
+
+static void fill_plane(const adjoint_job* job, int64_t z, const cell_pass* pass) {
+    const int32_t* size = job->def->size;
+    for (int32_t y = 0; y < size[1]; ++y) {
+        const int64_t row = z * job->step[2] + y * job->step[1];
+        if (!is_inside(job, y, z, pass->depth) || size[0] <= 2 * pass->depth) {
+            fill_cells(job, pass, 0, size[0], y, z);
+            continue;
         }
+        fill_cells(job, pass, 0, pass->depth, y, z);
+        pass->inside(job, job->a, row + pass->depth, row + size[0] - pass->depth, job->to);
+        fill_cells(job, pass, size[0] - pass->depth, size[0], y, z);
+    }
     job->plane_sums[z] = 0;
 }
 
 static void by_diffusivity_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
-    fill_plane(user, z, by_diffusivity_of, 0);
+    static const cell_pass pass = {by_diffusivity_of, by_diffusivity_inside, 1, 0};
+    fill_plane(user, z, &pass);
 }
 
 static void by_fluence_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
-    fill_plane(user, z, by_fluence_of, 0);
+    static const cell_pass pass = {by_fluence_of, by_fluence_inside, 2, 0};
+    fill_plane(user, z, &pass);
 }
 
 static void apply_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
-    fill_plane(user, z, apply_cell, -1);
+    static const cell_pass pass = {apply_cell, apply_inside, 1, -1};
+    fill_plane(user, z, &pass);
 }
 
 /* to = (A - C E)^T v = A v - E^T C^T v. */
@@ -295,7 +368,7 @@ static void scale(const adjoint_job* job, double factor, double* v) {
 
 /* ---- the generalised minimal residual method ---- */
 
-/* to = about A^-1 v. */
+/* to = about A^-1 v, from 0. */
 static ty_result precondition(adjoint_job* job, const double* v, double* to) {
     ty_diffusion_def def = *job->def;
     ty_diffusion_stats solved;
@@ -306,9 +379,12 @@ static ty_result precondition(adjoint_job* job, const double* v, double* to) {
     def.source = job->right;
     def.tolerance = SOLVE_TOLERANCE;
     def.iterations = def.min_iterations = 0;
-    def.start = NULL;
+    def.start = job->solution;
     def.memory = job->memory;
-    for (int64_t i = 0; i < job->cells; ++i) job->right[i] = (float)v[i];
+    for (int64_t i = 0; i < job->cells; ++i) {
+        job->right[i] = (float)v[i];
+        job->solution[i] = 0;
+    }
     const ty_diffusion_out out = {.fluence = job->solution};
     const ty_result result = ty_diffusion_solve(job->context, &def, &out, &solved);
     for (int64_t i = 0; i < job->cells && result == TY_OK; ++i) to[i] = (double)job->solution[i];
