@@ -3,7 +3,7 @@
 
 enum { SIDE = 5, CELLS = SIDE * SIDE * SIDE, VOXELS_SIDE = 14, VOXELS = VOXELS_SIDE * VOXELS_SIDE * VOXELS_SIDE };
 
-/* Relative error of a derivative, against 1.5e-5 at most that is measured: single precision of the fluences that are
+/* Relative error of a derivative; at most 4.1e-5 is measured, by the single precision of the fluences that are
  * subtracted. */
 static const double TOLERANCE = 1e-4;
 
@@ -173,7 +173,7 @@ static void every_limiter(void** state) {
 /* Moves all voxels by random amounts at once, which differences resolve better than one voxel. */
 static void voxels_of_density(void** state) {
     float voxels[VOXELS], direction[VOXELS];
-    double weights[3 * CELLS], gradient_of[VOXELS], expected = 0, sum = 0, losses[2], size = 0;
+    double weights[3 * CELLS], gradient_of[VOXELS], sum = 0, losses[2];
     uint64_t random = 3;
     parameters p = gray();
     p.def.resolution = TY_AUTO;
@@ -187,10 +187,7 @@ static void voxels_of_density(void** state) {
     ty_gradient_stats stats = ty_default_gradient_stats();
     ty_gradient* gradient = find(scene, &p, weights, &stats);
     if (ty_gradient_density(gradient, scene, 0, gradient_of) != TY_OK) fail_msg("%s", ty_take_error(*state));
-    for (int i = 0; i < VOXELS; ++i) {
-        sum += gradient_of[i] * (double)direction[i];
-        size += fabs(gradient_of[i] * (double)direction[i]);
-    }
+    for (int i = 0; i < VOXELS; ++i) sum += gradient_of[i] * (double)direction[i];
     const float step = 0.01f;
     for (int s = 0; s < 2; ++s) {
         float moved[VOXELS];
@@ -198,19 +195,105 @@ static void voxels_of_density(void** state) {
         p.voxels = moved;
         losses[s] = loss_of(*state, &p, weights);
     }
-    expected = (losses[1] - losses[0]) / (2 * (double)step);
+    const double expected = (losses[1] - losses[0]) / (2 * (double)step);
     compare("voxels", sum, expected, fabs(expected));
-    assert_true(size > 0);
+    ty_gradient_destroy(gradient);
+    ty_scene_destroy(scene);
+}
+
+/* ---- refusals ---- */
+
+static void refuse(const ty_scene* scene, const ty_fld* light, const ty_fld_def* def, const char* words) {
+    double weights[3 * CELLS] = {0};
+    ty_gradient* gradient = NULL;
+    assert_int_equal(ty_fld_gradient(light, scene, def, from, to, cells_size, weights, &gradient, NULL),
+                     TY_ERROR_ARGUMENT);
+    assert_null(gradient);
+    assert_error(ty_scene_context(scene), words);
+}
+
+static void what_has_no_gradient_is_refused(void** state) {
+    parameters p = gray();
+    p.def.resolution = 8;
+    ty_scene* scene = make(*state, &p);
+    ty_fld* light = solve(scene, &p);
+    ty_scene* surfaces = foggy_scene(*state);
+    ty_fld* between = solve(surfaces, &p);
+    refuse(surfaces, between, &p.def, "scenes with surfaces");
+    ty_fld_destroy(between);
+    ty_scene_destroy(surfaces);
+
+    ty_fld_def other = p.def;
+    other.resolution = 12;
+    refuse(scene, light, &other, "other options");
+    other = p.def;
+    other.ratio = 4;
+    refuse(scene, light, &other, "above 3");
+    for (int c = 0; c < 3; ++c) p.sigma_s[c] = 20;
+    ty_scene* moved = make(*state, &p);
+    refuse(moved, light, &p.def, "no solution");
+    ty_scene_destroy(moved);
+
+    ty_scene* lit = make_scene(*state);
+    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
+    const ty_medium_def fog = box_medium(lower, upper, 1, 0);
+    ty_light_def lamp = ty_default_light_def();
+    lamp.kind = TY_LIGHT_POINT;
+    set3(lamp.position, 0, 3, 0);
+    assert_int_equal(ty_scene_add_medium(lit, &fog), TY_OK);
+    assert_int_equal(ty_scene_add_light(lit, &lamp), TY_OK);
+    assert_int_equal(ty_scene_commit(lit), TY_OK);
+    refuse(lit, light, &p.def, "lights[0]");
+    ty_scene_destroy(lit);
+
+    /* A medium without voxels has no derivatives by them. */
+    double weights[3 * CELLS] = {1}, voxels[1], sigma_s[3], sigma_a[3], g[3];
+    ty_gradient_stats stats = ty_default_gradient_stats();
+    for (int c = 0; c < 3; ++c) p.sigma_s[c] = 3;
+    ty_gradient* gradient = find(scene, &p, weights, &stats);
+    assert_int_equal(ty_gradient_density(gradient, scene, 0, voxels), TY_ERROR_ARGUMENT);
+    assert_error(*state, "no voxels");
+    assert_int_equal(ty_gradient_medium(gradient, scene, 1, sigma_s, sigma_a, g), TY_ERROR_ARGUMENT);
+    assert_error(*state, "media[1]");
+    assert_int_equal(ty_gradient_cells(gradient, TY_GRADIENT_G, 1, voxels), TY_ERROR_ARGUMENT);
+    assert_error(*state, "plane 1");
+    assert_int_equal(ty_gradient_light(gradient, 2, g), TY_ERROR_ARGUMENT);
+    assert_error(*state, "lights[2]");
+    ty_gradient_destroy(gradient);
+    ty_fld_destroy(light);
+    ty_scene_destroy(scene);
+}
+
+/* The sum over cells of the derivatives by albedo and g is that by the medium's; so is that by extinction at a constant
+ * albedo. */
+static void cells_add_up_to_media(void** state) {
+    double weights[3 * CELLS], sigma_s[3], sigma_a[3], g[3], values[16 * 16 * 16], sums[3] = {0};
+    ty_gradient_stats stats = ty_default_gradient_stats();
+    parameters p = gray();
+    make_weights(weights, true);
+    ty_scene* scene = make(*state, &p);
+    ty_gradient* gradient = find(scene, &p, weights, &stats);
+    double lower[3], upper[3];
+    int32_t size[3];
+    ty_gradient_box(gradient, lower, upper, size);
+    for (int i = 0; i < 3; ++i) {
+        assert_int_equal(ty_gradient_cells(gradient, (ty_gradient_coefficient)i, 0, values), TY_OK);
+        for (int n = 0; n < size[0] * size[1] * size[2]; ++n) sums[i] += values[n];
+    }
+    assert_int_equal(ty_gradient_medium(gradient, scene, 0, sigma_s, sigma_a, g), TY_OK);
+    const double sigma_t = p.sigma_s[0] + p.sigma_a[0], albedo = p.sigma_s[0] / sigma_t;
+    assert_close(sums[0], albedo * sigma_s[0] + (1 - albedo) * sigma_a[0], 1e-5 * fabs(sigma_a[0]));
+    assert_close(sums[1], sigma_t * (sigma_s[0] - sigma_a[0]), 1e-5 * fabs(sigma_t * sigma_a[0]));
+    assert_close(sums[2], g[0], 1e-4 * fabs(g[0]));
     ty_gradient_destroy(gradient);
     ty_scene_destroy(scene);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gray_media_and_lights),
-        cmocka_unit_test(coloured_media_and_lights),
-        cmocka_unit_test(every_limiter),
-        cmocka_unit_test(voxels_of_density),
+        cmocka_unit_test(gray_media_and_lights), cmocka_unit_test(coloured_media_and_lights),
+        cmocka_unit_test(every_limiter),         cmocka_unit_test(voxels_of_density),
+        cmocka_unit_test(cells_add_up_to_media), cmocka_unit_test(what_has_no_gradient_is_refused),
     };
     return cmocka_run_group_tests_name("gradients", tests, start_context, stop_context);
 }

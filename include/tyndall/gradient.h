@@ -72,6 +72,9 @@ typedef enum ty_gradient_coefficient {
 /// Errors: TY_ERROR_ARGUMENT.
 TY_API ty_result ty_gradient_cells(const ty_gradient* gradient, ty_gradient_coefficient coefficient, int32_t plane,
                                    double* values);
+/// Voxels along x, y, z of the density grid of a medium of the scene; 0 without voxels.
+/// Errors: TY_ERROR_ARGUMENT (no such medium, a scene that is not committed).
+TY_API ty_result ty_gradient_density_size(const ty_scene* scene, int32_t medium, int32_t size[3]);
 /// Derivatives by the voxels of the density grid of a medium of the scene, x fastest: voxels has room for all of them.
 /// scene: that of the gradient.
 /// Errors: TY_ERROR_ARGUMENT (no such medium; media without voxels, with a rotated grid, a transfer function, negative

@@ -141,6 +141,16 @@ static ty_result check_medium(const ty_gradient* gradient, const ty_scene* scene
     return TY_OK;
 }
 
+ty_result ty_gradient_density_size(const ty_scene* scene, int32_t medium, int32_t size[3]) {
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    for (int a = 0; a < 3; ++a) size[a] = 0;
+    if (view == NULL) return TY_ERROR_ARGUMENT;
+    if (medium < 0 || medium >= view->medium_count)
+        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "gradient: there is no media[%d]", (int)medium);
+    if (view->media[medium].has_grid != 0) memcpy(size, view->media[medium].grid.size, 3 * sizeof *size);
+    return TY_OK;
+}
+
 ty_result ty_gradient_density(const ty_gradient* gradient, const ty_scene* scene, int32_t medium, double* voxels) {
     const ty_grid_medium* cells = gradient->medium;
     const ty_medium_view* view;

@@ -44,8 +44,8 @@ static void set_coefficients(const ty_diffuse_loss* loss, int32_t channel, int32
     const ty_grid_medium* medium = loss->medium;
     const ty_max_extinction max = ty_max_extinction_of(medium, NULL);
     for (size_t i = 0; i < medium->cells; ++i) {
-        const float most = ty_max_extinction_at(&max, i), extinction = unlimited_extinction(loss, plane, i);
-        const float scale = extinction > most ? most / extinction : 1.0f;
+        const float max_extinction = ty_max_extinction_at(&max, i), extinction = unlimited_extinction(loss, plane, i);
+        const float scale = extinction > max_extinction ? max_extinction / extinction : 1.0f;
         out->extinction[i] = extinction * scale;
         out->absorption[i] = ty_maxf(0, medium->extinction[plane][i] - medium->scattering[plane][i]) * scale;
         out->fluence[i] = (float)(4 * TY_PI_F64 * (double)loss->light->terms[channel][0][i]);
@@ -59,11 +59,11 @@ static void add_media(const ty_diffuse_loss* loss, int32_t plane, float factor, 
     const ty_grid_medium* medium = loss->medium;
     const ty_max_extinction max = ty_max_extinction_of(medium, NULL);
     for (size_t i = 0; i < medium->cells; ++i) {
-        const float most = ty_max_extinction_at(&max, i), extinction = unlimited_extinction(loss, plane, i);
+        const float max_extinction = ty_max_extinction_at(&max, i), extinction = unlimited_extinction(loss, plane, i);
         float by_extinction = from->by_extinction[i], by_absorption = from->by_absorption[i];
-        if (extinction > most) {
+        if (extinction > max_extinction) {
             by_extinction = -by_absorption * from->absorption[i] / extinction;
-            by_absorption *= most / extinction;
+            by_absorption *= max_extinction / extinction;
         }
         media->extinction[plane][i] += factor * (by_extinction + by_absorption);
         media->scattering[plane][i] -= factor * by_absorption;
