@@ -201,6 +201,55 @@ static void voxels_of_density(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* ---- threads and progress ---- */
+
+static void threads_do_not_matter(void** state) {
+    (void)state;
+    double weights[3 * CELLS], numbers[2][16];
+    make_weights(weights, false);
+    for (int i = 0; i < 2; ++i) {
+        ty_context* context = make_context(1 + 2 * i);
+        parameters p = colored();
+        p.def.resolution = 96; /* so that slabs and boxes are divided among threads */
+        p.def.environment_beams = 3;
+        p.def.tolerance = 1e-4;
+        ty_scene* scene = make(context, &p);
+        ty_gradient_stats stats = ty_default_gradient_stats();
+        ty_gradient* gradient = find(scene, &p, weights, &stats);
+        assert_int_equal(ty_gradient_medium(gradient, scene, 0, numbers[i], numbers[i] + 3, numbers[i] + 6), TY_OK);
+        assert_int_equal(ty_gradient_light(gradient, 0, numbers[i] + 9), TY_OK);
+        assert_int_equal(ty_gradient_light(gradient, 1, numbers[i] + 12), TY_OK);
+        numbers[i][15] = stats.residual;
+        ty_gradient_destroy(gradient);
+        ty_scene_destroy(scene);
+        ty_context_destroy(context);
+    }
+    assert_memory_equal(numbers[0], numbers[1], sizeof numbers[0]);
+}
+
+static bool stop(void* user, const ty_progress* progress) {
+    ++*(int*)user;
+    return strcmp(progress->stage, "adjoint") != 0;
+}
+
+static void a_gradient_is_cancelled(void** state) {
+    double weights[3 * CELLS];
+    int calls = 0;
+    parameters p = gray();
+    ty_gradient* gradient = NULL;
+    make_weights(weights, true);
+    ty_scene* scene = make(*state, &p);
+    ty_fld* light = solve(scene, &p);
+    ty_fld_def def = p.def;
+    def.progress = stop;
+    def.progress_user = &calls;
+    assert_int_equal(ty_fld_gradient(light, scene, &def, from, to, cells_size, weights, &gradient, NULL), TY_CANCELLED);
+    assert_null(gradient);
+    assert_true(calls > 0);
+    ty_fld_destroy(light);
+    ty_scene_destroy(scene);
+}
+
 /* ---- refusals ---- */
 
 static void refuse(const ty_scene* scene, const ty_fld* light, const ty_fld_def* def, const char* words) {
@@ -291,9 +340,10 @@ static void cells_add_up_to_media(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gray_media_and_lights), cmocka_unit_test(coloured_media_and_lights),
-        cmocka_unit_test(every_limiter),         cmocka_unit_test(voxels_of_density),
-        cmocka_unit_test(cells_add_up_to_media), cmocka_unit_test(what_has_no_gradient_is_refused),
+        cmocka_unit_test(gray_media_and_lights),   cmocka_unit_test(coloured_media_and_lights),
+        cmocka_unit_test(every_limiter),           cmocka_unit_test(voxels_of_density),
+        cmocka_unit_test(cells_add_up_to_media),   cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(a_gradient_is_cancelled), cmocka_unit_test(what_has_no_gradient_is_refused),
     };
     return cmocka_run_group_tests_name("gradients", tests, start_context, stop_context);
 }

@@ -45,7 +45,8 @@ static inline ty_gradient_stats ty_default_gradient_stats(void) {
 ///
 /// light: ty_fld_solve() of this scene with this def, of which a tolerance of 1e-5 gives the gradient four digits.
 /// lower, upper, size: cells as of ty_fld_fluence(). weights: dL/dfluence of each cell, size[0] * size[1] * size[2] x 3
-/// channels. stats may be NULL. `*out` is destroyed with ty_gradient_destroy(), and is NULL after an error.
+/// channels. The def's progress function is called with
+/// the stage "adjoint". stats may be NULL. `*out` is destroyed with ty_gradient_destroy(), and is NULL after an error.
 /// Errors: TY_ERROR_ARGUMENT (scenes with surfaces, lights that are neither directional nor environments, media that
 /// emit, fld.ratio above 3, light of another scene or that did not converge), TY_ERROR_MEMORY; TY_CANCELLED.
 TY_API ty_result ty_fld_gradient(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def,

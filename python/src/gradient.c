@@ -17,6 +17,7 @@ typedef struct gradient_work {
     double lower[3], upper[3];
     int32_t size[3];
     const double* weights;
+    call* running;
     /* out */
     ty_gradient_stats stats;
     int32_t planes, cells[3];
@@ -78,6 +79,8 @@ static ty_result find_gradient(void* user) {
     ty_gradient* gradient = NULL;
     ty_result result = ty_method_options(w->scene, "fld", &def);
     w->stats = ty_default_gradient_stats();
+    def.progress = call_progress;
+    def.progress_user = w->running;
     if (result == TY_OK)
         result =
             ty_fld_gradient(w->light, w->scene, &def, w->lower, w->upper, w->size, w->weights, &gradient, &w->stats);
@@ -142,9 +145,9 @@ static PyObject* make_answer(gradient_work* w) {
 }
 
 PyObject* light_gradient(const ty_fld* light, PyObject* arguments) {
-    PyObject *object, *lower, *upper, *size, *given, *answer = NULL;
+    PyObject *object, *lower, *upper, *size, *given, *progress, *answer = NULL;
     gradient_work w = {.light = light};
-    if (!PyArg_ParseTuple(arguments, "O!OOOO", scene_type, &object, &lower, &upper, &size, &given) ||
+    if (!PyArg_ParseTuple(arguments, "O!OOOOO", scene_type, &object, &lower, &upper, &size, &given, &progress) ||
         doubles_of(lower, "lower", 3, w.lower) != 0 || doubles_of(upper, "upper", 3, w.upper) != 0 ||
         ints_of(size, "size", 3, w.size) != 0)
         return NULL;
@@ -163,9 +166,12 @@ PyObject* light_gradient(const ty_fld* light, PyObject* arguments) {
         const ty_scene_info info = ty_scene_get_info(w.scene);
         w.light_count = (int32_t)info.lights;
         w.medium_count = (int32_t)info.media;
-        const int status = call_simple(scene->context, find_gradient, &w);
+        call running = {
+            .context = scene->context, .work = find_gradient, .user = &w, .progress = callable_or_null(progress)};
+        w.running = &running;
+        call_run(&running);
         scene_end(scene);
-        if (status == 0) answer = make_answer(&w);
+        if (call_raise(&running, NULL) == 0) answer = make_answer(&w);
     }
     free(weights);
     free_work(&w);

@@ -471,7 +471,7 @@ static PyMethodDef methods[] = {
     {"view", view, METH_VARARGS, "view(scene, size, spp, seed, aovs, progress)\n--\n\nAn image."},
     {"fluence", fluence, METH_VARARGS, "fluence(lower, upper, size)\n--\n\n(fluence, uncollided, flux)."},
     {"gradient", gradient, METH_VARARGS,
-     "gradient(scene, lower, upper, size, weights)\n--\n\n(stats, box, coefficients, lights, media)."},
+     "gradient(scene, lower, upper, size, weights, progress)\n--\n\n(stats, box, coefficients, lights, media)."},
     {"radiance", radiance, METH_VARARGS, "radiance(rays)\n--\n\n(radiance, None)."},
     {NULL, NULL, 0, NULL}};
 

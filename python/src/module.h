@@ -189,7 +189,7 @@ PyObject* scene_bake_lightmap(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_vertices(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_probes(PyObject* self, PyObject* arguments);
 
-/* (scene, lower, upper, size, weights) -> (stats, box, (extinction, albedo, g), lights, media), for light of fld. */
+/* (scene, lower, upper, size, weights, progress) -> (stats, box, (extinction, albedo, g), lights, media), for light of fld. */
 PyObject* light_gradient(const ty_fld* light, PyObject* arguments);
 
 #endif

@@ -188,7 +188,7 @@ class Light:
         return _arrays.view(made[0])
 
     def gradient(self, weights: Any, lower: Optional[Vector] = None, upper: Optional[Vector] = None,
-                 size: Union[None, int, Sequence[int]] = None) -> "Gradient":
+                 size: Union[None, int, Sequence[int]] = None, *, progress: ProgressChoice = None) -> "Gradient":
         """Derivatives of a loss by densities, coefficients and lights, for the cost of about three more solves (fld).
 
         weights: the derivatives of the loss by the values of fluence(lower, upper, size), (nz, ny, nx, 3), or (nz, ny,
@@ -208,7 +208,8 @@ class Light:
         if given.shape != (*reversed(box.size), 3):
             raise ArgumentError(f"weights of shape {given.shape}, not {(*reversed(box.size), 3)}")
         with self._scene._temporary(self._options):
-            return Gradient(self._core.gradient(self._scene._core, *box, numpy.ascontiguousarray(given)))
+            with Reporter(progress) as report:
+                return Gradient(self._core.gradient(self._scene._core, *box, numpy.ascontiguousarray(given), report))
 
     def render(self, size: Optional[Tuple[int, int]] = None, *, camera: Optional[dict[str, Any]] = None,
                channels: Union[str, Iterable[str]] = (), spp: Optional[int] = None, seed: Optional[int] = None,

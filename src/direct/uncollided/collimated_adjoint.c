@@ -213,6 +213,8 @@ static ty_result pass_directions(adjoint_job* job, bool along_x, double (*streng
         ty_collimated beam;
         job->source = &job->loss->sources[i];
         if ((ty_collimated_sweep_axis(job->medium, job->source->direction) / 2 == 0) != along_x) continue;
+        result = ty_part_show(job->loss->progress, "adjoint", (double)i / job->loss->count);
+        if (result != TY_OK) return result;
         result = ty_collimated_begin(&without_surfaces, job->medium, outside, job->source->direction, &beam);
         job->beam = &beam;
         if (result == TY_OK) result = pass_direction(job, strength[job->source->light]);

@@ -3,6 +3,7 @@
 #ifndef TY_DIRECT_UNCOLLIDED_COLLIMATED_ADJOINT_H
 #define TY_DIRECT_UNCOLLIDED_COLLIMATED_ADJOINT_H
 
+#include "base/progress.h"
 #include "direct/lights/discrete_light.h"
 #include "direct/media/grid_medium.h"
 
@@ -14,11 +15,12 @@ typedef struct ty_collimated_loss {
     const float* extinction; /* 1/m */
     int32_t first, channels; /* channels [first, first + channels) of the colors */
     const float* weight[3];  /* of each of these channels, one per cell */
+    ty_part_progress* progress;
 } ty_collimated_loss;
 
 /* Adds the derivatives by extinction to `gradient`, one per cell, and the parts of the loss that each direction has in
  * each channel, its derivatives by a factor of the direction's color, to strength[index of its light]. Errors:
- * TY_ERROR_MEMORY. */
+ * TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_collimated_loss* loss, float* gradient,
                                 double (*strength)[3]);
 

@@ -16,6 +16,9 @@
  * without refinement. */
 static const double TOLERANCE = 3e-5, MAX_IMBALANCE = 0.1, MAX_RATIO = 3;
 
+/* Progress after the adjoint of diffusion. */
+static const double DIFFUSION_UNTIL = 0.7;
+
 typedef struct gradient_job {
     ty_fld_job fld; /* media, lights and sources as in the solve */
     ty_fld copy;    /* of the light */
@@ -94,7 +97,8 @@ static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
                                   .medium = coarse,
                                   .source = job->fld.source,
                                   .weight = job->source_weight,
-                                  .tolerance = TOLERANCE};
+                                  .tolerance = TOLERANCE,
+                                  .progress = &job->fld.progress};
     ty_diffusion_adjoint_stats solved;
     const ty_result result = ty_diffuse_adjoint(&loss, &job->coarse, job->by_source, &solved);
     if (result != TY_OK) return result;
@@ -152,12 +156,14 @@ static ty_result differentiate(gradient_job* job, const ty_coverage_box* cells, 
     ty_gradient_spread_weights(cells, weights, &job->fld.fine->box, job->weight);
     ty_gradient_spread_weights(cells, weights, &job->fld.coarse->box, job->source_weight);
     const double prepared = ty_wall_seconds();
-    result = return_diffusion(job, stats);
+    result = ty_part_next(&job->fld.progress, "adjoint", DIFFUSION_UNTIL);
+    if (result == TY_OK) result = return_diffusion(job, stats);
     const double solved = ty_wall_seconds();
+    if (result == TY_OK) result = ty_part_next(&job->fld.progress, "adjoint", 1);
     if (result != TY_OK) return result;
     for (int32_t c = 0; c < 3; ++c) return_source(job, c);
-    result =
-        ty_gradient_add_uncollided(job->gradient, &job->fld.sources, job->extinction, job->weight, job->by_extinction);
+    result = ty_gradient_add_uncollided(job->gradient, &job->fld.sources, job->extinction, job->weight,
+                                        job->by_extinction, &job->fld.progress);
     return_extinction(job);
     stats->direct_seconds = ty_wall_seconds() - solved;
     stats->solve_seconds = solved - prepared;
@@ -199,6 +205,7 @@ ty_result ty_fld_gradient(const ty_fld* light, const ty_scene* scene, const ty_f
     if (result != TY_OK) return result;
     gradient_job job = {.fld = {.context = context, .scene = scene, .def = (const ty_fld_def*)own}, .copy = *light};
     job.fld.light = &job.copy;
+    job.fld.progress = ty_part_begin(job.fld.def->progress, job.fld.def->progress_user, 0, 0);
     result = find_gradient(&job, light, &cells, weights, out, &totals);
     if (result == TY_OK) ty_give_stats(&totals, sizeof totals, stats);
     return result;

@@ -71,8 +71,8 @@ void ty_gradient_spread_weights(const ty_coverage_box* cells, const double* weig
 }
 
 ty_result ty_gradient_add_uncollided(ty_gradient* gradient, const ty_discrete_light_set* sources,
-                                     float* const extinction[3], float* const weight[3],
-                                     float* const by_extinction[3]) {
+                                     float* const extinction[3], float* const weight[3], float* const by_extinction[3],
+                                     ty_part_progress* progress) {
     const ty_grid_medium* medium = gradient->medium;
     const int32_t channels = medium->planes == 3 ? 1 : 3;
     ty_result result = TY_OK;
@@ -81,7 +81,8 @@ ty_result ty_gradient_add_uncollided(ty_gradient* gradient, const ty_discrete_li
                                    .count = sources->count,
                                    .extinction = extinction[p],
                                    .first = p,
-                                   .channels = channels};
+                                   .channels = channels,
+                                   .progress = progress};
         for (int32_t c = 0; c < channels; ++c) loss.weight[c] = weight[p + c];
         result = ty_collimated_adjoint(medium, &loss, by_extinction[p], gradient->lights);
     }

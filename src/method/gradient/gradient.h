@@ -3,6 +3,7 @@
 #ifndef TY_METHOD_GRADIENT_GRADIENT_H
 #define TY_METHOD_GRADIENT_GRADIENT_H
 
+#include "base/progress.h"
 #include "direct/lights/discrete_light.h"
 #include "direct/media/coverage.h"
 #include "direct/media/medium_gradient.h"
@@ -29,8 +30,9 @@ void ty_gradient_spread_weights(const ty_coverage_box* cells, const double* weig
 
 /* Adds to `by_extinction` (planes as of the medium) and to the gradient's lights what a loss with dL/dfluence of
  * uncollided light `weight`, per channel, makes by parallel light. extinction: the planes that attenuate it. Errors:
- * TY_ERROR_MEMORY. */
+ * TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_gradient_add_uncollided(ty_gradient* gradient, const ty_discrete_light_set* sources,
-                                     float* const extinction[3], float* const weight[3], float* const by_extinction[3]);
+                                     float* const extinction[3], float* const weight[3], float* const by_extinction[3],
+                                     ty_part_progress* progress);
 
 #endif

@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "solve/diffusion/limiter_slope.h"
 
 #include <math.h>
@@ -33,6 +34,7 @@ typedef struct adjoint_job {
     float *right, *solution, *extinction; /* of linear solves */
     void* memory;
     size_t memory_bytes;
+    double start, reported; /* s */
     ty_diffusion_adjoint_stats* stats;
 } adjoint_job;
 
@@ -381,6 +383,7 @@ static ty_result precondition(adjoint_job* job, const double* v, double* to) {
     def.iterations = def.min_iterations = 0;
     def.start = job->solution;
     def.memory = job->memory;
+    def.progress = NULL;
     for (int64_t i = 0; i < job->cells; ++i) {
         job->right[i] = (float)v[i];
         job->solution[i] = 0;
@@ -391,6 +394,15 @@ static ty_result precondition(adjoint_job* job, const double* v, double* to) {
     job->stats->iterations += 1;
     job->stats->cycles += solved.cycles;
     return result;
+}
+
+/* Residuals decrease about geometrically to the tolerance. */
+static ty_result report(adjoint_job* job, double residual, double tolerance) {
+    const ty_diffusion_def* def = job->def;
+    if (def->progress == NULL || !ty_report_due(&job->reported)) return TY_OK;
+    const double done = residual > 0 && residual < 1 ? fmin(log(residual) / log(tolerance), 1) : 0;
+    const ty_progress progress = ty_progress_at("adjoint", done, job->reported - job->start);
+    return def->progress(def->progress_user, &progress) ? TY_OK : TY_CANCELLED;
 }
 
 /* Least squares of the Hessenberg matrix by Givens rotations, column by column. */
@@ -424,8 +436,9 @@ static void take_steps(adjoint_job* job, const hessenberg* h, int32_t count) {
     for (int32_t i = 0; i < count; ++i) add(job, y[i], job->steps[i], job->adjoint);
 }
 
-/* Iterates from the residual in basis[0], of norm `norm`, to `target`. */
-static ty_result iterate(adjoint_job* job, double norm, double target) {
+/* Iterates from the residual in basis[0], of norm `norm`, to half the tolerance of `whole`. */
+static ty_result iterate(adjoint_job* job, double norm, double tolerance, double whole) {
+    const double target = 0.5 * tolerance * whole;
     hessenberg h = {.right = {norm}};
     ty_result result = TY_OK;
     int32_t j = 0;
@@ -442,6 +455,8 @@ static ty_result iterate(adjoint_job* job, double norm, double target) {
         h.column[j][j + 1] = sqrt(dot(job, next, next));
         if (h.column[j][j + 1] > 0) scale(job, 1 / h.column[j][j + 1], next);
         rotate_column(&h, j++);
+        result = report(job, fabs(h.right[j]) / whole, tolerance);
+        if (result != TY_OK) return result;
     }
     take_steps(job, &h, j);
     return TY_OK;
@@ -462,7 +477,7 @@ static ty_result solve(adjoint_job* job, const float* weight, double tolerance) 
         stats->residual = norm / whole;
         stats->converged = stats->residual <= tolerance;
         if (stats->converged || stats->iterations >= SOLVES_MAX) return TY_OK;
-        const ty_result result = iterate(job, norm, 0.5 * tolerance * whole);
+        const ty_result result = iterate(job, norm, tolerance, whole);
         if (result != TY_OK) return result;
     }
     return TY_OK;
@@ -542,6 +557,7 @@ ty_result ty_diffusion_adjoint(ty_context* context, const ty_diffusion_def* def,
     if (def->faces != NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: surfaces between cells have no adjoint");
     adjoint_job job = {.context = context, .def = def, .fluence = fluence, .stats = stats};
+    job.start = job.reported = ty_wall_seconds();
     job.step[0] = 1;
     job.step[1] = def->size[0];
     job.step[2] = (ptrdiff_t)def->size[0] * def->size[1];

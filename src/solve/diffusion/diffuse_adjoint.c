@@ -105,7 +105,8 @@ static ty_result solve_channel(const ty_diffuse_loss* loss, int32_t channel, con
     def.extinction = arrays->extinction;
     def.absorption = arrays->absorption;
     def.source = loss->source[channel];
-    def.progress = NULL;
+    def.progress = ty_part_report;
+    def.progress_user = loss->progress;
     const ty_diffusion_adjoint_out out = {
         .source = by_source, .extinction = arrays->by_extinction, .absorption = arrays->by_absorption};
     const ty_result result = ty_diffusion_adjoint(medium->context, &def, arrays->fluence, loss->weight[channel],

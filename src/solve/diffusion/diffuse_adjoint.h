@@ -14,6 +14,7 @@ typedef struct ty_diffuse_loss {
     float* const* source;         /* per channel, W m^-3 */
     float* const* weight;         /* per channel: dL/dphi of each cell */
     double tolerance;
+    ty_part_progress* progress;
 } ty_diffuse_loss;
 
 /* Adds the derivatives by the medium to `media`, and sets by_source[c] per channel. Channels whose light and weights
