@@ -160,6 +160,28 @@ static void energy_is_in_balance(void** state) {
     ty_grid_release(grid);
 }
 
+/* A constant sky, which no light samples are of: its flux is pi above a layer that absorbs alone, and 2 pi E_3(1)
+ * below, 2 E_3(1) = 0.2193839 (Chandrasekhar 1960). */
+static void a_constant_sky_shines_directly(void** state) {
+    static const double levels[2] = {0, 1};
+    const ty_medium_def layer = layer_of(0, 1, 0);
+    const ty_light_def sky = sky_light(1, 1, 1);
+    ty_periodic_def periodic = ty_default_periodic_def();
+    ty_scene* scene = NULL;
+    periodic.axes[0] = periodic.axes[1] = true;
+    assert_int_equal(ty_scene_create(*state, TY_AXIS_Z, &scene), TY_OK);
+    assert_int_equal(ty_scene_add_medium(scene, &layer), TY_OK);
+    assert_int_equal(ty_scene_add_light(scene, &sky), TY_OK);
+    assert_int_equal(ty_scene_set_periodic(scene, &periodic), TY_OK);
+    assert_int_equal(ty_scene_commit(scene), TY_OK);
+    ty_flux* flux = flux_of(scene, levels, 2, 1, SPP);
+    assert_is("sky above", mean_of(flux, TY_FLUX_DOWN_DIRECT, 1), 3.14159265358979, 1e-3);
+    assert_is("sky below", mean_of(flux, TY_FLUX_DOWN_DIRECT, 0), 3.14159265358979 * 0.2193839, 0.02);
+    assert_is("diffuse", mean_of(flux, TY_FLUX_DOWN_DIFFUSE, 0), 0, 0);
+    ty_flux_destroy(flux);
+    ty_scene_destroy(scene);
+}
+
 /* Radiance of a ground without a layer is that of a Lambertian surface; a sky has direct light alone. */
 static void views_see_the_ground(void** state) {
     static const double levels[2] = {-0.5, 1};
@@ -213,9 +235,10 @@ static void open_scenes_have_fluxes(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_places_are_refused),     cmocka_unit_test(an_absorbing_layer_follows_beers_law),
-        cmocka_unit_test(a_layer_has_published_fluxes), cmocka_unit_test(energy_is_in_balance),
-        cmocka_unit_test(views_see_the_ground),         cmocka_unit_test(open_scenes_have_fluxes),
+        cmocka_unit_test(wrong_places_are_refused),       cmocka_unit_test(an_absorbing_layer_follows_beers_law),
+        cmocka_unit_test(a_layer_has_published_fluxes),   cmocka_unit_test(energy_is_in_balance),
+        cmocka_unit_test(a_constant_sky_shines_directly), cmocka_unit_test(views_see_the_ground),
+        cmocka_unit_test(open_scenes_have_fluxes),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

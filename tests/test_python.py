@@ -52,6 +52,57 @@ def address(made):
     return made.__array_interface__["data"][0]
 
 
+@needs_numpy
+class Gradients(unittest.TestCase):
+    """Derivatives of a loss, and fluxes."""
+
+    def scene(self, density):
+        medium = {"density": density, "bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 5, "sigma_a": 0.2}
+        return tyndall.Scene({"media": [medium], "lights": FOG["lights"]})
+
+    def loss(self, density, weights):
+        light = self.scene(density).solve("fld", tolerance=1e-7)
+        return float((weights * light.fluence(size=6).values).sum())
+
+    def test_voxels_agree_with_differences(self):
+        density = cloud() + np.float32(0.1)
+        random = np.random.default_rng(4)
+        weights = random.uniform(0, 1, (6, 6, 6))[..., None] * np.ones(3)
+        step = (0.01 * random.uniform(0, 1, density.shape)).astype(np.float32)
+        scene = self.scene(density)
+        light = scene.solve("fld", tolerance=1e-6)
+        gradient = light.gradient(weights, size=6)
+        self.assertTrue(gradient.stats["converged"])
+        self.assertEqual(gradient.density().shape, density.shape)
+        self.assertEqual(gradient.extinction.shape, density.shape)
+        difference = (self.loss(density + step, weights) - self.loss(density - step, weights)) / 2
+        self.assertAlmostEqual(float((gradient.density() * step).sum()) / difference, 1, delta=1e-3)
+        total = float((weights * light.fluence(size=6).values).sum())
+        self.assertAlmostEqual(gradient.lights.sum() / total, 1, delta=1e-5)  # the loss is linear in the light
+        self.assertEqual(set(gradient.medium()), {"sigma_s", "sigma_a", "g"})
+        same = light.gradient(weights[..., 0], size=6)
+        np.testing.assert_array_equal(same.density(), gradient.density())
+
+    def test_errors(self):
+        light = tyndall.Scene(FOG).solve("fld")
+        with self.assertRaisesRegex(tyndall.ArgumentError, "shape"):
+            light.gradient(np.zeros((2, 2, 2)), size=3)
+        with self.assertRaisesRegex(tyndall.ArgumentError, "voxels"):
+            light.gradient(np.zeros((3, 3, 3)), size=3).density()
+        with self.assertRaisesRegex(tyndall.ArgumentError, "dom"):
+            tyndall.Scene(FOG).solve("dom").gradient(np.zeros((3, 3, 3)), size=3)
+
+    def test_flux(self):
+        flux = tyndall.Scene("builtin:step_cloud").flux([0, 250], columns=(4, 1), views=[[0, 0]], spp=256)
+        self.assertEqual(flux.up.shape, (2, 1, 4, 3))
+        self.assertEqual(flux.absorbed.shape, (1, 4, 3))
+        self.assertEqual(flux.radiance.shape, (1, 1, 4, 3))
+        # What comes in leaves, upwards, downwards or into the cloud.
+        leaves = flux.up[1].mean() + flux.down[0].mean() + flux.absorbed.mean()
+        self.assertAlmostEqual(leaves / flux.down[1].mean(), 1, delta=0.05)
+        self.assertTrue((flux.errors["up"][1] > 0).all())
+
+
 class Buffers(unittest.TestCase):
     """Memory of images, grids and fields."""
 

@@ -183,10 +183,14 @@ PyObject* scene_render(PyObject* self, PyObject* arguments);
 PyObject* scene_choose(PyObject* self, PyObject* arguments);
 PyObject* scene_solve(PyObject* self, PyObject* arguments);
 PyObject* scene_fluence(PyObject* self, PyObject* arguments);
+PyObject* scene_flux(PyObject* self, PyObject* arguments);
 PyObject* scene_radiance(PyObject* self, PyObject* arguments);
 PyObject* scene_transmittance(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_lightmap(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_vertices(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_probes(PyObject* self, PyObject* arguments);
+
+/* (scene, lower, upper, size, weights, progress) -> (stats, box, (extinction, albedo, g), lights, media), for light of fld. */
+PyObject* light_gradient(const ty_fld* light, PyObject* arguments);
 
 #endif

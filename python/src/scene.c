@@ -329,6 +329,9 @@ static PyMethodDef methods[] = {
      "fluence(lower, upper, size, spp, seed, progress)\n--\n\n(fluence, uncollided, variance) by path tracing."},
     {"radiance", scene_radiance, METH_VARARGS,
      "radiance(rays, spp, seed, progress)\n--\n\n(radiance, variance) by path tracing."},
+    {"flux", scene_flux, METH_VARARGS,
+     "flux(levels, views, columns, area, spp, seed, progress)\n--\n\nPairs of values "
+     "and errors: up, down_diffuse, down_direct, absorbed, radiance."},
     {"transmittance", scene_transmittance, METH_VARARGS, "transmittance(start, end, spp, seed)\n--\n\nOf the media."},
     {"bake_lightmap", scene_bake_lightmap, METH_VARARGS,
      "bake_lightmap(mesh, options, atlas, progress)\n--\n\nAn image."},

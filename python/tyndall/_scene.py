@@ -12,6 +12,7 @@ from . import _arrays, _core
 from ._context import default_context
 from ._errors import ArgumentError, InputError, OutOfMemory, Unsupported
 from ._fields import Box, Light
+from ._flux import Flux
 from ._image import Image, word
 from ._progress import ProgressChoice, Reporter
 from ._volume import Mesh, Volume
@@ -405,10 +406,30 @@ class Scene:
             longest = max(sides) or 1.0
             size = tuple(max(1, round(32 * side / longest)) for side in sides)
             return Light(None, self, method, {}, Box(lower, upper, size), samples, given)  # type: ignore
-        with self._temporary({f"render.{method}.{key}": value for key, value in options.items()}):
+        changes = {f"render.{method}.{key}": value for key, value in options.items()}
+        with self._temporary(changes):
             with Reporter(progress) as report:
                 core, stats = self._core.solve(method, given, report)
-        return Light(core, self, method, stats, Box(lower, upper, tuple(stats["size"])), samples, given)  # type: ignore
+        box = Box(lower, upper, tuple(stats["size"]))  # type: ignore
+        return Light(core, self, method, stats, box, samples, given, changes)
+
+    def flux(self, levels: Any, *, columns: Tuple[int, int] = (1, 1), views: Any = None,
+             area: Optional[Sequence[float]] = None, spp: Optional[int] = None, seed: Optional[int] = None,
+             progress: ProgressChoice = None) -> Flux:
+        """Upward and downward fluxes through levels, absorbed power and radiance, by columns (docs/atmosphere.md).
+
+        levels: heights, m, ascending. columns: along both horizontal axes. views: rows of zenith and azimuth, degrees.
+        area: lower and upper corner of all columns, four numbers, m; by default the periodic cell, or the box around the
+        media. spp: samples for each number. By path tracing.
+        """
+        settings = self.settings
+        with Reporter(progress) as report:
+            parts = self._core.flux(_arrays.to_input(levels, "levels"),
+                                    None if views is None else _arrays.to_input(views, "views"), tuple(columns),
+                                    None if area is None else tuple(area),
+                                    spp if spp is not None else settings["spp"],
+                                    int(settings["seed"] if seed is None else seed), report)
+        return Flux(tuple(float(level) for level in levels), parts)
 
     def transmittance(self, start: Sequence[float], end: Sequence[float], *, spp: int = 64,
                       seed: int = 0) -> Tuple[float, float, float]:

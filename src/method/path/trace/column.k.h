@@ -64,6 +64,23 @@ TY_FN void ty_path_begin_flux(ty_path* path, ty_vec point, ty_vec normal, bool l
     for (int c = 0; c < 3; ++c) path->beta[c] = pdf > 0.0f ? TY_PI : 0.0f;
 }
 
+/* Adds the direct light of constant environments, which light samples leave to sampled directions: that of the path's
+ * direction, cosine-distributed about its normal. */
+TY_FN void ty_path_add_constant_sky(ty_path* path) {
+    const ty_light_set* lights = &path->request->scene->lights;
+    const float factor[3] = {TY_PI, TY_PI, TY_PI};
+    ty_light_sample sample = {.wi = path->direction, .distance = TY_FLOAT_MAX, .radiance = {0}, .pdf = 0.0f};
+    for (int32_t i = 0; i < lights->count; ++i) {
+        const ty_light_view* light = &lights->lights[i];
+        if (light->kind != TY_KIND_ENVIRONMENT || light->environment.pixels != NULL) continue;
+        for (int c = 0; c < 3; ++c) sample.radiance[c] += light->environment.constant[c];
+    }
+    float radiance[3];
+    if (!(ty_sum3(sample.radiance) > 0.0f)) return;
+    ty_path_add_light(path, path->origin, &sample, factor, radiance);
+    ty_path_add(path, radiance);
+}
+
 TY_FN_CALLED void ty_path_begin_column(ty_path* path, const ty_path_columns* columns, int64_t item) {
     const int32_t quantity = ty_column_quantity(columns, item);
     const int32_t level_quantities = TY_COLUMN_LEVEL_QUANTITIES * columns->level_count;
@@ -75,6 +92,7 @@ TY_FN_CALLED void ty_path_begin_column(ty_path* path, const ty_path_columns* col
         const ty_vec normal = ty_scale(ty_vec_load(up), kind == TY_COLUMN_UP ? -1.0f : 1.0f);
         ty_path_begin_flux(path, point, normal, kind != TY_COLUMN_DOWN_DIFFUSE,
                            kind == TY_COLUMN_DOWN_DIRECT ? 0.0f : 1.0f);
+        if (kind == TY_COLUMN_DOWN_DIRECT) ty_path_add_constant_sky(path);
     } else if (quantity == level_quantities) {
         const double height = columns->absorbing[1] - columns->absorbing[0];
         const ty_vec at = ty_column_point(path, columns, item,
