@@ -12,7 +12,7 @@ SIZE = 48, 36
 def start(position, target, lens=50.0):
     """An empty file with a camera."""
     from mathutils import Vector
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     camera = add("Camera", bpy.data.cameras.new("Camera"), position)
     camera.data.lens = lens
     direction = Vector(target) - Vector(position)
@@ -165,7 +165,7 @@ def cloud(folder, tyndall):
     principled.inputs["Density Attribute"].default_value = ""
     attribute, times = nodes.new("ShaderNodeVolumeInfo"), nodes.new("ShaderNodeMath")
     times.operation = "MULTIPLY"
-    times.inputs[1].default_value = 4.0
+    times.inputs[1].default_value = 9.0
     links.new(attribute.outputs["Density"], times.inputs[0])
     links.new(times.outputs[0], principled.inputs["Density"])
     data.materials.append(shader)
@@ -177,7 +177,7 @@ def smoke(folder, tyndall):
     scene = start((0.4, -5.5, 1.6), (0, 0, 1.1))
     background(0.3, 0.3, 0.4)
     light("POINT", "Lamp", 120, (2, -2, 3))
-    shader = material("Smoke", "ShaderNodeVolumePrincipled", "Volume", Color=(0.5, 0.5, 0.5, 1), Density=2.5,
+    shader = material("Smoke", "ShaderNodeVolumePrincipled", "Volume", Color=(0.5, 0.5, 0.5, 1), Density=8.0,
                       Blackbody_Intensity=0.7)
     principled = next(n for n in shader.node_tree.nodes if n.type == "PRINCIPLED_VOLUME")
     principled.inputs["Temperature"].default_value = 900
