@@ -84,7 +84,10 @@ class Export:
         name = owner("object", target)
         components = media.components_of(shader, self.report, owner("material", material))
         if fluid is not None:
-            self.media += volumes.media_of_fluid(target, matrix, fluid, components, self.folder, self.report)
+            self.files += 1
+            stem = os.path.join(self.folder, f"{self.prefix}gas_{self.files}")
+            frame = self.scene.frame_current
+            self.media += volumes.media_of_fluid(target, matrix, fluid, components, frame, stem, self.report)
             return
         solid = _surface_of(material)
         box = meshes.box_of(triangles)

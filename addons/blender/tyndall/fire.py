@@ -2,35 +2,24 @@
 import math
 
 STEFAN_BOLTZMANN = 5.670374419e-8  # W m^-2 K^-4
-COLDEST, HOTTEST, POINTS = 500.0, 6000.0, 48
+COLDEST, HOTTEST, POINTS = 200.0, 6000.0, 64
 
-
-def _lobe(x, centre, below, above):
-    t = (x - centre) / (below if x < centre else above)
-    return math.exp(-0.5 * t * t)
-
-
-def _matching(nm):
-    """CIE 1931 colour matching functions, fitted (Wyman, Sloan and Shirley 2013, multi-lobe fit)."""
-    x = 1.056 * _lobe(nm, 599.8, 37.9, 31.0) + 0.362 * _lobe(nm, 442.0, 16.0, 26.7) - 0.065 * _lobe(nm, 501.1, 20.4, 26.2)
-    y = 0.821 * _lobe(nm, 568.8, 46.9, 40.5) + 0.286 * _lobe(nm, 530.9, 16.3, 31.1)
-    z = 1.217 * _lobe(nm, 437.0, 11.8, 36.0) + 0.681 * _lobe(nm, 459.0, 26.0, 13.8)
-    return x, y, z
+# Linear Rec. 709 of black bodies of luminance 1, from Tyndall's own table (src/scene/media/blackbody.c), by temperature, K.
+# Below 800 K Cycles keeps the colour of 800 K.
+COLOURS = ((800, 5.4053, -0.2005, -0.0823), (900, 4.9799, -0.0736, -0.0873), (1000, 4.5995, 0.0398, -0.0900),
+           (1150, 4.1092, 0.1855, -0.0893), (1300, 3.7025, 0.3058, -0.0826), (1500, 3.2644, 0.4342, -0.0642),
+           (1800, 2.7711, 0.5763, -0.0190), (2200, 2.3142, 0.7036, 0.0653), (2600, 1.9988, 0.7873, 0.1654),
+           (3200, 1.6798, 0.8659, 0.3258), (4000, 1.4140, 0.9240, 0.5333), (5000, 1.2135, 0.9605, 0.7621),
+           (6400, 1.0517, 0.9827, 1.0189), (9600, 0.8838, 0.9945, 1.3968))
 
 
 def colour(kelvin):
-    """Linear Rec. 709 colour of a black body, of luminance 1; (0, 0, 0) below 500 K."""
-    if kelvin < COLDEST:
-        return 0.0, 0.0, 0.0
-    xyz = [0.0, 0.0, 0.0]
-    for nm in range(380, 781, 5):
-        planck = (nm / 560) ** -5 / math.expm1(1.438776877e7 / (nm * kelvin))  # Planck's law, up to a factor
-        for i, weight in enumerate(_matching(nm)):
-            xyz[i] += weight * planck
-    x, z = xyz[0] / xyz[1], xyz[2] / xyz[1]
-    rgb = (3.2409699 * x - 1.5373832 - 0.4986108 * z, -0.9692436 * x + 1.8759675 + 0.0415551 * z,
-           0.0556301 * x - 0.2039770 + 1.0569715 * z)
-    return tuple(max(v, 0.0) for v in rgb)
+    """Linear Rec. 709 colour of a black body, of luminance 1, between the rows of COLOURS linear in 1 / T."""
+    kelvin = min(max(kelvin, COLOURS[0][0]), COLOURS[-1][0])
+    above = next(i for i in range(1, len(COLOURS)) if COLOURS[i][0] >= kelvin)
+    low, high = COLOURS[above - 1], COLOURS[above]
+    part = (1 / kelvin - 1 / low[0]) / (1 / high[0] - 1 / low[0])
+    return tuple(max(a + (b - a) * part, 0.0) for a, b in zip(low[1:], high[1:]))
 
 
 def emission(kelvin, intensity):

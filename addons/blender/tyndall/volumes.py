@@ -75,39 +75,49 @@ def _cache_file(settings, frame):
     return os.path.join(folder, "data", f"fluid_data_{frame:04d}.vdb")
 
 
-def media_of_fluid(target, matrix, settings, components, folder, report):
+def _uses_temperature(component):
+    """True for a component of the grid that Blender makes of flames: no cache has it."""
+    names = (getattr(component.density, "name", ""), getattr(component.emits, "name", ""))
+    return component.black_body is not None or "temperature" in names
+
+
+def media_of_fluid(target, matrix, settings, components, frame, stem, report):
     """Entries of "media" for a domain of gas: its cache as OpenVDB where it is one of whole cells, else its grids as raw
-    files."""
+    files, whose names begin with the path `stem`, and so always its temperature."""
     name = owner("object", target)
-    frame = bpy.context.scene.frame_current
     path = _cache_file(settings, frame)
-    values = {"density": settings.density_grid, "flame": settings.flame_grid, "temperature": settings.temperature_grid}
-
-    def maximum_of(grid):
-        data = np.empty(len(values[grid]), np.float32)
-        values[grid].foreach_get(data)
-        return float(data.max(initial=0))
     extent = max((matrix.to_3x3() @ Vector(c)).length for c in ((2, 0, 0), (0, 2, 0), (0, 0, 2)))
-    if settings.cache_data_format == "OPENVDB" and os.path.isfile(path) and not settings.use_noise \
-            and not settings.use_adaptive_domain:
-        cell = Vector(settings.cell_size)
-        voxel = [cell[a] * matrix.col[a].xyz.length for a in range(3)]
-        # The cache has the centre of cell i at i voxels; the domain has it at start + (i + 1/2) cells.
-        place = matrix @ Matrix.Translation(Vector(settings.start_point) + cell / 2)
-        place = place @ Matrix.Diagonal([cell[a] / voxel[a] for a in range(3)] + [1])
-        grids = {n: {"file": os.path.abspath(path), "grid": n} for n, v in values.items() if len(v)}
-        domain = media.Domain(None, _rows(place), grids, extent, maximum_of=maximum_of)
-    else:
-        domain = _raw_domain(target, matrix, values, settings, extent, folder, report, name)
-        if domain is None:
-            return []
-    return media.media_of(components, target.name, domain, report, name)
+    values = {"density": settings.density_grid, "flame": settings.flame_grid, "temperature": settings.temperature_grid}
+    if len(values["density"]) == 0:
+        report.lose(name, "its gas, of which this frame has none")
+        return []
+    as_file = settings.cache_data_format == "OPENVDB" and os.path.isfile(path) and not settings.use_noise \
+        and not settings.use_adaptive_domain
+    of_cache = [c for c in components if as_file and not _uses_temperature(c)]
+    others = [c for c in components if c not in of_cache]
+    out = []
+    if of_cache:
+        domain = _cache_domain(matrix, values, settings, path, extent)
+        out += media.media_of(of_cache, target.name, domain, report, name)
+    if others:
+        domain = _raw_domain(matrix, values, settings, extent, stem, report, name)
+        out += media.media_of(others, target.name, domain, report, name)
+    return out
 
 
-def _raw_domain(target, matrix, values_of, settings, extent, folder, report, name):
+def _cache_domain(matrix, values, settings, path, extent):
+    cell = Vector(settings.cell_size)
+    voxel = [cell[a] * matrix.col[a].xyz.length for a in range(3)]
+    # The cache has the centre of cell i at i voxels; the domain has it at start + (i + 1/2) cells.
+    place = matrix @ Matrix.Translation(Vector(settings.start_point) + cell / 2)
+    place = place @ Matrix.Diagonal([cell[a] / voxel[a] for a in range(3)] + [1])
+    grids = {n: {"file": os.path.abspath(path), "grid": n} for n, v in values.items() if len(v) and n != "temperature"}
+    return media.Domain(None, _rows(place), grids, extent)
+
+
+def _raw_domain(matrix, values_of, settings, extent, stem, report, name):
     size = list(settings.domain_resolution)
-    stem = "".join(c if c.isalnum() else "_" for c in target.name)
-    grids = {}
+    grids, maxima = {}, {}
     for grid, values in values_of.items():
         count = len(values)
         if count == 0:
@@ -119,12 +129,9 @@ def _raw_domain(target, matrix, values_of, settings, extent, folder, report, nam
             continue
         data = np.empty(count, np.float32)
         values.foreach_get(data)
-        file = f"{stem}_{grid}.raw"
-        data.tofile(os.path.join(folder, file))
-        grids[grid] = {"file": file, "raw": {"size": fine, "type": "float"}}
-    if "density" not in grids:
-        report.lose(name, "its gas, of which this frame has none")
-        return None
+        maxima[grid] = float(data.max(initial=0))
+        data.tofile(f"{stem}_{grid}.raw")
+        grids[grid] = {"file": f"{os.path.basename(stem)}_{grid}.raw", "raw": {"size": fine, "type": "float"}}
     start, cell = Vector(settings.start_point), Vector(settings.cell_size)
     upper = [start[a] + cell[a] * size[a] for a in range(3)]
-    return media.Domain([list(start), upper], _rows(matrix), grids, extent)
+    return media.Domain([list(start), upper], _rows(matrix), grids, extent, maximum_of=maxima.get)
