@@ -178,6 +178,12 @@ def expects_an_error_and_a_time(scene):
     assert "about" in scene.tyndall.expected and " s" in scene.tyndall.expected, scene.tyndall.expected
 
 
+def is_compared_with_path(scene):
+    scene.tyndall.method, scene.tyndall.folder = "dom", os.path.join(folder, "compared")
+    assert bpy.ops.tyndall.compare(seconds=1) == {"FINISHED"}
+    assert scene.tyndall.compared.startswith("dom: mean "), scene.tyndall.compared
+
+
 def shows_a_scene_that_changes(scene):
     from tyndall import exporter, live
     there = os.path.join(folder, "live")
@@ -206,6 +212,7 @@ def shows_a_scene_that_changes(scene):
 is_installed_from_its_zip()
 for function in (renders_an_image, depth_is_planar, renders_a_region, renders_an_animation,
                  moves_the_camera_while_the_shutter_is_open, keeps_what_there_is_on_escape, tells_that_the_program_is_missing,
-                 takes_odd_names, reports_what_it_cannot_say, expects_an_error_and_a_time, shows_a_scene_that_changes):
+                 takes_odd_names, reports_what_it_cannot_say, expects_an_error_and_a_time, is_compared_with_path,
+                 shows_a_scene_that_changes):
     test(function)
 print("RESULT " + json.dumps(done))

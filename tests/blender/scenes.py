@@ -209,6 +209,7 @@ def surfaces(folder, tyndall):
     image.pixels.foreach_set(squares.ravel())
     image.pack()
     floor = material("Floor", "ShaderNodeBsdfPrincipled", Roughness=0.6)
+    next(s for s in floor.node_tree.nodes["Principled BSDF"].inputs if s.name.startswith("Specular")).default_value = 0.2
     texture = floor.node_tree.nodes.new("ShaderNodeTexImage")
     texture.image = image
     principled = next(n for n in floor.node_tree.nodes if n.type == "BSDF_PRINCIPLED")

@@ -131,10 +131,12 @@ class Export:
             return
         name = owner("world", self.scene.world)
         components = media.components_of(place, self.report, name)
-        densest = max([max(s + a for s, a in zip(c.sigma_s, c.sigma_a)) * _density(c) for c in components] or [0])
-        box, margin = world.box_of_air(self.points or [(0, 0, 0)], densest)
+        box, margin = world.box_of_air(self.points or [(0, 0, 0)])
         self.media += media.media_of(components, "world", media.Domain(box, extent=2 * margin), self.report, name)
-        self.report.approximate(name, f"a medium without end: a box whose faces are {margin:.4g} m from the scene")
+        self.report.approximate(name, f"a medium without end: a box whose faces are {margin:.4g} m from the scene, "
+                                      "through which light of the sun and the world comes in")
+        if self.scene.camera is not None and self.scene.camera.data.type == "ORTHO":
+            self.report.lose(name, "parallel rays within it: the camera sees it from too far away")
 
     # ---- the file ----
 
@@ -156,11 +158,6 @@ class Export:
             self.geometry.insert(0, {"file": file})
         out.update({"media": self.media, "lights": self.lights, "geometry": self.geometry})
         return out
-
-
-def _density(component):
-    value = getattr(component.density, "value", None)
-    return value[0] if value is not None else 0.0
 
 
 def _volume_of(material):

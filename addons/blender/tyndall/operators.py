@@ -99,8 +99,13 @@ class TYNDALL_OT_compare(bpy.types.Operator):
             self.report({"ERROR"}, f"Tyndall: {self.run.reason()}")
             return {"CANCELLED"}
         with open(os.path.join(self.folder, "report", "errors.json"), encoding="utf-8") as file:
-            row = next(r for r in json.load(file)["methods"] if r["name"] == self.method)
-        text = f"{self.method}: mean {100 * (row['mean_ratio'] - 1):+.1f} %, RMSE {100 * row['relative_rmse']:.1f} % of path's mean"
+            report = json.load(file)
+        row = next((r for r in report["images"] if r["name"] == self.method), None)
+        if row is None:
+            self.report({"ERROR"}, f"Tyndall: {self.method} does not take this scene")
+            return {"CANCELLED"}
+        ratio, rmse = row["all"]["mean_ratio"], row["relative_rmse_without_noise"]["all"]
+        text = f"{self.method}: mean {100 * (ratio - 1):+.1f} %, RMSE {100 * rmse:.1f} % of path's mean"
         context.scene.tyndall.compared = text
         self.report({"INFO"}, f"Tyndall: {text}")
         if self.show and not bpy.app.background:

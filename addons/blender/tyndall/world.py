@@ -91,10 +91,9 @@ def file_of_image(image, folder):
     return copy
 
 
-def box_of_air(points, sigma_t):
-    """The box that stands for a world without end: its faces are 20 mean free paths, or ten times the scene, away."""
+def box_of_air(points):
+    """The box that stands for a world without end, and the distance of its faces from the scene, ten times its size."""
     lower = [min(p[a] for p in points) for a in range(3)]
     upper = [max(p[a] for p in points) for a in range(3)]
-    size = max(u - l for l, u in zip(lower, upper)) or 1.0
-    margin = min(max(10 * size, 20 / sigma_t if sigma_t > 0 else 0), 1e6)
+    margin = min(10 * (max(u - l for l, u in zip(lower, upper)) or 1.0), 1e6)
     return [[v - margin for v in lower], [v + margin for v in upper]], margin
