@@ -1,11 +1,11 @@
 """The Blender add-on inside a headless Blender: exports, F12, animation, Esc, a missing program, odd names, installation from the
-zip; with --full also six scenes rendered by Tyndall and by Cycles in the same run (tests/blender/scenes.py).
+zip; with --full eight scenes rendered by Tyndall and by Cycles in the same run (tests/blender/scenes.py).
 usage: test_blender.py SOURCE TYNDALL [--full]
 Without Blender the test is skipped (77)."""
 import json, os, shutil, subprocess, sys, tempfile
 
 # Means of the scenes differ by 0.6 % at most, but for that of surfaces, where Cycles adds the reflection of its Principled BSDF
-# to the diffuse part, 1.9 % (docs/materials.md); blocks of 6 x 6 pixels by the noise and 3 %.
+# to the diffuse part, 1.1 % (docs/materials.md); blocks of 6 x 6 pixels by 0.9 %, there by 2.3 %.
 MEAN, BLOCKS = 0.02, 0.03
 
 

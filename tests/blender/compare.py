@@ -12,7 +12,7 @@ sys.path[:0] = [addon, os.path.dirname(os.path.abspath(__file__))]
 import bpy
 import numpy as np
 import scenes
-from tyndall import exporter
+from tyndall import exporter, operators
 
 
 def pixels_of(path):
@@ -56,7 +56,8 @@ def compare(name):
     os.makedirs(there, exist_ok=True)
     scenes.SCENES[name](there, tyndall)
     bpy.context.scene.cycles.volume_step_rate = 0.25
-    path, report = exporter.write_scene(bpy.context.evaluated_depsgraph_get(), os.path.join(there, "export \u00e9"))
+    poses = operators.poses_of(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    path, report = exporter.write_scene(bpy.context.evaluated_depsgraph_get(), os.path.join(there, "export \u00e9"), poses=poses)
     ours = [by_tyndall(path, os.path.join(there, f"tyndall_{s}.exr"), int(spp), s) for s in (1, 2)]
     theirs = [by_cycles(os.path.join(there, f"cycles_{s}.exr"), int(spp), s) for s in (1, 2)]
     mean = [np.mean(v, axis=(0, 1, 2)) for v in (ours, theirs)]

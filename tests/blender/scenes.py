@@ -83,7 +83,7 @@ def shape(kind, name, surface, position=(0, 0, 0), rotation=(0, 0, 0), scale=(1,
     return add(name, mesh, position, rotation, scale)
 
 
-# ---- the six scenes ----
+# ---- the scenes ----
 
 def lamps(folder, tyndall):
     """Point, spot, sun and area light over a floor; a shifted camera."""
@@ -226,4 +226,37 @@ def surfaces(folder, tyndall):
     shape("cube", "Mist", material("Mist", "ShaderNodeVolumeScatter", "Volume", Density=0.12), (0, 0.5, 1), scale=(2.5, 2.5, 0.95))
 
 
-SCENES = {f.__name__: f for f in (lamps, fog, ball, cloud, smoke, surfaces)}
+def glass(folder, tyndall):
+    """A ball of glass and a half transparent cube on a floor."""
+    start((0, -6, 1.8), (0, 0, 0.7))
+    background(0.6, 0.7, 0.9)
+    shape("plane", "Floor", diffuse("Grey", 0.5, 0.3, 0.3), scale=(5, 5, 1))
+    clear = material("Glass", "ShaderNodeBsdfGlass", Roughness=0.0, IOR=1.4, Color=(0.9, 1, 0.9, 1))
+    for polygon in shape("sphere", "Ball", clear, (0, 0, 1)).data.polygons:
+        polygon.use_smooth = True
+    half = diffuse("Half", 0.2, 0.4, 0.8)
+    nodes, links = half.node_tree.nodes, half.node_tree.links
+    mix = nodes.new("ShaderNodeMixShader")
+    links.new(nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
+    links.new(next(n for n in nodes if n.type == "BSDF_DIFFUSE").outputs[0], mix.inputs[2])
+    links.new(mix.outputs[0], next(n for n in nodes if n.type == "OUTPUT_MATERIAL").inputs["Surface"])
+    shape("cube", "Cube", half, (1.8, 1, 0.5), scale=(0.5, 0.5, 0.5))
+
+
+def motion(folder, tyndall):
+    """A camera that moves while its shutter is open."""
+    scene = start((0, -6, 1.8), (0, 0, 0.7))
+    background(0.6, 0.7, 0.9)
+    shape("plane", "Floor", diffuse("Grey", 0.5, 0.3, 0.3), scale=(5, 5, 1))
+    shape("cube", "Block", diffuse("Red", 0.8, 0.2, 0.2), (0, 0, 0.7), scale=(0.4, 0.4, 0.7))
+    scene.camera.keyframe_insert("location", frame=0)
+    scene.camera.location.x += 1.5
+    scene.camera.keyframe_insert("location", frame=2)
+    for curve in scene.camera.animation_data.action.fcurves:
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
+    scene.frame_set(1)
+
+
+SCENES = {f.__name__: f for f in (lamps, fog, ball, cloud, smoke, surfaces, glass, motion)}
