@@ -58,7 +58,7 @@ def main():
             time.sleep(2)
             subprocess.run(["blender", "--factory-startup", "-noaudio", "-p", "0", "0", "1100", "700", "--python", script], check=True,
                            stdout=subprocess.DEVNULL, timeout=280,
-                           env={**os.environ, "DISPLAY": ":93", "LIBGL_ALWAYS_SOFTWARE": "1", "TYNDALL": tyndall})
+                           env={**os.environ, "PATH": "/usr/bin:" + os.environ["PATH"], "DISPLAY": ":93", "LIBGL_ALWAYS_SOFTWARE": "1", "TYNDALL": tyndall})
         finally:
             screen.terminate()
             screen.wait()
