@@ -13,11 +13,25 @@ static void begin_at_camera(ty_path* path) {
     if (ty_path_sees_dielectrics(path)) ty_path_set_inside(path, &path->request->camera_inside);
 }
 
+/* A thin lens, or a camera that moves while its shutter is open. */
+static void begin_at_lens(ty_path* path, float x, float y) {
+    const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
+    const float time = ty_sobol_next(&path->random);
+    const ty_camera_view camera = ty_camera_sample(&path->request->camera, u, v, time);
+    path->origin = camera.origin;
+    path->direction = ty_camera_direction(&camera, x, y);
+    ty_path_begin_inside(path);
+}
+
 static void start(ty_path* path, const ty_path_request* request, int64_t item) {
     if (request->kind == TY_PATH_PIXELS) {
         const int32_t x = request->crop[0] + (int32_t)(item % request->crop[2]);
         const int32_t y = request->crop[1] + (int32_t)(item / request->crop[2]);
         const float dx = ty_sobol_next(&path->random), dy = ty_sobol_next(&path->random);
+        if (request->camera.sampled != 0) {
+            begin_at_lens(path, (float)x + dx, (float)y + dy);
+            return;
+        }
         begin_at_camera(path);
         path->direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
     } else if (request->kind == TY_PATH_RAYS) {
