@@ -150,7 +150,7 @@ static void light_of_the_sky_is_direct(void** state) {
     }
 }
 
-/* What a layer emits is diffuse: pi (1 - 2 E_3(1)) on both sides, also where its density is a grid. */
+/* Light that a layer emits is diffuse: pi (1 - 2 E_3(1)) on both sides, also where its density is a grid. */
 static void emission_of_media_is_diffuse(void** state) {
     static const double levels[2] = {0, 1};
     static const float ones[8] = {1, 1, 1, 1, 1, 1, 1, 1};
