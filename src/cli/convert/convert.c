@@ -21,7 +21,7 @@ static bool is_image(const char* path) {
     return has_one_of(path, extensions) && !ty_is_nifti_file(path);
 }
 
-static int choose_codec(const char** codec, const char* const* known, const char* output) {
+static int choose_codec(const char* command, const char** codec, const char* const* known, const char* output) {
     char list[64] = "";
     if (*codec == NULL) *codec = known[0];
     for (int i = 0; known[i] != NULL; ++i) {
@@ -29,29 +29,28 @@ static int choose_codec(const char** codec, const char* const* known, const char
         const size_t used = strlen(list);
         snprintf(list + used, sizeof list - used, "%s%s", i > 0 ? ", " : "", known[i]);
     }
-    return cli_usage_error("convert", "%s: the codec '%s' is not one of %s", output, *codec, list);
+    return cli_usage_error(command, "%s: the codec '%s' is not one of %s", output, *codec, list);
 }
 
-/* The codec of the output's extension; the default is the first codec of each format. */
-static int check_codec(const char** codec, const char* output) {
+int cli_check_codec(const char* command, const char** codec, const char* output) {
     static const char* const vdb[] = {"zip", "blosc", "none", NULL};
     static const char* const nanovdb[] = {"zip", "none", NULL};
     static const char* const nrrd[] = {"gzip", "none", NULL};
     static const char* const vti[] = {"zip", "none", NULL};
     static const char* const vol[] = {"none", NULL};
-    if (cli_has_extension(output, ".vdb")) return choose_codec(codec, vdb, output);
-    if (cli_has_extension(output, ".nvdb")) return choose_codec(codec, nanovdb, output);
-    if (cli_has_extension(output, ".nrrd")) return choose_codec(codec, nrrd, output);
-    if (cli_has_extension(output, ".vti")) return choose_codec(codec, vti, output);
-    if (cli_has_extension(output, ".vol")) return choose_codec(codec, vol, output);
-    return cli_usage_error("convert", "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti or .vol", output);
+    if (cli_has_extension(output, ".vdb")) return choose_codec(command, codec, vdb, output);
+    if (cli_has_extension(output, ".nvdb")) return choose_codec(command, codec, nanovdb, output);
+    if (cli_has_extension(output, ".nrrd")) return choose_codec(command, codec, nrrd, output);
+    if (cli_has_extension(output, ".vti")) return choose_codec(command, codec, vti, output);
+    if (cli_has_extension(output, ".vol")) return choose_codec(command, codec, vol, output);
+    return cli_usage_error(command, "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti or .vol", output);
 }
 
 static int convert(cli_session* session, convert_volume_options* volume, const convert_image_options* image,
                    const char* const paths[2]) {
     cli_end_on_interrupt(true);
     if (is_image(paths[0])) return cli_convert_image(session, image, paths[0], paths[1]);
-    const int status = check_codec(&volume->codec, paths[1]);
+    const int status = cli_check_codec("convert", &volume->codec, paths[1]);
     return status == CLI_GO ? cli_convert_volume(session, volume, paths[0], paths[1]) : status;
 }
 

@@ -21,6 +21,9 @@ typedef struct convert_volume_options {
     bool half, vector;
 } convert_volume_options;
 
+/* Checks the codec of a volume by the extension of its file; NULL becomes the format's first one. */
+int cli_check_codec(const char* command, const char** codec, const char* output);
+
 /* Both return an exit status. */
 int cli_convert_volume(cli_session* session, convert_volume_options* options, const char* input, const char* output);
 int cli_convert_image(cli_session* session, const convert_image_options* options, const char* input,

@@ -167,19 +167,24 @@ static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_aov_sums*
 TY_FN TY_PATH_KERNEL(ty_path_sample_items) {
     const unsigned thread_state = ty_flush_denormals();
     uint64_t vertices = 0;
+    ty_path_request direct; /* of columns, for direct light */
+    if (request->kind == TY_PATH_COLUMNS) ty_column_request_direct(request, &direct);
     for (int64_t item = begin; item < end; ++item) {
+        const bool is_direct = request->kind == TY_PATH_COLUMNS && ty_column_is_direct(request->columns, item);
+        const ty_path_request* own = is_direct ? &direct : request;
         const uint64_t number = random_item(request, item);
         ty_path_aov_sums* sums_of_item = aov_sums != NULL ? &aov_sums[item - begin] : NULL;
         for (uint32_t i = first_sample; i < first_sample + count; ++i) {
             ty_path path;
-            ty_path_begin(&path, request, number, i);
-            start(&path, request, item);
+            ty_path_begin(&path, own, number, i);
+            start(&path, own, item);
             if (sums_of_item != NULL && request->first_hit != 0) add_first_hit(&path, number, i, sums_of_item);
-            path.outline = i >= TY_OUTLINE_FIRST && request->outlines != NULL && request->outlines[item] != 0;
-            if (path.outline != 0) add_seen_emission(&path, item, number, i);
+            if (i >= TY_OUTLINE_FIRST && request->outlines != NULL && request->outlines[item] != 0) {
+                path.found = TY_FOUND_SURFACES;
+                add_seen_emission(&path, item, number, i);
+            }
             vertices += ty_path_follow(&path);
-            if (request->kind == TY_PATH_COLUMNS && ty_column_is_diffuse(request->columns, item))
-                memset(path.radiance[TY_PATH_UNCOLLIDED], 0, sizeof path.radiance[TY_PATH_UNCOLLIDED]);
+            if (own != request) ty_column_keep_direct(&path);
             add_sample(&path, &sums[item - begin], sums_of_item);
         }
     }
