@@ -61,6 +61,14 @@ void ty_spectrum_light(ty_spectrum spectrum, double rgb[3]) {
     from_xyz(xyz, rgb);
 }
 
+double ty_spectrum_mean(ty_spectrum spectrum) {
+    static const double one[2] = {550, 1};
+    double xyz[3], whole[3];
+    integrate(spectrum, false, xyz);
+    integrate((ty_spectrum){one, 1}, false, whole);
+    return xyz[1] / whole[1];
+}
+
 void ty_spectrum_reflectance(ty_spectrum spectrum, double rgb[3]) {
     static const double one[2] = {550, 1};
     double xyz[3], white[3], white_rgb[3];

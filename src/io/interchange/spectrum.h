@@ -14,6 +14,8 @@ typedef struct ty_spectrum {
 double ty_spectrum_at(ty_spectrum spectrum, double nm);
 /* Colour of light, of the luminance 1; black if the spectrum is. */
 void ty_spectrum_light(ty_spectrum spectrum, double rgb[3]);
+/* Its mean, weighted by y(lambda). */
+double ty_spectrum_mean(ty_spectrum spectrum);
 /* Colour of a reflectance, or of a coefficient, in light of D65: a constant spectrum is grey. */
 void ty_spectrum_reflectance(ty_spectrum spectrum, double rgb[3]);
 

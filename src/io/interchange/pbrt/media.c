@@ -279,12 +279,23 @@ static bool has_grid(ty_context* context, const char* path, const char* name) {
     return false;
 }
 
+/* Lescale, which older files spell LeScale. */
+static double file_scale(const maker* m) {
+    return ty_pbrt_float(m->parameters, "Lescale", ty_pbrt_float(m->parameters, "LeScale", 1));
+}
+
+/* The name of a grid that a parameter may give. */
+static void read_grid_name(const maker* m, const char* parameter, const char* otherwise, char out[TY_PBRT_NAME_SIZE]) {
+    if (!ty_pbrt_string(m->parameters, parameter, out, TY_PBRT_NAME_SIZE))
+        snprintf(out, TY_PBRT_NAME_SIZE, "%s", otherwise);
+}
+
 /* Temperatures of a file, replaced by those that emit as pbrt has it, as a new volume with the same place. */
-static ty_result add_file_temperature(maker* m, const char* path, json_t* entry) {
+static ty_result add_file_temperature(maker* m, const char* path, const char* name, json_t* entry) {
     ty_context* context = m->reader->context;
     ty_volume_def def = ty_default_volume_def();
     ty_grid* grid = NULL;
-    def.grid = "temperature";
+    def.grid = name;
     ty_result result = ty_volume_read(context, path, &def, &grid);
     if (result != TY_OK) return result;
     const ty_grid_info info = ty_grid_get_info(grid);
@@ -298,7 +309,7 @@ static ty_result add_file_temperature(maker* m, const char* path, json_t* entry)
     memcpy(box, m->medium.box, sizeof box);
     grid_box(grid, m->medium.box); /* VDB files of renderers are not turned */
     result = plane == NULL ? TY_ERROR_MEMORY
-                           : set_temperature(m, entry, info.size, plane, ty_pbrt_float(m->parameters, "LeScale", 1));
+                           : set_temperature(m, entry, info.size, plane, file_scale(m));
     memcpy(m->medium.box, box, sizeof box);
     ty_free_array(context, plane, count, sizeof *plane);
     ty_grid_release(grid);
@@ -308,17 +319,22 @@ static ty_result add_file_temperature(maker* m, const char* path, json_t* entry)
 static ty_result add_file(maker* m, const char* path, const char* reference) {
     ty_context* context = m->reader->context;
     static const double dark[3] = {0, 0, 0};
-    const ty_volume_def def = ty_default_volume_def();
+    ty_volume_def def = ty_default_volume_def();
     ty_grid* grid = NULL;
+    char name[TY_PBRT_NAME_SIZE], heat[TY_PBRT_NAME_SIZE];
+    read_grid_name(m, "gridname", "density", name);
+    read_grid_name(m, "temperaturename", "temperature", heat);
+    def.grid = name;
     ty_result result = ty_volume_read(context, path, &def, &grid);
     if (result != TY_OK) return result;
     grid_box(grid, m->medium.box);
     ty_grid_release(grid);
     m->medium.grid = true;
     json_t* entry = make_entry(m, dark);
-    json_t* density = json_pack("{s:s, s:s}", "file", reference, "grid", "density");
+    json_t* density = json_pack("{s:s, s:s}", "file", reference, "grid", name);
     result = json_object_set_new(entry, "density", density) == 0 ? TY_OK : no_memory(m->reader);
-    if (result == TY_OK && has_grid(context, path, "temperature")) result = add_file_temperature(m, path, entry);
+    if (result == TY_OK && has_grid(context, path, heat))
+        result = add_file_temperature(m, path, heat, entry);
     if (result == TY_OK) return add_entry(m, entry);
     json_decref(entry);
     return result;
@@ -327,7 +343,9 @@ static ty_result add_file(maker* m, const char* path, const char* reference) {
 static ty_result read_nanovdb(maker* m) {
     char name[1024], location[512];
     char *path = NULL, *reference = NULL;
-    static const char* const ignored[] = {"LeScale", "temperatureoffset", "temperaturecutoff", "temperaturescale"};
+    static const char* const ignored[] = {"Lescale",           "LeScale",          "temperatureoffset",
+                                          "temperaturecutoff", "temperaturescale", "gridname",
+                                          "temperaturename"};
     for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; ++i) ty_pbrt_find(m->parameters, ignored[i]);
     if (!ty_pbrt_string(m->parameters, "filename", name, sizeof name))
         return ty_pbrt_refuse(m->parameters, "the medium \"%s\" has no \"string filename\"", m->medium.name);

@@ -249,6 +249,13 @@ static ty_result read_attribute(ty_pbrt* reader, ty_pbrt_text* text, int32_t lin
     return ty_pbrt_fail(reader, text->file, line, "Attribute \"%s\" is not known", name);
 }
 
+/* With files left out, what they define may be missing, too, and is left out with a note. */
+static bool is_missing(ty_pbrt* reader, const char* kind, const char* name) {
+    if (reader->conversion->partial)
+        ty_conversion_note_down(reader->conversion, "the %s \"%s\" is not defined, and was left out", kind, name);
+    return reader->conversion->partial;
+}
+
 static ty_result read_medium_interface(ty_pbrt* reader, ty_pbrt_text* text) {
     char names[2][TY_PBRT_NAME_SIZE];
     int32_t media[2];
@@ -260,7 +267,7 @@ static ty_result read_medium_interface(ty_pbrt* reader, ty_pbrt_text* text) {
         memcpy(names[1], names[0], sizeof names[0]);
     for (int side = 0; side < 2 && result == TY_OK; ++side) {
         media[side] = ty_pbrt_find_name(reader->media, reader->medium_count, names[side]);
-        if (media[side] < 0 && names[side][0] != '\0')
+        if (media[side] < 0 && names[side][0] != '\0' && !is_missing(reader, "medium", names[side]))
             result = ty_pbrt_fail(reader, text->file, text->line, "the medium \"%s\" is not defined", names[side]);
     }
     if (result != TY_OK) return result;
@@ -317,6 +324,7 @@ static ty_result read_instance(ty_pbrt* reader, ty_pbrt_text* text, int32_t line
     if (reader->in_object) return ty_pbrt_fail(reader, text->file, line, "ObjectInstance stands within an object");
     for (size_t i = reader->object_count; i-- > 0;)
         if (strcmp(reader->objects[i].name, name) == 0) return ty_pbrt_instance(reader, &reader->objects[i]);
+    if (is_missing(reader, "object", name)) return TY_OK;
     return ty_pbrt_fail(reader, text->file, line, "the object \"%s\" is not defined", name);
 }
 
@@ -367,6 +375,7 @@ static ty_result use_named_material(ty_pbrt* reader, ty_pbrt_text* text, int32_t
         ty_pbrt_now(reader)->material = reader->materials[i].index;
         return TY_OK;
     }
+    if (is_missing(reader, "material", name)) return TY_OK;
     return ty_pbrt_fail(reader, text->file, line, "the material \"%s\" is not defined", name);
 }
 
@@ -481,12 +490,14 @@ static ty_result read_frame(ty_pbrt* reader, ty_pbrt_text* text, int32_t line, b
     return ty_pbrt_fail(reader, text->file, line, "the coordinate system \"%s\" is not defined", name);
 }
 
-/* An option, or other parameters without effect on what is converted. */
-static ty_result skip_parameters(ty_pbrt* reader, ty_pbrt_text* text, int32_t line) {
-    ty_pbrt_parameters parameters = {.reader = reader, .file = text->file, .line = line};
-    const ty_result result = ty_pbrt_read_parameters(reader, text, &parameters);
-    ty_pbrt_free_parameters(&parameters);
-    return result;
+/* An option, "type name" or "name" and its value, has no effect on what is converted. */
+static ty_result skip_option(ty_pbrt* reader, ty_pbrt_text* text, int32_t line) {
+    ty_pbrt_token token = ty_pbrt_next(text);
+    if (token.kind == TY_PBRT_STRING) token = ty_pbrt_next(text);
+    if (token.kind == TY_PBRT_OPEN)
+        while (token.kind != TY_PBRT_CLOSE && token.kind != TY_PBRT_END) token = ty_pbrt_next(text);
+    if (token.kind != TY_PBRT_END && token.kind != TY_PBRT_BROKEN) return TY_OK;
+    return ty_pbrt_fail(reader, text->file, line, "Option has no name and value");
 }
 
 static ty_result read_block(ty_pbrt* reader, ty_pbrt_text* text, const ty_pbrt_token* word) {
@@ -511,7 +522,7 @@ static ty_result read_block(ty_pbrt* reader, ty_pbrt_text* text, const ty_pbrt_t
     if (ty_pbrt_is(word, "CoordSysTransform")) return read_frame(reader, text, line, true);
     if (ty_pbrt_is(word, "ActiveTransform")) return read_active(reader, text, line);
     if (ty_pbrt_is(word, "ColorSpace")) return read_color_space(reader, text, line);
-    if (ty_pbrt_is(word, "Option")) return skip_parameters(reader, text, line);
+    if (ty_pbrt_is(word, "Option")) return skip_option(reader, text, line);
     if (ty_pbrt_is(word, "ReverseOrientation")) {
         ty_pbrt_now(reader)->reverse = !ty_pbrt_now(reader)->reverse;
         return TY_OK;

@@ -62,11 +62,43 @@ static ty_result unknown_name(ty_pbrt* reader, const ty_pbrt_parameter* paramete
     return ty_pbrt_fail(reader, parameter->file, parameter->line, "the spectrum \"%s\" is not known", name);
 }
 
+static void sample(ty_spectrum spectrum, double values[3]) {
+    static const double nm[3] = {650, 550, 450};
+    for (int c = 0; c < 3; ++c) values[c] = ty_spectrum_at(spectrum, nm[c]);
+}
+
+/* "metal-Au-eta" and "metal-Au-k", a glass, or a file. */
+static ty_result sample_named(ty_pbrt* reader, const ty_pbrt_parameter* parameter, double values[3]) {
+    char name[256], metal[32];
+    double eta[3], k[3], ior;
+    snprintf(name, sizeof name, "%.*s", (int)parameter->strings[0].length, parameter->strings[0].text);
+    const char* last = strrchr(name, '-');
+    if (strncmp(name, "metal-", 6) == 0 && last != NULL && last > name + 6) {
+        snprintf(metal, sizeof metal, "%.*s", (int)(last - name - 6), name + 6);
+        if (!ty_named_metal(metal, eta, k)) {
+            ty_conversion_note_down(reader->conversion, "the metal \"%s\" is not known; aluminium was taken", metal);
+            ty_named_metal("Al", eta, k);
+        }
+        memcpy(values, strcmp(last, "-k") == 0 ? k : eta, 3 * sizeof *values);
+        return TY_OK;
+    }
+    if (ty_named_ior(name, &ior)) {
+        values[0] = values[1] = values[2] = ior;
+        return TY_OK;
+    }
+    if (!is_file_name(name)) return unknown_name(reader, parameter, name);
+    table t = {0};
+    const ty_result result = read_file(reader, parameter, name, &t);
+    if (result == TY_OK && t.spectrum.count > 0) sample(t.spectrum, values);
+    free_table(reader, &t);
+    return result;
+}
+
 static ty_result find_named(ty_pbrt* reader, const ty_pbrt_parameter* parameter, ty_pbrt_role role, double rgb[3]) {
     char name[256];
     snprintf(name, sizeof name, "%.*s", (int)parameter->strings[0].length, parameter->strings[0].text);
     if (ty_named_illuminant(name, rgb)) return TY_OK;
-    if (!is_file_name(name)) return unknown_name(reader, parameter, name);
+    if (!is_file_name(name)) return sample_named(reader, parameter, rgb);
     table t = {0};
     const ty_result result = read_file(reader, parameter, name, &t);
     if (result == TY_OK && t.spectrum.count > 0) {
@@ -123,38 +155,6 @@ ty_result ty_pbrt_spectrum(const ty_pbrt_parameters* parameters, const char* nam
 }
 
 /* ---- values at wavelengths ---- */
-
-static void sample(ty_spectrum spectrum, double values[3]) {
-    static const double nm[3] = {650, 550, 450};
-    for (int c = 0; c < 3; ++c) values[c] = ty_spectrum_at(spectrum, nm[c]);
-}
-
-/* "metal-Au-eta" and "metal-Au-k", a glass, or a file. */
-static ty_result sample_named(ty_pbrt* reader, const ty_pbrt_parameter* parameter, double values[3]) {
-    char name[256], metal[32];
-    double eta[3], k[3], ior;
-    snprintf(name, sizeof name, "%.*s", (int)parameter->strings[0].length, parameter->strings[0].text);
-    const char* last = strrchr(name, '-');
-    if (strncmp(name, "metal-", 6) == 0 && last != NULL && last > name + 6) {
-        snprintf(metal, sizeof metal, "%.*s", (int)(last - name - 6), name + 6);
-        if (!ty_named_metal(metal, eta, k)) {
-            ty_conversion_note_down(reader->conversion, "the metal \"%s\" is not known; aluminium was taken", metal);
-            ty_named_metal("Al", eta, k);
-        }
-        memcpy(values, strcmp(last, "-k") == 0 ? k : eta, 3 * sizeof *values);
-        return TY_OK;
-    }
-    if (ty_named_ior(name, &ior)) {
-        values[0] = values[1] = values[2] = ior;
-        return TY_OK;
-    }
-    if (!is_file_name(name)) return unknown_name(reader, parameter, name);
-    table t = {0};
-    const ty_result result = read_file(reader, parameter, name, &t);
-    if (result == TY_OK && t.spectrum.count > 0) sample(t.spectrum, values);
-    free_table(reader, &t);
-    return result;
-}
 
 ty_result ty_pbrt_spectrum_at(const ty_pbrt_parameters* parameters, const char* name, double values[3], bool* found) {
     ty_pbrt* reader = parameters->reader;
