@@ -127,6 +127,50 @@ static bool holds_grid(const ty_conversion* conversion, int32_t number) {
     return false;
 }
 
+/* The one mesh that has a medium inside, if there is no other boundary; NULL otherwise. */
+static const ty_conversion_instance* only_boundary(const ty_conversion* conversion, int32_t number) {
+    const ty_conversion_instance* found = NULL;
+    for (size_t i = 0; i < conversion->sphere_count; ++i)
+        if (conversion->parts[conversion->spheres[i].part].medium == number) return NULL;
+    for (size_t i = 0; i < conversion->instance_count; ++i) {
+        if (conversion->parts[conversion->meshes[conversion->instances[i].mesh].part].medium != number) continue;
+        if (found != NULL) return NULL;
+        found = &conversion->instances[i];
+    }
+    return found;
+}
+
+/* The box that a grid fills within the one surface around it, if that is a box along the axes of the grid. */
+static bool cut_box(const ty_conversion* conversion, int32_t number, double box[2][3]) {
+    const ty_conversion_medium* medium = &conversion->media[number];
+    const ty_conversion_instance* instance = only_boundary(conversion, number);
+    ty_affine inverse;
+    double around[2][3] = {{0, 0, 0}, {0, 0, 0}};
+    if (instance == NULL || !ty_affine_invert(&medium->transform, &inverse)) return false;
+    const ty_affine map = ty_affine_multiply(&inverse, &instance->transform);
+    const ty_model_mesh* mesh = &conversion->meshes[instance->mesh].mesh;
+    for (int pass = 0; pass < 2; ++pass)
+        for (size_t i = 0; i < mesh->vertex_count; ++i) {
+            const float* at = mesh->positions + 3 * i;
+            double p[3];
+            ty_affine_point(&map, (const double[3]){(double)at[0], (double)at[1], (double)at[2]}, p);
+            for (int a = 0; a < 3; ++a) {
+                if (pass == 0) {
+                    around[0][a] = i == 0 ? p[a] : fmin(around[0][a], p[a]);
+                    around[1][a] = i == 0 ? p[a] : fmax(around[1][a], p[a]);
+                } else if (fmin(p[a] - around[0][a], around[1][a] - p[a]) > 1e-5 * (around[1][a] - around[0][a])) {
+                    return false;
+                }
+            }
+        }
+    for (int a = 0; a < 3; ++a) {
+        box[0][a] = fmax(medium->box[0][a], around[0][a]);
+        box[1][a] = fmin(medium->box[1][a], around[1][a]);
+        if (!(box[1][a] > box[0][a])) return false;
+    }
+    return mesh->triangle_count == 12;
+}
+
 /* ---- media ---- */
 
 static ty_result add(ty_conversion* conversion, json_t* media, const json_t* entry, json_t* bounds,
@@ -186,6 +230,9 @@ static ty_result add_bounded(ty_conversion* conversion, int32_t number, char* co
     for (size_t p = 0; p < conversion->part_count && result == TY_OK; ++p) {
         if (conversion->parts[p].medium != number || files[p] == NULL) continue;
         json_t* bounds = json_pack("{s:s}", "file", files[p]);
+        if (medium->clipped)
+            ty_conversion_note_down(conversion, "medium \"%s\": a surface cuts its grid, whose faces fade beyond its box",
+                                    medium->name);
         if (medium->grid) result = move_bounds(conversion, medium, bounds);
         if (result == TY_OK)
             result = add_entries(conversion, medium, media, bounds);
@@ -220,8 +267,11 @@ ty_result ty_conversion_place_media(ty_conversion* conversion, char* const* file
             ty_conversion_note_down(conversion, "medium \"%s\" is not used and was left out", medium->name);
             continue;
         }
+        double box[2][3];
         if (medium->grid && (!medium->inside || holds_grid(conversion, (int32_t)i)))
             result = add_entries(conversion, medium, media, medium->clipped ? box_bounds(medium->box) : NULL);
+        else if (medium->grid && cut_box(conversion, (int32_t)i, box))
+            result = add_entries(conversion, medium, media, box_bounds(box));
         else if (medium->inside)
             result = add_bounded(conversion, (int32_t)i, files, media);
         else

@@ -244,7 +244,13 @@ static ty_result read_heterogeneous(maker* m) {
         if (is_grid(m->scene, scattered))
             ty_conversion_note_down(m->scene->conversion, "medium \"%s\": the grid of its albedo is left out",
                                     m->medium.name);
-        return read_homogeneous(m);
+        /* A constant volume fills the unit cube as its to_world maps it. */
+        static const double unit[2][3] = {{0, 0, 0}, {1, 1, 1}};
+        memcpy(m->medium.box, unit, sizeof unit);
+        m->medium.grid = m->medium.clipped = true;
+        const ty_result result =
+            extinction >= 0 ? ty_mitsuba_transform(m->scene, extinction, "to_world", &m->medium.transform) : TY_OK;
+        return result == TY_OK ? read_homogeneous(m) : result;
     }
     volume density = {0}, albedo = {0};
     ty_result result = read_constant(m, "albedo", constant, &found);

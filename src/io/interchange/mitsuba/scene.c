@@ -12,6 +12,8 @@ static ty_result read_element(ty_mitsuba* scene, int32_t node) {
     if (ty_mitsuba_is(scene, node, "shape"))
         return strcmp(ty_mitsuba_type(scene, node), "shapegroup") == 0 ? TY_OK
                                                                        : ty_mitsuba_shape(scene, node, &identity);
+    if (ty_mitsuba_is(scene, node, "emitter") && strcmp(ty_mitsuba_type(scene, node), "area") == 0)
+        return TY_OK; /* shapes refer to it */
     if (ty_mitsuba_is(scene, node, "emitter")) return ty_mitsuba_emitter(scene, node);
     if (ty_mitsuba_is(scene, node, "sensor")) return ty_mitsuba_sensor(scene, node);
     if (ty_mitsuba_is(scene, node, "integrator")) return ty_mitsuba_integrator(scene, node);

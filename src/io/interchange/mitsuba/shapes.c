@@ -4,6 +4,7 @@
 #include "base/constants.h"
 #include "base/context.h"
 #include "io/file.h"
+#include "io/interchange/mitsuba/serialized.h"
 #include "io/interchange/solids.h"
 
 #include <math.h>
@@ -129,35 +130,54 @@ static ty_result smooth(ty_context* context, ty_model_mesh* mesh) {
     return TY_OK;
 }
 
-static ty_result add_model(const holder* h, ty_model* model) {
+/* Takes over a mesh from a file, with flat faces or smooth ones as the shape asks for. */
+static ty_result add_file_mesh(const holder* h, ty_model_mesh* mesh) {
     ty_context* context = h->scene->context;
-    const bool flat = ty_mitsuba_bool(h->scene, h->node, "face_normals", false);
+    ty_result result = TY_OK;
+    if (ty_mitsuba_bool(h->scene, h->node, "face_normals", false)) {
+        ty_free_array(context, mesh->normals, mesh->vertex_count, 3 * sizeof(float));
+        mesh->normals = NULL;
+    } else if (mesh->normals == NULL) {
+        result = smooth(context, mesh);
+    }
+    if (result == TY_OK) return add_mesh(h, mesh);
+    ty_model_free_mesh(context, mesh);
+    return result;
+}
+
+static ty_result add_model(const holder* h, ty_model* model) {
     ty_result result = TY_OK;
     for (size_t i = 0; i < model->mesh_count && result == TY_OK; ++i) {
         ty_model_mesh mesh = model->meshes[i];
         model->meshes[i] = (ty_model_mesh){0};
-        if (flat) {
-            ty_free_array(context, mesh.normals, mesh.vertex_count, 3 * sizeof(float));
-            mesh.normals = NULL;
-        } else if (mesh.normals == NULL) {
-            result = smooth(context, &mesh);
-        }
-        if (result == TY_OK)
-            result = add_mesh(h, &mesh);
-        else
-            ty_model_free_mesh(context, &mesh);
+        result = add_file_mesh(h, &mesh);
     }
     return result;
+}
+
+static ty_result add_serialized(const holder* h, const char* name, const uint8_t* bytes, size_t size) {
+    double index = 0;
+    ty_model_mesh mesh;
+    ty_result result = ty_mitsuba_float(h->scene, h->node, "shape_index", &index);
+    if (result == TY_OK && !(index >= 0 && index < 1e9))
+        return ty_mitsuba_fail(h->scene, h->node, "the shape_index %g is not that of a shape", index);
+    if (result == TY_OK) result = ty_read_serialized(h->scene->context, name, bytes, size, (int32_t)index, &mesh);
+    return result == TY_OK ? add_file_mesh(h, &mesh) : result;
 }
 
 static ty_result read_file(holder* h) {
     uint8_t* bytes = NULL;
     size_t size = 0;
     const char* name = ty_mitsuba_string(h->scene, h->node, "filename");
-    const bool obj = strcmp(ty_mitsuba_type(h->scene, h->node), "obj") == 0;
+    const bool obj = ty_mitsuba_same(ty_mitsuba_type(h->scene, h->node), "obj");
     if (name == NULL) return ty_mitsuba_fail(h->scene, h->node, "the shape has no filename");
     ty_result result = ty_mitsuba_read_file(h->scene, h->node, name, &bytes, &size);
     if (result != TY_OK || bytes == NULL) return result;
+    if (ty_mitsuba_same(ty_mitsuba_type(h->scene, h->node), "serialized")) {
+        result = add_serialized(h, name, bytes, size);
+        ty_free_file(h->scene->context, bytes, size);
+        return result;
+    }
     ty_model model;
     const unsigned want = TY_MODEL_MESHES | TY_MODEL_SHADING;
     result = obj ? ty_read_obj(h->scene->context, name, NULL, bytes, size, want, &model)
@@ -266,7 +286,7 @@ static ty_result read_instance(ty_mitsuba* scene, int32_t node, const ty_affine*
 static const struct {
     const char* type;
     ty_result (*read)(holder* h);
-} readers[] = {{"obj", read_file},    {"ply", read_file},         {"sphere", read_sphere}, {"rectangle", read_square},
+} readers[] = {{"obj", read_file},    {"ply", read_file},         {"serialized", read_file}, {"sphere", read_sphere}, {"rectangle", read_square},
                {"cube", read_cube},   {"cylinder", read_cylinder}, {"disk", read_disk}};
 
 ty_result ty_mitsuba_shape(ty_mitsuba* scene, int32_t node, const ty_affine* around) {
@@ -285,7 +305,7 @@ ty_result ty_mitsuba_shape(ty_mitsuba* scene, int32_t node, const ty_affine* aro
         return result;
     }
     for (size_t i = 0; i < sizeof readers / sizeof readers[0]; ++i) {
-        if (strcmp(readers[i].type, type) != 0) continue;
+        if (!ty_mitsuba_same(readers[i].type, type)) continue;
         result = read_holder(&h);
         return result == TY_OK ? readers[i].read(&h) : result;
     }

@@ -199,31 +199,39 @@ static ty_result read_uniform_grid(maker* m) {
     return result;
 }
 
-/* One channel of an rgbgrid: extinction as the density, and albedo, which are separate media, as coefficients of
- * overlapping media add up. */
-static ty_result add_channel(maker* m, const double* const sigma[2], size_t count, const int32_t size[3], int channel,
-                             double scale) {
+/* One channel of one coefficient, or all channels if they are alike (channel -1), as a medium of its own: coefficients
+ * of overlapping media add up, and each is interpolated as pbrt does. */
+static ty_result add_channel(maker* m, const char* key, const double* numbers, size_t count, const int32_t size[3],
+                             int channel, double scale) {
     ty_context* context = m->reader->context;
-    float* planes[2] = {ty_alloc_array(context, count, sizeof(float), false),
-                        ty_alloc_array(context, count, sizeof(float), false)};
+    float* plane = make_plane(m, numbers + (channel < 0 ? 0 : channel), 3, count, scale);
+    if (plane == NULL) return TY_ERROR_MEMORY;
+    float highest = 0;
+    for (size_t i = 0; i < count; ++i) highest = fmaxf(highest, plane[i]);
+    ty_result result = TY_OK;
     json_t* entry = NULL;
-    ty_result result = planes[0] == NULL || planes[1] == NULL ? TY_ERROR_MEMORY : TY_OK;
-    if (result == TY_OK) {
-        double unit[3] = {0, 0, 0};
-        for (size_t i = 0; i < count; ++i) {
-            const double a = sigma[0] != NULL ? fmax(sigma[0][3 * i + (size_t)channel], 0) : 1;
-            const double s = sigma[1] != NULL ? fmax(sigma[1][3 * i + (size_t)channel], 0) : 1;
-            planes[0][i] = (float)(scale * (a + s));
-            planes[1][i] = a + s > 0 ? (float)(s / (a + s)) : 0;
-        }
-        unit[channel] = 1;
-        entry = json_pack("{s:o, s:o}", "sigma_t", ty_conversion_colour(unit, 0, 1), "g", asymmetry(m));
-        result = set_volume(m, entry, "density", "density", size, planes[0]);
-        if (result == TY_OK) result = set_volume(m, entry, "albedo", "albedo", size, planes[1]);
+    if (highest > 0) {
+        double unit[3] = {channel < 0, channel < 0, channel < 0};
+        if (channel >= 0) unit[channel] = 1;
+        entry = json_pack("{s:o, s:o}", key, ty_conversion_colour(unit, 0, 1), "g", asymmetry(m));
+        result = set_volume(m, entry, "density", "density", size, plane);
     }
-    for (int i = 0; i < 2; ++i) ty_free_array(context, planes[i], count, sizeof(float));
-    if (result == TY_OK) return add_entry(m, entry);
+    ty_free_array(context, plane, count, sizeof *plane);
+    if (result == TY_OK && entry != NULL) return add_entry(m, entry);
     json_decref(entry);
+    return result;
+}
+
+/* A coefficient on a grid; without one it is 1 throughout the box. */
+static ty_result add_coefficient(maker* m, const char* key, const double* numbers, size_t count, const int32_t size[3],
+                                 double scale) {
+    if (numbers == NULL) return add_entry(m, json_pack("{s:o, s:o}", key, ty_json_number(scale), "g", asymmetry(m)));
+    bool grey = true;
+    for (size_t i = 0; i < count && grey; ++i)
+        grey = numbers[3 * i] == numbers[3 * i + 1] && numbers[3 * i] == numbers[3 * i + 2];
+    if (grey) return add_channel(m, key, numbers, count, size, -1, scale);
+    ty_result result = TY_OK;
+    for (int c = 0; c < 3 && result == TY_OK; ++c) result = add_channel(m, key, numbers, count, size, c, scale);
     return result;
 }
 
@@ -244,10 +252,11 @@ static ty_result read_rgb_grid(maker* m) {
     const size_t count = any->number_count / 3;
     ty_result result = read_size(m, count, size);
     if (result == TY_OK) result = read_box(m);
-    const double* const sigma[2] = {absorption != NULL ? absorption->numbers : NULL,
-                                    scattering != NULL ? scattering->numbers : NULL};
     const double scale = ty_pbrt_float(m->parameters, "scale", 1);
-    for (int c = 0; c < 3 && result == TY_OK; ++c) result = add_channel(m, sigma, count, size, c, scale);
+    if (result == TY_OK)
+        result = add_coefficient(m, "sigma_s", scattering != NULL ? scattering->numbers : NULL, count, size, scale);
+    if (result == TY_OK)
+        result = add_coefficient(m, "sigma_a", absorption != NULL ? absorption->numbers : NULL, count, size, scale);
     return result;
 }
 
