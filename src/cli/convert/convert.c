@@ -93,20 +93,21 @@ int cli_convert(int count, char** arguments) {
         {"scale", 0, CLI_REAL, "S", "what 1 becomes with --bits 16 (default 65535)", &image.scale, 1e-30, 1e30, NULL},
         {"partial", 0, CLI_FLAG, NULL, "of a scene: leave out files that are missing", &partial, 0, 0, NULL},
     };
-    const cli_syntax syntax = {"convert",
-                               "IN OUT [options]",
-                               "Converts a volume, an image or a scene into a file of another kind.",
-                               "Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, DICOM (a folder or a file of a\n"
-                               "series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd,\n"
-                               ".vti, .vol.\n"
-                               "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png.\n"
-                               "Scenes: of pbrt-v4 (.pbrt, .pbrt.gz) and Mitsuba (.xml) to .json, with meshes, volumes\n"
-                               "and maps in a folder beside it.",
-                               table,
-                               sizeof table / sizeof table[0],
-                               2,
-                               2,
-                               NULL};
+    const cli_syntax syntax = {
+        "convert",
+        "IN OUT [options]",
+        "Converts a volume, an image or a scene into a file of another kind.",
+        "Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, DICOM (a folder or a file of a\n"
+        "series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd,\n"
+        ".vti, .vol.\n"
+        "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png.\n"
+        "Scenes: of pbrt-v4 (.pbrt, .pbrt.gz) and Mitsuba (.xml) to .json, with meshes, volumes\n"
+        "and maps in a folder beside it.",
+        table,
+        sizeof table / sizeof table[0],
+        2,
+        2,
+        NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO) status = cli_parse_raw("convert", raw_size, raw_type, raw_spacing, def);

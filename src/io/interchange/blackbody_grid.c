@@ -39,11 +39,11 @@ static double normalized_at(const table* t, double kelvin) {
 static double kelvin_of(const table* t, double absolute) {
     int low = 0, high = STEPS;
     while (high - low > 1) {
-        const int middle = (low + high) / 2;
-        if (t->absolute[middle] <= absolute)
-            low = middle;
+        const int center = (low + high) / 2;
+        if (t->absolute[center] <= absolute)
+            low = center;
         else
-            high = middle;
+            high = center;
     }
     const double width = t->absolute[high] - t->absolute[low];
     const double fraction = width > 0 ? fmin(fmax((absolute - t->absolute[low]) / width, 0), 1) : 0;

@@ -1,4 +1,4 @@
-/* What a conversion keeps, until it is written. */
+/* The content of a conversion, until it is written. */
 #include "io/interchange/conversion.h"
 
 #include "base/context.h"
@@ -73,8 +73,8 @@ ty_result ty_conversion_add_light(ty_conversion* conversion, json_t* light) {
     return TY_OK;
 }
 
-ty_result ty_conversion_find_part(ty_conversion* conversion, int32_t material, int32_t medium,
-                                  const double emission[3], int32_t* index) {
+ty_result ty_conversion_find_part(ty_conversion* conversion, int32_t material, int32_t medium, const double emission[3],
+                                  int32_t* index) {
     for (size_t i = conversion->part_count; i-- > 0;) {
         const ty_conversion_part* part = &conversion->parts[i];
         if (part->material != material || part->medium != medium ||

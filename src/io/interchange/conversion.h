@@ -1,4 +1,4 @@
-/* A scene of another renderer on its way to a scene file: readers of formats fill a ty_conversion, which writes the
+/* A scene of another renderer that becomes a scene file: readers of formats fill a ty_conversion, which writes the
  * scene file and the meshes, volumes and images beside it, and keeps notes about what is left out or approximated. */
 #ifndef TY_IO_INTERCHANGE_CONVERSION_H
 #define TY_IO_INTERCHANGE_CONVERSION_H
@@ -19,9 +19,9 @@ typedef struct ty_conversion_material {
 /* A medium, which surfaces or its grid bound. */
 typedef struct ty_conversion_medium {
     char* name;
-    json_t* entries; /* media of a scene file, without bounds and transform, whose coefficients add */
-    bool grid;       /* its volume has a place of its own */
-    bool clipped;    /* the box cuts the volume */
+    json_t* entries;      /* media of a scene file, without bounds and transform, whose coefficients add */
+    bool grid;            /* its volume has a place of its own */
+    bool clipped;         /* the box cuts the volume */
     double box[2][3];     /* what the grid fills, in its own space */
     ty_affine transform;  /* of the grid's space into the scene */
     bool inside, outside; /* where surfaces have it */
@@ -94,8 +94,8 @@ ty_result ty_conversion_add_material(ty_conversion* conversion, ty_conversion_ma
 ty_result ty_conversion_add_medium(ty_conversion* conversion, ty_conversion_medium* medium, int32_t* index);
 ty_result ty_conversion_add_light(ty_conversion* conversion, json_t* light);
 /* The part with these surfaces, made if there is none. */
-ty_result ty_conversion_find_part(ty_conversion* conversion, int32_t material, int32_t medium,
-                                  const double emission[3], int32_t* index);
+ty_result ty_conversion_find_part(ty_conversion* conversion, int32_t material, int32_t medium, const double emission[3],
+                                  int32_t* index);
 /* Adds a mesh without instances. */
 ty_result ty_conversion_add_mesh(ty_conversion* conversion, int32_t part, ty_model_mesh* mesh, size_t* index);
 ty_result ty_conversion_add_instance(ty_conversion* conversion, size_t mesh, const ty_affine* transform);
@@ -137,7 +137,6 @@ ty_result ty_conversion_write_part(ty_conversion* conversion, int32_t part, char
 json_t* ty_conversion_part_quad(const ty_conversion* conversion, int32_t part);
 
 /* ---- conversion_media.c ---- */
-
 
 /* Adds the media of the scene file. files: the name of the file of each part, or NULL. */
 ty_result ty_conversion_place_media(ty_conversion* conversion, char* const* files, json_t* media);

@@ -173,8 +173,7 @@ ty_result ty_conversion_write_png(ty_conversion* conversion, ty_image* image, bo
             float* plane = ty_image_plane(image, c);
             for (size_t i = 0; i < count; ++i) plane[i] = from_srgb(fminf(fmaxf(plane[i], 0), 1));
         }
-    if (result == TY_OK && path != NULL)
-        result = ty_image_write_png(conversion->context, image, 0, TY_TONE_CLIP, path);
+    if (result == TY_OK && path != NULL) result = ty_image_write_png(conversion->context, image, 0, TY_TONE_CLIP, path);
     return close_file(conversion, result, path, reference);
 }
 

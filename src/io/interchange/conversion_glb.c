@@ -29,9 +29,9 @@ static json_int_t add_accessor(glb* file, size_t count, int width, bool indices,
     const size_t bytes = count * (size_t)width * 4;
     json_t* view = json_pack("{s:i, s:I, s:I, s:i}", "buffer", 0, "byteOffset", (json_int_t)file->length, "byteLength",
                              (json_int_t)bytes, "target", indices ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
-    json_t* accessor = json_pack("{s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)json_array_size(file->views),
-                                 "componentType", indices ? UNSIGNED_INT : FLOAT, "count", (json_int_t)count, "type",
-                                 types[width]);
+    json_t* accessor =
+        json_pack("{s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)json_array_size(file->views), "componentType",
+                  indices ? UNSIGNED_INT : FLOAT, "count", (json_int_t)count, "type", types[width]);
     for (int side = 0; side < 2 && bounds != NULL; ++side) {
         const double corner[3] = {bounds[side][0], bounds[side][1], bounds[side][2]};
         if (json_object_set_new(accessor, side == 0 ? "min" : "max", ty_conversion_vector(corner, 3)) != 0)
@@ -91,8 +91,8 @@ static void add_node(glb* file, json_int_t mesh, const ty_affine* map) {
     append(file, file->nodes, node);
 }
 
-/* Fills in the JSON. numbers has, for each mesh, its index in the file plus one, and behind these the meshes of the file
- * in order. */
+/* Fills in the JSON. numbers has, for each mesh, its index in the file plus one, and behind these the meshes of the
+ * file in order. */
 static void describe(ty_conversion* conversion, int32_t part, size_t* numbers, glb* file) {
     size_t* order = numbers + conversion->mesh_count;
     for (size_t i = 0; i < conversion->instance_count; ++i) {

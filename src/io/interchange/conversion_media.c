@@ -75,7 +75,8 @@ bool ty_conversion_box(const ty_conversion* conversion, double box[2][3]) {
 
 /* ---- containment ---- */
 
-/* Tells whether a point is on the inner side of a mesh's every triangle, with a tolerance of a millionth of its size. */
+/* Tells whether a point is on the inner side of a mesh's every triangle, with a tolerance of a millionth of its size.
+ */
 static bool behind_mesh(const ty_model_mesh* mesh, const ty_affine* map, const double point[3]) {
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
         double p[3][3], normal[3], size = 0, depth = 0, length = 0;
@@ -231,8 +232,8 @@ static ty_result add_bounded(ty_conversion* conversion, int32_t number, char* co
         if (conversion->parts[p].medium != number || files[p] == NULL) continue;
         json_t* bounds = json_pack("{s:s}", "file", files[p]);
         if (medium->clipped)
-            ty_conversion_note_down(conversion, "medium \"%s\": a surface cuts its grid, whose faces fade beyond its box",
-                                    medium->name);
+            ty_conversion_note_down(
+                conversion, "medium \"%s\": a surface cuts its grid, whose faces fade beyond its box", medium->name);
         if (medium->grid) result = move_bounds(conversion, medium, bounds);
         if (result == TY_OK)
             result = add_entries(conversion, medium, media, bounds);
@@ -277,8 +278,8 @@ ty_result ty_conversion_place_media(ty_conversion* conversion, char* const* file
         else
             result = add_around(conversion, medium, media);
         if (result == TY_OK && medium->inside && !medium->grid && medium->camera)
-            ty_conversion_note_down(conversion, "medium \"%s\": the camera is in it, and it fills only what surfaces bound",
-                                    medium->name);
+            ty_conversion_note_down(
+                conversion, "medium \"%s\": the camera is in it, and it fills only what surfaces bound", medium->name);
     }
     return result;
 }

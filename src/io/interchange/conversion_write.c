@@ -91,8 +91,8 @@ static json_t* make_comment(const ty_conversion* conversion) {
 static void print(ty_text* text, const json_t* value, int depth) {
     static const char blanks[] = "                                ";
     const int indent = 2 * depth < (int)sizeof blanks - 1 ? 2 * depth : (int)sizeof blanks - 1;
-    const bool array = json_is_array(value), broken = array && (json_is_object(json_array_get(value, 0)) ||
-                                                                json_is_string(json_array_get(value, 0)));
+    const bool array = json_is_array(value),
+               broken = array && (json_is_object(json_array_get(value, 0)) || json_is_string(json_array_get(value, 0)));
     if (!json_is_object(value) && !broken) {
         ty_text_add_compact(text, value);
         return;

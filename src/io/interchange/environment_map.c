@@ -74,8 +74,8 @@ static double measure_illuminance(const float* const planes[3], int32_t side) {
             const double u = fabs(2 * (x + 0.5) / side - 1), v = fabs(2 * (y + 0.5) / side - 1), r = u + v;
             if (r >= 1) continue;
             const size_t at = (size_t)y * (size_t)side + (size_t)x;
-            sum += (1 - r * r) * (0.2126 * (double)planes[0][at] + 0.7152 * (double)planes[1][at] +
-                                  0.0722 * (double)planes[2][at]);
+            sum += (1 - r * r) *
+                   (0.2126 * (double)planes[0][at] + 0.7152 * (double)planes[1][at] + 0.0722 * (double)planes[2][at]);
         }
     return sum * 2 * TY_PI_F64 / ((double)side * side);
 }
@@ -85,7 +85,8 @@ ty_result ty_convert_map(ty_context* context, const ty_image* image, ty_map_kind
     enum { WIDTH_MIN = 16, WIDTH_MAX = 8192 };
     map_task task = {.kind = kind, .size = {ty_image_width(image), ty_image_height(image)}};
     if (!ty_image_rgb_planes(image, task.from) || (kind == TY_MAP_OCTAHEDRAL && task.size[0] != task.size[1]))
-        return ty_fail(context, TY_ERROR_INPUT, "the map of a light at infinity is not a colour image of the right shape");
+        return ty_fail(context, TY_ERROR_INPUT,
+                       "the map of a light at infinity is not a colour image of the right shape");
     if (!ty_affine_invert(light, &task.light_from_world))
         return ty_fail(context, TY_ERROR_INPUT, "the transform of a light at infinity cannot be inverted");
     const int32_t wanted = kind == TY_MAP_OCTAHEDRAL ? 2 * task.size[0] : task.size[0] + task.size[0] % 2;

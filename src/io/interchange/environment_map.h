@@ -6,7 +6,7 @@
 #include <tyndall/scene.h>
 
 typedef enum ty_map_kind {
-    TY_MAP_OCTAHEDRAL, /* pbrt's: a square in equal-area octahedral mapping (Clarberg 2008), +z in its middle */
+    TY_MAP_OCTAHEDRAL, /* pbrt's: a square in equal-area octahedral mapping (Clarberg 2008), +z at its center */
     TY_MAP_ANGLES      /* Mitsuba's: equirectangular, y up, the left edge along -z, +x at a quarter */
 } ty_map_kind;
 

@@ -86,8 +86,7 @@ static void fill_face(ty_model_mesh* mesh, size_t face, const double center[3], 
 }
 
 static ty_result alloc_faces(ty_context* context, size_t faces, ty_model_mesh* out) {
-    *out =
-        (ty_model_mesh){.vertex_count = 4 * faces, .triangle_count = 2 * faces, .material = -1, .primitive = -1};
+    *out = (ty_model_mesh){.vertex_count = 4 * faces, .triangle_count = 2 * faces, .material = -1, .primitive = -1};
     return ty_model_alloc_mesh(context, out, true, true, false, false);
 }
 
@@ -121,8 +120,7 @@ double ty_affine_determinant(const ty_affine* map) {
 
 void ty_affine_direction(const ty_affine* map, const double direction[3], double out[3]) {
     const double in[3] = {direction[0], direction[1], direction[2]};
-    for (int r = 0; r < 3; ++r)
-        out[r] = map->m[4 * r] * in[0] + map->m[4 * r + 1] * in[1] + map->m[4 * r + 2] * in[2];
+    for (int r = 0; r < 3; ++r) out[r] = map->m[4 * r] * in[0] + map->m[4 * r + 1] * in[1] + map->m[4 * r + 2] * in[2];
 }
 
 bool ty_affine_is_similarity(const ty_affine* map, double* scale) {

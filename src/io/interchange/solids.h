@@ -6,7 +6,7 @@
 #include "io/meshes/model.h"
 
 /* A surface of revolution about z: a radius and a height at each of `rows` places, from v = 0 to 1, with the outer side
- * to the right of the way along them; it turns from +x by phi_max, radians. */
+ * to the right of the direction along them; it turns from +x by phi_max, radians. */
 typedef struct ty_revolution {
     const double (*profile)[4]; /* radius, z, and their normal */
     int rows;

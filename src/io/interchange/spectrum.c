@@ -20,11 +20,11 @@ double ty_spectrum_at(ty_spectrum spectrum, double nm) {
     if (high == 0) return 0;
     if (nm <= pairs[0]) return pairs[1];
     while (high - low > 1) {
-        const size_t middle = (low + high) / 2;
-        if (pairs[2 * middle] <= nm)
-            low = middle;
+        const size_t center = (low + high) / 2;
+        if (pairs[2 * center] <= nm)
+            low = center;
         else
-            high = middle;
+            high = center;
     }
     if (high == spectrum.count || !(pairs[2 * high] > pairs[2 * low])) return pairs[2 * low + 1];
     const double t = (nm - pairs[2 * low]) / (pairs[2 * high] - pairs[2 * low]);
@@ -145,17 +145,39 @@ bool ty_named_ior(const char* name, double* ior) {
     static const struct {
         const char* name;
         double ior;
-    } glasses[] = {{"glass-BK7", 1.5168},    {"glass-BAF10", 1.67003}, {"glass-FK51A", 1.48656},
-                   {"glass-LASF9", 1.85025}, {"glass-F5", 1.6727},     {"glass-SF5", 1.6727},
-                   {"glass-F10", 1.72825},   {"glass-SF10", 1.72825},  {"glass-F11", 1.78472},
-                   {"glass-SF11", 1.78472},  {"vacuum", 1},            {"helium", 1.000036},
-                   {"hydrogen", 1.000132},   {"air", 1.000277},        {"carbon dioxide", 1.00045},
-                   {"water", 1.333},         {"acetone", 1.36},        {"ethanol", 1.361},
-                   {"carbon tetrachloride", 1.461}, {"glycerol", 1.4729}, {"benzene", 1.501},
-                   {"silicone oil", 1.52045},       {"bromine", 1.661},   {"water ice", 1.31},
-                   {"fused quartz", 1.458},         {"pyrex", 1.47},      {"acrylic glass", 1.49},
-                   {"polypropylene", 1.49},         {"bk7", 1.5046},      {"sodium chloride", 1.544},
-                   {"amber", 1.55},                 {"pet", 1.575},       {"diamond", 2.419}};
+    } glasses[] = {{"glass-BK7", 1.5168},
+                   {"glass-BAF10", 1.67003},
+                   {"glass-FK51A", 1.48656},
+                   {"glass-LASF9", 1.85025},
+                   {"glass-F5", 1.6727},
+                   {"glass-SF5", 1.6727},
+                   {"glass-F10", 1.72825},
+                   {"glass-SF10", 1.72825},
+                   {"glass-F11", 1.78472},
+                   {"glass-SF11", 1.78472},
+                   {"vacuum", 1},
+                   {"helium", 1.000036},
+                   {"hydrogen", 1.000132},
+                   {"air", 1.000277},
+                   {"carbon dioxide", 1.00045},
+                   {"water", 1.333},
+                   {"acetone", 1.36},
+                   {"ethanol", 1.361},
+                   {"carbon tetrachloride", 1.461},
+                   {"glycerol", 1.4729},
+                   {"benzene", 1.501},
+                   {"silicone oil", 1.52045},
+                   {"bromine", 1.661},
+                   {"water ice", 1.31},
+                   {"fused quartz", 1.458},
+                   {"pyrex", 1.47},
+                   {"acrylic glass", 1.49},
+                   {"polypropylene", 1.49},
+                   {"bk7", 1.5046},
+                   {"sodium chloride", 1.544},
+                   {"amber", 1.55},
+                   {"pet", 1.575},
+                   {"diamond", 2.419}};
     for (size_t i = 0; i < sizeof glasses / sizeof glasses[0]; ++i) {
         if (strcmp(name, glasses[i].name) != 0) continue;
         *ior = glasses[i].ior;
@@ -193,14 +215,13 @@ bool ty_named_illuminant(const char* name, double rgb[3]) {
     static const struct {
         const char* name;
         double x, y;
-    } lights[] = {{"stdillum-A", 0.44757, 0.40745},      {"stdillum-D50", 0.34567, 0.35850},
-                  {"stdillum-D65", 0.31272, 0.32903},    {"illum-acesD60", 0.32168, 0.33767},
-                  {"stdillum-F1", 0.31310, 0.33727},     {"stdillum-F2", 0.37208, 0.37529},
-                  {"stdillum-F3", 0.40910, 0.39430},     {"stdillum-F4", 0.44018, 0.40329},
-                  {"stdillum-F5", 0.31379, 0.34531},     {"stdillum-F6", 0.37790, 0.38835},
-                  {"stdillum-F7", 0.31292, 0.32933},     {"stdillum-F8", 0.34588, 0.35875},
-                  {"stdillum-F9", 0.37417, 0.37281},     {"stdillum-F10", 0.34609, 0.35986},
-                  {"stdillum-F11", 0.38052, 0.37713},    {"stdillum-F12", 0.43695, 0.40441}};
+    } lights[] = {
+        {"stdillum-A", 0.44757, 0.40745},    {"stdillum-D50", 0.34567, 0.35850}, {"stdillum-D65", 0.31272, 0.32903},
+        {"illum-acesD60", 0.32168, 0.33767}, {"stdillum-F1", 0.31310, 0.33727},  {"stdillum-F2", 0.37208, 0.37529},
+        {"stdillum-F3", 0.40910, 0.39430},   {"stdillum-F4", 0.44018, 0.40329},  {"stdillum-F5", 0.31379, 0.34531},
+        {"stdillum-F6", 0.37790, 0.38835},   {"stdillum-F7", 0.31292, 0.32933},  {"stdillum-F8", 0.34588, 0.35875},
+        {"stdillum-F9", 0.37417, 0.37281},   {"stdillum-F10", 0.34609, 0.35986}, {"stdillum-F11", 0.38052, 0.37713},
+        {"stdillum-F12", 0.43695, 0.40441}};
     for (size_t i = 0; i < sizeof lights / sizeof lights[0]; ++i) {
         if (strcmp(name, lights[i].name) != 0) continue;
         const double x = lights[i].x, y = lights[i].y, xyz[3] = {x / y, 1, (1 - x - y) / y};

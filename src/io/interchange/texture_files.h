@@ -4,7 +4,7 @@
 
 #include "io/interchange/conversion.h"
 
-/* How an image's samples become those of the scene file. */
+/* The rule by which an image's samples become those of the scene file. */
 typedef struct ty_texture_reading {
     bool linear;     /* the samples of 8-bit files are not in sRGB */
     bool inverted;   /* 1 - sample */

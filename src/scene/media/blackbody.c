@@ -14,7 +14,8 @@ static double planck(double wavelength, double kelvin) {
 static void blackbody_xyz(double kelvin, double xyz[3]) {
     xyz[0] = xyz[1] = xyz[2] = 0;
     for (int i = 0; i < TY_OBSERVER_COUNT; ++i) {
-        const double radiance = planck((TY_OBSERVER_FIRST + TY_OBSERVER_STEP * i) * 1e-9, kelvin) * TY_OBSERVER_STEP * 1e-9;
+        const double radiance =
+            planck((TY_OBSERVER_FIRST + TY_OBSERVER_STEP * i) * 1e-9, kelvin) * TY_OBSERVER_STEP * 1e-9;
         for (int c = 0; c < 3; ++c) xyz[c] += radiance * ty_observer[i][c];
     }
 }

@@ -150,8 +150,7 @@ static ty_result make_dielectric(maker* m) {
     double ior;
     ty_result result = read_relative_ior(m, 1.5046, &ior);
     if (result != TY_OK) return result;
-    if (ior < 1)
-        ty_conversion_note_down(m->scene->conversion, "an index of refraction below 1 became its reciprocal");
+    if (ior < 1) ty_conversion_note_down(m->scene->conversion, "an index of refraction below 1 became its reciprocal");
     if (ty_mitsuba_child(m->scene, m->node, "specular_reflectance") >= 0)
         ty_conversion_note_down(m->scene->conversion, "specular_reflectance of a dielectric is left out");
     result = set_colour(m, "specular_transmittance", "base_color", 1, 1);
@@ -209,9 +208,8 @@ static ty_result make_principled(maker* m) {
     const struct {
         const char* name;
         double* value;
-    } numbers[] = {{"roughness", &roughness}, {"metallic", &metallic},    {"spec_trans", &through},
-                   {"clearcoat", &coat},      {"clearcoat_gloss", &gloss}, {"sheen", &sheen},
-                   {"specular", &specular},   {"eta", &ior}};
+    } numbers[] = {{"roughness", &roughness},   {"metallic", &metallic}, {"spec_trans", &through}, {"clearcoat", &coat},
+                   {"clearcoat_gloss", &gloss}, {"sheen", &sheen},       {"specular", &specular},  {"eta", &ior}};
     ty_result result = set_colour(m, "base_color", "base_color", 0.5, 1);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0] && result == TY_OK; ++i)
         result = read_number(m, numbers[i].name, numbers[i].value);

@@ -61,9 +61,9 @@ static ty_result read_directional(ty_mitsuba* scene, int32_t node) {
     if (result == TY_OK) result = ty_mitsuba_vector(scene, node, "direction", local);
     if (result != TY_OK) return result;
     ty_affine_direction(&map, local, direction);
-    return ty_conversion_add_light(scene->conversion, json_pack("{s:s, s:o, s:o}", "type", "directional", "direction",
-                                                                ty_conversion_vector(direction, 3), "irradiance",
-                                                                light_colour(rgb)));
+    return ty_conversion_add_light(scene->conversion,
+                                   json_pack("{s:s, s:o, s:o}", "type", "directional", "direction",
+                                             ty_conversion_vector(direction, 3), "irradiance", light_colour(rgb)));
 }
 
 static ty_result read_constant(ty_mitsuba* scene, int32_t node) {
@@ -84,15 +84,15 @@ static bool is_turn(const ty_affine* map, double* degrees) {
     return true;
 }
 
-/* A map that is turned otherwise is written anew. */
+/* A map that is rotated otherwise is written anew. */
 static ty_result write_map(ty_mitsuba* scene, const char* path, const ty_affine* map, char** reference) {
-    ty_image *image = NULL, *turned = NULL;
+    ty_image *image = NULL, *rotated = NULL;
     ty_result result = ty_image_read(scene->context, path, &image);
-    if (result == TY_OK) result = ty_convert_map(scene->context, image, TY_MAP_ANGLES, map, NULL, &turned);
+    if (result == TY_OK) result = ty_convert_map(scene->context, image, TY_MAP_ANGLES, map, NULL, &rotated);
     ty_image_destroy(image);
     if (result != TY_OK) return result;
-    result = ty_conversion_write_exr(scene->conversion, turned, reference);
-    ty_image_destroy(turned);
+    result = ty_conversion_write_exr(scene->conversion, rotated, reference);
+    ty_image_destroy(rotated);
     return result;
 }
 
@@ -120,9 +120,9 @@ static ty_result read_map(ty_mitsuba* scene, int32_t node) {
     ty_free_text(scene->context, path);
     if (result != TY_OK || reference == NULL) return result;
     /* The left edge is along -z there, and along -x here, with the same turn of the columns. */
-    json_t* light = json_pack("{s:s, s:s, s:o, s:o}", "type", "environment", "file", reference, "scale",
-                              ty_json_number(fmin(fmax(scale, 0), 1e6)), "rotation",
-                              ty_json_number(turn ? degrees - 90 : 0));
+    json_t* light =
+        json_pack("{s:s, s:s, s:o, s:o}", "type", "environment", "file", reference, "scale",
+                  ty_json_number(fmin(fmax(scale, 0), 1e6)), "rotation", ty_json_number(turn ? degrees - 90 : 0));
     ty_free_text(scene->context, reference);
     return ty_conversion_add_light(scene->conversion, light);
 }
@@ -130,8 +130,11 @@ static ty_result read_map(ty_mitsuba* scene, int32_t node) {
 static const struct {
     const char* type;
     ty_result (*read)(ty_mitsuba* scene, int32_t node);
-} readers[] = {{"point", read_point},       {"spot", read_spot},   {"directional", read_directional},
-               {"constant", read_constant}, {"envmap", read_map}};
+} readers[] = {{"point", read_point},
+               {"spot", read_spot},
+               {"directional", read_directional},
+               {"constant", read_constant},
+               {"envmap", read_map}};
 
 ty_result ty_mitsuba_emitter(ty_mitsuba* scene, int32_t node) {
     for (size_t i = 0; i < sizeof readers / sizeof readers[0]; ++i)

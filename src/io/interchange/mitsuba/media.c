@@ -35,7 +35,7 @@ static ty_result set_phase(maker* m, json_t* entry) {
         ty_conversion_note_down(m->scene->conversion, "the phase function \"%.60s\" became isotropic", type);
     }
     return json_object_set_new(entry, "g", ty_json_number(fmin(fmax(g, -0.9999), 0.9999))) == 0 ? TY_OK
-                                                                                              : no_memory(m->scene);
+                                                                                                : no_memory(m->scene);
 }
 
 /* Adds an entry, which is taken over. */
@@ -184,8 +184,8 @@ static ty_result set_volume(maker* m, json_t* entry, const char* key, const volu
     }
     const float* const values[3] = {planes[0], planes[1], planes[2]};
     if (result == TY_OK)
-        result = ty_conversion_write_volume(m->scene->conversion, key, size, values, count,
-                                            (const double(*)[3])box, &reference);
+        result = ty_conversion_write_volume(m->scene->conversion, key, size, values, count, (const double(*)[3])box,
+                                            &reference);
     for (int c = 0; c < count; ++c) ty_free_array(context, planes[c], voxels[c], sizeof(float));
     if (result != TY_OK) return result;
     json_t* value = json_pack("{s:s, s:s}", "file", reference != NULL ? reference : "", "grid", key);
@@ -222,8 +222,7 @@ static ty_result add_heterogeneous(maker* m, const volume* density, const volume
 }
 
 static bool is_grid(const ty_mitsuba* scene, int32_t node) {
-    return node >= 0 && ty_mitsuba_is(scene, node, "volume") &&
-           strcmp(ty_mitsuba_type(scene, node), "gridvolume") == 0;
+    return node >= 0 && ty_mitsuba_is(scene, node, "volume") && strcmp(ty_mitsuba_type(scene, node), "gridvolume") == 0;
 }
 
 static ty_result read_heterogeneous(maker* m) {

@@ -1,5 +1,5 @@
-/* Internal interface of the files that read Mitsuba's scenes: XML of versions 0.5 to 3. Facts about the format are those
- * of Mitsuba's documentation of its plugins. */
+/* Internal interface of the files that read Mitsuba's scenes: XML of versions 0.5 to 3. Facts about the format are
+ * those of Mitsuba's documentation of its plugins. */
 #ifndef TY_IO_INTERCHANGE_MITSUBA_H
 #define TY_IO_INTERCHANGE_MITSUBA_H
 
@@ -29,9 +29,9 @@ typedef struct ty_mitsuba {
     ty_mitsuba_node* nodes; /* the first is the scene */
     char** files;           /* their names */
     ty_mitsuba_default* defaults;
-    char** folders;   /* where files are looked for, besides that of the scene */
-    int32_t* bsdfs;   /* nodes of materials that were made, and their indices */
-    int32_t* media;   /* likewise */
+    char** folders; /* where files are looked for, besides that of the scene */
+    int32_t* bsdfs; /* nodes of materials that were made, and their indices */
+    int32_t* media; /* likewise */
     size_t node_count, file_count, default_count, folder_count, bsdf_count, medium_count;
     size_t node_capacity, file_capacity, default_capacity, folder_capacity, bsdf_capacity, medium_capacity;
     int32_t depth; /* of references between objects */

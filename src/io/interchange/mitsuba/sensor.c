@@ -15,8 +15,7 @@ static ty_result no_memory(const ty_mitsuba* scene) {
 }
 
 static json_t* render_of(ty_mitsuba* scene) {
-    if (scene->conversion->render == NULL)
-        scene->conversion->render = json_pack("{s:s}", "method", "path");
+    if (scene->conversion->render == NULL) scene->conversion->render = json_pack("{s:s}", "method", "path");
     return scene->conversion->render;
 }
 
@@ -49,7 +48,8 @@ static double vertical_tangent(const char* axis, double degrees, double aspect) 
 }
 
 static ty_result read_angle(ty_mitsuba* scene, int32_t node, double aspect, double* fov_y) {
-    const char *axis = ty_mitsuba_string(scene, node, "fov_axis"), *focal = ty_mitsuba_string(scene, node, "focal_length");
+    const char *axis = ty_mitsuba_string(scene, node, "fov_axis"),
+               *focal = ty_mitsuba_string(scene, node, "focal_length");
     double fov = -1;
     const ty_result result = ty_mitsuba_float(scene, node, "fov", &fov);
     if (result != TY_OK) return result;
@@ -75,7 +75,7 @@ static ty_result read_sampler(ty_mitsuba* scene, int32_t node) {
     return json_object_set_new(render_of(scene), "spp", json_integer(spp)) == 0 ? TY_OK : no_memory(scene);
 }
 
-/* What is not of a pinhole camera. */
+/* Notes about all that a pinhole camera lacks. */
 static void note_rest(ty_mitsuba* scene, int32_t node) {
     const char* type = ty_mitsuba_type(scene, node);
     if (strcmp(type, "thinlens") == 0)
@@ -121,7 +121,8 @@ ty_result ty_mitsuba_sensor(ty_mitsuba* scene, int32_t node) {
     if (orthographic) { /* the film spans -1 to 1 in x */
         back = 1000 * sqrt(height) / aspect;
         fov_y = 2 * atan(1e-3) * 180 / TY_PI_F64;
-        ty_conversion_note_down(scene->conversion, "sensor \"orthographic\": a distant one with a narrow view was taken");
+        ty_conversion_note_down(scene->conversion,
+                                "sensor \"orthographic\": a distant one with a narrow view was taken");
     }
     for (int a = 0; a < 3; ++a) {
         forward[a] /= sqrt(length);
@@ -148,7 +149,7 @@ ty_result ty_mitsuba_integrator(ty_mitsuba* scene, int32_t node) {
     if (result != TY_OK) return result;
     if (depth >= 0 && depth < 2)
         ty_conversion_note_down(scene->conversion, "integrator: a max_depth of %g became one scattering", depth);
-    const json_int_t most = depth < 0 ? 0 : depth < 2 ? 1 : (json_int_t)fmin(depth - 1, 1e9);
-    json_t* path = json_pack("{s:I}", "max_depth", most);
+    const json_int_t limit = depth < 0 ? 0 : depth < 2 ? 1 : (json_int_t)fmin(depth - 1, 1e9);
+    json_t* path = json_pack("{s:I}", "max_depth", limit);
     return json_object_set_new(render_of(scene), "path", path) == 0 ? TY_OK : no_memory(scene);
 }

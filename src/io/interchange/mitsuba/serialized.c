@@ -85,10 +85,9 @@ static ty_result read_shape(stream* s, int version, ty_model_mesh* out) {
     const size_t left = (size_t)(s->end - s->at);
     const bool doubles = (flags & DOUBLES) != 0;
     if (vertices > left / 12 || triangles > left / 12) return damaged(s);
-    *out = (ty_model_mesh){.vertex_count = (size_t)vertices, .triangle_count = (size_t)triangles, .material = -1,
-                           .primitive = -1};
-    ty_result result =
-        ty_model_alloc_mesh(s->context, out, (flags & NORMALS) != 0, (flags & UV) != 0, false, false);
+    *out = (ty_model_mesh){
+        .vertex_count = (size_t)vertices, .triangle_count = (size_t)triangles, .material = -1, .primitive = -1};
+    ty_result result = ty_model_alloc_mesh(s->context, out, (flags & NORMALS) != 0, (flags & UV) != 0, false, false);
     if (result != TY_OK) return result;
     result = read_numbers(s, doubles, 3 * (size_t)vertices, out->positions);
     if (result == TY_OK && out->normals != NULL) result = read_numbers(s, doubles, 3 * (size_t)vertices, out->normals);
@@ -132,8 +131,7 @@ ty_result ty_read_serialized(ty_context* context, const char* path, const uint8_
     if (version != 3 && version != 4)
         return ty_fail(context, TY_ERROR_INPUT, "%s: serialized meshes of version %d are not known", path, version);
     ty_result result = find_shape(&file, size, index, version, &offset);
-    if (result == TY_OK)
-        result = inflate_shape(&file, bytes + offset + HEAD, size - offset - HEAD, &inflated, &length);
+    if (result == TY_OK) result = inflate_shape(&file, bytes + offset + HEAD, size - offset - HEAD, &inflated, &length);
     if (result != TY_OK) return result;
     stream shape = {context, path, inflated, inflated + length};
     result = read_shape(&shape, version, out);

@@ -1,3 +1,4 @@
+/* Meshes in Mitsuba's .serialized files. */
 #ifndef TY_IO_INTERCHANGE_SERIALIZED_H
 #define TY_IO_INTERCHANGE_SERIALIZED_H
 

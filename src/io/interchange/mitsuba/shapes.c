@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What a shape has around its geometry. */
+/* A shape with its material, media and place. */
 typedef struct holder {
     ty_mitsuba* scene;
     int32_t node;
@@ -41,7 +41,8 @@ static ty_result read_holder(holder* h) {
     } else if (result == TY_OK && (inside >= 0 || outside >= 0)) {
         h->material = -1; /* a shape with media and without a bsdf is their boundary */
     } else if (result == TY_OK) {
-        ty_conversion_material grey = {.keys = json_pack("{s:f}", "base_color", emitter >= 0 ? 0.0 : 0.5), .medium = -1};
+        ty_conversion_material grey = {.keys = json_pack("{s:f}", "base_color", emitter >= 0 ? 0.0 : 0.5),
+                                       .medium = -1};
         result = ty_conversion_add_material(conversion, &grey, &h->material);
     }
     if (result == TY_OK && emitter >= 0) {
@@ -122,8 +123,7 @@ static ty_result smooth(ty_context* context, ty_model_mesh* mesh) {
         }
         for (int k = 0; k < 3 && length > 0; ++k) {
             const double weight = angle_at(p[k], p[(k + 1) % 3], p[(k + 2) % 3]) / sqrt(length);
-            for (int a = 0; a < 3; ++a)
-                mesh->normals[3 * (size_t)corner[k] + (size_t)a] += (float)(weight * normal[a]);
+            for (int a = 0; a < 3; ++a) mesh->normals[3 * (size_t)corner[k] + (size_t)a] += (float)(weight * normal[a]);
         }
     }
     ty_model_tidy_shading(mesh);
@@ -195,7 +195,8 @@ static ty_result read_sphere(holder* h) {
     ty_result result = ty_mitsuba_vector(h->scene, h->node, "center", center);
     if (result == TY_OK) result = ty_mitsuba_float(h->scene, h->node, "radius", &radius);
     if (result != TY_OK) return result;
-    if (!(radius > 0)) return ty_mitsuba_fail(h->scene, h->node, "the radius of the sphere, %g, is not above 0", radius);
+    if (!(radius > 0))
+        return ty_mitsuba_fail(h->scene, h->node, "the radius of the sphere, %g, is not above 0", radius);
     const bool textured = h->material >= 0 && h->scene->conversion->materials[h->material].textured;
     if (!textured && !h->flipped && ty_affine_is_similarity(&h->to_world, &scale)) {
         ty_affine_point(&h->to_world, center, place);
@@ -220,12 +221,12 @@ static ty_result read_cylinder(holder* h) {
     }
     if (!(length > 0)) return ty_mitsuba_fail(h->scene, h->node, "the cylinder has no length");
     /* x along the axis' smallest coordinate, made perpendicular */
-    int least = 0;
+    int smallest = 0;
     for (int a = 1; a < 3; ++a)
-        if (fabs(axis[a]) < fabs(axis[least])) least = a;
+        if (fabs(axis[a]) < fabs(axis[smallest])) smallest = a;
     ty_affine place = ty_affine_identity();
     double x[3], y[3], size = 0;
-    for (int a = 0; a < 3; ++a) x[a] = (a == least) - axis[a] * axis[least] / length;
+    for (int a = 0; a < 3; ++a) x[a] = (a == smallest) - axis[a] * axis[smallest] / length;
     for (int a = 0; a < 3; ++a) size += x[a] * x[a];
     for (int a = 0; a < 3; ++a) x[a] /= sqrt(size);
     for (int a = 0; a < 3; ++a)
@@ -286,8 +287,8 @@ static ty_result read_instance(ty_mitsuba* scene, int32_t node, const ty_affine*
 static const struct {
     const char* type;
     ty_result (*read)(holder* h);
-} readers[] = {{"obj", read_file},    {"ply", read_file},         {"serialized", read_file}, {"sphere", read_sphere}, {"rectangle", read_square},
-               {"cube", read_cube},   {"cylinder", read_cylinder}, {"disk", read_disk}};
+} readers[] = {{"obj", read_file},         {"ply", read_file},  {"serialized", read_file},   {"sphere", read_sphere},
+               {"rectangle", read_square}, {"cube", read_cube}, {"cylinder", read_cylinder}, {"disk", read_disk}};
 
 ty_result ty_mitsuba_shape(ty_mitsuba* scene, int32_t node, const ty_affine* around) {
     holder h = {.scene = scene, .node = node, .material = -1, .part = -1};

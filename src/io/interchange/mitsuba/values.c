@@ -12,15 +12,15 @@
 
 /* ---- numbers ---- */
 
-/* Reads up to `most` numbers between commas and blanks; the number of them, or -1 if something else is there. */
-static int parse_numbers(const char* text, int most, double* out) {
+/* Reads up to `limit` numbers between commas and blanks; the number of them, or -1 if something else is there. */
+static int parse_numbers(const char* text, int limit, double* out) {
     int count = 0;
     for (;;) {
         const char* end;
         text += strspn(text, " \t\r\n,");
         if (*text == '\0') return count;
         const double value = ty_parse_number(text, &end);
-        if (end == text || !isfinite(value) || count == most) return -1;
+        if (end == text || !isfinite(value) || count == limit) return -1;
         out[count++] = value;
         text = end;
     }
@@ -224,8 +224,7 @@ static ty_result read_spectrum(const ty_mitsuba* scene, int32_t node, const char
     return TY_OK;
 }
 
-ty_result ty_mitsuba_colour(ty_mitsuba* scene, int32_t node, const char* name, bool light, double rgb[3],
-                            bool* found) {
+ty_result ty_mitsuba_colour(ty_mitsuba* scene, int32_t node, const char* name, bool light, double rgb[3], bool* found) {
     const int32_t child = ty_mitsuba_child(scene, node, name);
     const char* value = child < 0 ? NULL : ty_mitsuba_attribute(scene, child, "value");
     *found = value != NULL;

@@ -12,7 +12,8 @@ ty_result ty_pbrt_environment(ty_pbrt* reader, const char* location, const char*
     if (result != TY_OK || path == NULL) return result;
     result = ty_image_read(reader->context, path, &image);
     ty_free_text(reader->context, path);
-    if (result == TY_OK) result = ty_convert_map(reader->context, image, TY_MAP_OCTAHEDRAL, light, upper_illuminance, &map);
+    if (result == TY_OK)
+        result = ty_convert_map(reader->context, image, TY_MAP_OCTAHEDRAL, light, upper_illuminance, &map);
     ty_image_destroy(image);
     if (result != TY_OK) return result;
     result = ty_conversion_write_exr(reader->conversion, map, reference);

@@ -47,13 +47,15 @@ ty_result ty_pbrt_camera(ty_pbrt* reader, const ty_pbrt_parameters* parameters) 
     reader->has_camera = true;
     read_screen(reader, parameters);
     reader->fov = ty_pbrt_float(parameters, "fov", 90);
-    const double open = ty_pbrt_float(parameters, "shutteropen", 0), close = ty_pbrt_float(parameters, "shutterclose", 1);
+    const double open = ty_pbrt_float(parameters, "shutteropen", 0),
+                 close = ty_pbrt_float(parameters, "shutterclose", 1);
     reader->exposure_time = close > open ? close - open : 1;
     double back = 0;
     if (strcmp(parameters->type, "orthographic") == 0) {
         reader->fov = 2 * atan(1e-3) * 180 / TY_PI_F64;
         back = 1000 * height;
-        ty_conversion_note_down(reader->conversion, "Camera \"orthographic\": a distant one with a narrow view was taken");
+        ty_conversion_note_down(reader->conversion,
+                                "Camera \"orthographic\": a distant one with a narrow view was taken");
     } else if (strcmp(parameters->type, "perspective") != 0) {
         ty_conversion_note_down(reader->conversion, "Camera \"%s\": a pinhole camera of %g degrees was taken",
                                 parameters->type, reader->fov);
@@ -78,8 +80,8 @@ ty_result ty_pbrt_camera(ty_pbrt* reader, const ty_pbrt_parameters* parameters) 
 
 ty_result ty_pbrt_film(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
     char sensor[TY_PBRT_NAME_SIZE];
-    static const char* const ignored[] = {"filename",    "savefp16",  "maxcomponentvalue", "diagonal",
-                                          "coordinatesystem", "nbuckets", "lambdamin",      "lambdamax"};
+    static const char* const ignored[] = {"filename",         "savefp16", "maxcomponentvalue", "diagonal",
+                                          "coordinatesystem", "nbuckets", "lambdamin",         "lambdamax"};
     for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; ++i) ty_pbrt_find(parameters, ignored[i]);
     reader->has_film = true;
     reader->resolution[0] = ty_pbrt_int(parameters, "xresolution", 1280);
@@ -89,9 +91,7 @@ ty_result ty_pbrt_film(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
             return ty_pbrt_refuse(parameters, "a resolution of %d is outside 1..65536", (int)reader->resolution[a]);
     if (ty_pbrt_find(parameters, "cropwindow") != NULL || ty_pbrt_find(parameters, "pixelbounds") != NULL)
         ty_conversion_note_down(reader->conversion, "Film: the image is whole, without its crop window");
-    /* Imaging ratio: exposure time times ISO / 100 (section 5.4.2 of the book, with the reference of 100). */
-    const double ratio = reader->exposure_time * ty_pbrt_float(parameters, "iso", 100) / 100;
-    reader->exposure_time = ratio > 0 ? ratio : 1;
+    reader->iso = fmax(ty_pbrt_float(parameters, "iso", 100), 1e-6);
     if (ty_pbrt_string(parameters, "sensor", sensor, sizeof sensor) && strcmp(sensor, "cie1931") != 0)
         ty_conversion_note_down(reader->conversion, "Film: the colours of the sensor \"%s\" are left out", sensor);
     if (ty_pbrt_float(parameters, "whitebalance", 0) != 0)
@@ -138,13 +138,16 @@ ty_result ty_pbrt_finish_camera(ty_pbrt* reader) {
     const double height = reader->screen_height > 0 ? reader->screen_height : aspect > 1 ? 1 : 1 / aspect;
     const double half = atan(tan(reader->fov * TY_PI_F64 / 360) * height);
     if (!(half > 0 && half < TY_PI_F64 / 2))
-        return ty_fail(reader->context, TY_ERROR_INPUT, "%s: the camera's angle of view, %g degrees, is outside (0, 180)",
-                       reader->conversion->input, reader->fov);
+        return ty_fail(reader->context, TY_ERROR_INPUT,
+                       "%s: the camera's angle of view, %g degrees, is outside (0, 180)", reader->conversion->input,
+                       reader->fov);
     json_t* camera = reader->conversion->camera;
     bool done = json_object_set_new(camera, "fov_y", ty_json_number(half * 360 / TY_PI_F64)) == 0;
     done = json_object_set_new(camera, "resolution", json_pack("[i, i]", (int)size[0], (int)size[1])) == 0 && done;
-    if (reader->exposure_time != 1) {
-        const double stops = fmin(fmax(log2(reader->exposure_time), -100), 100);
+    /* Imaging ratio: exposure time times ISO / 100 (section 5.4.2 of the book, with the reference of 100). */
+    const double ratio = reader->exposure_time * reader->iso / 100;
+    if (ratio != 1) {
+        const double stops = fmin(fmax(log2(ratio), -100), 100);
         done = json_object_set_new(camera, "exposure", ty_json_number(stops)) == 0 && done;
     }
     return render_of(reader) != NULL && done ? TY_OK : no_memory(reader);

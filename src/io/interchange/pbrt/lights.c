@@ -1,5 +1,5 @@
-/* Light sources. Their spectra have the luminance 1, times scale, or such that the light has the power asked for (section
- * 12.1 of the book, and the documentation's "power" and "illuminance"). */
+/* Light sources. Their spectra have the luminance 1, times scale, or such that the light has the power asked for
+ * (section 12.1 of the book, and the documentation's "power" and "illuminance"). */
 #include "base/constants.h"
 #include "base/context.h"
 #include "io/file.h"
@@ -31,13 +31,13 @@ static json_t* light_colour(const double rgb[3]) {
 
 /* from and to in light space, moved into the scene: a position and a direction. */
 static void read_ends(ty_pbrt* reader, const ty_pbrt_parameters* parameters, double position[3], double direction[3]) {
-    double from[3] = {0, 0, 0}, to[3] = {0, 0, 1}, way[3];
+    double from[3] = {0, 0, 0}, to[3] = {0, 0, 1}, axis[3];
     ty_pbrt_point(parameters, "from", from);
     ty_pbrt_point(parameters, "to", to);
     const ty_affine map = ty_pbrt_world(reader);
-    for (int a = 0; a < 3; ++a) way[a] = to[a] - from[a];
+    for (int a = 0; a < 3; ++a) axis[a] = to[a] - from[a];
     ty_affine_point(&map, from, position);
-    ty_affine_direction(&map, way, direction);
+    ty_affine_direction(&map, axis, direction);
 }
 
 static ty_result read_point(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
@@ -64,11 +64,11 @@ static ty_result read_spot(ty_pbrt* reader, const ty_pbrt_parameters* parameters
     const double power = ty_pbrt_float(parameters, "power", -1);
     const double outer = cos(cone * TY_PI_F64 / 180), inner = cos((cone - delta) * TY_PI_F64 / 180);
     if (power > 0) multiply(rgb, power / (2 * TY_PI_F64 * ((1 - inner) + (inner - outer) / 2)));
-    return ty_conversion_add_light(
-        reader->conversion,
-        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "type", "spot", "position", ty_conversion_vector(position, 3),
-                  "direction", ty_conversion_vector(direction, 3), "intensity", light_colour(rgb), "cone",
-                  ty_json_number(2 * cone), "penumbra", ty_json_number(delta / cone)));
+    return ty_conversion_add_light(reader->conversion,
+                                   json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "type", "spot", "position",
+                                             ty_conversion_vector(position, 3), "direction",
+                                             ty_conversion_vector(direction, 3), "intensity", light_colour(rgb), "cone",
+                                             ty_json_number(2 * cone), "penumbra", ty_json_number(delta / cone)));
 }
 
 static ty_result read_distant(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
@@ -78,9 +78,9 @@ static ty_result read_distant(ty_pbrt* reader, const ty_pbrt_parameters* paramet
     read_ends(reader, parameters, position, direction);
     const double illuminance = ty_pbrt_float(parameters, "illuminance", -1);
     if (illuminance > 0) multiply(rgb, illuminance);
-    return ty_conversion_add_light(reader->conversion, json_pack("{s:s, s:o, s:o}", "type", "directional", "direction",
-                                                                 ty_conversion_vector(direction, 3), "irradiance",
-                                                                 light_colour(rgb)));
+    return ty_conversion_add_light(reader->conversion,
+                                   json_pack("{s:s, s:o, s:o}", "type", "directional", "direction",
+                                             ty_conversion_vector(direction, 3), "irradiance", light_colour(rgb)));
 }
 
 static ty_result read_map(ty_pbrt* reader, const ty_pbrt_parameters* parameters, const char* name) {
@@ -103,8 +103,9 @@ static ty_result read_map(ty_pbrt* reader, const ty_pbrt_parameters* parameters,
 static ty_result read_infinite(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
     char name[1024];
     if (ty_pbrt_find(parameters, "portal") != NULL)
-        ty_conversion_note_down(reader->conversion, "LightSource \"infinite\": its portal is left out, so it shines from "
-                                                    "all sides");
+        ty_conversion_note_down(reader->conversion,
+                                "LightSource \"infinite\": its portal is left out, so it shines from "
+                                "all sides");
     if (ty_pbrt_string(parameters, "filename", name, sizeof name)) return read_map(reader, parameters, name);
     double rgb[3];
     const ty_result result = read_colour(parameters, "L", rgb);

@@ -54,8 +54,7 @@ static ty_result use_image(maker* m, const ty_pbrt_texture* texture, double expo
     char location[512];
     ty_pbrt_location(m->reader, m->parameters->file, m->parameters->line, location, sizeof location);
     const ty_texture_reading reading = {texture->linear, texture->inverted, exponent};
-    const ty_result result =
-        ty_convert_texture(m->reader->conversion, location, texture->file, &reading, reference);
+    const ty_result result = ty_convert_texture(m->reader->conversion, location, texture->file, &reading, reference);
     if (*reference != NULL) share_mapping(m, texture->uv_map);
     return result;
 }
@@ -123,10 +122,10 @@ static ty_result set_roughness(maker* m, const char* prefix, const char* key) {
     for (int i = 1; i < 3 && result == TY_OK; ++i) result = read_number(m, names[i], values[0], &values[i]);
     if (result != TY_OK) return result;
     if (fabs(values[1] - values[2]) > 1e-6)
-        ty_conversion_note_down(m->reader->conversion, "material \"%s\": anisotropic roughness became its geometric mean",
+        ty_conversion_note_down(m->reader->conversion,
+                                "material \"%s\": anisotropic roughness became its geometric mean",
                                 m->parameters->type);
-    return set_number(m, key,
-                      sqrt(roughness_from(values[1], remapped) * roughness_from(values[2], remapped)));
+    return set_number(m, key, sqrt(roughness_from(values[1], remapped) * roughness_from(values[2], remapped)));
 }
 
 /* ---- materials ---- */
@@ -152,7 +151,8 @@ static ty_result make_coated_diffuse(maker* m) {
     if (result == TY_OK) result = read_number(m, "thickness", 0.01, &unused);
     ty_pbrt_find(m->parameters, "maxdepth");
     ty_pbrt_find(m->parameters, "nsamples");
-    ty_conversion_note_down(m->reader->conversion, "material \"coateddiffuse\" became a diffuse base below a dielectric");
+    ty_conversion_note_down(m->reader->conversion,
+                            "material \"coateddiffuse\" became a diffuse base below a dielectric");
     return result;
 }
 
@@ -229,8 +229,10 @@ static ty_result make_diffuse_transmission(maker* m) {
         result = find_texture(m, names[i], false, &texture);
         if (texture != NULL && texture->file == NULL) memcpy(colors[i], texture->color, sizeof colors[i]);
         if (texture != NULL && texture->file != NULL)
-            ty_conversion_note_down(m->reader->conversion, "material \"diffusetransmission\": the image of \"%s\" is left "
-                                                           "out", names[i]);
+            ty_conversion_note_down(m->reader->conversion,
+                                    "material \"diffusetransmission\": the image of \"%s\" is left "
+                                    "out",
+                                    names[i]);
         if (result == TY_OK && texture == NULL)
             result = ty_pbrt_spectrum(m->parameters, names[i], TY_PBRT_REFLECTANCE, colors[i], &found);
     }

@@ -51,8 +51,7 @@ static ty_result read_coefficients(maker* m) {
         }
     }
     ty_result result = ty_pbrt_spectrum(m->parameters, "sigma_a", TY_PBRT_REFLECTANCE, m->sigma_a, &found);
-    if (result == TY_OK)
-        result = ty_pbrt_spectrum(m->parameters, "sigma_s", TY_PBRT_REFLECTANCE, m->sigma_s, &found);
+    if (result == TY_OK) result = ty_pbrt_spectrum(m->parameters, "sigma_s", TY_PBRT_REFLECTANCE, m->sigma_s, &found);
     const double scale = ty_pbrt_float(m->parameters, "scale", 1);
     for (int c = 0; c < 3; ++c) {
         m->sigma_a[c] *= scale;
@@ -139,13 +138,15 @@ static ty_result set_temperature(maker* m, json_t* entry, const int32_t size[3],
     char* reference = NULL;
     double factor = 0;
     const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
-    const double offset = ty_pbrt_float(m->parameters, "temperatureoffset",
-                                        ty_pbrt_float(m->parameters, "temperaturecutoff", 0));
+    const double offset =
+        ty_pbrt_float(m->parameters, "temperatureoffset", ty_pbrt_float(m->parameters, "temperaturecutoff", 0));
     const double slope = ty_pbrt_float(m->parameters, "temperaturescale", 1);
     for (size_t i = 0; i < count; ++i) plane[i] = (float)(((double)plane[i] - offset) * slope);
     if (!ty_normalize_temperatures(plane, count, scale, &factor)) return TY_OK;
-    ty_conversion_note_down(m->reader->conversion, "medium \"%s\": temperatures were replaced by those that emit the "
-                                                   "luminance of pbrt's normalized black bodies", m->medium.name);
+    ty_conversion_note_down(m->reader->conversion,
+                            "medium \"%s\": temperatures were replaced by those that emit the "
+                            "luminance of pbrt's normalized black bodies",
+                            m->medium.name);
     const float* const planes[3] = {plane, NULL, NULL};
     const ty_result result = ty_conversion_write_volume(m->reader->conversion, "temperature", size, planes, 1,
                                                         (const double(*)[3])m->medium.box, &reference);
@@ -167,7 +168,8 @@ static double read_emission_scale(maker* m) {
         high = fmax(high, scale->numbers[i]);
     }
     if (high > low)
-        ty_conversion_note_down(m->reader->conversion, "medium \"%s\": the grid of Lescale became its mean", m->medium.name);
+        ty_conversion_note_down(m->reader->conversion, "medium \"%s\": the grid of Lescale became its mean",
+                                m->medium.name);
     return sum / (double)scale->number_count;
 }
 
@@ -247,7 +249,8 @@ static ty_result read_rgb_grid(maker* m) {
         return ty_pbrt_refuse(m->parameters, "the medium \"%s\" has different numbers of sigma_a and sigma_s",
                               m->medium.name);
     if (ty_pbrt_find(m->parameters, "Le") != NULL)
-        ty_conversion_note_down(m->reader->conversion, "medium \"%s\": its grid of emission is left out", m->medium.name);
+        ty_conversion_note_down(m->reader->conversion, "medium \"%s\": its grid of emission is left out",
+                                m->medium.name);
     ty_pbrt_find(m->parameters, "Lescale");
     const size_t count = any->number_count / 3;
     ty_result result = read_size(m, count, size);
@@ -316,9 +319,8 @@ static ty_result add_file_temperature(maker* m, const char* path, const char* na
             for (int32_t i = 0; i < info.size[0]; ++i) plane[at++] = ty_grid_voxel(grid, i, j, k);
     double box[2][3];
     memcpy(box, m->medium.box, sizeof box);
-    grid_box(grid, m->medium.box); /* VDB files of renderers are not turned */
-    result = plane == NULL ? TY_ERROR_MEMORY
-                           : set_temperature(m, entry, info.size, plane, file_scale(m));
+    grid_box(grid, m->medium.box); /* VDB files of renderers are not rotated */
+    result = plane == NULL ? TY_ERROR_MEMORY : set_temperature(m, entry, info.size, plane, file_scale(m));
     memcpy(m->medium.box, box, sizeof box);
     ty_free_array(context, plane, count, sizeof *plane);
     ty_grid_release(grid);
@@ -342,8 +344,7 @@ static ty_result add_file(maker* m, const char* path, const char* reference) {
     json_t* entry = make_entry(m, dark);
     json_t* density = json_pack("{s:s, s:s}", "file", reference, "grid", name);
     result = json_object_set_new(entry, "density", density) == 0 ? TY_OK : no_memory(m->reader);
-    if (result == TY_OK && has_grid(context, path, heat))
-        result = add_file_temperature(m, path, heat, entry);
+    if (result == TY_OK && has_grid(context, path, heat)) result = add_file_temperature(m, path, heat, entry);
     if (result == TY_OK) return add_entry(m, entry);
     json_decref(entry);
     return result;
@@ -352,9 +353,8 @@ static ty_result add_file(maker* m, const char* path, const char* reference) {
 static ty_result read_nanovdb(maker* m) {
     char name[1024], location[512];
     char *path = NULL, *reference = NULL;
-    static const char* const ignored[] = {"Lescale",           "LeScale",          "temperatureoffset",
-                                          "temperaturecutoff", "temperaturescale", "gridname",
-                                          "temperaturename"};
+    static const char* const ignored[] = {"Lescale",          "LeScale",  "temperatureoffset", "temperaturecutoff",
+                                          "temperaturescale", "gridname", "temperaturename"};
     for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; ++i) ty_pbrt_find(m->parameters, ignored[i]);
     if (!ty_pbrt_string(m->parameters, "filename", name, sizeof name))
         return ty_pbrt_refuse(m->parameters, "the medium \"%s\" has no \"string filename\"", m->medium.name);

@@ -9,23 +9,23 @@
 static const struct {
     const char* name;
     ty_pbrt_type type;
-} types[] = {{"integer", TY_PBRT_INTEGER},     {"float", TY_PBRT_FLOAT},     {"point2", TY_PBRT_POINT2},
-             {"point3", TY_PBRT_POINT3},       {"vector2", TY_PBRT_VECTOR2}, {"vector3", TY_PBRT_VECTOR3},
-             {"normal3", TY_PBRT_NORMAL},      {"rgb", TY_PBRT_RGB},         {"blackbody", TY_PBRT_BLACKBODY},
-             {"spectrum", TY_PBRT_SPECTRUM},   {"string", TY_PBRT_TEXT},     {"bool", TY_PBRT_BOOL},
-             {"texture", TY_PBRT_TEXTURE},     {"point", TY_PBRT_POINT3},    {"vector", TY_PBRT_VECTOR3},
-             {"normal", TY_PBRT_NORMAL},       {"color", TY_PBRT_RGB}};
+} types[] = {{"integer", TY_PBRT_INTEGER},   {"float", TY_PBRT_FLOAT},     {"point2", TY_PBRT_POINT2},
+             {"point3", TY_PBRT_POINT3},     {"vector2", TY_PBRT_VECTOR2}, {"vector3", TY_PBRT_VECTOR3},
+             {"normal3", TY_PBRT_NORMAL},    {"rgb", TY_PBRT_RGB},         {"blackbody", TY_PBRT_BLACKBODY},
+             {"spectrum", TY_PBRT_SPECTRUM}, {"string", TY_PBRT_TEXT},     {"bool", TY_PBRT_BOOL},
+             {"texture", TY_PBRT_TEXTURE},   {"point", TY_PBRT_POINT3},    {"vector", TY_PBRT_VECTOR3},
+             {"normal", TY_PBRT_NORMAL},     {"color", TY_PBRT_RGB}};
 
-/* How many numbers one value has. */
+/* The number of numbers of one value. */
 static size_t width_of(ty_pbrt_type type) {
     switch (type) {
-        case TY_PBRT_POINT2:
-        case TY_PBRT_VECTOR2: return 2;
-        case TY_PBRT_POINT3:
-        case TY_PBRT_VECTOR3:
-        case TY_PBRT_NORMAL:
-        case TY_PBRT_RGB: return 3;
-        default: return 1;
+    case TY_PBRT_POINT2:
+    case TY_PBRT_VECTOR2: return 2;
+    case TY_PBRT_POINT3:
+    case TY_PBRT_VECTOR3:
+    case TY_PBRT_NORMAL:
+    case TY_PBRT_RGB: return 3;
+    default: return 1;
     }
 }
 
@@ -64,9 +64,9 @@ static ty_result read_declaration(ty_pbrt* reader, int32_t file, const ty_pbrt_t
 
 static ty_result add_value(ty_pbrt* reader, ty_pbrt_parameter* out, const ty_pbrt_token* token) {
     double number;
-    if (token->kind == TY_PBRT_STRING ? takes_strings(out->type)
-                                      : out->type == TY_PBRT_BOOL &&
-                                            (ty_pbrt_is(token, "true") || ty_pbrt_is(token, "false"))) {
+    if (token->kind == TY_PBRT_STRING
+            ? takes_strings(out->type)
+            : out->type == TY_PBRT_BOOL && (ty_pbrt_is(token, "true") || ty_pbrt_is(token, "false"))) {
         if (!ty_grow_array(reader->context, (void**)&out->strings, &out->string_capacity, out->string_count,
                            sizeof *out->strings))
             return TY_ERROR_MEMORY;
@@ -93,8 +93,8 @@ static ty_result read_values(ty_pbrt* reader, ty_pbrt_text* text, ty_pbrt_parame
     }
     for (token = ty_pbrt_next(text); token.kind != TY_PBRT_CLOSE && result == TY_OK; token = ty_pbrt_next(text)) {
         if (token.kind != TY_PBRT_WORD && token.kind != TY_PBRT_STRING)
-            return ty_pbrt_fail(reader, out->file, out->line, "the values of the parameter \"%s\" do not end with \"]\"",
-                                out->name);
+            return ty_pbrt_fail(reader, out->file, out->line,
+                                "the values of the parameter \"%s\" do not end with \"]\"", out->name);
         result = add_value(reader, out, &token);
         if (result != TY_OK) return result;
     }
@@ -118,8 +118,7 @@ ty_result ty_pbrt_read_parameters(ty_pbrt* reader, ty_pbrt_text* text, ty_pbrt_p
     while (result == TY_OK) {
         ty_pbrt_text ahead = *text;
         const ty_pbrt_token token = ty_pbrt_next(&ahead);
-        if (token.kind == TY_PBRT_BROKEN)
-            return ty_pbrt_fail(reader, text->file, token.line, "the string has no end");
+        if (token.kind == TY_PBRT_BROKEN) return ty_pbrt_fail(reader, text->file, token.line, "the string has no end");
         if (token.kind != TY_PBRT_STRING) break;
         *text = ahead;
         if (!ty_grow_array(reader->context, (void**)&out->items, &out->capacity, out->count, sizeof *out->items))
@@ -148,8 +147,8 @@ void ty_pbrt_free_parameters(ty_pbrt_parameters* parameters) {
 void ty_pbrt_note_unused(const ty_pbrt_parameters* parameters, const char* kind) {
     for (size_t i = 0; i < parameters->count; ++i)
         if (!parameters->items[i].used)
-            ty_conversion_note_down(parameters->reader->conversion, "%s \"%s\": the parameter \"%s\" has no effect", kind,
-                                    parameters->type, parameters->items[i].name);
+            ty_conversion_note_down(parameters->reader->conversion, "%s \"%s\": the parameter \"%s\" has no effect",
+                                    kind, parameters->type, parameters->items[i].name);
 }
 
 /* ---- lookups ---- */

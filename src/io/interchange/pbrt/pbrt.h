@@ -1,5 +1,5 @@
-/* Internal interface of the files that read scenes of pbrt, version 4. Facts about the format and its units are those of
- * "Physically Based Rendering", 4th edition, and of pbrt-v4's documentation of its input files. */
+/* Internal interface of the files that read scenes of pbrt, version 4. Facts about the format and its units are those
+ * of "Physically Based Rendering", 4th edition, and of pbrt-v4's documentation of its input files. */
 #ifndef TY_IO_INTERCHANGE_PBRT_H
 #define TY_IO_INTERCHANGE_PBRT_H
 
@@ -107,7 +107,7 @@ ty_result ty_pbrt_spectrum_at(const ty_pbrt_parameters* parameters, const char* 
 
 /* ---- reader.c ---- */
 
-/* What Attribute may set parameters for. */
+/* The kinds of directives for which Attribute may set parameters. */
 typedef enum ty_pbrt_target {
     TY_PBRT_SHAPE,
     TY_PBRT_LIGHTS,
@@ -185,16 +185,16 @@ typedef struct ty_pbrt {
     size_t source_capacity, stack_capacity, texture_capacity, material_capacity, medium_capacity, frame_capacity,
         object_capacity, recorded_capacity;
     int32_t depth;
-    bool world;     /* after WorldBegin */
+    bool world; /* after WorldBegin */
     bool has_camera, has_film;
     bool in_object;
-    bool later_time; /* transforms of the end time alone */
-    ty_affine mirror; /* of the world, so that it is right-handed */
+    bool later_time;           /* transforms of the end time alone */
+    ty_affine mirror;          /* of the world, so that it is right-handed */
     double fov, screen_height; /* of the perspective camera: angle of the shorter axis, and half height of the screen */
     double frame_aspect;
     int32_t resolution[2];
     double crop[4];
-    double exposure_time;
+    double exposure_time, iso;
 } ty_pbrt;
 
 static inline ty_pbrt_state* ty_pbrt_now(const ty_pbrt* reader) {

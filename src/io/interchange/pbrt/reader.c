@@ -361,9 +361,9 @@ static ty_result read_named(ty_pbrt* reader, ty_pbrt_text* text, int32_t line, b
     if (result == TY_OK) ty_pbrt_note_unused(&parameters, medium ? "medium" : "material");
     ty_pbrt_free_parameters(&parameters);
     if (result != TY_OK) return result;
-    return medium ? add_name(reader, &reader->media, &reader->medium_count, &reader->medium_capacity, name, index)
-                  : add_name(reader, &reader->materials, &reader->material_count, &reader->material_capacity, name,
-                             index);
+    return medium
+               ? add_name(reader, &reader->media, &reader->medium_count, &reader->medium_capacity, name, index)
+               : add_name(reader, &reader->materials, &reader->material_count, &reader->material_capacity, name, index);
 }
 
 static ty_result use_named_material(ty_pbrt* reader, ty_pbrt_text* text, int32_t line) {
@@ -395,16 +395,12 @@ static const struct {
     int target; /* of Attribute */
     ty_result (*handle)(ty_pbrt* reader, const ty_pbrt_parameters* parameters);
     int place; /* 0 anywhere, 1 before WorldBegin, 2 after it */
-} calls[] = {{"Shape", TY_PBRT_SHAPE, ty_pbrt_shape, 2},
-             {"LightSource", TY_PBRT_LIGHTS, ty_pbrt_light, 2},
-             {"AreaLightSource", TY_PBRT_LIGHTS, ty_pbrt_area, 2},
-             {"Material", TY_PBRT_MATERIAL, use_material, 2},
-             {"Camera", TY_PBRT_TARGETS, ty_pbrt_camera, 1},
-             {"Film", TY_PBRT_TARGETS, ty_pbrt_film, 1},
-             {"Sampler", TY_PBRT_TARGETS, ty_pbrt_sampler, 1},
-             {"Integrator", TY_PBRT_TARGETS, ty_pbrt_integrator, 1},
-             {"PixelFilter", TY_PBRT_TARGETS, ignore_call, 1},
-             {"Accelerator", TY_PBRT_TARGETS, ignore_call, 1}};
+} calls[] = {
+    {"Shape", TY_PBRT_SHAPE, ty_pbrt_shape, 2},           {"LightSource", TY_PBRT_LIGHTS, ty_pbrt_light, 2},
+    {"AreaLightSource", TY_PBRT_LIGHTS, ty_pbrt_area, 2}, {"Material", TY_PBRT_MATERIAL, use_material, 2},
+    {"Camera", TY_PBRT_TARGETS, ty_pbrt_camera, 1},       {"Film", TY_PBRT_TARGETS, ty_pbrt_film, 1},
+    {"Sampler", TY_PBRT_TARGETS, ty_pbrt_sampler, 1},     {"Integrator", TY_PBRT_TARGETS, ty_pbrt_integrator, 1},
+    {"PixelFilter", TY_PBRT_TARGETS, ignore_call, 1},     {"Accelerator", TY_PBRT_TARGETS, ignore_call, 1}};
 
 static ty_result read_typed(ty_pbrt* reader, ty_pbrt_text* text, const ty_pbrt_token* word, bool* known) {
     *known = false;
@@ -558,8 +554,7 @@ static void close_reader(ty_pbrt* reader) {
     ty_context* context = reader->context;
     for (size_t i = 0; i < reader->source_count; ++i) {
         ty_free_text(context, reader->sources[i].name);
-        if (reader->sources[i].bytes != NULL)
-            ty_free_file(context, reader->sources[i].bytes, reader->sources[i].size);
+        if (reader->sources[i].bytes != NULL) ty_free_file(context, reader->sources[i].bytes, reader->sources[i].size);
     }
     for (size_t i = 0; i < reader->texture_count; ++i) ty_free_text(context, reader->textures[i].file);
     ty_free_array(context, reader->sources, reader->source_capacity, sizeof *reader->sources);
@@ -585,6 +580,7 @@ static ty_result open_reader(ty_pbrt* reader, const char* name) {
     snprintf(reader->stack[0].color_space, sizeof reader->stack[0].color_space, "srgb");
     reader->mirror = ty_affine_identity();
     reader->exposure_time = 1;
+    reader->iso = 100;
     return ty_pbrt_material(reader, &material, &reader->stack[0].material);
 }
 

@@ -153,11 +153,11 @@ static ty_result read_sphere(ty_pbrt* reader, const ty_pbrt_parameters* paramete
         return result == TY_OK ? ty_conversion_add_sphere(reader->conversion, part, center, size) : result;
     }
     ty_model_mesh mesh = {0};
-    const ty_result result =
-        ty_make_sphere(reader->context, radius, fmin(low, high), fmax(low, high), turn, &mesh);
+    const ty_result result = ty_make_sphere(reader->context, radius, fmin(low, high), fmax(low, high), turn, &mesh);
     if (result == TY_OK)
-        ty_conversion_note_down(reader->conversion, "Shape \"sphere\": those that are textured, cut or scaled unevenly, or "
-                                                    "in objects, became triangles");
+        ty_conversion_note_down(reader->conversion,
+                                "Shape \"sphere\": those that are textured, cut or scaled unevenly, or "
+                                "in objects, became triangles");
     return result == TY_OK ? add_mesh(reader, &mesh) : result;
 }
 
@@ -209,7 +209,8 @@ static ty_result alloc_vertices(ty_pbrt* reader, const ty_pbrt_parameters* param
     return TY_OK;
 }
 
-/* Indices for faces of `corners` vertices; without the parameter the first face alone. *count is the number of faces. */
+/* Indices for faces of `corners` vertices; without the parameter the first face alone. *count is the number of faces.
+ */
 static ty_result check_indices(const ty_pbrt_parameters* parameters, size_t corners, const ty_pbrt_parameter** indices,
                                size_t* count) {
     const ty_pbrt_parameter* points = ty_pbrt_find(parameters, "P");
@@ -238,7 +239,8 @@ static ty_result read_triangles(ty_pbrt* reader, const ty_pbrt_parameters* param
     ty_result result = check_indices(parameters, 3, &indices, &count);
     if (result == TY_OK) result = alloc_vertices(reader, parameters, count, &mesh);
     if (result != TY_OK) return result;
-    for (size_t i = 0; i < 3 * count; ++i) mesh.indices[i] = indices != NULL ? (uint32_t)indices->numbers[i] : (uint32_t)i;
+    for (size_t i = 0; i < 3 * count; ++i)
+        mesh.indices[i] = indices != NULL ? (uint32_t)indices->numbers[i] : (uint32_t)i;
     return add_mesh(reader, &mesh);
 }
 
@@ -266,8 +268,9 @@ static ty_result read_patches(ty_pbrt* reader, const ty_pbrt_parameters* paramet
         }
     }
     if (curved)
-        ty_conversion_note_down(reader->conversion, "Shape \"bilinearmesh\": patches that are no parallelograms became two "
-                                                    "triangles each");
+        ty_conversion_note_down(reader->conversion,
+                                "Shape \"bilinearmesh\": patches that are no parallelograms became two "
+                                "triangles each");
     return add_mesh(reader, &mesh);
 }
 
@@ -304,8 +307,9 @@ static ty_result read_ply(ty_pbrt* reader, const ty_pbrt_parameters* parameters)
 static const struct {
     const char* type;
     ty_result (*read)(ty_pbrt* reader, const ty_pbrt_parameters* parameters);
-} readers[] = {{"sphere", read_sphere},         {"disk", read_disk},           {"cylinder", read_cylinder},
-               {"trianglemesh", read_triangles}, {"bilinearmesh", read_patches}, {"plymesh", read_ply}};
+} readers[] = {{"sphere", read_sphere},        {"disk", read_disk},
+               {"cylinder", read_cylinder},    {"trianglemesh", read_triangles},
+               {"bilinearmesh", read_patches}, {"plymesh", read_ply}};
 
 /* Alpha: a constant of 0 hides a shape, and lights it may have; other values are left out. */
 static bool is_hidden(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {

@@ -119,7 +119,8 @@ static void clip(ty_pbrt* reader, const ty_pbrt_parameter* parameter, double rgb
         rgb[c] = fmax(rgb[c], 0);
     }
     if (lowest < -1e-3 * highest)
-        ty_conversion_note_down(reader->conversion, "\"%s\": a colour outside of Rec. 709 was clipped", parameter->name);
+        ty_conversion_note_down(reader->conversion, "\"%s\": a colour outside of Rec. 709 was clipped",
+                                parameter->name);
 }
 
 ty_result ty_pbrt_spectrum(const ty_pbrt_parameters* parameters, const char* name, ty_pbrt_role role, double rgb[3],
@@ -167,8 +168,7 @@ ty_result ty_pbrt_spectrum_at(const ty_pbrt_parameters* parameters, const char* 
         memcpy(values, parameter->numbers, 3 * sizeof *values);
     } else if (parameter->type == TY_PBRT_SPECTRUM) {
         table t = {0};
-        const ty_result result =
-            check_table(reader, parameter, parameter->numbers, parameter->number_count, &t);
+        const ty_result result = check_table(reader, parameter, parameter->numbers, parameter->number_count, &t);
         if (result != TY_OK) return result;
         sample(t.spectrum, values);
     } else {

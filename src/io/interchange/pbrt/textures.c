@@ -104,18 +104,19 @@ static ty_result read_value(ty_pbrt* reader, const ty_pbrt_parameters* parameter
     const ty_pbrt_texture* image;
     const char* type = parameters->type;
     if (strcmp(type, "imagemap") == 0) return read_image(reader, parameters, out);
-    if (strcmp(type, "constant") == 0) return read_operand(reader, parameters, "value", out->number, out->color, &image);
+    if (strcmp(type, "constant") == 0)
+        return read_operand(reader, parameters, "value", out->number, out->color, &image);
     if (strcmp(type, "scale") == 0) return read_scale(reader, parameters, out);
     if (strcmp(type, "mix") == 0) {
         double amount[3] = {0.5, 0.5, 0.5};
         const ty_result result = read_operand(reader, parameters, "amount", true, amount, &image);
-        if (image != NULL) ty_conversion_note_down(reader->conversion, "Texture \"mix\": the amount's image is left out");
+        if (image != NULL)
+            ty_conversion_note_down(reader->conversion, "Texture \"mix\": the amount's image is left out");
         return result == TY_OK ? read_mix(reader, parameters, pair, (const double[2]){0, 1}, amount[0], out) : result;
     }
     for (size_t i = 0; i < parameters->count; ++i) parameters->items[i].used = true;
     ty_conversion_note_down(reader->conversion, "Texture \"%s\" became its mean colour", type);
-    if (strcmp(type, "checkerboard") == 0)
-        return read_mix(reader, parameters, pair, (const double[2]){1, 0}, 0.5, out);
+    if (strcmp(type, "checkerboard") == 0) return read_mix(reader, parameters, pair, (const double[2]){1, 0}, 0.5, out);
     if (strcmp(type, "dots") == 0) return read_mix(reader, parameters, dots, (const double[2]){0, 1}, 0.5, out);
     out->color[0] = out->color[1] = out->color[2] = 0.5;
     return TY_OK;

@@ -1,0 +1,180 @@
+/* Conversion of numbers of pbrt's and Mitsuba's scenes: units, conventions, colours. */
+#include "checks.h"
+
+#include "base/context.h"
+#include "io/interchange/blackbody_grid.h"
+#include "io/interchange/convert.h"
+#include "io/interchange/spectrum.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+
+typedef struct value_case {
+    const char* text;
+    const char* path; /* keys and indices with points between them */
+    double expected[3];
+    int count; /* of numbers; 0: the path leads nowhere */
+    double tolerance;
+} value_case;
+
+/* The value at "lights.0.intensity"; NULL without. */
+static const json_t* find(const json_t* value, const char* path) {
+    char key[64];
+    while (*path != '\0' && value != NULL) {
+        const size_t length = strcspn(path, ".");
+        snprintf(key, sizeof key, "%.*s", (int)length, path);
+        path += length + (path[length] == '.');
+        value = json_is_array(value) ? json_array_get(value, (size_t)atoi(key)) : json_object_get(value, key);
+    }
+    return value;
+}
+
+static void expect_converted(ty_context* context, ty_scene_language language, const value_case* c, const char* text) {
+    char* scene = NULL;
+    if (ty_convert_scene_text(context, language, text, strlen(text), &scene) != TY_OK)
+        fail_msg("%s: %s", text, ty_take_error(context));
+    json_t* root = json_loads(scene, 0, NULL);
+    const json_t* value = find(root, c->path);
+    if ((value == NULL) != (c->count == 0)) fail_msg("%s: %s is %s", text, c->path, value ? "there" : "missing");
+    for (int i = 0; i < c->count; ++i) {
+        const double number = json_number_value(json_is_array(value) ? json_array_get(value, (size_t)i) : value);
+        if (!(fabs(number - c->expected[i]) <= c->tolerance))
+            fail_msg("%s: %s[%d] is %.9g, not %.9g", text, c->path, i, number, c->expected[i]);
+    }
+    json_decref(root);
+    ty_free_text(context, scene);
+}
+
+static void pbrt_values_are_converted(void** state) {
+    static const value_case cases[] = {
+        /* A light's rgb is its radiance; all other spectra have the luminance 1, times scale, or the power asked for. */
+        {"WorldBegin LightSource \"point\" \"float power\" 12.566370614359172", "lights.0.intensity", {1}, 1, 1e-12},
+        {"WorldBegin LightSource \"point\" \"spectrum I\" [400 7 700 7] \"float scale\" 3", "lights.0.intensity",
+         {3.615, 2.847, 2.708}, 3, 0.02},
+        {"WorldBegin LightSource \"point\" \"spectrum I\" \"stdillum-D65\"", "lights.0.intensity", {1, 1, 1}, 3, 0.002},
+        {"WorldBegin LightSource \"spot\" \"float power\" 6.283185307179586 \"float coneangle\" 90 \"float conedeltaangle\" 0",
+         "lights.0.intensity", {1}, 1, 1e-12},
+        {"WorldBegin LightSource \"infinite\" \"float illuminance\" 3.141592653589793", "lights.0.radiance", {1}, 1, 1e-12},
+        {"WorldBegin AreaLightSource \"diffuse\" \"float power\" 39.47841760435743 Shape \"sphere\"",
+         "geometry.0.material.emission", {1}, 1, 1e-9}, /* pi A L = 4 pi^2 */
+        {"WorldBegin Scale 2 2 2 AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"float scale\" 2 Shape \"sphere\"",
+         "geometry.0.sphere.radius", {2}, 1, 1e-12},
+        /* alpha is the root of pbrt's roughness, and the square of ours */
+        {"WorldBegin Material \"conductor\" \"float roughness\" 0.0016 Shape \"sphere\"", "geometry.0.material.roughness",
+         {0.2}, 1, 1e-9},
+        {"WorldBegin Material \"conductor\" \"float roughness\" 0.25 \"bool remaproughness\" false Shape \"sphere\"",
+         "geometry.0.material.roughness", {0.5}, 1, 1e-9},
+        {"WorldBegin Material \"thindielectric\" \"float eta\" 1.5 Shape \"sphere\"", "geometry.0.material.ior",
+         {1.76759}, 1, 1e-4}, /* F0 = 2 (.04) / 1.04 */
+        {"WorldBegin Material \"conductor\" \"float eta\" 1 \"float k\" 2 Shape \"sphere\"",
+         "geometry.0.material.base_color", {0.5}, 1, 1e-9}, /* k^2 / (4 + k^2) */
+        {"WorldBegin Material \"diffuse\" \"spectrum reflectance\" [300 .25 900 .25] Shape \"sphere\"",
+         "geometry.0.material.base_color", {0.25, 0.25, 0.25}, 1, 1e-9},
+        {"ColorSpace \"rec2020\" WorldBegin Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5] Shape \"sphere\"",
+         "geometry.0.material.base_color", {0.5, 0.5, 0.5}, 3, 1e-5},
+        /* the angle of view is that of the shorter side */
+        {"Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 200 Camera \"perspective\" \"float fov\" 90 WorldBegin",
+         "camera.fov_y", {126.86989764584402}, 1, 1e-9},
+        {"Camera \"perspective\" \"float fov\" 90 \"float screenwindow\" [-1 1 -.5 .5] WorldBegin", "camera.fov_y",
+         {53.13010235415598}, 1, 1e-9},
+        {"Film \"rgb\" \"float iso\" 400 Camera \"perspective\" \"float shutterclose\" 2 WorldBegin", "camera.exposure",
+         {3}, 1, 1e-12}, /* of 2 s times 4 */
+        /* a left-handed world is mirrored, so that what is on the right stays there */
+        {"WorldBegin Translate 1 2 3 Shape \"sphere\"", "geometry.0.sphere.center", {-1, 2, 3}, 3, 0},
+        {"Scale -1 1 1 Camera \"perspective\" WorldBegin Translate 1 2 3 Shape \"sphere\"", "geometry.0.sphere.center",
+         {1, 2, 3}, 3, 0},
+        {"WorldBegin Rotate 90 0 0 1 Translate 1 0 0 Shape \"sphere\"", "geometry.0.sphere.center", {0, 1, 0}, 3, 1e-15},
+        {"WorldBegin MakeNamedMedium \"a\" \"string type\" \"homogeneous\" \"string preset\" \"Skimmilk\" \"float scale\" 2 "
+         "MediumInterface \"a\" \"\" Material \"interface\" Shape \"sphere\"",
+         "media.0.sigma_s", {1.4, 2.44, 3.8}, 3, 1e-6},
+        {"WorldBegin MakeNamedMedium \"a\" \"string type\" \"homogeneous\" \"blackbody Le\" 6500 \"float Lescale\" 2 "
+         "MediumInterface \"\" \"a\" ReverseOrientation Material \"interface\" Shape \"sphere\"",
+         "media.0.emission.radiance", {2, 2, 2}, 3, 0.12},
+        {"MakeNamedMedium \"a\" \"string type\" \"homogeneous\" MediumInterface \"\" \"a\" Camera \"perspective\" WorldBegin "
+         "Shape \"sphere\"",
+         "media.0.bounds.0", {-1.02, -1.02, -1.02}, 3, 1e-12},
+        {"WorldBegin MakeNamedMedium \"a\" \"string type\" \"homogeneous\" Shape \"sphere\"", "media.0", {0}, 0, 0},
+        {"WorldBegin Material \"diffuse\" Shape \"curve\"", "geometry.0", {0}, 0, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i)
+        expect_converted(*state, TY_LANGUAGE_PBRT, &cases[i], cases[i].text);
+}
+
+static void mitsuba_values_are_converted(void** state) {
+    static const value_case cases[] = {
+        {"<sensor type='perspective'><float name='fov' value='90'/></sensor>", "camera.fov_y", {73.739795291688}, 1, 1e-9},
+        {"<sensor type='perspective'><float name='fov' value='90'/><string name='fovAxis' value='smaller'/></sensor>",
+         "camera.fov_y", {90}, 1, 1e-9},
+        {"<sensor type='perspective'><string name='focal_length' value='21.633307653mm'/></sensor>", "camera.fov_y",
+         {61.927513064147}, 1, 1e-5}, /* half the diagonal of the film: 90 degrees along it */
+        {"<sensor type='perspective'><transform name='to_world'><lookat origin='1,2,3' target='1,2,7' up='0,1,0'/>"
+         "</transform></sensor>", "camera.target", {1, 2, 4}, 3, 1e-12},
+        {"<integrator type='path'><integer name='max_depth' value='-1'/></integrator>", "render.path.max_depth", {0}, 1, 0},
+        {"<emitter type='directional'><transform name='to_world'><rotate y='1' angle='90'/></transform></emitter>",
+         "lights.0.direction", {1, 0, 0}, 3, 1e-12},
+        {"<emitter type='spot'><float name='cutoff_angle' value='40'/></emitter>", "lights.0.penumbra", {0.25}, 1, 1e-12},
+        {"<emitter type='constant'><rgb name='radiance' value='#ff0080'/></emitter>", "lights.0.radiance",
+         {1, 0, 0.2158605}, 3, 1e-6},
+        {"<shape type='sphere'><bsdf type='roughconductor'><float name='alpha' value='0.25'/></bsdf></shape>",
+         "geometry.0.material.roughness", {0.5}, 1, 1e-12},
+        {"<shape type='sphere'><bsdf type='dielectric'><string name='int_ior' value='water'/><string name='ext_ior' "
+         "value='vacuum'/></bsdf></shape>", "geometry.0.material.ior", {1.333}, 1, 1e-12},
+        {"<medium type='homogeneous' id='a'><rgb name='sigmaT' value='4'/><rgb name='albedo' value='.5 .25 1'/></medium>"
+         "<shape type='sphere'><ref name='interior' id='a'/></shape>", "media.0.sigma_s", {2, 1, 4}, 3, 1e-12},
+        {"<medium type='homogeneous' id='a'><rgb name='sigma_s' value='4'/><float name='scale' value='.5'/></medium>"
+         "<shape type='sphere'><ref name='interior' id='a'/></shape>", "media.0.sigma_s", {2}, 1, 1e-12},
+        {"<shape type='shapegroup' id='g'><shape type='sphere'/></shape><shape type='instance'><ref id='g'/>"
+         "<transform name='to_world'><translate x='3'/></transform></shape>", "geometry.0.sphere.center", {3, 0, 0}, 3, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char text[1024];
+        snprintf(text, sizeof text, "<scene version='3.0.0'>%s</scene>", cases[i].text);
+        expect_converted(*state, TY_LANGUAGE_MITSUBA, &cases[i], text);
+    }
+}
+
+static void colours_of_spectra(void** state) {
+    (void)state;
+    double rgb[3];
+    ty_blackbody_colour(6504, rgb); /* on the Planckian locus, near D65 */
+    assert_close(0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2], 1, 1e-3);
+    for (int c = 0; c < 3; ++c) assert_close(rgb[c], 1, 0.06);
+    static const double line[6] = {599, 0, 600, 1, 601, 0};
+    ty_spectrum_light((ty_spectrum){line, 3}, rgb); /* x = 0.627, y = 0.372: outside of Rec. 709, red */
+    assert_true(rgb[0] > 2 && rgb[2] < 0);
+    static const double step[4] = {400, 1, 700, 3};
+    assert_close(ty_spectrum_at((ty_spectrum){step, 2}, 550), 2, 1e-12);
+    assert_close(ty_spectrum_at((ty_spectrum){step, 2}, 100), 1, 0);
+    assert_close(ty_spectrum_at((ty_spectrum){step, 2}, 900), 3, 0);
+}
+
+/* The emission of the new temperatures has the luminance of normalized black bodies of the old ones. */
+static void temperatures_emit_as_in_pbrt(void** state) {
+    (void)state;
+    static const float old[4] = {1000, 1500, 2200, 0};
+    float kelvin[4];
+    double factor;
+    memcpy(kelvin, old, sizeof old);
+    assert_true(ty_normalize_temperatures(kelvin, 4, 5, &factor));
+    assert_close((double)kelvin[2], 2200, 0.1);
+    assert_close((double)kelvin[3], 0, 0);
+    for (int i = 0; i < 3; ++i) {
+        float rgb[3];
+        ty_blackbody((double)kelvin[i], rgb);
+        const double luminance = 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
+        const double expected = 5 * ty_normalized_blackbody_luminance((double)old[i]);
+        assert_close(factor * luminance / expected, 1, 2e-3);
+    }
+    assert_false(ty_normalize_temperatures(kelvin + 3, 1, 5, &factor));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(pbrt_values_are_converted, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(mitsuba_values_are_converted, start_context, stop_context),
+        cmocka_unit_test(colours_of_spectra),
+        cmocka_unit_test(temperatures_emit_as_in_pbrt),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
