@@ -105,7 +105,7 @@ ty_result ty_pbrt_spectrum(const ty_pbrt_parameters* parameters, const char* nam
 /* Its values at 650, 550 and 450 nm, as for indices of refraction. */
 ty_result ty_pbrt_spectrum_at(const ty_pbrt_parameters* parameters, const char* name, double values[3], bool* found);
 
-/* ---- reader.c ---- */
+/* ---- reader.c, transforms.c ---- */
 
 /* The kinds of directives for which Attribute may set parameters. */
 typedef enum ty_pbrt_target {
@@ -202,6 +202,10 @@ static inline ty_pbrt_state* ty_pbrt_now(const ty_pbrt* reader) {
 }
 /* The current transform into our scene. */
 ty_affine ty_pbrt_world(const ty_pbrt* reader);
+/* Reads `count` numbers, which may stand in brackets. */
+ty_result ty_pbrt_numbers(ty_pbrt* reader, ty_pbrt_text* text, int count, double* out);
+/* Carries out a directive of a transform; *known is false for other directives. */
+ty_result ty_pbrt_transform(ty_pbrt* reader, ty_pbrt_text* text, const ty_pbrt_token* word, bool* known);
 /* Fails with "file:line: ...". */
 ty_result ty_pbrt_fail(const ty_pbrt* reader, int32_t file, int32_t line, const char* format, ...)
     __attribute__((format(printf, 4, 5)));
