@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- notes ---- */
@@ -45,7 +46,28 @@ static ty_result no_memory(ty_conversion* conversion) {
     return ty_fail(conversion->context, TY_ERROR_MEMORY, "%s: not enough memory", conversion->input);
 }
 
+/* The index of an equal material; -1 without. */
+static int32_t find_material(const ty_conversion* conversion, const ty_conversion_material* material) {
+    for (size_t i = 0; i < conversion->material_count; ++i) {
+        const ty_conversion_material* other = &conversion->materials[i];
+        if (other->hash == material->hash && other->medium == material->medium &&
+            other->textured == material->textured &&
+            memcmp(other->uv_map, material->uv_map, sizeof other->uv_map) == 0 &&
+            json_equal(other->keys, material->keys))
+            return (int32_t)i;
+    }
+    return -1;
+}
+
 ty_result ty_conversion_add_material(ty_conversion* conversion, ty_conversion_material* material, int32_t* index) {
+    char* text = json_dumps(material->keys, JSON_COMPACT | JSON_SORT_KEYS);
+    material->hash = text != NULL ? ty_hash_bytes(TY_HASH_START, text, strlen(text)) : 0;
+    free(text);
+    *index = find_material(conversion, material);
+    if (*index >= 0) {
+        json_decref(material->keys);
+        return TY_OK;
+    }
     if (!ty_grow_array(conversion->context, (void**)&conversion->materials, &conversion->material_capacity,
                        conversion->material_count, sizeof *conversion->materials)) {
         json_decref(material->keys);

@@ -14,6 +14,7 @@ typedef struct ty_conversion_material {
     bool textured;    /* its textures need texture coordinates */
     double uv_map[4]; /* scale of u and v, and their offsets */
     int32_t medium;   /* what fills the surface by the material itself, or -1 */
+    uint64_t hash;    /* of the keys; set when it is added */
 } ty_conversion_material;
 
 /* A medium, which surfaces or its grid bound. */
@@ -89,7 +90,7 @@ void ty_conversion_close(ty_conversion* conversion);
 /* Keeps a note; the same text again is counted. */
 void ty_conversion_note_down(ty_conversion* conversion, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Each takes over what it is given, also on failure; *index is its index. */
+/* Each takes over what it is given, also on failure; *index is its index, which equal materials share. */
 ty_result ty_conversion_add_material(ty_conversion* conversion, ty_conversion_material* material, int32_t* index);
 ty_result ty_conversion_add_medium(ty_conversion* conversion, ty_conversion_medium* medium, int32_t* index);
 ty_result ty_conversion_add_light(ty_conversion* conversion, json_t* light);
