@@ -6,6 +6,7 @@
 #include "io/interchange/blackbody_grid.h"
 #include "io/interchange/convert.h"
 #include "io/interchange/environment_map.h"
+#include "io/interchange/mitsuba/serialized.h"
 #include "io/interchange/spectrum.h"
 
 #include <jansson.h>
@@ -374,6 +375,31 @@ static void files_are_written(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* The second of two shapes of a file, and messages about broken ones. */
+static void serialized_meshes_are_read(void** state) {
+    uint8_t* bytes = NULL;
+    size_t size = 0;
+    ty_model_mesh mesh;
+    assert_int_equal(
+        ty_bytes_read(*state, TYNDALL_SOURCE_DIR "/tests/fuzz/corpus/serialized/two", 1 << 20, &bytes, &size), TY_OK);
+    for (int32_t index = 0; index < 2; ++index) {
+        if (ty_read_serialized(*state, "two", bytes, size, index, &mesh) != TY_OK)
+            fail_msg("%s", ty_take_error(*state));
+        assert_int_equal(mesh.vertex_count, 3);
+        assert_int_equal(mesh.triangle_count, 1);
+        assert_true((mesh.normals != NULL) == (index == 0));
+        assert_close((double)mesh.positions[3], 1, 0);
+        assert_close((double)mesh.uv[0][5], 0, 0); /* v = 1 of the third vertex, downwards */
+        assert_int_equal(mesh.indices[2], 2);
+        ty_model_free_mesh(*state, &mesh);
+    }
+    assert_int_equal(ty_read_serialized(*state, "two", bytes, size, 2, &mesh), TY_ERROR_INPUT);
+    assert_error(*state, "two: there is no shape 2");
+    assert_int_equal(ty_read_serialized(*state, "two", bytes, 30, 0, &mesh), TY_ERROR_INPUT);
+    assert_error(*state, "two: the serialized mesh is damaged or cut short");
+    ty_bytes_destroy(*state, bytes, size);
+}
+
 /* Whichever allocation fails, the conversion ends with a message and gives back what it took. */
 static void every_allocation_may_fail(void** state) {
     (void)state;
@@ -417,6 +443,7 @@ int main(void) {
         cmocka_unit_test(temperatures_emit_as_in_pbrt),
         cmocka_unit_test_setup_teardown(maps_keep_directions, start_context, stop_context),
         cmocka_unit_test_setup_teardown(files_are_written, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(serialized_meshes_are_read, start_context, stop_context),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

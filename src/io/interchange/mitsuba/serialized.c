@@ -101,17 +101,19 @@ static ty_result read_shape(stream* s, int version, ty_model_mesh* out) {
 }
 
 /* Inflates the stream that begins at `from`, of unknown length. */
-static ty_result inflate_shape(const stream* file, const uint8_t* from, size_t size, uint8_t** out, size_t* out_size) {
+static ty_result inflate_shape(const stream* file, const uint8_t* from, size_t size, uint8_t** out, size_t* out_size,
+                               size_t* out_room) {
     enum { FIRST = 1 << 16 };
     for (size_t room = FIRST;; room *= 4) {
         uint64_t got = 0;
         *out = ty_alloc_array(file->context, room + 1, 1, false);
         if (*out == NULL) return TY_ERROR_MEMORY;
         const ty_inflated state = ty_inflate_gzip(from, size, 0, *out, room, &got);
-        *out_size = room;
         if (state == TY_INFLATED_WHOLE || state == TY_INFLATED_SHORT || (state == TY_INFLATED_DAMAGED && got > 0)) {
-            /* another shape, or the table, follows the stream, and ends the inflating */
-            memset(*out + got, 0, room + 1 - (size_t)got);
+            /* another shape, or the table, follows the stream, and ends the inflating; what is missing is found later
+             */
+            *out_size = (size_t)got;
+            *out_room = room;
             return TY_OK;
         }
         ty_free_file(file->context, *out, room);
@@ -123,7 +125,7 @@ static ty_result inflate_shape(const stream* file, const uint8_t* from, size_t s
 ty_result ty_read_serialized(ty_context* context, const char* path, const uint8_t* bytes, size_t size, int32_t index,
                              ty_model_mesh* out) {
     stream file = {context, path, bytes, bytes + size};
-    size_t offset = 0, length = 0;
+    size_t offset = 0, length = 0, room = 0;
     uint8_t* inflated = NULL;
     *out = (ty_model_mesh){0};
     if (size < HEAD + 4 || load(bytes, 2) != MAGIC) return damaged(&file);
@@ -131,10 +133,11 @@ ty_result ty_read_serialized(ty_context* context, const char* path, const uint8_
     if (version != 3 && version != 4)
         return ty_fail(context, TY_ERROR_INPUT, "%s: serialized meshes of version %d are not known", path, version);
     ty_result result = find_shape(&file, size, index, version, &offset);
-    if (result == TY_OK) result = inflate_shape(&file, bytes + offset + HEAD, size - offset - HEAD, &inflated, &length);
+    if (result == TY_OK)
+        result = inflate_shape(&file, bytes + offset + HEAD, size - offset - HEAD, &inflated, &length, &room);
     if (result != TY_OK) return result;
     stream shape = {context, path, inflated, inflated + length};
     result = read_shape(&shape, version, out);
-    ty_free_file(context, inflated, length);
+    ty_free_file(context, inflated, room);
     return result;
 }
