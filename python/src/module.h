@@ -52,8 +52,9 @@ typedef struct array_object {
 typedef struct scene_object {
     PyObject_HEAD context_object* context;
     ty_scene_editor* editor;
-    int32_t users; /* calls that read the scene */
-    int32_t edits; /* calls that change it */
+    int32_t users;    /* calls that read the scene */
+    int32_t edits;    /* calls that change it */
+    PyObject* others; /* contexts of grids that it may hold; NULL: its own alone */
 } scene_object;
 
 typedef struct light_object light_object;

@@ -312,8 +312,9 @@ class Scene:
         partial: a function that receives images so far of path, about once a second, whose answer False stops the work.
         progress: a function of tyndall.Progress, whose answer False stops the work; True or False: a bar or none;
         default: a bar in terminals and notebooks. Ctrl-C, or "interrupt" in a notebook, cancels: the KeyboardInterrupt
-        has the partial image of path as its attribute `image` (None of methods without one); with
-        on_interrupt="return" that image is returned instead. A partial image has complete == False.
+        has the partial image of path as its attribute `image` (None of methods without one), as has an exception of these
+        functions; with on_interrupt="return" an interrupt returns that image instead. A partial image has complete ==
+        False.
         """
         if on_interrupt not in ("raise", "return"):
             raise ArgumentError(f"on_interrupt: {on_interrupt!r} is not \"raise\" or \"return\"")
@@ -354,11 +355,13 @@ class Scene:
                         raise
                     choice = {"reason": f"{name} refused: {refusal}"}
                     return run("path")
-            except KeyboardInterrupt as stop:
+            except BaseException as stop:
                 made = getattr(stop, "image", None)
                 image = self._image(name, given, choice, made) if isinstance(made, tuple) else None
-                stop.image = image  # type: ignore[attr-defined]
-                if on_interrupt == "return" and image is not None:
+                interrupted = isinstance(stop, KeyboardInterrupt)
+                if interrupted or image is not None:
+                    stop.image = image  # type: ignore[attr-defined]
+                if interrupted and on_interrupt == "return" and image is not None:
                     return image
                 raise
 
@@ -439,6 +442,8 @@ class Scene:
         elif target == "vertices":
             call = lambda report: self._core.bake_vertices(mesh, options, report)
         elif target == "probes":
+            if terms not in (9, 25):
+                raise ArgumentError(f"terms: {terms} is neither 9 nor 25")
             points, size = _probe_points(positions, grid)
             call = lambda report: self._core.bake_probes(points, size, terms, options, report)
         else:
@@ -446,9 +451,12 @@ class Scene:
         try:
             with Reporter(progress) as report:
                 core, complete = call(report)
-        except KeyboardInterrupt as stop:
+        except BaseException as stop:
             made = getattr(stop, "image", None)
-            stop.image = Image(made[0], {}, False) if isinstance(made, tuple) else None  # type: ignore[attr-defined]
+            if isinstance(made, tuple):
+                stop.image = Image(made[0], {}, False)  # type: ignore[attr-defined]
+            elif isinstance(stop, KeyboardInterrupt):
+                stop.image = None  # type: ignore[attr-defined]
             raise
         return Image(core, {}, complete)
 
