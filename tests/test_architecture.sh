@@ -117,7 +117,7 @@ only tiffio "src/io/volumes/tiff.c"
 only gdcmjpeg "src/io/volumes/dicom/jpeg8.c src/io/volumes/dicom/jpeg12.c src/io/volumes/dicom/jpeg16.c"
 only charls "src/io/volumes/dicom/jpeg_ls.c"
 only openjpeg "src/io/volumes/dicom/jpeg_2000.c"
-only expat "src/io/volumes/vtk/vti_header.c"
+only expat "src/io/volumes/vtk/vti_header.c src/io/interchange/mitsuba/tree.c"
 only netcdf "src/io/volumes/netcdf/calls.h"
 only openvdb "no file: it starts threads before main"
 

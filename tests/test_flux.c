@@ -280,7 +280,10 @@ static void open_scenes_have_fluxes(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_places_are_refused), cmocka_unit_test(an_absorbing_layer_follows_beers_law),
-        cmocka_unit_test(light_of_the_sky_is_direct), cmocka_unit_test(emission_of_media_is_diffuse),
+        cmocka_unit_test(wrong_places_are_refused),     cmocka_unit_test(an_absorbing_layer_follows_beers_law),
+        cmocka_unit_test(light_of_the_sky_is_direct),   cmocka_unit_test(emission_of_media_is_diffuse),
         cmocka_unit_test(a_layer_has_published_fluxes), cmocka_unit_test(energy_is_in_balance),
-        cmocka_unit_test(views_see_the_ground), cmocka_unit_test(open_scenes_have_fluxes),
+        cmocka_unit_test(views_see_the_ground),         cmocka_unit_test(open_scenes_have_fluxes),
+    };
+    return cmocka_run_group_tests(tests, start_context, stop_context);
+}

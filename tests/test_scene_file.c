@@ -471,7 +471,8 @@ static void overrides_change_the_scene(void** state) {
 /* ---- Every key ---- */
 
 static const char every_key[] =
-    "{\"$schema\":\"scene.schema.json\",\"tyndall\":1,\"meters_per_unit\":1,\"up_axis\":\"z\",\"frame\":1,"
+    "{\"$schema\":\"scene.schema.json\",\"tyndall\":1,\"comment\":[\"by "
+    "hand\"],\"meters_per_unit\":1,\"up_axis\":\"z\",\"frame\":1,"
     "\"camera\":{\"file\":\"camera.gltf\",\"name\":\"front\",\"position\":[0,-5,0],\"target\":[0,0,0],\"up\":[0,0,1],"
     "\"fov_y\":40,\"resolution\":[8,6],"
     "\"exposure\":0,\"shift\":[0,0],\"aperture_radius\":0,\"focus_distance\":5,\"motion\":{\"position\":[0,-5,0],"

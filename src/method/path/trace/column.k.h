@@ -89,3 +89,21 @@ TY_FN_CALLED void ty_path_begin_column(ty_path* path, const ty_path_columns* col
         const bool sampled = kind == TY_COLUMN_DOWN_DIRECT && columns->extended == 0;
         ty_path_begin_flux(path, point, normal, kind != TY_COLUMN_DOWN_DIFFUSE, sampled ? 0.0f : 1.0f);
         if (kind == TY_COLUMN_DOWN_DIFFUSE) path->found = TY_FOUND_ALL;
+    } else if (quantity == level_quantities) {
+        const double height = columns->absorbing[1] - columns->absorbing[0];
+        const ty_vec at = ty_column_point(path, columns, item,
+                                          columns->absorbing[0] + height * (double)ty_rng_uniform(&path->random));
+        float sigma_a[3];
+        const ty_vec point =
+            path->request->scene->periodic.axes != 0 ? ty_periodic_point(&path->request->scene->periodic, at) : at;
+        ty_column_absorption(path, point, ty_vec_load(up), 1e-4f * (float)height, sigma_a);
+        for (int c = 0; c < 3; ++c) sigma_a[c] *= (float)height;
+        ty_path_begin_fluence(path, point, sigma_a);
+    } else {
+        const int32_t view = quantity - level_quantities - 1;
+        path->origin = ty_column_point(path, columns, item, columns->view_levels[view]);
+        path->direction = ty_vec_load(columns->views + 3 * view);
+    }
+}
+
+#endif
