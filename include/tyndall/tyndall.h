@@ -10,6 +10,7 @@
 #include <tyndall/dom.h>
 #include <tyndall/fld.h>
 #include <tyndall/flux.h>
+#include <tyndall/gradient.h>
 #include <tyndall/grid.h>
 #include <tyndall/image.h>
 #include <tyndall/impulse.h>
@@ -23,5 +24,6 @@
 #include <tyndall/scene.h>
 #include <tyndall/scene_editor.h>
 #include <tyndall/screen.h>
+#include <tyndall/texels.h>
 
 #endif

@@ -19,6 +19,8 @@ const cli_command cli_commands[CLI_COMMAND_COUNT] = {
     {"fluence", "the fluence of a scene as a volume", cli_fluence, false, false},
     {"figure", "figures and tables of papers", cli_figure, true, false},
     {"bake", "precomputed light on meshes and at points", cli_bake, false, true},
+    {"unwrap", "texture coordinates for lightmaps", cli_unwrap, false, false},
+    {"export", "a bake as an engine loads it", cli_export, false, false},
     {"bench", "measure speed", cli_bench, true, false},
     {"help", "what a command does, and manual pages", cli_help, false, false},
 };

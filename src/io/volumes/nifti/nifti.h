@@ -1,4 +1,4 @@
-/* NIfTI-1 and NIfTI-2 files in two parts: nifti_header.c parses the header, nifti.c reads the voxels. The layouts are
+/* NIfTI-1 and NIfTI-2 files in two parts: header.c parses the header, nifti.c reads the voxels. The layouts are
  * those of nifti1.h and nifti2.h of the NIfTI Data Format Working Group. */
 #ifndef TY_IO_NIFTI_H
 #define TY_IO_NIFTI_H
