@@ -314,3 +314,25 @@ ty_result ty_grid_store(ty_context* context, ty_grid* grid, ty_grid_storage stor
     *out = ty_grid_retain(grid);
     return TY_OK;
 }
+
+/* ---- halves ---- */
+
+ty_result ty_grid_make_half(ty_context* context, const ty_grid* grid, ty_grid** out) {
+    const size_t table = ty_grid_table_count(&grid->blocks);
+    const float* floats = grid->values;
+    ty_grid_def def = describe(grid);
+    def.type = TY_GRID_F16;
+    def.background = ty_half_to_float(ty_float_to_half(grid->background));
+    ty_grid_blocks blocks = grid->blocks;
+    uint16_t* values = ty_alloc_array(context, grid->stored, sizeof *values, false);
+    if (values == NULL) return TY_ERROR_MEMORY;
+    for (size_t i = 0; i < grid->stored; ++i) values[i] = ty_float_to_half(floats[i]);
+    if (blocks.table == NULL) return ty_grid_adopt(context, &def, values, out);
+    blocks.table = ty_alloc_array(context, table, sizeof *blocks.table, false);
+    if (blocks.table == NULL) {
+        ty_free_array(context, values, grid->stored, sizeof *values);
+        return TY_ERROR_MEMORY;
+    }
+    memcpy(blocks.table, grid->blocks.table, table * sizeof *blocks.table);
+    return ty_grid_adopt_blocks(context, &def, &blocks, values, out);
+}

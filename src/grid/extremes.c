@@ -191,10 +191,10 @@ static void compute_sparse_slice(void* user, int64_t k, int32_t worker) {
     job->slices[k] = range;
 }
 
-/* True if all blocks that voxels first..last reach into are block 0; these may lie outside. */
-static bool is_common(const ty_grid* grid, const int32_t first[3], const int32_t last[3]) {
+bool ty_grid_is_common(const ty_grid* grid, const int32_t first[3], const int32_t last[3], float* value) {
     const ty_grid_blocks* blocks = &grid->blocks;
     int32_t low[3], high[3];
+    if (blocks->table == NULL) return false;
     for (int a = 0; a < 3; ++a) {
         low[a] = (clamp_index(first[a], grid->size[a]) + blocks->shift[a]) >> TY_GRID_BLOCK_LOG2;
         high[a] = (clamp_index(last[a], grid->size[a]) + blocks->shift[a]) >> TY_GRID_BLOCK_LOG2;
@@ -205,6 +205,7 @@ static bool is_common(const ty_grid* grid, const int32_t first[3], const int32_t
             for (int32_t i = low[0]; i <= high[0]; ++i)
                 if (blocks->table[row + (size_t)i] != 0) return false;
         }
+    *value = common_value(grid);
     return true;
 }
 
@@ -222,11 +223,11 @@ static void fold_brick(const ty_grid_view* view, const int32_t first[3], const i
 static void sparse_brick_row(void* user, int64_t item, int32_t worker) {
     const grid_job* job = user;
     const ty_grid* grid = job->grid;
-    const float common = common_value(grid);
     const int32_t brick[3] = {0, (int32_t)(item % grid->bricks[1]), (int32_t)(item / grid->bricks[1])};
     (void)worker;
     for (int32_t bi = 0; bi < grid->bricks[0]; ++bi) {
         int32_t first[3], last[3];
+        float common;
         bool beyond = false;
         for (int a = 0; a < 3; ++a) {
             first[a] = TY_BRICK * (a == 0 ? bi : brick[a]) - 1;
@@ -234,7 +235,7 @@ static void sparse_brick_row(void* user, int64_t item, int32_t worker) {
             beyond = beyond || first[a] < 0 || last[a] >= grid->size[a];
         }
         float* pair = grid->extremes + 2 * ((size_t)bi + (size_t)grid->bricks[0] * (size_t)item);
-        if (is_common(grid, first, last)) {
+        if (ty_grid_is_common(grid, first, last, &common)) {
             pair[0] = grid->placed && beyond ? ty_minf(common, grid->background) : common;
             pair[1] = grid->placed && beyond ? ty_maxf(common, grid->background) : common;
             continue;

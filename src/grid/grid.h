@@ -59,7 +59,14 @@ ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* value
 /* Replaces non-finite values, then computes the statistics and the bricks' extremes. */
 ty_result ty_grid_measure(ty_grid* grid);
 
+/* The grid of floats as halves, in the same storage. */
+ty_result ty_grid_make_half(ty_context* context, const ty_grid* grid, ty_grid** out);
+
 /* ---- sparse grids ---- */
+
+/* True if voxels first..last, as far as they lie in the grid, are all in block 0, the value of which is stored; false
+ * for dense grids. */
+bool ty_grid_is_common(const ty_grid* grid, const int32_t first[3], const int32_t last[3], float* value);
 
 /* True if TY_GRID_AUTO stores blocks, with the block of one value among them, in a table of `table` entries. */
 bool ty_grid_saves_memory(ty_grid_type type, size_t voxels, size_t table, size_t blocks);

@@ -13,7 +13,7 @@
 
 enum { PATH_SIZE = 4096 };
 
-static const double voxels_max = 4e9, sparse_voxels_max = 1e11;
+static const double voxels_max = 4e9, sparse_voxels_max = 3.2e10;
 
 void ty_init_volume_def(void* def, size_t bytes) {
     const ty_volume_def own = {.grid = "density", .raw_type = "uint8", .series = "", .meters_per_unit = 1};
