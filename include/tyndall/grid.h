@@ -39,7 +39,7 @@ typedef enum ty_grid_type {
     TY_GRID_F16 = 1  ///< 16-bit floats.
 } ty_grid_type;
 
-/// How a grid is kept in memory.
+/// Storage of a grid in memory.
 typedef enum ty_grid_storage {
     TY_GRID_AUTO = 0,  ///< Sparse where that halves the memory and saves 16 MiB or more, else dense.
     TY_GRID_DENSE = 1, ///< Every voxel.

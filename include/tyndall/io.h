@@ -100,7 +100,7 @@ typedef struct ty_volume_def {
     double droplet_radius;        ///< NetCDF: effective radius, micrometres, (0, 1e4], in place of a grid; default 0.
     const char* air_density;      ///< NetCDF: name of the density of the air, for water in mass per mass; default NULL.
     double air_density_value;     ///< NetCDF: that density, kg m^-3, (0, 1e3], in place of a grid; default 0.
-    ty_grid_storage storage;      ///< How the grid is kept in memory; default TY_GRID_AUTO.
+    ty_grid_storage storage;      ///< Storage of the grid in memory; default TY_GRID_AUTO.
 } ty_volume_def;
 
 /// Sets the `bytes` bytes of a ty_volume_def to the defaults, as ty_init_context_def() does.

@@ -20,7 +20,7 @@ void ty_init_volume_def(void* def, size_t bytes) {
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
-static ty_result check_size(ty_context* context, const char* path, const char* kind, double most,
+static ty_result check_size(ty_context* context, const char* path, const char* kind, double limit,
                             const int64_t sides[3], size_t* voxels) {
     double product = 1;
     bool fits = true;
@@ -28,10 +28,10 @@ static ty_result check_size(ty_context* context, const char* path, const char* k
         product *= (double)sides[a];
         fits = fits && sides[a] >= 1 && sides[a] <= TY_GRID_SIDE_MAX;
     }
-    if (!fits || product > most)
+    if (!fits || product > limit)
         return ty_fail(context, TY_ERROR_INPUT,
                        "%s: spans %lld x %lld x %lld voxels; %s grids have 1 to %d a side and up to %.0f in all", path,
-                       (long long)sides[0], (long long)sides[1], (long long)sides[2], kind, TY_GRID_SIDE_MAX, most);
+                       (long long)sides[0], (long long)sides[1], (long long)sides[2], kind, TY_GRID_SIDE_MAX, limit);
     *voxels = (size_t)product;
     return TY_OK;
 }
