@@ -64,7 +64,7 @@ static void walks_are_paths(void** state) {
     ty_scene* scene = cube_in_light(*state, 0.7);
     double *walked = new_numbers(3 * CELLS), *fluence = new_numbers(3 * CELLS);
     const truth* expected = truth_of_forward_cube(scene);
-    walk(0.7, fewer(8000000, 4), 7, walked);
+    walk(0.7, fewer(8000000, 8), 7, walked);
     for (int i = 0; i < CELLS; ++i) fluence[3 * i] = mirrored(walked, i) + expected->uncollided[i];
     const error off = error_of(fluence, expected);
     printf("walks: %.4f / %.4f\n", off.mean_ratio, off.rmse);

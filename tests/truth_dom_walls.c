@@ -96,8 +96,8 @@ static void walls_in_smoke(void** state) {
                                 "\"material\":{\"albedo\":0.7}}]";
     static const char edge_on[] = "geometry=[{\"quad\":{\"origin\":[0.03,-1.2,-1.2],\"u\":[0,2.4,0],\"v\":[0,0,2.4]},"
                                   "\"material\":{\"albedo\":0.7}}]";
-    const scene_case first = {BOX, NULL, {NULL, SMOKE, SUN, askew}, 60, 60, fewer(1024, 4), 0.051, 0, 0.979};
-    const scene_case second = {BOX, NULL, {NULL, SMOKE, SUN, edge_on}, 60, 60, fewer(1024, 4), 0.029, 0, 0.994};
+    const scene_case first = {BOX, NULL, {NULL, SMOKE, SUN, askew}, 60, 60, fewer(1024, 8), 0.051, 0, 0.979};
+    const scene_case second = {BOX, NULL, {NULL, SMOKE, SUN, edge_on}, 60, 60, fewer(1024, 8), 0.029, 0, 0.994};
     const bool near = is_near(*state, &first, "wall askew in smoke");
     assert_true(is_near(*state, &second, "wall edge on in smoke") && near);
 }

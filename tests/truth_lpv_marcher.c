@@ -222,13 +222,13 @@ static void compare_marchers(ty_context* context, const scene_case* c, bool ligh
 }
 
 static void atrium(void** state) {
-    const scene_case c = {"builtin:atrium", NULL, {NULL}, 96, 54, fewer(256, 2), 0, 0, 0};
+    const scene_case c = {"builtin:atrium", NULL, {NULL}, 96, 54, fewer(256, 4), 0, 0, 0};
     compare_marchers(*state, &c, false);
 }
 
 /* The light is visible, and its airlight noisy: the reference takes four times as many samples. */
 static void box_in_fog(void** state) {
-    const scene_case c = {"builtin:fog_cornell", NULL, {NULL}, 60, 60, fewer(8192, 8), 0, 0, 0};
+    const scene_case c = {"builtin:fog_cornell", NULL, {NULL}, 60, 60, fewer(8192, 16), 0, 0, 0};
     compare_marchers(*state, &c, true);
 }
 
@@ -241,7 +241,7 @@ static void smoke_in_a_box(void** state) {
                "\"density\": {\"noise\": {\"kind\": \"fbm\", \"resolution\": 48, \"frequency\": 3}}}]"},
         60,
         60,
-        fewer(8192, 32),
+        fewer(8192, 64),
         0,
         0,
         0};
@@ -255,7 +255,7 @@ static void sponza(void** state) {
                           {"geometry[0].file=\"%s\""},
                           96,
                           54,
-                          fewer(256, 2),
+                          fewer(256, 4),
                           0,
                           0,
                           0};

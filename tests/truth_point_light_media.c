@@ -86,7 +86,7 @@ static void scattered_light_leaves_the_ball(void** state) {
         }
         ty_scene* scene = lamp_in_ball(*state, cosines[i]);
         ty_path_def def = ty_default_path_def();
-        def.spp = fewer(32768, 32) * (cosines[i] > 0.8 ? 4 : 1);
+        def.spp = fewer(32768, 64) * (cosines[i] > 0.8 ? 4 : 1);
         must(*state, ty_path_radiance(scene, &def, &rays[0][0], RAYS, &radiance[0][0], &variances[0][0]));
         ty_scene_destroy(scene);
         for (int k = 0; k < RAYS; ++k) {

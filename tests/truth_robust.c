@@ -137,7 +137,7 @@ static void images_are_always_finite(void** state) {
             else
                 set3(ray + 3, x[0] - 0.5, w % 2 ? 0 : x[1] - 0.5, x[2] - 0.5);
         }
-    radiance_along(scene, 7 * WAYS, rays, fewer(64, 2), 0, radiance, variance);
+    radiance_along(scene, 7 * WAYS, rays, fewer(64, 4), 0, radiance, variance);
     assert_finite_numbers(radiance, 7 * WAYS * 3);
     assert_finite_numbers(variance, 7 * WAYS * 3);
     /* Fluence where the lamp is. */

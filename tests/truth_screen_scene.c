@@ -166,7 +166,7 @@ static void forward_fog_is_near_path(void** state) {
     for (int i = 0; i < (in_full() ? 2 : 1); ++i) {
         const ty_medium_def fog = medium_cube(3.1, sigma_s[i], 0, 0.9);
         ty_scene* scene = glowing_room(*state, &fog, 0, 1);
-        ty_image* truth = render_surfaces(scene, fewer(4096, 2), 1, false);
+        ty_image* truth = render_surfaces(scene, fewer(4096, 4), 1, false);
         const ty_difference difference =
             measure(i == 0 ? "g 0.9, thickness 1" : "g 0.9, thickness 2", scene, truth, BALANCED, 8);
         assert_true(fabs(difference.mean_ratio[3] - 1) < 0.04);
@@ -183,7 +183,7 @@ static void isotropic_fog_lacks_half_of_its_light(void** state) {
         const ty_medium_def fog = medium_cube(3.1, 0.25, 0, 0);
         ty_scene* scene = glowing_room(*state, &fog, 0.3, behind[i]);
         const char* name = i == 0 ? "g 0, dark behind the camera" : "g 0, bright behind the camera";
-        ty_image* truth = render_surfaces(scene, fewer(512, 2), 1, false);
+        ty_image* truth = render_surfaces(scene, fewer(512, 4), 1, false);
         const ty_difference none = measure(name, scene, truth, NOTHING, 4);
         const ty_difference balanced = measure(name, scene, truth, BALANCED, 4);
         const ty_difference full = measure(name, scene, truth, IN_FULL, 4);
@@ -202,7 +202,7 @@ static void the_sky_is_far_away(void** state) {
         ty_scene* scene = foggy_field(*state, 0.2, g[i]);
         char name[32];
         snprintf(name, sizeof name, "sky, g %g", g[i]);
-        ty_image* truth = render_surfaces(scene, fewer(512, 2), 1, false);
+        ty_image* truth = render_surfaces(scene, fewer(512, 4), 1, false);
         const ty_difference none = measure(name, scene, truth, NOTHING, 4);
         const ty_difference balanced = measure(name, scene, truth, BALANCED, 4);
         const ty_difference full = measure(name, scene, truth, IN_FULL, 4);

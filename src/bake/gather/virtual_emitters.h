@@ -18,6 +18,7 @@ typedef struct ty_virtual_emitter {
     int32_t in_medium; /* 1: part of a medium, */
     ty_vec wi;         /* and the unit direction towards its light */
     float g[3];
+    float radius;      /* of a sphere around the position, whose surface hides nothing of its light, m */
     float area;        /* of the disc, m^2; for a part of a medium, the value that gives its mean distance */
     float measure;     /* area or volume it represents; for point lights the number of lights */
     float outgoing[3]; /* radiance reflected by it, or intensity scattered by it per volume */

@@ -59,45 +59,101 @@ typedef struct ty_corrected {
 
 /* ---- collisions ---- */
 
-TY_FN void ty_collision_set(const ty_gather* g, const ty_corrected_ray* ray, float t, float measure,
-                            ty_collision_point* out) {
-    ty_segment segment;
-    out->t = t;
-    out->measure = measure;
-    out->at = ty_mad(ray->origin, ray->direction, t);
-    ty_gather_segment(g, ray->origin, ray->direction, t, &segment);
-    for (int c = 0; c < 3; ++c) out->passed[c] = segment.transmittance[c];
+/* A collision at distance t. Returns the sum over media and the mean over channels of sigma_t times the medium's own
+ * transmittance: the density of ty_fog_point_sample_distance() there, times the total of that point. */
+TY_FN float ty_collision_set(const ty_gather* g, const ty_corrected_ray* ray, float t, ty_collision_point* out) {
+    const ty_scene_view* scene = g->request->path.scene;
     const float step = g->request->impulse.step;
-    ty_gather_segment(g, out->at, ray->direction, step, &segment);
-    for (int c = 0; c < 3; ++c) {
-        const float depth = segment.scattering_depth[c];
-        out->sigma_s[c] = depth / step;
-        out->g[c] = depth > 0.0f ? segment.g_scattering_depth[c] / depth : 0.0f;
-    }
-}
-
-/* Samples a collision in proportion to the transmittance of a homogeneous ray: density
- * sigma e^(-sigma t) / (1 - e^(-sigma L)). */
-TY_FN void ty_collision_sample_exponential(const ty_gather* g, const ty_corrected_ray* ray, float u,
-                                           ty_collision_point* out) {
-    const float length = ty_minf(ray->max_distance, TY_LONGEST_RAY);
+    float depth[3] = {0.0f, 0.0f, 0.0f}, scattered[3] = {0.0f, 0.0f, 0.0f}, g_scattered[3] = {0.0f, 0.0f, 0.0f};
+    float density = 0.0f;
     ty_segment segment;
-    ty_gather_segment(g, ray->origin, ray->direction, length, &segment);
-    const float depth = ty_maxf(segment.depth[1], 1e-4f), sigma = depth / length;
-    const float collided = ty_collision_probability(depth);
-    const float t = ty_minf(ty_sample_collision_depth(u * collided) / sigma, length);
-    ty_collision_set(g, ray, t, collided / (sigma * ty_expf(-sigma * t)), out);
+    segment.point = NULL;
+    out->t = t;
+    out->at = ty_mad(ray->origin, ray->direction, t);
+    for (int32_t m = 0; m < scene->medium_count; ++m) {
+        float passed[3];
+        ty_segment_find(&segment, &scene->media[m], 1, ray->origin, ray->direction, t);
+        for (int c = 0; c < 3; ++c) {
+            depth[c] += segment.depth[c];
+            passed[c] = segment.transmittance[c];
+        }
+        ty_segment_find(&segment, &scene->media[m], 1, out->at, ray->direction, step);
+        for (int c = 0; c < 3; ++c) {
+            scattered[c] += segment.scattering_depth[c];
+            g_scattered[c] += segment.g_scattering_depth[c];
+            density += segment.depth[c] * passed[c];
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        out->passed[c] = ty_expf(-depth[c]);
+        out->sigma_s[c] = scattered[c] / step;
+        out->g[c] = scattered[c] > 0.0f ? g_scattered[c] / scattered[c] : 0.0f;
+    }
+    return density / (3.0f * step);
 }
 
-/* Samples a collision in proportion to 1 / d^2 (Kulla and Fajardo 2012). */
-TY_FN void ty_collision_sample_equiangular(const ty_gather* g, const ty_corrected_ray* ray, const ty_emitter* emitter,
-                                           float u, ty_collision_point* out) {
-    const ty_media_interval interval = {0.0f, ty_minf(ray->max_distance, TY_LONGEST_RAY)};
-    const ty_closest_approach closest = ty_closest_approach_find(ray->origin, ray->direction, emitter->position, 1.0f);
-    const float height = sqrtf(closest.distance2 + emitter->area * (0.25f / TY_PI));
-    float t;
-    const float density = ty_equiangular_sample(interval, closest.t, height, u, &t);
-    ty_collision_set(g, ray, t, 1.0f / density, out);
+/* Distances in proportion to the falloff of an emitter's light along a ray: for light from infinity to what the
+ * response counts of it, for local emitters to 1 / d^2 (Kulla and Fajardo 2012). */
+typedef struct ty_falloff_distances {
+    bool distant;
+    float length;                    /* of the ray, m */
+    float depth, collided;           /* distant: optical depth over the length, and the probability to collide in it */
+    float from, to, closest, height; /* local: angles at the emitter, rad, and its closest point and distance, m */
+} ty_falloff_distances;
+
+TY_FN ty_falloff_distances ty_falloff_distances_find(const ty_corrected_ray* ray, const ty_corrected* of) {
+    ty_falloff_distances d = {.distant = of->virtual_emitter == NULL,
+                              .length = ty_minf(ray->max_distance, TY_LONGEST_RAY)};
+    if (d.distant) {
+        const float mu = ty_clampf(ty_dot(of->emitter.wi, ray->direction), -1.0f, 1.0f);
+        const float sigma = of->seen ? of->response.medium[of->response.channels == 1 ? 0 : 1].sigma_t : 0.0f;
+        d.depth = ty_maxf(sigma * (1.0f - mu) * d.length, 1e-4f);
+        d.collided = ty_collision_probability(d.depth);
+        return d;
+    }
+    const ty_closest_approach closest =
+        ty_closest_approach_find(ray->origin, ray->direction, of->emitter.position, 1.0f);
+    d.closest = closest.t;
+    d.height = sqrtf(closest.distance2 + of->emitter.area * (0.25f / TY_PI));
+    d.from = atanf(-d.closest / d.height);
+    d.to = atanf((d.length - d.closest) / d.height);
+    return d;
+}
+
+TY_FN float ty_falloff_distances_sample(const ty_falloff_distances* d, float u) {
+    if (d->distant) return ty_minf(ty_sample_collision_depth(u * d->collided) / d->depth, 1.0f) * d->length;
+    return ty_clampf(d->closest + d->height * tanf(ty_lerpf(d->from, d->to, u)), 0.0f, d->length);
+}
+
+/* Density, 1/m. */
+TY_FN float ty_falloff_distances_density(const ty_falloff_distances* d, float t) {
+    if (d->distant) return d->depth / (d->length * d->collided) * ty_expf(-d->depth * (t / d->length));
+    return ty_equiangular_density(d->to - d->from, d->height, t - d->closest);
+}
+
+/* Samples a collision on the ray for the correction of a response: one-sample MIS with the balance heuristic of
+ * distances at which the ray collides with the media and of distances by the falloff of the emitter's light. The first
+ * bounds what scatters in dense media, the second what the response counts. False: there is nothing to correct. */
+TY_FN bool ty_collision_sample(const ty_gather* g, const ty_corrected_ray* ray, const ty_corrected* of, float u,
+                               ty_sampler* random, ty_collision_point* out) {
+    const ty_scene_view* scene = g->request->path.scene;
+    const ty_falloff_distances falloff = ty_falloff_distances_find(ray, of);
+    float weight[3], left[3];
+    ty_fog_point point = ty_fog_point_begin(u, random);
+    ty_segment segment;
+    segment.point = &point;
+    ty_segment_find(&segment, scene->media, scene->medium_count, ray->origin, ray->direction, falloff.length);
+    const bool collides = point.medium != NULL;
+    if (!(falloff.length > 0.0f) || (!collides && !of->seen)) return false;
+    /* Light from infinity that the vertex does not see has no falloff but the media's. */
+    const float fraction = !collides ? 1.0f : of->seen || !falloff.distant ? 0.5f : 0.0f;
+    const float t = ty_rng_uniform(random) < fraction ? ty_falloff_distances_sample(&falloff, u)
+                                                      : ty_fog_point_sample_distance(&point, weight, left);
+    float density = ty_collision_set(g, ray, t, out) * (collides ? (1.0f - fraction) / point.total : 0.0f);
+    if (fraction > 0.0f) density += fraction * ty_falloff_distances_density(&falloff, t);
+    if (!(density > 0.0f)) return false;
+    out->measure = 1.0f / density;
+    return true;
 }
 
 /* ---- scattered light ---- */
@@ -136,8 +192,7 @@ TY_FN bool ty_emitter_is_seen(ty_gather* g, const ty_corrected* of, const ty_emi
     if (mesh == NULL) return true;
     if (virtual_emitter == NULL) return !ty_accel_occluded(mesh, from, emitter->wi, TY_FLOAT_MAX);
     const ty_vec to = ty_sub(ty_mad(virtual_emitter->position, virtual_emitter->face, virtual_emitter->margin), from);
-    const float length = sqrtf(ty_dot(to, to));
-    return !(length > 0.0f) || !ty_accel_occluded(mesh, from, ty_scale(to, 1.0f / length), length * 0.9999f);
+    return !ty_virtual_emitter_is_hidden(mesh, virtual_emitter, from, to, sqrtf(ty_dot(to, to)));
 }
 
 /* f_table of a channel, per strength. emitter: relative to the collision. */
@@ -288,8 +343,7 @@ TY_FN void ty_gather_corrected_distant(ty_gather* g, const ty_walk* walk, ty_vec
               ty_emitter_is_seen(g, &of, &of.emitter, behind ? g->offset_origin : walk->origin);
     ty_gather_vertex_response(g, walk, &of, &segment);
     if (!ty_corrected_ray_choose(g, walk, &of.emitter, g->request->impulse.mean_cosine, &ray)) return;
-    ty_collision_sample_exponential(g, &ray, g->collision, &at);
-    ty_gather_correct(g, &ray, &of, &at);
+    if (ty_collision_sample(g, &ray, &of, g->collision, &g->path.random, &at)) ty_gather_correct(g, &ray, &of, &at);
     ty_gather_subtract_beyond(g, &ray, &of);
 }
 
@@ -339,7 +393,7 @@ TY_FN void ty_gather_corrected_virtual(ty_gather* g, const ty_walk* walk, float 
     }
     of.falloff = ty_corrected_falloff(g, &of, of.emitter.wi);
     const bool corrected = ty_corrected_ray_choose(g, walk, &of.emitter, 0.0f, &ray);
-    if (corrected) ty_collision_sample_equiangular(g, &ray, &of.emitter, g->collision, &at);
+    const bool collided = corrected && ty_collision_sample(g, &ray, &of, g->collision, &g->path.random, &at);
     ty_gather_segment(g, walk->origin, of.emitter.wi, of.emitter.distance, &segment);
     for (int emitted = 0; emitted < 2; ++emitted) {
         const float* color = emitted != 0 ? virtual_emitter->emission : virtual_emitter->outgoing;
@@ -347,9 +401,8 @@ TY_FN void ty_gather_corrected_virtual(ty_gather* g, const ty_walk* walk, float 
         of.layer = emitted != 0 && walk->depth == 0 ? TY_BAKE_SINGLE : TY_BAKE_MULTIPLE;
         for (int c = 0; c < 3; ++c) of.strength[c] = scale / probability * virtual_emitter->measure * color[c];
         ty_gather_vertex_response(g, walk, &of, &segment);
-        if (!corrected) continue;
-        ty_gather_correct(g, &ray, &of, &at);
-        ty_gather_subtract_beyond(g, &ray, &of);
+        if (collided) ty_gather_correct(g, &ray, &of, &at);
+        if (corrected) ty_gather_subtract_beyond(g, &ray, &of);
     }
 }
 

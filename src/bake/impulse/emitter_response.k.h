@@ -148,6 +148,13 @@ TY_FN void ty_gather_backlight_response(ty_gather* g, float weight) {
     ty_gather_distant_response(g, &sample, &segment, weight / chosen);
 }
 
+/* True if a surface is between a point and a virtual emitter. to: from the point to the emitter; length: of it, m. */
+TY_FN bool ty_virtual_emitter_is_hidden(const ty_accel* mesh, const ty_virtual_emitter* virtual_emitter, ty_vec from,
+                                        ty_vec to, float length) {
+    const float free = length * 0.9999f - virtual_emitter->radius;
+    return mesh != NULL && free > 0.0f && ty_accel_occluded(mesh, from, ty_scale(to, 1.0f / length), free);
+}
+
 /* Sets up a virtual emitter; false: it is occluded. Visibility of an emitter in front of the receiver is tested from
  * the receiver, otherwise from the point off its surface. */
 TY_FN bool ty_gather_see_virtual_emitter(ty_gather* g, const ty_virtual_emitter* virtual_emitter, ty_emitter* emitter) {
@@ -164,8 +171,7 @@ TY_FN bool ty_gather_see_virtual_emitter(ty_gather* g, const ty_virtual_emitter*
     if (virtual_emitter->kind == TY_IMPULSE_AREA && !(ty_dot(to_emitter, virtual_emitter->face) < 0.0f)) return false;
     emitter->cosine = ty_maxf(0.0f, emitter->cosine);
     ++g->rays;
-    return !(length > 0.0f) || mesh == NULL ||
-           !ty_accel_occluded(mesh, receiver, ty_scale(to_emitter, 1.0f / length), length * 0.9999f);
+    return !ty_virtual_emitter_is_hidden(mesh, virtual_emitter, receiver, to_emitter, length);
 }
 
 /* Cumulative selection weights of the virtual emitters: power over distance, as light scattered near an emitter falls

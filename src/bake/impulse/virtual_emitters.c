@@ -47,13 +47,39 @@ enum { LIGHT_SIZE = TY_BAKE_LAYERS * 3 * TY_BAKE_SURFACE_TERMS };
 
 /* ---- anchors ---- */
 
+/* Least height of anchors over their surfaces: a hundredth of the diagonal of the receivers' box, m. From closer by,
+ * most rays end on the surface below, at emitters with next to no area, and few on the rest of it. */
+static float find_anchor_height(const ty_bake_run* run) {
+    float diagonal2 = 0;
+    for (int a = 0; a < 3; ++a) {
+        float lower = TY_FLOAT_MAX, upper = -TY_FLOAT_MAX;
+        for (int64_t i = 0; i < run->count; ++i) {
+            lower = fminf(lower, run->request.receivers[i].position[a]);
+            upper = fmaxf(upper, run->request.receivers[i].position[a]);
+        }
+        if (upper > lower) diagonal2 += (upper - lower) * (upper - lower);
+    }
+    return 0.01f * sqrtf(diagonal2);
+}
+
+/* A receiver's point off its surface, at least at that height where there is room for it. */
+static ty_vec find_anchor(const ty_gather* g, float height) {
+    const ty_accel* mesh = g->request->path.scene->mesh;
+    const ty_vec at = ty_gather_find_offset(g);
+    ty_hit hit;
+    if (!(ty_dot(g->face, g->face) > 0.0f) || ty_dot(g->face, ty_sub(at, g->position)) >= height) return at;
+    if (mesh != NULL && ty_accel_intersect(mesh, g->origin, g->face, 2.0f * height, &hit)) height = 0.5f * hit.distance;
+    return ty_mad(g->position, g->face, ty_maxf(g->receiver->margin, height));
+}
+
 static void choose_receiver_anchors(emitter_search* s) {
     const ty_bake_request* request = &s->run->request;
+    const float height = find_anchor_height(s->run);
     ty_gather g = {.request = request};
     s->anchor_count = s->run->count < ANCHORS_MAX ? (int32_t)s->run->count : ANCHORS_MAX;
     for (int32_t i = 0; i < s->anchor_count; ++i) {
         ty_gather_set_receiver(&g, &request->receivers[(2 * i + 1) * s->run->count / (2 * s->anchor_count)]);
-        s->anchors[i] = ty_gather_find_offset(&g);
+        s->anchors[i] = find_anchor(&g, height);
     }
 }
 
@@ -170,12 +196,13 @@ static bool find_surface_emitter(const emitter_search* s, int32_t ray, ty_virtua
                                 .light = -1};
     double density = 0;
     for (int32_t i = 0; i < s->anchor_count; ++i) {
-        const ty_vec from = ty_mad(out->position, out->face, out->margin), to = ty_sub(s->anchors[i], from);
+        /* The anchor may lie closer to the emitter's plane than the margin: distances are those of its ray. */
+        const ty_vec from = ty_mad(out->position, out->face, out->margin), to = ty_sub(s->anchors[i], out->position);
         const float d2 = ty_dot(to, to), inverse_distance = 1.0f / sqrtf(d2),
                     cosine = ty_dot(out->face, to) * inverse_distance;
-        const bool medium_albedo = i == anchor;
+        const bool own = i == anchor;
         if (!(d2 > 0.0f) || !(cosine > 0.0f)) continue;
-        if (medium_albedo ||
+        if (own ||
             !ty_accel_occluded(request->scene->mesh, from, ty_scale(to, inverse_distance), 0.9999f / inverse_distance))
             density += (double)(cosine / d2) * s->rays_per_anchor * (double)TY_INV_4PI;
     }
@@ -216,6 +243,7 @@ static ty_virtual_emitter local_light_point(const emitter_search* s, int32_t ind
     for (int c = 0; c < 3; ++c) out.emission[c] = light->color[c];
     if (light->kind == TY_KIND_SPHERE) {
         out.area = TY_PI * light->radius * light->radius;
+        out.radius = light->radius * 1.001f;
         out.measure *= out.area;
     }
     if (light->kind != TY_KIND_AREA && light->kind != TY_KIND_TRIANGLE) return out;

@@ -63,13 +63,17 @@ TY_FN float ty_mis_weight_collision(float d2, float r2, float density, float pha
     return ty_mis_far_weight(d2, r2) + ty_mis_near_weight(d2, r2) * (1.0f - ty_mis_small_light_weight(density, phase));
 }
 
+/* Density, 1/m, of ty_equiangular_sample(): angle: between the ends of the interval, rad; beyond: t - closest, m. */
+TY_FN float ty_equiangular_density(float angle, float distance, float beyond) {
+    return distance / (ty_maxf(angle, 1e-7f) * (distance * distance + beyond * beyond));
+}
+
 /* Samples t in an interval in proportion to the angle subtended at a point beside the ray; `closest`: t of the ray's
  * closest point to it; `distance`: between the two. Returns the density of *t, 1/m. */
 TY_FN float ty_equiangular_sample(ty_media_interval interval, float closest, float distance, float u, float* t) {
     const float from = atanf((interval.enter - closest) / distance), to = atanf((interval.leave - closest) / distance);
     *t = ty_clampf(closest + distance * tanf(ty_lerpf(from, to, u)), interval.enter, interval.leave);
-    const float beyond = *t - closest;
-    return distance / (ty_maxf(to - from, 1e-7f) * (distance * distance + beyond * beyond));
+    return ty_equiangular_density(to - from, distance, *t - closest);
 }
 
 #endif
