@@ -129,7 +129,7 @@ test_messages() {
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2,1.5
   usage_error 'raw_type is "bits"' convert eight.raw a.vdb --raw-size 2,2,2 --raw-type bits
-  usage_error 'goes to .vdb, .nvdb, .nrrd, .vti or .vol' convert eight.raw a.txt --raw-size 2,2,2
+  usage_error 'goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz or .vol' convert eight.raw a.txt --raw-size 2,2,2
   usage_error "codec 'lzma'" convert eight.raw a.vdb --raw-size 2,2,2 --codec lzma
   usage_error "codec 'blosc'" convert eight.raw a.nvdb --raw-size 2,2,2 --codec blosc
   usage_error 'No such file' convert gone.vdb a.nrrd

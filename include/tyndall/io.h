@@ -173,6 +173,8 @@ typedef struct ty_volume_field {
 /// - .nvdb, .nrrd, one field of one component: ty_nanovdb_write() with "zip", "none"; ty_nrrd_write() with "gzip",
 ///   "none".
 /// - .vol, the same: ty_mitsuba_write() with "none".
+/// - .nii ("none"), .nii.gz ("gzip"), one field: NIfTI-1 as float, placed by the sform in float; three components are a
+///   vector. Units are not told.
 ///
 /// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY, and of .vol TY_ERROR_INPUT (voxels that are turned).
 TY_API ty_result ty_volume_write(ty_context* context, const ty_volume_field* fields, int32_t count, const char* codec,

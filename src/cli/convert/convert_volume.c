@@ -20,8 +20,9 @@ static ty_result make_half(ty_context* context, ty_grid** grid) {
 static int check_options(const convert_volume_options* options, const char* output) {
     const bool vdb = cli_has_extension(output, ".vdb");
     if (options->half && !vdb) return cli_usage_error("convert", "--half is for .vdb, and %s is none", output);
-    if (options->vector && !vdb && !cli_has_extension(output, ".vti"))
-        return cli_usage_error("convert", "--vector is for .vdb and .vti, and %s is none", output);
+    const bool nifti = cli_has_extension(output, ".nii") || cli_has_extension(output, ".nii.gz");
+    if (options->vector && !vdb && !nifti && !cli_has_extension(output, ".vti"))
+        return cli_usage_error("convert", "--vector is for .vdb, .vti and .nii, and %s is none of these", output);
     return CLI_GO;
 }
 
