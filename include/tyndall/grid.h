@@ -107,7 +107,7 @@ typedef struct ty_grid_info {
 TY_API ty_grid_info ty_grid_get_info(const ty_grid* grid);
 
 /// The same values in another storage: the grid itself, with one more reference, where it is stored so. Values,
-/// statistics and images are the same to the last bit.
+/// extremes and images are the same to the last bit.
 /// Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
 TY_API ty_result ty_grid_store(ty_context* context, ty_grid* grid, ty_grid_storage storage, ty_grid** out);
 

@@ -1,5 +1,5 @@
-/* Statistics of grids, and the extremes of their bricks. Those of a sparse grid are the same to the last bit: sums are
- * in the same order, and blocks of one value count as their voxels. */
+/* Statistics of grids, and the extremes of their bricks. Those of a sparse grid are the same, but for the mean's last
+ * digits where blocks of one value other than 0 count as their voxels. */
 #include "base/context.h"
 #include "grid/grid.h"
 #include "grid/lookup.k.h"
@@ -19,6 +19,7 @@ typedef struct grid_job {
     ty_grid_view view;
     slice_range* slices;
     float* rows;
+    uint8_t* uniform; /* sparse: 1 for each block of one value */
 } grid_job;
 
 static size_t replace_nonfinite_halves(uint16_t* values, size_t count) {
@@ -149,63 +150,120 @@ static void brick_row(void* user, int64_t item, int32_t worker) {
 
 enum { BLOCKS_A_TASK = 1024 };
 
-static void replace_in_blocks(void* user, int64_t task, int32_t worker) {
-    const grid_job* job = user;
-    const size_t each = (size_t)BLOCKS_A_TASK * TY_GRID_BLOCK_VOXELS, start = each * (size_t)task;
-    const size_t left = job->grid->stored - start;
-    (void)worker;
-    job->slices[task].replaced = replace_nonfinite(job->grid, start, left < each ? left : each);
-}
-
-/* The value of block 0 throughout. */
-static float common_value(const ty_grid* grid) {
+/* The value of a block's first voxel. */
+static float first_value(const ty_grid* grid, uint32_t block) {
     float buffer;
-    return *floats_of(grid, 0, 1, &buffer);
+    return *floats_of(grid, (size_t)block * TY_GRID_BLOCK_VOXELS, 1, &buffer);
 }
 
-static void fold_common(float value, int32_t count, float background, slice_range* range) {
+static bool is_uniform(const ty_grid* grid, size_t block) {
+    const size_t value = ty_grid_value_size(grid->type), bytes = TY_GRID_BLOCK_VOXELS * value;
+    const uint8_t* from = (const uint8_t*)grid->values + bytes * block;
+    return memcmp(from, from + value, bytes - value) == 0;
+}
+
+static void survey_blocks(void* user, int64_t task, int32_t worker) {
+    const grid_job* job = user;
+    const size_t first = (size_t)BLOCKS_A_TASK * (size_t)task, left = (size_t)job->grid->blocks.count - first;
+    const size_t count = left < BLOCKS_A_TASK ? left : BLOCKS_A_TASK;
+    (void)worker;
+    job->slices[task].replaced =
+        replace_nonfinite(job->grid, first * TY_GRID_BLOCK_VOXELS, count * TY_GRID_BLOCK_VOXELS);
+    for (size_t block = first; block < first + count; ++block) job->uniform[block] = is_uniform(job->grid, block);
+}
+
+/* The block after the last one that goes on as block b of a row of the table does, if it is of one value. */
+static int32_t segment_end(const grid_job* job, const uint32_t* row, int32_t b) {
+    int32_t end = b + 1;
+    while (end < job->grid->blocks.size[0] && row[end] == row[b] && job->uniform[row[b]] != 0) ++end;
+    return end;
+}
+
+static void fold_uniform(float value, int64_t count, float background, slice_range* range) {
     range->min = ty_minf(range->min, value);
     range->max = ty_maxf(range->max, value);
+    range->sum += (double)value * (double)count;
     if (value != background) range->active += count;
-    for (int32_t i = 0; i < count && value != 0; ++i) range->sum += (double)value;
+}
+
+/* Row (j, k) of voxels, whose blocks are those of a row of the table. */
+static void fold_blocks_of_row(const grid_job* job, const uint32_t* row, int32_t j, int32_t k, slice_range* range) {
+    const ty_grid* grid = job->grid;
+    const int32_t shift = grid->blocks.shift[0], nx = grid->size[0];
+    int32_t end;
+    for (int32_t b = 0; b < grid->blocks.size[0]; b = end) {
+        end = segment_end(job, row, b);
+        const int32_t first = TY_GRID_BLOCK * b > shift ? TY_GRID_BLOCK * b - shift : 0;
+        const int32_t last = TY_GRID_BLOCK * end - shift < nx ? TY_GRID_BLOCK * end - shift : nx;
+        if (job->uniform[row[b]] != 0) {
+            fold_uniform(first_value(grid, row[b]), last - first, grid->background, range);
+            continue;
+        }
+        float buffer[TY_GRID_BLOCK];
+        const size_t at = ty_grid_offset(&job->view, first, j, k);
+        fold_values(floats_of(grid, at, last - first, buffer), last - first, grid->background, range);
+    }
 }
 
 static void compute_sparse_slice(void* user, int64_t k, int32_t worker) {
     const grid_job* job = user;
     const ty_grid* grid = job->grid;
-    const float common = common_value(grid);
-    slice_range range = {.min = TY_FLOAT_MAX, .max = -TY_FLOAT_MAX, .replaced = job->slices[k].replaced};
+    const ty_grid_blocks* blocks = &grid->blocks;
+    const size_t slab = (size_t)blocks->size[1] * (size_t)((k + blocks->shift[2]) / TY_GRID_BLOCK);
+    slice_range range = {.min = TY_FLOAT_MAX, .max = -TY_FLOAT_MAX};
     (void)worker;
-    for (int32_t j = 0; j < grid->size[1]; ++j) {
-        int32_t count;
-        for (int32_t i = 0; i < grid->size[0]; i += count) {
-            size_t at;
-            float buffer[TY_GRID_BLOCK];
-            count = ty_grid_run(&job->view, i, j, (int32_t)k, &at);
-            if (at < TY_GRID_BLOCK_VOXELS)
-                fold_common(common, count, grid->background, &range);
-            else
-                fold_values(floats_of(grid, at, count, buffer), count, grid->background, &range);
-        }
+    for (int32_t b = 0; b < blocks->size[1]; ++b) {
+        const uint32_t* row = blocks->table + (size_t)blocks->size[0] * (slab + (size_t)b);
+        const int32_t first = clamp_index(TY_GRID_BLOCK * b - blocks->shift[1], grid->size[1]);
+        const int32_t last = clamp_index(TY_GRID_BLOCK * (b + 1) - 1 - blocks->shift[1], grid->size[1]);
+        if (job->uniform[row[0]] != 0 && segment_end(job, row, 0) == blocks->size[0])
+            fold_uniform(first_value(grid, row[0]), (int64_t)grid->size[0] * (last - first + 1), grid->background,
+                         &range);
+        else
+            for (int32_t j = first; j <= last; ++j) fold_blocks_of_row(job, row, j, (int32_t)k, &range);
     }
     job->slices[k] = range;
 }
 
-bool ty_grid_is_common(const ty_grid* grid, const int32_t first[3], const int32_t last[3], float* value) {
-    const ty_grid_blocks* blocks = &grid->blocks;
-    int32_t low[3], high[3];
-    if (blocks->table == NULL) return false;
+/* Blocks that voxels first..last reach into, as far as they lie in the grid: low..high along each axis. */
+static void find_blocks(const ty_grid* grid, const int32_t first[3], const int32_t last[3], int32_t low[3],
+                        int32_t high[3]) {
     for (int a = 0; a < 3; ++a) {
-        low[a] = (clamp_index(first[a], grid->size[a]) + blocks->shift[a]) >> TY_GRID_BLOCK_LOG2;
-        high[a] = (clamp_index(last[a], grid->size[a]) + blocks->shift[a]) >> TY_GRID_BLOCK_LOG2;
+        low[a] = (clamp_index(first[a], grid->size[a]) + grid->blocks.shift[a]) >> TY_GRID_BLOCK_LOG2;
+        high[a] = (clamp_index(last[a], grid->size[a]) + grid->blocks.shift[a]) >> TY_GRID_BLOCK_LOG2;
     }
+}
+
+static uint32_t block_at(const ty_grid_blocks* blocks, int32_t i, int32_t j, int32_t k) {
+    const size_t row = (size_t)j + (size_t)blocks->size[1] * (size_t)k;
+    return blocks->table[(size_t)blocks->size[0] * row + (size_t)i];
+}
+
+bool ty_grid_is_common(const ty_grid* grid, const int32_t first[3], const int32_t last[3], float* value) {
+    int32_t low[3], high[3];
+    if (grid->blocks.table == NULL) return false;
+    find_blocks(grid, first, last, low, high);
     for (int32_t k = low[2]; k <= high[2]; ++k)
-        for (int32_t j = low[1]; j <= high[1]; ++j) {
-            const size_t row = (size_t)blocks->size[0] * ((size_t)j + (size_t)blocks->size[1] * (size_t)k);
+        for (int32_t j = low[1]; j <= high[1]; ++j)
             for (int32_t i = low[0]; i <= high[0]; ++i)
-                if (blocks->table[row + (size_t)i] != 0) return false;
-        }
-    *value = common_value(grid);
+                if (block_at(&grid->blocks, i, j, k) != 0) return false;
+    *value = first_value(grid, 0);
+    return true;
+}
+
+/* Folds the blocks that voxels first..last reach into; false if one of them is not of one value. */
+static bool fold_uniform_blocks(const grid_job* job, const int32_t first[3], const int32_t last[3], float pair[2]) {
+    int32_t low[3], high[3];
+    find_blocks(job->grid, first, last, low, high);
+    for (int32_t k = low[2]; k <= high[2]; ++k)
+        for (int32_t j = low[1]; j <= high[1]; ++j)
+            for (int32_t i = low[0]; i <= high[0]; ++i) {
+                const uint32_t block = block_at(&job->grid->blocks, i, j, k);
+                if (job->uniform[block] == 0) return false;
+                const float value = first_value(job->grid, block);
+                pair[0] = ty_minf(pair[0], value);
+                pair[1] = ty_maxf(pair[1], value);
+            }
     return true;
 }
 
@@ -227,7 +285,6 @@ static void sparse_brick_row(void* user, int64_t item, int32_t worker) {
     (void)worker;
     for (int32_t bi = 0; bi < grid->bricks[0]; ++bi) {
         int32_t first[3], last[3];
-        float common;
         bool beyond = false;
         for (int a = 0; a < 3; ++a) {
             first[a] = TY_BRICK * (a == 0 ? bi : brick[a]) - 1;
@@ -235,11 +292,10 @@ static void sparse_brick_row(void* user, int64_t item, int32_t worker) {
             beyond = beyond || first[a] < 0 || last[a] >= grid->size[a];
         }
         float* pair = grid->extremes + 2 * ((size_t)bi + (size_t)grid->bricks[0] * (size_t)item);
-        if (ty_grid_is_common(grid, first, last, &common)) {
-            pair[0] = grid->placed && beyond ? ty_minf(common, grid->background) : common;
-            pair[1] = grid->placed && beyond ? ty_maxf(common, grid->background) : common;
-            continue;
-        }
+        const bool background = grid->placed && beyond;
+        pair[0] = background ? grid->background : TY_FLOAT_MAX;
+        pair[1] = background ? grid->background : -TY_FLOAT_MAX;
+        if (fold_uniform_blocks(job, first, last, pair)) continue;
         pair[0] = TY_FLOAT_MAX;
         pair[1] = -TY_FLOAT_MAX;
         fold_brick(&job->view, first, last, pair);
@@ -264,9 +320,9 @@ static void sum_slices(ty_grid* grid, const slice_range* slices, size_t replaced
         ty_log(grid->context, TY_LOG_WARNING, "a grid had %zu values that are not finite; they count as 0", replaced);
 }
 
-static size_t replace_in_all_blocks(grid_job* job, size_t tasks) {
+static size_t survey_all_blocks(grid_job* job, size_t tasks) {
     size_t replaced = 0;
-    ty_parallel_for(job->grid->context, (int64_t)tasks, replace_in_blocks, job);
+    ty_parallel_for(job->grid->context, (int64_t)tasks, survey_blocks, job);
     for (size_t i = 0; i < tasks; ++i) {
         replaced += job->slices[i].replaced;
         job->slices[i].replaced = 0;
@@ -283,10 +339,11 @@ ty_result ty_grid_measure(ty_grid* grid) {
     grid_job job = {.grid = grid,
                     .view = ty_grid_get_view(grid),
                     .slices = ty_alloc_array(context, slices, sizeof *job.slices, true),
-                    .rows = ty_alloc_array(context, floats, sizeof *job.rows, false)};
-    const bool allocated = job.slices != NULL && job.rows != NULL;
+                    .rows = ty_alloc_array(context, floats, sizeof *job.rows, false),
+                    .uniform = ty_alloc_array(context, grid->blocks.count, 1, false)};
+    const bool allocated = job.slices != NULL && job.rows != NULL && job.uniform != NULL;
     if (allocated) {
-        const size_t replaced = replace_in_all_blocks(&job, tasks);
+        const size_t replaced = survey_all_blocks(&job, tasks);
         ty_parallel_for(context, grid->size[2], sparse ? compute_sparse_slice : compute_slice_range, &job);
         sum_slices(grid, job.slices, replaced);
         ty_parallel_for(context, (int64_t)grid->bricks[1] * grid->bricks[2], sparse ? sparse_brick_row : brick_row,
@@ -294,5 +351,6 @@ ty_result ty_grid_measure(ty_grid* grid) {
     }
     ty_free_array(context, job.slices, slices, sizeof *job.slices);
     ty_free_array(context, job.rows, floats, sizeof *job.rows);
+    ty_free_array(context, job.uniform, grid->blocks.count, 1);
     return allocated ? TY_OK : TY_ERROR_MEMORY;
 }
