@@ -53,6 +53,9 @@ endmacro()
 tyndall_find_decoder(TIFF "libtiff-4>=4.5")
 tyndall_find_decoder(CHARLS "charls>=2.1")
 tyndall_find_decoder(OPENJPEG "libopenjp2>=2.3")
+# Zstandard, which compresses levels of KTX2 textures.
+option(TYNDALL_ZSTD "Write KTX2 textures compressed by Zstandard" ON)
+tyndall_find_decoder(ZSTD "libzstd>=1.4")
 # GDCM's JPEG libraries, in C: one for each precision of the samples, and lossless. The rest of GDCM is not used.
 if(TYNDALL_DICOM_JPEG AND NOT TARGET tyndall_gdcm_jpeg)
   find_path(TYNDALL_GDCM_INCLUDE_DIR gdcmjpeg/16/jpeglib.h PATH_SUFFIXES gdcm-3.0)

@@ -8,7 +8,7 @@ build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopen
   libopenvdb-dev libnanovdb-dev "libboost-dev|libboost1.74-dev" libtbb-dev libpng-dev libjpeg-dev libwebp-dev zlib1g-dev
   libexpat1-dev libnetcdf-dev
   libjansson-dev libdraco-dev libmeshoptimizer-dev
-  libtiff-dev libgdcm-dev libcharls-dev libopenjp2-7-dev
+  libtiff-dev libgdcm-dev libcharls-dev libopenjp2-7-dev libzstd-dev
   libcairo2-dev fonts-dejavu-core libcmocka-dev libcivetweb-dev libturbojpeg0-dev)
 fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)

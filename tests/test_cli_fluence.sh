@@ -40,7 +40,8 @@ test_boxes() {
 
 test_messages() {
   usage_error 'o FILE is missing' fluence builtin:cube_g0
-  usage_error 'extension is not .vti or .vdb' fluence builtin:cube_g0 -o a.nrrd
+  usage_error 'extension is not .vti, .vdb, .ktx2 or .dds' fluence builtin:cube_g0 -o a.nrrd
+  usage_error 'texture and --scattered are for .ktx2 and .dds' fluence builtin:cube_g0 -o a.vti --texture fluence
   usage_error 'half is for .vdb' fluence builtin:cube_g0 -o a.vti --half
   usage_error "'8,8' is not X,Y,Z" fluence builtin:cube_g0 -o a.vti --size 8,8
   usage_error "'8,8,8.5' is not X,Y,Z" fluence builtin:cube_g0 -o a.vti --size 8,8,8.5
@@ -50,7 +51,28 @@ test_messages() {
   usage_error 'no media, and so no box' fluence empty.json -o a.vti
 }
 
+# Textures: all light is the uncollided and the other, by the means of their channels.
+mean_of_texture() {
+  python3 -c 'import struct, sys
+data = open(sys.argv[1], "rb").read()
+at, count = struct.unpack_from("<QQ", data, 80)
+halves = struct.unpack_from("<%de" % (count // 2), data, at)
+print(sum(halves[1::4]) / (count // 8), sum(halves[3::4]) / (count // 8))' "$1"
+}
+
+test_textures() {
+  expect 0 fluence builtin:cube_g0 -o all.ktx2 --size 6,6,6 --no-zstd --texture fluence
+  said all.json '"quantity": "fluence"'
+  expect 0 fluence builtin:cube_g0 -o rest.ktx2 --size 6,6,6 --no-zstd --texture fluence --scattered
+  said rest.json 'all but uncollided'
+  expect 0 fluence builtin:cube_g0 -o cells.vti --size 6,6,6
+  set -- $(mean_of_texture all.ktx2) $(mean_of_texture rest.ktx2)
+  near "$1" "$(mean cells.vti fluence)" 0.001
+  near "$(python3 -c "print($1 - $3)")" "$(mean cells.vti uncollided)" 0.002
+  expect 0 fluence builtin:cube_g0 -o a.dds --size 6,6,6
+}
+
 echo '{"tyndall": 1}' > empty.json
 for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
 no_temporary_files
-finish 20
+finish 30

@@ -155,7 +155,7 @@ test_images() {
   expect 0 convert a.exr a.png --exposure 1 --curve filmic
   expect 0 convert a.exr depth.png --bits 16 --channel G --scale 1000
   usage_error "no channel 'Z'" convert a.exr depth.png --bits 16 --channel Z
-  usage_error 'goes to .exr or .png' convert a.exr a.vdb
+  usage_error 'goes to .exr, .png, .ktx2 or .dds' convert a.exr a.vdb
   usage_error 'for .png' convert a.exr b.exr --bits 16
   usage_error 'neither 8 nor 16' convert a.exr a.png --bits 12
 }

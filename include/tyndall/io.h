@@ -287,6 +287,23 @@ typedef struct ty_mesh_colors {
 TY_API ty_result ty_mesh_file_write_colors(ty_context* context, const char* from, const ty_mesh_colors* colors,
                                            int64_t count, const char* extras, const char* path);
 
+/// Second texture coordinates for one mesh of a glTF file, with the vertices that its charts need.
+typedef struct ty_mesh_uv2 {
+    ty_mesh_origin origin;   ///< The mesh, as ty_scene_get_mesh() gives it; its file is ignored.
+    int64_t vertex_count;    ///< Number of new vertices.
+    const int64_t* source;   ///< Per new vertex: the vertex of the mesh that it copies.
+    const float* uv;         ///< 2 per new vertex, 0..1.
+    int64_t triangle_count;  ///< Number of triangles.
+    const uint32_t* indices; ///< 3 per triangle: new vertices.
+} ty_mesh_uv2;
+
+/// Copies a glTF file to a GLB file in which the given meshes have these vertices, with TEXCOORD_1, and these
+/// triangles; all other attributes are copied. Of a mesh that several nodes share, the first node's counts. All else is
+/// as in ty_mesh_file_write_colors(). Errors: TY_ERROR_FILE, TY_ERROR_INPUT (also meshes with morph targets or sparse
+/// accessors), TY_ERROR_MEMORY, TY_ERROR_ARGUMENT.
+TY_API ty_result ty_mesh_file_write_uv2(ty_context* context, const char* from, const ty_mesh_uv2* meshes, int64_t count,
+                                        const char* path);
+
 /// The content of a file with a phase function: text, with comments from # or ! to the end of the line.
 typedef enum ty_phase_content {
     TY_PHASE_FILE_ANGLES = 0,       ///< Lines of an angle, degrees, and a value; further columns are ignored.

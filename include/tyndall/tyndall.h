@@ -23,5 +23,6 @@
 #include <tyndall/scene.h>
 #include <tyndall/scene_editor.h>
 #include <tyndall/screen.h>
+#include <tyndall/texels.h>
 
 #endif

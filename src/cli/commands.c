@@ -19,6 +19,8 @@ const cli_command cli_commands[CLI_COMMAND_COUNT] = {
     {"fluence", "the fluence of a scene as a volume", cli_fluence, false},
     {"figure", "figures and tables of papers", cli_figure, true},
     {"bake", "precomputed light on meshes and at points", cli_bake, false},
+    {"unwrap", "texture coordinates for lightmaps", cli_unwrap, false},
+    {"export", "a bake as an engine loads it", cli_export, false},
     {"bench", "measure speed", cli_bench, true},
     {"help", "what a command does, and manual pages", cli_help, false},
 };

@@ -16,6 +16,8 @@ int cli_fluence(int count, char** arguments);
 int cli_figure(int count, char** arguments);
 int cli_flux(int count, char** arguments);
 int cli_bake(int count, char** arguments);
+int cli_export(int count, char** arguments);
+int cli_unwrap(int count, char** arguments);
 int cli_bench(int count, char** arguments);
 int cli_view(int count, char** arguments);
 int cli_help(int count, char** arguments);
@@ -27,7 +29,7 @@ typedef struct cli_command {
     bool is_tool; /* a separate program, which replaces this process */
 } cli_command;
 
-enum { CLI_COMMAND_COUNT = 15 };
+enum { CLI_COMMAND_COUNT = 17 };
 extern const cli_command cli_commands[CLI_COMMAND_COUNT];
 
 /* The command of a name; NULL, after a message that lists all commands, if there is none. asker: the name of the

@@ -86,7 +86,7 @@ static ty_result survey_mesh(const ty_scene* scene, int32_t index, const char* n
     if (survey->mesh.uv[1] == NULL)
         return ty_fail(context, TY_ERROR_INPUT,
                        "%s has no second texture coordinates to lay a lightmap out by: bake vertices instead "
-                       "(--vertices), or add a lightmap channel (UV2) in your modelling program",
+                       "(--vertices), or add a lightmap channel (UV2) by tyndall unwrap or in your modelling program",
                        survey->name);
     for (int64_t t = 0; t < survey->mesh.triangle_count; ++t) survey_triangle(survey, (size_t)t);
     if (survey->outside > 0)
@@ -99,7 +99,7 @@ static ty_result survey_mesh(const ty_scene* scene, int32_t index, const char* n
     if (!(survey->map_area > 0))
         return ty_fail(context, TY_ERROR_INPUT,
                        "%s: its second texture coordinates cover no area: bake vertices instead (--vertices), or "
-                       "unwrap the lightmap channel (UV2) in your modelling program",
+                       "unwrap the lightmap channel (UV2) by tyndall unwrap --all or in your modelling program",
                        survey->name);
     return TY_OK;
 }

@@ -1,8 +1,8 @@
 /* tyndall bake: precomputed light on meshes and at points. */
 #define _GNU_SOURCE
 #include "cli/bake/bake.h"
+#include "cli/bake/mesh_scene.h"
 #include "cli/commands.h"
-#include "cli/text/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,33 +18,8 @@ static bool is_mesh_file(const char* path) {
     return false;
 }
 
-/* Wraps a single mesh file as a scene; overrides can add lights and media. */
-static ty_result load_mesh_file(cli_session* session, const bake_options* options, ty_scene** out) {
-    const char* slash = strrchr(options->scene, '/');
-    const size_t folder_length = slash == NULL ? 0 : (size_t)(slash - options->scene) + 1;
-    cli_text memory;
-    if (!cli_text_open(&memory)) return TY_ERROR_MEMORY;
-    json_writer json = json_begin(memory.file);
-    json_open_object(&json, NULL);
-    json_int(&json, "tyndall", 1);
-    json_open_array(&json, "geometry");
-    json_open_object(&json, NULL);
-    json_text(&json, "file", options->scene + folder_length);
-    json_close_object(&json);
-    json_close_array(&json);
-    json_close_object(&json);
-    char *text = cli_text_close(&memory), *folder = strndup(options->scene, folder_length);
-    ty_result result = TY_ERROR_MEMORY;
-    if (text != NULL && folder != NULL)
-        result = ty_scene_parse(session->context, text, memory.size, options->scene, folder, options->overrides.items,
-                                options->overrides.count, out);
-    free(text);
-    free(folder);
-    return result;
-}
-
 static ty_result load_scene(cli_session* session, const bake_options* options, ty_scene** out) {
-    if (is_mesh_file(options->scene)) return load_mesh_file(session, options, out);
+    if (is_mesh_file(options->scene)) return cli_load_mesh_scene(session, options->scene, &options->overrides, out);
     return ty_scene_load(session->context, options->scene, options->overrides.items, options->overrides.count, out);
 }
 

@@ -2,9 +2,12 @@
 #include "cli/convert/convert.h"
 #include "cli/commands.h"
 #include "cli/options/raw_options.h"
+#include "io/textures/textures.h"
 #include "io/volumes/nifti/nifti.h"
 
 #include <string.h>
+
+enum { ZSTD_LEVEL = 9 };
 
 static bool has_one_of(const char* path, const char* const* extensions) {
     for (; *extensions != NULL; ++extensions)
@@ -59,7 +62,8 @@ int cli_convert(int count, char** arguments) {
     convert_volume_options volume = {.def = ty_default_volume_def()};
     ty_volume_def* def = &volume.def;
     const char *raw_size = NULL, *raw_type = NULL, *raw_spacing = NULL, *radius = NULL, *air = NULL;
-    convert_image_options image = {.scale = 65535};
+    convert_image_options image = {.scale = 65535, .texels = -1, .zstd = ty_has_zstd() ? ZSTD_LEVEL : 0};
+    bool plain = false;
     const cli_option table[] = {
         {"grid", 0, CLI_TEXT, "NAME", "grid of a VDB, NanoVDB, VTK or NetCDF file (default density, or the only one)",
          &volume.grid, 0, 0, NULL},
@@ -89,6 +93,14 @@ int cli_convert(int count, char** arguments) {
         {"curve", 0, CLI_CHOICE, "none|filmic", "curve of a PNG (default none)", &image.curve, 0, 0, NULL},
         {"bits", 0, CLI_INT, "8|16", "of a PNG's values; 16: one channel, linear (default 8)", &image.bits, 8, 16,
          NULL},
+        {"texels", 0, CLI_CHOICE, "bc6h|bc6h-signed|half|float|rgb9e5|rgbe|rgbm",
+         "of a .ktx2 or .dds texture (default bc6h); of a .png, rgbe or rgbm", &image.texels, 0, 0, NULL},
+        {"slices", 0, CLI_INT, "N", "a texture of three dimensions, from so many slices one below the other",
+         &image.slices, 1, 4096, NULL},
+        {"mipmaps", 0, CLI_FLAG, NULL, "a texture's smaller levels, too", &image.mipmaps, 0, 0, NULL},
+        {"range", 0, CLI_REAL, "V", "largest value of rgbm (default: the image's)", &image.range, 1e-30, 1e30, NULL},
+        {"zstd", 0, CLI_INT, "LEVEL", "compression of a .ktx2 by Zstandard (default 9)", &image.zstd, 1, 22, NULL},
+        {"no-zstd", 0, CLI_FLAG, NULL, "a .ktx2 without compression", &plain, 0, 0, NULL},
         {"scale", 0, CLI_REAL, "S", "what 1 becomes with --bits 16 (default 65535)", &image.scale, 1e-30, 1e30, NULL},
     };
     const cli_syntax syntax = {"convert",
@@ -97,7 +109,7 @@ int cli_convert(int count, char** arguments) {
                                "Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, DICOM (a folder or a file of a\n"
                                "series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd,\n"
                                ".vti, .nii, .nii.gz, .vol.\n"
-                               "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png.",
+                               "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png, and to textures, .ktx2, .dds.",
                                table,
                                sizeof table / sizeof table[0],
                                2,
@@ -108,6 +120,7 @@ int cli_convert(int count, char** arguments) {
     if (status == CLI_GO) status = cli_parse_raw("convert", raw_size, raw_type, raw_spacing, def);
     if (status == CLI_GO) status = cli_parse_droplets("convert", radius, air, def);
     if (status == CLI_GO) status = cli_check_output("convert", given.positional[1]);
+    if (plain) image.zstd = 0;
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "convert", &given.common);
     if (status != CLI_GO) return status;

@@ -9,6 +9,10 @@ typedef struct convert_image_options {
     double exposure, scale;
     int curve;    /* 0 none, 1 filmic */
     int32_t bits; /* bits of a PNG: 8 (also for 0) or 16 */
+    int texels;   /* a ty_texel_format; -1: that of the file */
+    int32_t slices, zstd;
+    bool mipmaps;
+    double range; /* of rgbm; 0: the image's */
 } convert_image_options;
 
 typedef struct convert_volume_options {

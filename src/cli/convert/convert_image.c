@@ -12,9 +12,31 @@ static int write_png16(cli_session* session, const ty_image* image, const conver
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
 
+/* ---- textures ---- */
+
+static bool is_texture(const char* path) {
+    return cli_has_extension(path, ".ktx2") || cli_has_extension(path, ".dds");
+}
+
+static int write_texture(cli_session* session, const ty_image* image, const convert_image_options* options,
+                         const char* output) {
+    ty_texels_def def = ty_default_texels_def();
+    const bool ktx2 = cli_has_extension(output, ".ktx2");
+    if (options->texels >= 0) def.format = (ty_texel_format)options->texels;
+    def.slices = options->slices;
+    def.mipmaps = options->mipmaps;
+    def.range = options->range;
+    def.zstd = ktx2 ? options->zstd : 0;
+    const ty_result result = ty_texels_write(session->context, image, &def, output);
+    return result == TY_OK               ? CLI_DONE
+           : result == TY_ERROR_ARGUMENT ? cli_fail_reading(session, result)
+                                         : cli_fail_running(session, result);
+}
+
 static int write_image(cli_session* session, const ty_image* image, const convert_image_options* options,
                        const char* output) {
     if (options->bits == 16) return write_png16(session, image, options, output);
+    if (is_texture(output) || options->texels >= 0) return write_texture(session, image, options, output);
     const ty_result result =
         cli_has_extension(output, ".exr")
             ? ty_image_write_exr(session->context, image, output)
@@ -24,8 +46,13 @@ static int write_image(cli_session* session, const ty_image* image, const conver
 
 static int check_options(const convert_image_options* options, const char* output) {
     const bool png = cli_has_extension(output, ".png");
-    if (!png && !cli_has_extension(output, ".exr"))
-        return cli_usage_error("convert", "%s: an image goes to .exr or .png", output);
+    if (!png && !cli_has_extension(output, ".exr") && !is_texture(output))
+        return cli_usage_error("convert", "%s: an image goes to .exr, .png, .ktx2 or .dds", output);
+    if (!is_texture(output) && !(png && options->texels >= 0) &&
+        (options->texels >= 0 || options->slices > 0 || options->mipmaps))
+        return cli_usage_error("convert", "--texels, --slices and --mipmaps are for textures, and %s is none", output);
+    if (options->bits != 0 && options->texels >= 0)
+        return cli_usage_error("convert", "--bits and --texels exclude one another");
     if (options->bits != 0 && options->bits != 8 && options->bits != 16)
         return cli_usage_error("convert", "--bits: %d is neither 8 nor 16", options->bits);
     if (options->bits == 16 && !png) return cli_usage_error("convert", "--bits is for .png, and %s is none", output);

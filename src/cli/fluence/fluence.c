@@ -1,8 +1,10 @@
 /* tyndall fluence: the fluence of a scene's light on a grid, as a volume. */
 #include "base/context.h"
 #include "cli/commands.h"
+#include "cli/fluence/fog_texture.h"
 #include "cli/methods/methods.h"
 #include "grid/grid.h"
+#include "io/textures/textures.h"
 #include "scene/media/medium.h"
 #include "scene/scene.h"
 
@@ -11,12 +13,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { SPP_MAX = 1 << 24, LONGEST_SIDE = 64, FLUENCE = 0, UNCOLLIDED = 1, PARTS = 2 };
+enum { SPP_MAX = 1 << 24, LONGEST_SIDE = 64, ZSTD_LEVEL = 9, FLUENCE = 0, UNCOLLIDED = 1, PARTS = 2 };
 
 typedef struct fluence_options {
     const char *output, *method, *size_text, *box_text, *codec;
     int32_t spp, size[3];
-    bool spp_given, half;
+    int quantity; /* a cli_fog_quantity */
+    bool spp_given, half, plain, scattered;
     cli_list overrides;
     double lower[3], upper[3];
 } fluence_options;
@@ -43,11 +46,19 @@ static bool parse_list(const char* text, int count, double* out) {
     return true;
 }
 
+static bool is_texture(const char* path) {
+    return cli_has_extension(path, ".ktx2") || cli_has_extension(path, ".dds");
+}
+
 static int check_options(fluence_options* options) {
     double sides[3], box[6];
     if (options->output == NULL) return cli_usage_error("fluence", "-o FILE is missing");
-    if (!cli_has_extension(options->output, ".vti") && !cli_has_extension(options->output, ".vdb"))
-        return cli_usage_error("fluence", "%s: the extension is not .vti or .vdb", options->output);
+    if (!cli_has_extension(options->output, ".vti") && !cli_has_extension(options->output, ".vdb") &&
+        !is_texture(options->output))
+        return cli_usage_error("fluence", "%s: the extension is not .vti, .vdb, .ktx2 or .dds", options->output);
+    if ((options->quantity != CLI_FOG_SCATTER || options->scattered) && !is_texture(options->output))
+        return cli_usage_error("fluence", "--texture and --scattered are for .ktx2 and .dds, and %s is neither",
+                               options->output);
     if (options->half && !cli_has_extension(options->output, ".vdb"))
         return cli_usage_error("fluence", "--half is for .vdb, and %s is none", options->output);
     if (options->size_text != NULL) {
@@ -176,6 +187,22 @@ static ty_result write_cells(ty_context* context, const fluence_options* options
     return result;
 }
 
+static ty_result write_light(ty_context* context, const ty_scene* scene, const fluence_options* options,
+                             fluence_cells* cells) {
+    if (!is_texture(options->output)) return write_cells(context, options, cells);
+    for (size_t i = 0; options->scattered && i < 3 * cells->cells; ++i)
+        cells->values[FLUENCE][i] = fmax(cells->values[FLUENCE][i] - cells->values[UNCOLLIDED][i], 0);
+    const cli_fog_texture fog = {.quantity = (cli_fog_quantity)options->quantity,
+                                 .lower = options->lower,
+                                 .upper = options->upper,
+                                 .size = options->size,
+                                 .scattered = options->scattered,
+                                 .fluence =
+                                     cells->values[options->quantity == CLI_FOG_UNCOLLIDED ? UNCOLLIDED : FLUENCE],
+                                 .zstd = ty_has_zstd() && !options->plain ? ZSTD_LEVEL : 0};
+    return cli_write_fog_texture(context, scene, &fog, options->output);
+}
+
 static int run(cli_session* session, const char* scene_path, fluence_options* options) {
     ty_context* context = session->context;
     ty_scene* scene = NULL;
@@ -192,7 +219,7 @@ static int run(cli_session* session, const char* scene_path, fluence_options* op
     if (status == CLI_GO) {
         result = find_light(session, scene, options, &cells);
         cli_progress_clear(&session->progress);
-        if (result == TY_OK) result = write_cells(context, options, &cells);
+        if (result == TY_OK) result = write_light(context, scene, options, &cells);
         status = result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
     }
     for (int part = 0; part < PARTS; ++part)
@@ -209,7 +236,8 @@ int cli_fluence(int count, char** arguments) {
     int method = 0;
     fluence_options options = {.output = NULL};
     const cli_option table[] = {
-        {"output", 'o', CLI_TEXT, "FILE", "the volume: .vti (ParaView) or .vdb", &options.output, 0, 0, NULL},
+        {"output", 'o', CLI_TEXT, "FILE", "the volume: .vti (ParaView), .vdb, or a texture, .ktx2 or .dds",
+         &options.output, 0, 0, NULL},
         {"method", 'm', CLI_CHOICE, "dom|fld|path", "how the light is found (default dom)", &method, 0, 0, NULL},
         {"size", 0, CLI_TEXT, "X,Y,Z", "cells along each axis (default: cubes, 64 along the longest side)",
          &options.size_text, 0, 0, NULL},
@@ -220,17 +248,26 @@ int cli_fluence(int count, char** arguments) {
         {"codec", 0, CLI_TEXT, "NAME", ".vdb: zip, blosc, none; .vti: zip, none (default: zip)", &options.codec, 0, 0,
          NULL},
         {"half", 0, CLI_FLAG, NULL, "store values as half floats (.vdb)", &options.half, 0, 0, NULL},
+        {"texture", 0, CLI_CHOICE, "scatter|fluence|uncollided",
+         "a texture's quantity: light that media scatter and emit per metre (default), fluence, or uncollided light to "
+         "be scattered",
+         &options.quantity, 0, 0, NULL},
+        {"scattered", 0, CLI_FLAG, NULL, "a texture without uncollided light, for engines that add their lights' own",
+         &options.scattered, 0, 0, NULL},
+        {"no-zstd", 0, CLI_FLAG, NULL, "a .ktx2 without compression", &options.plain, 0, 0, NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)",
          &options.overrides, 0, 0, NULL},
     };
     const cli_syntax syntax = {
         "fluence",
-        "SCENE -o OUT.vti|OUT.vdb [options]",
+        "SCENE -o OUT.vti|OUT.vdb|OUT.ktx2|OUT.dds [options]",
         "Writes the fluence of the light on a grid, as a volume.",
         "SCENE is a JSON file, or builtin:NAME. Fluence is the integral of radiance over all directions, W m^-2, as "
         "the\n"
         "mean of each cell: red, green and blue of the vectors fluence, of all light, and uncollided, of light that\n"
-        "nothing scattered. Cells are placed in metres, as voxels around their centres.",
+        "nothing scattered. Cells are placed in metres, as voxels around their centres. A texture has four half "
+        "floats,\n"
+        "of which alpha is the extinction, 1/m, and OUT.json has its box (docs/engines.md).",
         table,
         sizeof table / sizeof table[0],
         1,

@@ -53,6 +53,10 @@ ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, 
 ty_result ty_decode_rgba8(ty_context* context, const char* path, const uint8_t* bytes, size_t size, int32_t* width,
                           int32_t* height, uint8_t** rgba8);
 
+/* Writes texels of four bytes as they are; range: of RGBM, a text of the file, or NULL. */
+ty_result ty_write_png_rgba8(ty_context* context, const uint8_t* rgba8, int32_t width, int32_t height, char* range,
+                             const char* path);
+
 /* Bytes that an OpenEXR or Radiance file with this beginning may have; UINT64_MAX: unknown. */
 uint64_t ty_exr_longest(const uint8_t* head, size_t size);
 uint64_t ty_hdr_longest(const uint8_t* head, size_t size);

@@ -1,6 +1,7 @@
-/* Writing PNG: 8-bit sRGB and 16-bit gray. */
+/* Writing PNG: 8-bit sRGB, 16-bit gray, and texels of four bytes. */
 #include "base/context.h"
 #include "io/file.h"
+#include "io/images/image_file.h"
 
 #include <math.h>
 #include <png.h>
@@ -36,7 +37,8 @@ typedef struct raster {
     const void* rows;
     size_t stride; /* bytes */
     uint32_t width, height;
-    int depth, colour; /* libpng's constants; 8-bit color is sRGB, 16-bit samples are linear numbers */
+    int depth, colour; /* libpng's constants; 8-bit RGB is sRGB, all else are linear numbers */
+    char* range;       /* of RGBM, as a text of the file; NULL: none */
 } raster;
 
 /* libpng leaves by longjmp: no variable here changes between setjmp and longjmp. */
@@ -45,7 +47,12 @@ static bool encode(png_structp png, png_infop info, ty_output* output, const ras
     png_set_write_fn(png, output, write_bytes, flush_nothing);
     png_set_IHDR(png, info, image->width, image->height, image->depth, image->colour, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (image->depth == 8) png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+    if (image->colour == PNG_COLOR_TYPE_RGB) png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+    if (image->range != NULL) {
+        char key[] = "rgbm_range";
+        const png_text text = {.compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = image->range};
+        png_set_text(png, info, &text, 1);
+    }
     png_write_info(png, info);
 #if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
     if (image->depth == 16) png_set_swap(png);
@@ -84,7 +91,7 @@ ty_result ty_image_write_png(ty_context* context, const ty_image* image, double 
     uint8_t* rgb8 = ty_alloc_array(context, pixels, 3, false);
     if (rgb8 == NULL) return TY_ERROR_MEMORY;
     ty_result result = ty_image_tonemap(context, image, exposure, curve, rgb8);
-    const raster image8 = {rgb8, (size_t)width * 3, (uint32_t)width, (uint32_t)height, 8, PNG_COLOR_TYPE_RGB};
+    const raster image8 = {rgb8, (size_t)width * 3, (uint32_t)width, (uint32_t)height, 8, PNG_COLOR_TYPE_RGB, NULL};
     if (result == TY_OK) result = write_png(context, &image8, path);
     ty_free_array(context, rgb8, pixels, 3);
     return result;
@@ -109,8 +116,14 @@ ty_result ty_image_write_png16(ty_context* context, const ty_image* image, int32
     uint16_t* words = ty_alloc_array(context, pixels, sizeof *words, false);
     if (words == NULL) return TY_ERROR_MEMORY;
     for (size_t i = 0; i < pixels; ++i) words[i] = to_word(plane[i], scale);
-    const raster gray16 = {words, (size_t)width * 2, (uint32_t)width, (uint32_t)height, 16, PNG_COLOR_TYPE_GRAY};
+    const raster gray16 = {words, (size_t)width * 2, (uint32_t)width, (uint32_t)height, 16, PNG_COLOR_TYPE_GRAY, NULL};
     const ty_result result = write_png(context, &gray16, path);
     ty_free_array(context, words, pixels, sizeof *words);
     return result;
+}
+
+ty_result ty_write_png_rgba8(ty_context* context, const uint8_t* rgba8, int32_t width, int32_t height, char* range,
+                             const char* path) {
+    const raster image8 = {rgba8, (size_t)width * 4, (uint32_t)width, (uint32_t)height, 8, PNG_COLOR_TYPE_RGBA, range};
+    return write_png(context, &image8, path);
 }

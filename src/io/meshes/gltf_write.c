@@ -1,14 +1,11 @@
 /* Writing a copy of a glTF file with vertex colors. */
 #include "base/context.h"
-#include "io/file.h"
-#include "io/images/image_file.h"
-#include "io/meshes/gltf.h"
+#include "io/meshes/gltf_writer.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <tyndall/io.h>
 
-enum { GLB_HEAD = 12, CHUNK_HEAD = 8, CHUNK_JSON = 0x4e4f534a, CHUNK_BIN = 0x004e4942, COLORS_MAX = 1000 };
+enum { COLORS_MAX = 1000 };
 
 /* A color array for all primitives with the same positions and node; each fills a range of it. */
 typedef struct shared_colors {
@@ -19,217 +16,65 @@ typedef struct shared_colors {
     size_t first, past; /* range of vertices with colors */
 } shared_colors;
 
-typedef struct writer {
-    ty_gltf gltf;  /* source file */
-    json_t* root;  /* output JSON */
-    uint8_t* body; /* output binary chunk */
-    size_t size, capacity;
-    int32_t* mesh_nodes; /* per mesh: node whose colors it has, plus one; 0: none */
-    size_t mesh_count;
-    shared_colors* shared;
-    size_t shared_count, shared_capacity;
-} writer;
-
-/* ---- binary chunk ---- */
-
-/* Appends `size` bytes (zeros if bytes is NULL) aligned to four; *at is their offset. */
-static ty_result append(writer* w, const void* bytes, size_t size, size_t* at) {
-    const size_t start = (w->size + 3) & ~(size_t)3, past = start + size;
-    if (past > UINT32_MAX - 1024)
-        return ty_fail(w->gltf.context, TY_ERROR_INPUT, "%s: with colours it would be larger than a GLB can be (4 GiB)",
-                       w->gltf.path);
-    if (past > w->capacity) {
-        const size_t capacity = past > 2 * w->capacity ? past : 2 * w->capacity;
-        uint8_t* grown = ty_alloc_array(w->gltf.context, capacity, 1, true);
-        if (grown == NULL) return TY_ERROR_MEMORY;
-        if (w->size > 0) memcpy(grown, w->body, w->size);
-        ty_free_array(w->gltf.context, w->body, w->capacity, 1);
-        w->body = grown;
-        w->capacity = capacity;
-    }
-    if (bytes != NULL && size > 0) memcpy(w->body + start, bytes, size);
-    *at = start;
-    w->size = past;
-    return TY_OK;
-}
-
-/* ---- JSON ---- */
-
-static ty_result no_memory(const writer* w) {
-    return ty_fail(w->gltf.context, TY_ERROR_MEMORY, "%s: not enough memory", w->gltf.path);
-}
-
-/* A top-level array, created if missing. NULL: out of memory. */
-static json_t* top_array(writer* w, const char* name) {
-    json_t* array = json_object_get(w->root, name);
-    if (array != NULL) return array;
-    json_t* made = json_array();
-    return json_object_set_new(w->root, name, made) == 0 ? made : NULL;
-}
-
-/* Appends value to a top-level array and takes over its reference; *index is its index. */
-static ty_result add_item(writer* w, const char* name, json_t* value, int64_t* index) {
-    json_t* array = top_array(w, name);
-    if (array == NULL || value == NULL) {
-        json_decref(value);
-        return no_memory(w);
-    }
-    *index = (int64_t)json_array_size(array);
-    return json_array_append_new(array, value) == 0 ? TY_OK : no_memory(w);
-}
-
-static ty_result add_view(writer* w, size_t at, size_t size, int64_t* index) {
-    return add_item(
-        w, "bufferViews",
-        json_pack("{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)at, "byteLength", (json_int_t)size), index);
-}
-
-/* ---- existing content ---- */
-
-/* Concatenates all buffers; views of the first keep their offsets. */
-static ty_result gather_buffers(writer* w) {
-    const size_t count = ty_gltf_count(&w->gltf, "buffers");
-    json_t* views = json_object_get(w->root, "bufferViews");
-    for (size_t i = 0; i < count; ++i) {
-        const ty_gltf_buffer* buffer = NULL;
-        size_t at = 0, k;
-        json_t* view;
-        ty_result result = ty_gltf_open_buffer(&w->gltf, i, &buffer);
-        if (result == TY_OK) result = append(w, buffer->data, buffer->size, &at);
-        if (result != TY_OK) return result;
-        json_array_foreach(views, k, view) {
-            const json_t* old = ty_gltf_item(&w->gltf, "bufferViews", k);
-            if (i == 0 || json_integer_value(json_object_get(old, "buffer")) != (json_int_t)i) continue;
-            const json_int_t offset = json_integer_value(json_object_get(old, "byteOffset"));
-            if (json_object_set_new(view, "buffer", json_integer(0)) != 0 ||
-                json_object_set_new(view, "byteOffset", json_integer(offset + (json_int_t)at)) != 0)
-                return no_memory(w);
-        }
-    }
-    return TY_OK;
-}
-
-static const char* image_type(const uint8_t* bytes, size_t size) {
-    if (size >= 4 && memcmp(bytes, "\x89PNG", 4) == 0) return "image/png";
-    if (size >= 3 && memcmp(bytes, "\xff\xd8\xff", 3) == 0) return "image/jpeg";
-    return NULL;
-}
-
-static ty_result embed_image(writer* w, size_t index, json_t* image, const char* uri) {
-    const ty_json_path json_path = ty_gltf_json_path("images", index);
-    uint8_t* bytes = NULL;
-    size_t size = 0, at = 0;
-    int64_t view = 0;
-    ty_result result = ty_gltf_load_uri(&w->gltf, &json_path, uri, TY_GLTF_FILE_MAX, ty_inspect_image, &bytes, &size);
-    if (result != TY_OK) return result;
-    const char* type = image_type(bytes, size);
-    result = append(w, bytes, size, &at);
-    ty_free_file(w->gltf.context, bytes, size);
-    if (result == TY_OK) result = add_view(w, at, size, &view);
-    if (result != TY_OK) return result;
-    json_object_del(image, "uri");
-    bool done = json_object_set_new(image, "bufferView", json_integer(view)) == 0;
-    if (type != NULL) done = done && json_object_set_new(image, "mimeType", json_string(type)) == 0;
-    return done ? TY_OK : no_memory(w);
-}
-
-static ty_result embed_images(writer* w) {
-    size_t i;
-    json_t* image;
-    json_array_foreach(json_object_get(w->root, "images"), i, image) {
-        const char* uri = json_string_value(json_object_get(image, "uri"));
-        if (uri == NULL || strncmp(uri, "data:", 5) == 0) continue;
-        const ty_result result = embed_image(w, i, image, uri);
-        if (result != TY_OK) return result;
-    }
-    return TY_OK;
-}
+typedef struct color_list {
+    shared_colors* items;
+    size_t count, capacity;
+} color_list;
 
 /* ---- colors ---- */
 
-static ty_result fail_changed(const writer* w, const ty_mesh_origin* origin) {
-    return ty_fail(w->gltf.context, TY_ERROR_INPUT,
-                   "%s: node %d has no primitive %d with %lld positions; the file is not the one that was read",
-                   w->gltf.path, (int)origin->node, (int)origin->primitive, (long long)origin->vertex_total);
-}
-
-/* The mesh of a node, exclusive to it: a copy if another node has the original. */
-static ty_result node_mesh(writer* w, const ty_mesh_origin* origin, json_t** out) {
-    json_t* node = json_array_get(json_object_get(w->root, "nodes"), (size_t)origin->node);
-    json_t* meshes = json_object_get(w->root, "meshes");
-    const json_t* number = json_object_get(node, "mesh");
-    int64_t index = json_is_integer(number) ? json_integer_value(number) : -1;
-    *out = index < 0 ? NULL : json_array_get(meshes, (size_t)index);
-    if (*out == NULL) return fail_changed(w, origin);
-    if ((size_t)index >= w->mesh_count) return TY_OK; /* the copy is already this node's */
-    if (w->mesh_nodes[index] == 0) w->mesh_nodes[index] = origin->node + 1;
-    if (w->mesh_nodes[index] == origin->node + 1) return TY_OK;
-    const ty_result result = add_item(w, "meshes", json_deep_copy(*out), &index);
-    if (result != TY_OK) return result;
-    *out = json_array_get(meshes, (size_t)index);
-    return json_object_set_new(node, "mesh", json_integer(index)) == 0 ? TY_OK : no_memory(w);
-}
-
 /* Renames the primitive's existing color attribute. */
-static ty_result move_colors(writer* w, json_t* attributes) {
+static ty_result move_colors(ty_gltf_writer* w, json_t* attributes) {
     char name[32];
     json_t* old = json_object_get(attributes, "COLOR_0");
     for (int i = 1; old != NULL && i < COLORS_MAX; ++i) {
         snprintf(name, sizeof name, "COLOR_%d", i);
         if (json_object_get(attributes, name) != NULL) continue;
-        if (json_object_set(attributes, name, old) != 0) return no_memory(w);
+        if (json_object_set(attributes, name, old) != 0) return ty_gltf_no_memory(w);
         old = NULL;
     }
     return TY_OK;
 }
 
 /* Adds a color array for `total` positions, all 0. */
-static ty_result add_colors(writer* w, int32_t node, int64_t positions, int64_t total, shared_colors** out) {
+static ty_result add_colors(ty_gltf_writer* w, color_list* list, int32_t node, int64_t positions, int64_t total,
+                            shared_colors** out) {
     const size_t size = (size_t)total * 3 * sizeof(float);
     int64_t view = 0;
     shared_colors made = {.positions = positions, .node = node};
-    ty_result result = append(w, NULL, size, &made.at);
-    if (result == TY_OK) result = add_view(w, made.at, size, &view);
+    ty_result result = ty_gltf_append(w, NULL, size, &made.at);
+    if (result == TY_OK) result = ty_gltf_add_view(w, made.at, size, &view);
     if (result == TY_OK)
-        result = add_item(w, "accessors",
-                          json_pack("{s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)view, "componentType",
-                                    (int)TY_GLTF_F32, "count", (json_int_t)total, "type", "VEC3"),
-                          &made.accessor);
+        result = ty_gltf_add_item(w, "accessors",
+                                  json_pack("{s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)view, "componentType",
+                                            (int)TY_GLTF_F32, "count", (json_int_t)total, "type", "VEC3"),
+                                  &made.accessor);
     if (result != TY_OK) return result;
-    if (!ty_grow_array(w->gltf.context, (void**)&w->shared, &w->shared_capacity, w->shared_count, sizeof *w->shared))
+    if (!ty_grow_array(w->gltf.context, (void**)&list->items, &list->capacity, list->count, sizeof *list->items))
         return TY_ERROR_MEMORY;
-    w->shared[w->shared_count] = made;
-    *out = &w->shared[w->shared_count++];
+    list->items[list->count] = made;
+    *out = &list->items[list->count++];
     return TY_OK;
 }
 
 /* Color array for a primitive's vertices up to `past`: an existing one for other vertices of the same positions, or
  * a new one. */
-static ty_result find_colors(writer* w, const ty_mesh_origin* origin, int64_t positions, size_t past,
-                             shared_colors** out) {
-    for (size_t i = w->shared_count; i-- > 0;) {
-        shared_colors* shared = &w->shared[i];
+static ty_result find_colors(ty_gltf_writer* w, color_list* list, const ty_mesh_origin* origin, int64_t positions,
+                             size_t past, shared_colors** out) {
+    for (size_t i = list->count; i-- > 0;) {
+        shared_colors* shared = &list->items[i];
         if (shared->positions != positions || shared->node != origin->node) continue;
         if ((size_t)origin->first_vertex < shared->past && past > shared->first) continue;
         *out = shared;
         return TY_OK;
     }
-    return add_colors(w, origin->node, positions, origin->vertex_total, out);
+    return add_colors(w, list, origin->node, positions, origin->vertex_total, out);
 }
 
-/* Stores floats in little-endian order, as glTF requires. */
-static void put_floats(const float* in, size_t count, uint8_t* out) {
-    for (size_t i = 0; i < count; ++i) {
-        uint32_t bits;
-        memcpy(&bits, &in[i], sizeof bits);
-        for (size_t b = 0; b < 4; ++b) out[4 * i + b] = (uint8_t)(bits >> (8 * b));
-    }
-}
-
-static ty_result color_mesh(writer* w, const ty_mesh_colors* colors) {
+static ty_result color_mesh(ty_gltf_writer* w, color_list* list, const ty_mesh_colors* colors) {
     const ty_mesh_origin* origin = &colors->origin;
     json_t* mesh = NULL;
-    ty_result result = node_mesh(w, origin, &mesh);
+    ty_result result = ty_gltf_node_mesh(w, origin, &mesh);
     if (result != TY_OK) return result;
     json_t* primitive = json_array_get(json_object_get(mesh, "primitives"), (size_t)origin->primitive);
     json_t* attributes = json_object_get(primitive, "attributes");
@@ -238,17 +83,18 @@ static ty_result color_mesh(writer* w, const ty_mesh_colors* colors) {
     const json_t* accessor =
         positions < 0 ? NULL : json_array_get(json_object_get(w->root, "accessors"), (size_t)positions);
     if (json_integer_value(json_object_get(accessor, "count")) != origin->vertex_total || origin->vertex_total < 1)
-        return fail_changed(w, origin);
+        return ty_gltf_fail_changed(w, origin);
     const size_t first = (size_t)origin->first_vertex, past = first + (size_t)colors->count;
     shared_colors* shared = NULL;
     result = move_colors(w, attributes);
-    if (result == TY_OK) result = find_colors(w, origin, positions, past, &shared);
+    if (result == TY_OK) result = find_colors(w, list, origin, positions, past, &shared);
     if (result != TY_OK) return result;
-    put_floats(colors->rgb, 3 * (size_t)colors->count, w->body + shared->at + first * 3 * sizeof(float));
+    ty_gltf_put_floats(colors->rgb, 3 * (size_t)colors->count, w->body + shared->at + first * 3 * sizeof(float));
     const bool empty = shared->first == shared->past;
     shared->first = empty || first < shared->first ? first : shared->first;
     shared->past = empty || past > shared->past ? past : shared->past;
-    return json_object_set_new(attributes, "COLOR_0", json_integer(shared->accessor)) == 0 ? TY_OK : no_memory(w);
+    return json_object_set_new(attributes, "COLOR_0", json_integer(shared->accessor)) == 0 ? TY_OK
+                                                                                           : ty_gltf_no_memory(w);
 }
 
 static ty_result check_colors(ty_context* context, const ty_mesh_colors* colors, int64_t count) {
@@ -263,127 +109,18 @@ static ty_result check_colors(ty_context* context, const ty_mesh_colors* colors,
     return TY_OK;
 }
 
-/* ---- whole file ---- */
-
-static ty_result set_extras(writer* w, const char* text) {
-    if (text == NULL) return TY_OK;
-    json_t* value = json_loads(text, 0, NULL);
-    if (!json_is_object(value)) {
-        json_decref(value);
-        return ty_fail(w->gltf.context, TY_ERROR_ARGUMENT, "extras: not a JSON object");
-    }
-    json_t* extras = json_object_get(w->root, "extras");
-    if (!json_is_object(extras)) {
-        extras = json_object();
-        if (json_object_set_new(w->root, "extras", extras) != 0) extras = NULL;
-    }
-    if (extras != NULL && json_object_set(extras, "tyndall", value) == 0) {
-        json_decref(value);
-        return TY_OK;
-    }
-    json_decref(value);
-    return no_memory(w);
-}
-
-/* The single output buffer, with the keys of the first buffer except its uri. */
-static ty_result set_buffer(writer* w) {
-    const json_t* first = ty_gltf_item(&w->gltf, "buffers", 0);
-    json_t* buffer = first == NULL ? json_object() : json_deep_copy(first);
-    json_object_del(buffer, "uri");
-    if (buffer != NULL && json_object_set_new(buffer, "byteLength", json_integer((json_int_t)w->size)) == 0 &&
-        json_object_set_new(w->root, "buffers", json_pack("[o]", buffer)) == 0)
-        return TY_OK;
-    return no_memory(w);
-}
-
-static void put_u32(uint8_t* at, size_t value) {
-    for (size_t b = 0; b < 4; ++b) at[b] = (uint8_t)(value >> (8 * b));
-}
-
-static void write_chunk(ty_output* output, uint32_t type, const void* bytes, size_t size, char filler) {
-    uint8_t head[CHUNK_HEAD];
-    const size_t rest = (4 - size % 4) % 4;
-    put_u32(head, size + rest);
-    put_u32(head + 4, type);
-    ty_output_write(output, head, sizeof head);
-    ty_output_write(output, bytes, size);
-    for (size_t i = 0; i < rest; ++i) ty_output_write(output, &filler, 1);
-}
-
-static ty_result write_glb(writer* w, const char* path) {
-    char* text = json_dumps(w->root, JSON_COMPACT);
-    if (text == NULL) return no_memory(w);
-    const size_t length = strlen(text), body = (w->size + 3) & ~(size_t)3;
-    const size_t total = GLB_HEAD + 2 * CHUNK_HEAD + ((length + 3) & ~(size_t)3) + body;
-    ty_output output;
-    ty_result result = total <= UINT32_MAX ? ty_output_open(w->gltf.context, path, &output)
-                                           : ty_fail(w->gltf.context, TY_ERROR_INPUT,
-                                                     "%s: larger than a GLB can be (4 GiB)", w->gltf.path);
-    if (result == TY_OK) {
-        uint8_t head[GLB_HEAD] = {'g', 'l', 'T', 'F', 2};
-        put_u32(head + 8, total);
-        /* The commit reports write errors. */
-        ty_output_write(&output, head, sizeof head);
-        write_chunk(&output, CHUNK_JSON, text, length, ' ');
-        write_chunk(&output, CHUNK_BIN, w->body, w->size, '\0');
-        result = ty_output_commit(w->gltf.context, &output);
-    }
-    free(text);
-    return result;
-}
-
-/* Vertices of compressed meshes have no place in the file to which colors could be added. */
-static ty_result refuse_compressed(const writer* w) {
-    static const char* const names[] = {"EXT_meshopt_compression", "KHR_draco_mesh_compression"};
-    size_t i;
-    json_t* used;
-    json_array_foreach(json_object_get(w->gltf.root, "extensionsUsed"), i, used) {
-        for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
-            if (json_is_string(used) && strcmp(json_string_value(used), names[k]) == 0)
-                return ty_fail(w->gltf.context, TY_ERROR_INPUT,
-                               "%s: colours cannot be added to a file with %s; \"gltf-transform copy\" decompresses it",
-                               w->gltf.path, names[k]);
-    }
-    return TY_OK;
-}
-
-static ty_result open_file(writer* w, const uint8_t* bytes, size_t size) {
-    ty_result result = ty_gltf_open(&w->gltf, bytes, size);
-    if (result == TY_OK) result = refuse_compressed(w);
-    if (result == TY_OK) result = ty_gltf_create_tables(&w->gltf);
-    if (result != TY_OK) return result;
-    w->root = json_deep_copy(w->gltf.root);
-    if (w->root == NULL) return no_memory(w);
-    w->mesh_count = ty_gltf_count(&w->gltf, "meshes");
-    w->mesh_nodes = ty_alloc_array(w->gltf.context, w->mesh_count, sizeof *w->mesh_nodes, true);
-    if (w->mesh_nodes == NULL) return TY_ERROR_MEMORY;
-    result = gather_buffers(w);
-    return result == TY_OK ? embed_images(w) : result;
-}
-
 ty_result ty_mesh_file_write_colors(ty_context* context, const char* from, const ty_mesh_colors* colors, int64_t count,
                                     const char* extras, const char* path) {
     if (from == NULL || path == NULL || count < 0 || (count > 0 && colors == NULL))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_write_colors: an argument is NULL or negative");
-    uint8_t* bytes = NULL;
-    size_t size = 0;
     ty_result result = check_colors(context, colors, count);
-    if (result == TY_OK)
-        result = ty_read_inspected_file(context, from, TY_GLTF_FILE_MAX, ty_inspect_model, &bytes, &size);
     if (result != TY_OK) return result;
-    char* folder = ty_folder_of(context, from);
-    writer w = {.gltf = {.context = context, .path = from, .folder = folder}};
-    result = folder == NULL ? TY_ERROR_MEMORY : open_file(&w, bytes, size);
-    for (int64_t i = 0; i < count && result == TY_OK; ++i) result = color_mesh(&w, &colors[i]);
-    if (result == TY_OK) result = set_extras(&w, extras);
-    if (result == TY_OK) result = set_buffer(&w);
-    if (result == TY_OK) result = write_glb(&w, path);
-    json_decref(w.root);
-    ty_gltf_close(&w.gltf);
-    ty_free_array(context, w.mesh_nodes, w.mesh_count, sizeof *w.mesh_nodes);
-    ty_free_array(context, w.shared, w.shared_capacity, sizeof *w.shared);
-    ty_free_array(context, w.body, w.capacity, 1);
-    ty_free_text(context, folder);
-    ty_free_file(context, bytes, size);
+    ty_gltf_writer w;
+    color_list list = {.items = NULL};
+    result = ty_gltf_writer_open(&w, context, from, "colours");
+    for (int64_t i = 0; i < count && result == TY_OK; ++i) result = color_mesh(&w, &list, &colors[i]);
+    if (result == TY_OK) result = ty_gltf_writer_finish(&w, extras, path);
+    ty_gltf_writer_close(&w);
+    ty_free_array(context, list.items, list.capacity, sizeof *list.items);
     return result;
 }

@@ -1,0 +1,10 @@
+/* A mesh file as a scene of its own. */
+#ifndef TY_CLI_BAKE_MESH_SCENE_H
+#define TY_CLI_BAKE_MESH_SCENE_H
+
+#include "cli/session/session.h"
+
+/* Wraps a single mesh file as a scene; overrides can add lights and media. */
+ty_result cli_load_mesh_scene(cli_session* session, const char* path, const cli_list* overrides, ty_scene** out);
+
+#endif
