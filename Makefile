@@ -1,5 +1,5 @@
 # The few things one wants without knowing the build. Everything below is CMake (CMakePresets.json).
-.PHONY: all demo test validate docs figures matrix matrix-fine auto-model performance fuzz tsan tidy format format-check package wheel clean
+.PHONY: all demo test validate docs figures matrix matrix-fine auto-model performance fuzz tsan tidy format format-check package wheel blender-addon clean
 .DEFAULT_GOAL := all
 
 sources = $(shell find include src tools tests examples python -name '*.[ch]' -o -name '*.cpp')
@@ -124,6 +124,10 @@ package:
 wheel:
 	@scripts/setup.sh build python
 	@/usr/bin/python3 -m pip wheel ./python --no-build-isolation --no-deps --no-index -w out
+
+# The Blender add-on as a zip that Blender installs, out/tyndall_blender.zip (docs/blender.md).
+blender-addon:
+	@scripts/blender_addon.sh out/tyndall_blender.zip
 
 clean:
 	rm -rf build out

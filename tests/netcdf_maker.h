@@ -1,16 +1,18 @@
-/* Classic NetCDF files (CDF-1), made in memory without the library: dimensions, variables with text attributes, floats
- * or doubles. */
+/* Classic NetCDF files (CDF-1), made in memory without the library: dimensions, variables with attributes, floats or
+ * doubles. */
 #ifndef TY_TESTS_NETCDF_MAKER_H
 #define TY_TESTS_NETCDF_MAKER_H
 
 #include "files.h"
+
+#include <stdlib.h>
 
 enum { MADE_VARIABLES_MAX = 16, MADE_FLOAT = 5, MADE_DOUBLE = 6 };
 
 typedef struct made_variable {
     const char* name;
     int dimensions[4], count;
-    const char* attributes[4][2]; /* names and texts, up to a NULL */
+    const char* attributes[4][2]; /* names and texts, up to a NULL; "=0,2.5" are numbers */
     int type;
     const double* values;
 } made_variable;
@@ -37,6 +39,19 @@ static inline void made_text(made_bytes* to, const char* text) {
     while (to->size % 4 != 0) made_put(to, 0, 1);
 }
 
+/* Doubles that stand in a text between commas. */
+static inline void made_numbers(made_bytes* to, const char* text) {
+    double numbers[4];
+    unsigned count = 0;
+    for (char* end; count < 4 && *text != '\0'; text = end + (*end == ',')) numbers[count++] = strtod(text, &end);
+    made_put(to, count, 4);
+    for (unsigned i = 0; i < count; ++i) {
+        uint64_t bits;
+        memcpy(&bits, &numbers[i], sizeof bits);
+        made_put(to, bits, 8);
+    }
+}
+
 /* The head of a list, which is empty without items. */
 static inline void made_list(made_bytes* to, unsigned kind, int count) {
     made_put(to, count > 0 ? kind : 0, 4);
@@ -60,8 +75,12 @@ static inline void made_variable_head(made_bytes* to, const made_file* file, con
     made_list(to, ATTRIBUTES, attributes);
     for (int i = 0; i < attributes; ++i) {
         made_text(to, variable->attributes[i][0]);
-        made_put(to, TEXT, 4);
-        made_text(to, variable->attributes[i][1]);
+        const char* value = variable->attributes[i][1];
+        made_put(to, value[0] == '=' ? MADE_DOUBLE : TEXT, 4);
+        if (value[0] == '=')
+            made_numbers(to, value + 1);
+        else
+            made_text(to, value);
     }
     made_put(to, (unsigned)variable->type, 4);
     made_put(to, made_values(file, variable) * (variable->type == MADE_DOUBLE ? 8 : 4), 4);

@@ -187,6 +187,42 @@ static void probes_see_the_sky_and_backs(void** state) {
     assert_true(fabs((double)probes[0].sh[0][1][0] - sqrt(4 * pi)) < 0.02);
     for (int t = 1; t < TY_BAKE_SH_TERMS; ++t) assert_true(fabsf(probes[0].sh[0][1][t]) < 0.25f);
     assert_true(probes[0].blocked == 0 && probes[1].blocked > 0.95f);
+    assert_int_equal(ty_bake_probes(scene, &def, NULL, 2, probes, NULL), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_bake_probes(scene, &def, at, 2, NULL, NULL), TY_ERROR_ARGUMENT);
+    ty_scene_destroy(scene);
+}
+
+/* A lamp, one triangle about the line x = 0, that emits on both sides: each side emits from all of it. */
+static void two_sided_lamps_emit_evenly(void** state) {
+    ty_scene* scene = new_scene(*state);
+    const float corners[9] = {0, 1, 0, -1, -1, 0, 1, -1, 0},
+                at[12] = {-0.6f, -0.6f, 0.3f, 0.6f, -0.6f, 0.3f, -0.6f, -0.6f, -0.3f, 0.6f, -0.6f, -0.3f};
+    const uint32_t indices[3] = {0, 1, 2};
+    ty_mesh_def lamp = ty_default_mesh_def();
+    lamp.vertex_count = 3;
+    lamp.triangle_count = 1;
+    lamp.positions = corners;
+    lamp.indices = indices;
+    for (int c = 0; c < 3; ++c) lamp.material.emission[c] = 1;
+    lamp.material.double_sided = true;
+    must(*state, ty_scene_add_mesh(scene, &lamp));
+    ty_medium_def fog = medium_cube(2, 0.4, 0, 0);
+    add_medium(scene, &fog);
+    commit(scene);
+    ty_bake_probe probes[4];
+    ty_bake_def def = ty_default_bake_def();
+    def.method = TY_BAKE_IMPULSE;
+    def.spp = 1024;
+    def.scatterings = 2;
+    def.tables = tables;
+    must(*state, ty_bake_probes(scene, &def, at, 4, probes, NULL));
+    for (int i = 0; i < 4; i += 2) {
+        double light[2];
+        for (int k = 0; k < 2; ++k)
+            light[k] =
+                (double)probes[i + k].sh[TY_BAKE_SINGLE][1][0] + (double)probes[i + k].sh[TY_BAKE_MULTIPLE][1][0];
+        assert_true(fabs(light[1] / light[0] - 1) < 0.1); /* measured: 0.2 % and 3.4 % */
+    }
     ty_scene_destroy(scene);
 }
 
@@ -195,7 +231,7 @@ int main(void) {
         cmocka_unit_test(white_sky_gives_pi),           cmocka_unit_test(no_matter_changes_nothing),
         cmocka_unit_test(threads_change_nothing),       cmocka_unit_test(cancelling_leaves_what_is_done),
         cmocka_unit_test(error_bound_ends_receivers),   cmocka_unit_test(harmonics_are_orthonormal),
-        cmocka_unit_test(probes_see_the_sky_and_backs),
+        cmocka_unit_test(probes_see_the_sky_and_backs), cmocka_unit_test(two_sided_lamps_emit_evenly),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

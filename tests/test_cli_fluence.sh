@@ -48,6 +48,9 @@ test_messages() {
   usage_error "'0,0,0,1,1,0' is not" fluence builtin:cube_g0 -o a.vti --box 0,0,0,1,1,0
   usage_error "'lpv' is none of" fluence builtin:cube_g0 -o a.vti --method lpv
   usage_error 'No such file' fluence gone.json -o a.vti
+  usage_error 'codec is for .vti and .vdb' fluence builtin:cube_g0 -o a.ktx2 --codec zip
+  usage_error "codec 'gzip' is not one of zip, none" fluence builtin:cube_g0 -o a.vti --codec gzip
+  usage_error "codec 'gzip' is not one of zip, blosc, none" fluence builtin:cube_g0 -o a.vdb --codec gzip
   usage_error 'no media, and so no box' fluence empty.json -o a.vti
 }
 

@@ -24,6 +24,9 @@ test_files() {
   valid_json all.json
   said all.json '"columns": \[4, 1\]'
   said all.json '"height": 250'
+  said all.json '"spp": 16,'
+  expect 0 flux builtin:step_cloud -q --time 0.2 -o time.json
+  said time.json '"spp": [0-9]{1,7}(\.[0-9]+)?,' # what was taken, not the 2^24 that --time allows
   expect 0 flux $step --columns 4x1 -o again.json --threads 1
   checks=$((checks + 2))
   cmp -s all.json again.json || fail "again.json differs: the number of threads changes fluxes"
@@ -56,6 +59,9 @@ END
     fail "bands.csv: $(grep ,up, bands.csv)"
   expect 0 flux $step --bands bands.json -o bands.json.json
   valid_json bands.json.json
+  echo '[{"name": "440, \"blue\"", "set": {}}]' > quoted.json
+  expect 0 flux $step --levels 250 --bands quoted.json -o quoted.csv
+  rows quoted.csv '^"440, ""blue""",(up|down_diffuse|down_direct|absorbed),' 4
   echo '{}' > none.json
   echo '[{"name": "a"}]' > short.json
   echo '[{"name": "a", "set": {}, "wieght": 1}]' > key.json
@@ -72,6 +78,7 @@ END
 test_messages() {
   usage_error 'extension is not .json or .csv' flux $step -o out.exr
   usage_error "'x' is not a number" flux $step --levels 0,x
+  usage_error 'longer than [0-9]+ characters' flux $step --levels "$(seq -f %.17f -s , 1 1000)"
   usage_error '1 is not above the level before it' flux $step --levels 2,1
   usage_error "'1:y' is not ZENITH:AZIMUTH" flux $step --views 1:y
   usage_error 'zenith: 90 is outside' flux $step --views 90

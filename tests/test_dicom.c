@@ -344,6 +344,43 @@ static void doses_are_scaled(void** state) {
     ty_grid_release(grid);
 }
 
+/* Nuclear medicine: the item of a detector places the first frame, and the others stand in front of it. */
+static void detectors_place_frames(void** state) {
+    (void)state;
+    static const int64_t firsts[] = {6, 0};
+    dicom_form form = dicom_default_form();
+    form.frames = 2;
+    form.series = form.orientation = NULL;
+    int64_t samples[12];
+    for (int i = 0; i < 12; ++i) samples[i] = i;
+    for (int grouped = 0; grouped < 2; ++grouped) { /* the spacing stands alone, or in a functional group */
+        dicom_slice(&writer, &form, NULL);
+        if (grouped == 1) {
+            dicom_open_sequence(&writer, 0x52009229);
+            dicom_open_item(&writer);
+            dicom_open_sequence(&writer, 0x00289110);
+            dicom_open_item(&writer);
+        }
+        dicom_text(&writer, 0x00180088, "DS", "-2.5");
+        for (int depth = 0; depth < 2 * grouped; ++depth) {
+            dicom_close_item(&writer);
+            dicom_close_sequence(&writer);
+        }
+        dicom_open_sequence(&writer, 0x00540022);
+        dicom_open_item(&writer);
+        dicom_text(&writer, 0x00200032, "DS", "10\\20\\30");
+        dicom_text(&writer, 0x00200037, "DS", "0\\1\\0\\0\\0\\-1");
+        dicom_close_item(&writer);
+        dicom_close_sequence(&writer);
+        dicom_pixels(&writer, &form, samples);
+        put_slice("nuclear.dcm");
+        ty_grid* grid = read_series("nuclear.dcm", "");
+        assert_values(grid, firsts, 2, 1, 0);
+        assert_place(grid, (const double[]){0, 0, -2.5, 12.5, 0.5, 0, 0, 20, 0, -0.75, 0, 30});
+        ty_grid_release(grid);
+    }
+}
+
 /* ---- several series ---- */
 
 static void series_are_chosen(void** state) {
@@ -579,6 +616,18 @@ static void broken_files_are_refused(void** state) {
     make_slice(&form, "0\\0\\0", 0);
     put_slice("broken.dcm");
     assert_refused("broken.dcm", "", "not in fragments");
+    /* A million frames of one pixel, for which there is one fragment. */
+    form.columns = form.rows = 1;
+    form.allocated = form.stored = 8;
+    form.high_bit = 7;
+    form.frames = 1000000;
+    dicom_slice(&writer, &form, "0\\0\\0");
+    dicom_open_fragments(&writer, NULL, 0);
+    dicom_fragment(&writer, (const uint8_t*)"frag", 4);
+    dicom_close_sequence(&writer);
+    put_slice("broken.dcm");
+    assert_refused("broken.dcm", "", "cut short: 1 x 1 pixels");
+    form = dicom_default_form();
     form.syntax = "1.2.840.10008.1.2.1";
     dicom_slice(&writer, &form, "0\\0\\0");
     for (int i = 0; i < 20; ++i) {
@@ -625,6 +674,7 @@ int main(void) {
         cmocka_unit_test(enhanced_files_hold_a_series),
         cmocka_unit_test(sequences_of_unknown_kind_are_passed),
         cmocka_unit_test(doses_are_scaled),
+        cmocka_unit_test(detectors_place_frames),
         cmocka_unit_test(series_are_chosen),
         cmocka_unit_test(gaps_and_duplicates_are_told),
         cmocka_unit_test(compressed_frames_are_decoded),

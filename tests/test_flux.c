@@ -109,6 +109,73 @@ static void an_absorbing_layer_follows_beers_law(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* The layer under a sky of radiance 1 from above: `rows` rows of pixels, or 0: a constant one, from below, too. */
+static ty_scene* sky_scene(ty_context* context, const ty_medium_def* layer, int32_t rows) {
+    ty_scene* scene = NULL;
+    ty_image* image = NULL;
+    ty_light_def sky = sky_light(1, 1, 1);
+    ty_periodic_def def = ty_default_periodic_def();
+    def.axes[0] = def.axes[1] = true;
+    assert_int_equal(ty_scene_create(context, TY_AXIS_Z, &scene), TY_OK);
+    assert_int_equal(ty_scene_add_medium(scene, layer), TY_OK);
+    if (rows > 0) {
+        assert_int_equal(ty_image_create_rgb(context, rows, rows, &image), TY_OK);
+        for (int c = 0; c < 3; ++c)
+            for (int32_t i = 0; i < rows * rows; ++i) ty_image_plane(image, c)[i] = i < rows * rows / 2 ? 1 : 0;
+        sky.image = image;
+    }
+    assert_int_equal(ty_scene_add_light(scene, &sky), TY_OK);
+    assert_int_equal(ty_scene_set_periodic(scene, &def), TY_OK);
+    assert_int_equal(ty_scene_commit(scene), TY_OK);
+    ty_image_destroy(image);
+    return scene;
+}
+
+/* Light of a sky is direct: an absorbing layer of optical thickness 1 passes 2 pi E_3(1) of pi. A constant sky is not
+ * sampled as a light, and one of an image is; its horizon is one row of pixels wide. */
+static void light_of_the_sky_is_direct(void** state) {
+    static const double levels[2] = {0, 1};
+    const double pi = 3.14159265358979, passed = 2 * pi * 0.1096919671977;
+    const ty_medium_def layer = layer_of(0, 1, 0);
+    for (int32_t rows = 0; rows <= 256; rows += 256) {
+        ty_scene* scene = sky_scene(*state, &layer, rows);
+        ty_flux* flux = flux_of(scene, levels, 2, 1, SPP);
+        assert_is("direct above", mean_of(flux, TY_FLUX_DOWN_DIRECT, 1), pi, rows > 0 ? 1.5e-2 : 1e-6);
+        assert_is("direct below", mean_of(flux, TY_FLUX_DOWN_DIRECT, 0), passed, 1e-2);
+        assert_is("up above", mean_of(flux, TY_FLUX_UP, 1), rows > 0 ? 0 : passed, 2.5e-2);
+        assert_is("up below", mean_of(flux, TY_FLUX_UP, 0), rows > 0 ? 0 : pi, 1e-2);
+        for (int i = 0; i < 2; ++i) assert_is("diffuse", mean_of(flux, TY_FLUX_DOWN_DIFFUSE, i), 0, 0);
+        ty_flux_destroy(flux);
+        ty_scene_destroy(scene);
+    }
+}
+
+/* Light that a layer emits is diffuse: pi (1 - 2 E_3(1)) on both sides, also where its density is a grid. */
+static void emission_of_media_is_diffuse(void** state) {
+    static const double levels[2] = {0, 1};
+    static const float ones[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+    const double expected = 3.14159265358979 * (1 - 2 * 0.1096919671977);
+    ty_grid_def def = ty_default_grid_def();
+    ty_grid* grid = NULL;
+    for (int a = 0; a < 3; ++a) def.size[a] = 2;
+    def.values = ones;
+    assert_int_equal(ty_grid_create(*state, &def, &grid), TY_OK);
+    for (int gridded = 0; gridded < 2; ++gridded) {
+        ty_medium_def layer = layer_of(0, 1, 0);
+        set3f(layer.emission, 1, 1, 1);
+        layer.density_grid = gridded == 1 ? grid : NULL;
+        ty_scene* scene = layer_scene(*state, &layer, 0, 0);
+        ty_flux* flux = flux_of(scene, levels, 2, 1, SPP);
+        assert_is("diffuse below", mean_of(flux, TY_FLUX_DOWN_DIFFUSE, 0), expected, 3e-2);
+        assert_is("diffuse above", mean_of(flux, TY_FLUX_DOWN_DIFFUSE, 1), 0, 1e-4);
+        assert_is("up above", mean_of(flux, TY_FLUX_UP, 1), expected, 3e-2);
+        assert_is("direct below", mean_of(flux, TY_FLUX_DOWN_DIRECT, 0), exp(-1), 1e-2);
+        ty_flux_destroy(flux);
+        ty_scene_destroy(scene);
+    }
+    ty_grid_release(grid);
+}
+
 /* A periodic box is a slab: van de Hulst 1980, as MCML's paper cites it: diffuse reflectance 0.09739 and total
  * transmittance 0.66096 for g = 0.75, albedo 0.9 and optical thickness 2 at normal incidence. */
 static void a_layer_has_published_fluxes(void** state) {
@@ -214,6 +281,7 @@ static void open_scenes_have_fluxes(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_places_are_refused),     cmocka_unit_test(an_absorbing_layer_follows_beers_law),
+        cmocka_unit_test(light_of_the_sky_is_direct),   cmocka_unit_test(emission_of_media_is_diffuse),
         cmocka_unit_test(a_layer_has_published_fluxes), cmocka_unit_test(energy_is_in_balance),
         cmocka_unit_test(views_see_the_ground),         cmocka_unit_test(open_scenes_have_fluxes),
     };

@@ -5,6 +5,7 @@
 
 #include <tyndall/io.h>
 
+#include <dlfcn.h>
 #include <math.h>
 
 /* Skips the tests where the library is missing. */
@@ -149,6 +150,95 @@ static void edges_of_domains_are_read(void** state) {
     ty_grid_release(grid);
 }
 
+/* Depths of 0.5, 1.5 and 2.5 m are heights below 0, of which the deepest comes first. */
+static void depths_go_down(void** state) {
+    if (is_skipped(state)) skip();
+    static const double depths[] = {0.5, 1.5, 2.5}, line[] = {0, 1};
+    static const double values[] = {1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+    const made_file file = {{"depth", "y", "x"},
+                            {3, 2, 2},
+                            {{"depth", {0}, 1, {{"units", "m"}, {"positive", "down"}}, MADE_DOUBLE, depths},
+                             {"y", {1}, 1, {{"units", "m"}}, MADE_DOUBLE, line},
+                             {"x", {2}, 1, {{"units", "m"}}, MADE_DOUBLE, line},
+                             {"q", {0, 1, 2}, 3, {{NULL}}, MADE_FLOAT, values}}};
+    make_netcdf("depth.nc", &file);
+    ty_grid* grid = read_named("depth.nc", "q");
+    const ty_grid_info info = ty_grid_get_info(grid);
+    assert_float_equal(info.index_to_local.m[10], 1, 1e-12);
+    assert_float_equal(info.index_to_local.m[11], -2.5, 1e-12);
+    for (int k = 0; k < 3; ++k) assert_float_equal(ty_grid_voxel(grid, 0, 1, k), (double)(3 - k), 0);
+    ty_grid_release(grid);
+}
+
+static void missing_values_are_zero(void** state) {
+    if (is_skipped(state)) skip();
+    static const double values[] = {-999, 1, 2, 3, 4, 5, NAN, 7};
+    static const char* const limits[][4] = {{"_FillValue", "=-999", NULL},
+                                            {"missing_value", "=-999", NULL},
+                                            {"valid_min", "=0", "valid_max", "=5"},
+                                            {"valid_range", "=0,5", NULL}};
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
+        const char* const* limit = limits[i];
+        const made_file file = {
+            {"a", "b", "c"},
+            {2, 2, 2},
+            {{"q",
+              {0, 1, 2},
+              3,
+              {{"scale_factor", "=2"}, {"add_offset", "=1"}, {limit[0], limit[1]}, {limit[2], limit[3]}},
+              MADE_FLOAT,
+              values}}};
+        make_netcdf("missing.nc", &file);
+        ty_grid* grid = read_named("missing.nc", "q");
+        assert_float_equal(ty_grid_voxel(grid, 0, 0, 0), 0, 0);
+        assert_float_equal(ty_grid_voxel(grid, 1, 0, 1), 11, 0);
+        assert_float_equal(ty_grid_voxel(grid, 0, 1, 1), 0, 0);
+        assert_float_equal(ty_grid_voxel(grid, 1, 1, 1), i < 2 ? 15 : 0, 0);
+        ty_grid_release(grid);
+    }
+}
+
+/* Files of version 4 may have texts as strings, such as those that h5netcdf writes. */
+static void units_may_be_strings(void** state) {
+    if (is_skipped(state)) skip();
+    static const char* const names[] = {"libnetcdf.so.22", "libnetcdf.so.19", "libnetcdf.so.18", "libnetcdf.so"};
+    static const char *const axes[] = {"z", "y", "x"}, *const units[] = {"km"};
+    static const double line[] = {0, 1}, values[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    enum { NETCDF4 = 0x1000, DOUBLE = 6 };
+    void* library = NULL;
+    for (size_t i = 0; i < sizeof names / sizeof names[0] && library == NULL; ++i) library = dlopen(names[i], RTLD_NOW);
+    if (library == NULL) skip();
+    int (*create)(const char*, int, int*), (*close)(int), (*end)(int);
+    int (*add_dimension)(int, const char*, size_t, int*), (*put)(int, int, const double*);
+    int (*add_variable)(int, const char*, int, int, const int*, int*);
+    int (*add_strings)(int, int, const char*, size_t, const char**);
+    *(void**)&create = dlsym(library, "nc_create");
+    *(void**)&close = dlsym(library, "nc_close");
+    *(void**)&end = dlsym(library, "nc_enddef");
+    *(void**)&add_dimension = dlsym(library, "nc_def_dim");
+    *(void**)&put = dlsym(library, "nc_put_var_double");
+    *(void**)&add_variable = dlsym(library, "nc_def_var");
+    *(void**)&add_strings = dlsym(library, "nc_put_att_string");
+    int file, dimensions[3], lines[3], variable;
+    if (create("strings.nc", NETCDF4, &file) != 0) skip();
+    for (int a = 0; a < 3; ++a) {
+        const char* unit[] = {units[0]};
+        assert_int_equal(add_dimension(file, axes[a], 2, &dimensions[a]), 0);
+        assert_int_equal(add_variable(file, axes[a], DOUBLE, 1, &dimensions[a], &lines[a]), 0);
+        assert_int_equal(add_strings(file, lines[a], "units", 1, unit), 0);
+    }
+    assert_int_equal(add_variable(file, "q", DOUBLE, 3, dimensions, &variable), 0);
+    assert_int_equal(end(file), 0);
+    for (int a = 0; a < 3; ++a) assert_int_equal(put(file, lines[a], line), 0);
+    assert_int_equal(put(file, variable, values), 0);
+    assert_int_equal(close(file), 0);
+    ty_grid* grid = read_named("strings.nc", "q");
+    assert_float_equal(ty_grid_get_info(grid).index_to_local.m[0], 1000, 1e-9);
+    assert_float_equal(ty_grid_voxel(grid, 1, 1, 0), 3, 0);
+    ty_grid_release(grid);
+    dlclose(library);
+}
+
 static void times_are_components(void** state) {
     if (is_skipped(state)) skip();
     static double values[2 * 8];
@@ -191,7 +281,8 @@ static const made_file cloud = {{"z", "y", "x"},
                                  {"qc", {0, 1, 2}, 3, {{"units", "g/kg"}}, MADE_FLOAT, ratios},
                                  {"odd", {0, 1, 2}, 3, {{"units", "furlong"}}, MADE_FLOAT, ratios},
                                  {"reff", {0}, 1, {{"units", "um"}}, MADE_FLOAT, radii},
-                                 {"rho", {0}, 1, {{"units", "kg m-3"}}, MADE_FLOAT, airs}}};
+                                 {"rho", {0}, 1, {{"units", "kg m-3"}}, MADE_FLOAT, airs},
+                                 {"one_radius", {0}, 0, {{"units", "um"}}, MADE_FLOAT, radii}}};
 
 /* sigma_t = 3 LWC / (2 rho_w r_e): 0.4 g/m^3 of droplets of 12 micrometres have 0.05/m. */
 static void droplets_have_their_extinction(void** state) {
@@ -204,6 +295,11 @@ static void droplets_have_their_extinction(void** state) {
     assert_float_equal(ty_grid_voxel(grid, 0, 0, 1), 0.05, 1e-8);
     for (int i = 0; i < 8; ++i)
         assert_float_equal(ty_grid_voxel(grid, i & 1, i >> 1 & 1, i >> 2), 1.5 * water[i] / radii[i >> 2], 1e-7);
+    ty_grid_release(grid);
+    def.effective_radius = "one_radius"; /* a scalar */
+    grid = read_def("cloud.nc", &def);
+    for (int i = 0; i < 8; ++i)
+        assert_float_equal(ty_grid_voxel(grid, i & 1, i >> 1 & 1, i >> 2), 1.5 * water[i] / radii[0], 1e-7);
     ty_grid_release(grid);
     def.effective_radius = NULL;
     def.droplet_radius = 10;
@@ -287,6 +383,9 @@ int main(void) {
         cmocka_unit_test_setup_teardown(axes_may_have_any_order, start_with_library, stop),
         cmocka_unit_test_setup_teardown(uneven_levels_keep_their_integral, start_with_library, stop),
         cmocka_unit_test_setup_teardown(edges_of_domains_are_read, start_with_library, stop),
+        cmocka_unit_test_setup_teardown(depths_go_down, start_with_library, stop),
+        cmocka_unit_test_setup_teardown(missing_values_are_zero, start_with_library, stop),
+        cmocka_unit_test_setup_teardown(units_may_be_strings, start_with_library, stop),
         cmocka_unit_test_setup_teardown(times_are_components, start_with_library, stop),
         cmocka_unit_test_setup_teardown(droplets_have_their_extinction, start_with_library, stop),
         cmocka_unit_test_setup_teardown(broken_files_are_refused, start_with_library, stop),

@@ -208,6 +208,12 @@ static void sform_comes_before_qform(void** state) {
             grid = read_component("placed.nii", 0);
             assert_place(grid, (const double[]){0, -2, 0, 1, 1.5, 0, 0, 2, 0, 0, -2.5, 3}, 1e-6);
             ty_grid_release(grid);
+            set_real(76, 104, 0, 0);
+            set_real(76, 104, 3, 0); /* a spacing that a single slice may lack */
+            put("placed.nii");
+            grid = read_component("placed.nii", 0);
+            assert_place(grid, (const double[]){0, -2, 0, 1, 1.5, 0, 0, 2, 0, 0, 1, 3}, 1e-6);
+            ty_grid_release(grid);
             set_code(254, 348, 2);
             for (int i = 0; i < 12; ++i) set_real(280, 400, i, rows[i]);
             put("placed.nii");

@@ -52,6 +52,57 @@ def address(made):
     return made.__array_interface__["data"][0]
 
 
+@needs_numpy
+class Gradients(unittest.TestCase):
+    """Derivatives of a loss, and fluxes."""
+
+    def scene(self, density):
+        medium = {"density": density, "bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 5, "sigma_a": 0.2}
+        return tyndall.Scene({"media": [medium], "lights": FOG["lights"]})
+
+    def loss(self, density, weights):
+        light = self.scene(density).solve("fld", tolerance=1e-7)
+        return float((weights * light.fluence(size=6).values).sum())
+
+    def test_voxels_agree_with_differences(self):
+        density = cloud() + np.float32(0.1)
+        random = np.random.default_rng(4)
+        weights = random.uniform(0, 1, (6, 6, 6))[..., None] * np.ones(3)
+        step = (0.01 * random.uniform(0, 1, density.shape)).astype(np.float32)
+        scene = self.scene(density)
+        light = scene.solve("fld", tolerance=1e-6)
+        gradient = light.gradient(weights, size=6)
+        self.assertTrue(gradient.stats["converged"])
+        self.assertEqual(gradient.density().shape, density.shape)
+        self.assertEqual(gradient.extinction.shape, density.shape)
+        difference = (self.loss(density + step, weights) - self.loss(density - step, weights)) / 2
+        self.assertAlmostEqual(float((gradient.density() * step).sum()) / difference, 1, delta=1e-3)
+        total = float((weights * light.fluence(size=6).values).sum())
+        self.assertAlmostEqual(gradient.lights.sum() / total, 1, delta=1e-5)  # the loss is linear in the light
+        self.assertEqual(set(gradient.medium()), {"sigma_s", "sigma_a", "g"})
+        same = light.gradient(weights[..., 0], size=6)
+        np.testing.assert_array_equal(same.density(), gradient.density())
+
+    def test_errors(self):
+        light = tyndall.Scene(FOG).solve("fld")
+        with self.assertRaisesRegex(tyndall.ArgumentError, "shape"):
+            light.gradient(np.zeros((2, 2, 2)), size=3)
+        with self.assertRaisesRegex(tyndall.ArgumentError, "voxels"):
+            light.gradient(np.zeros((3, 3, 3)), size=3).density()
+        with self.assertRaisesRegex(tyndall.ArgumentError, "dom"):
+            tyndall.Scene(FOG).solve("dom").gradient(np.zeros((3, 3, 3)), size=3)
+
+    def test_flux(self):
+        flux = tyndall.Scene("builtin:step_cloud").flux([0, 250], columns=(4, 1), views=[[0, 0]], spp=256)
+        self.assertEqual(flux.up.shape, (2, 1, 4, 3))
+        self.assertEqual(flux.absorbed.shape, (1, 4, 3))
+        self.assertEqual(flux.radiance.shape, (1, 1, 4, 3))
+        # What comes in leaves, upwards, downwards or into the cloud.
+        leaves = flux.up[1].mean() + flux.down[0].mean() + flux.absorbed.mean()
+        self.assertAlmostEqual(leaves / flux.down[1].mean(), 1, delta=0.05)
+        self.assertTrue((flux.errors["up"][1] > 0).all())
+
+
 class Buffers(unittest.TestCase):
     """Memory of images, grids and fields."""
 
@@ -103,6 +154,17 @@ class Buffers(unittest.TestCase):
         self.assertEqual(sys.getrefcount(image._core), before)
         self.assertEqual(image.__dlpack_device__(), (1, 0))
         np.testing.assert_array_equal(np.from_dlpack(image), image.rgb)
+        image.__dlpack__(stream=None, max_version=(1, 0), dl_device=(1, 0), copy=False)
+        for wish in ({"copy": True}, {"dl_device": (2, 0)}):
+            with self.assertRaises(BufferError):
+                image.__dlpack__(**wish)
+
+    @needs_numpy
+    def test_contiguity(self):
+        any_contiguous, view = 0x98, (ctypes.c_byte * 256)()  # PyBUF_ANY_CONTIGUOUS
+        colors = tyndall.Scene(FOG).render()._core.colors("R", "G", "B")
+        with self.assertRaises(BufferError):
+            ctypes.pythonapi.PyObject_GetBuffer(ctypes.py_object(colors), view, any_contiguous)
 
     @needs_numpy
     def test_volumes_borrow_arrays(self):
@@ -205,6 +267,13 @@ class Buffers(unittest.TestCase):
         with self.assertRaises(tyndall.Error):
             _core.grid_create(tyndall.default_context(), memoryview(b"\0" * 8).cast("c", (2, 2, 2)), None, 0.0)
 
+    @needs_numpy
+    def test_arrays_beyond_memory(self):
+        """Their number of bytes as floats is 8 modulo 2^64."""
+        points = np.broadcast_to(np.uint8(0), (1537228672809129302, 3))
+        with self.assertRaisesRegex(tyndall.ArgumentError, "too large"):
+            tyndall.Scene(FOG)._core.set_mesh("large", points, np.zeros((1, 3), np.uint32), None, None, None)
+
 
 class Scenes(unittest.TestCase):
     """Documents and changes."""
@@ -245,6 +314,7 @@ class Scenes(unittest.TestCase):
         with self.assertRaises(tyndall.FileError) as caught:
             tyndall.Scene("missing.json")
         self.assertIsInstance(caught.exception, OSError)
+        self.assertEqual(caught.exception.file, "missing.json")
         with self.assertRaisesRegex(tyndall.InputError, "did you mean|unknown|not a key") as caught:
             tyndall.Scene(FOG).render("dom", directionz=48)
         self.assertIn("render.dom", caught.exception.key)
@@ -326,6 +396,42 @@ class Scenes(unittest.TestCase):
         self.assertTrue(refused and "in use" in refused[0], refused)
         scene["media[0].g"] = 0.1
 
+    @needs_numpy
+    def test_scenes_are_not_read_while_they_change(self):
+        scene = tyndall.Scene(FOG)
+        answers, done = set(), threading.Event()
+
+        def read():
+            while not done.is_set():
+                try:
+                    answers.add(scene.info["lights"] == 1 and "media" in scene.document and scene.hash != "" and
+                                scene.camera["fov_y"] > 0 and scene.settings["spp"] > 0)
+                except tyndall.ArgumentError as error:
+                    answers.add(str(error))
+
+        reader = threading.Thread(target=read)
+        reader.start()
+        for _ in range(40):
+            scene["media[0].density"] = np.ones((48, 48, 48), np.float32)
+        done.set()
+        reader.join()
+        refusal = "the scene is being changed in another thread"
+        self.assertIn(refusal, answers)
+        self.assertLessEqual(answers, {True, refusal})
+
+    @needs_numpy
+    def test_volumes_of_other_contexts(self):
+        """A scene keeps the context of its grids."""
+        scene = tyndall.Scene(FOG)
+        context = tyndall.Context(1)
+        before = sys.getrefcount(context)
+        scene["media[0].density"] = tyndall.Volume(cloud(), context=context)
+        scene._given.clear()
+        self.assertGreater(sys.getrefcount(context), before)
+        del scene
+        gc.collect()
+        self.assertEqual(sys.getrefcount(context), before)
+
 
 class Rendering(unittest.TestCase):
     """Images, fields and their progress."""
@@ -362,8 +468,20 @@ class Rendering(unittest.TestCase):
         pathlib.Path("own.png").write_bytes(image.to_png(exposure=1))
         self.assertEqual(tyndall.diff(tyndall.read("own.png"), tyndall.read("saved.png"))["differing"], 0)
         self.assertEqual(image._repr_png_()[:8], b"\x89PNG\r\n\x1a\n")
-        with self.assertRaises(tyndall.ArgumentError):
-            image.save("saved.gif")
+        for name, options in (("saved.gif", {}), ("saved.exr", {"channel": "depth.Z"})):
+            with self.assertRaises(tyndall.ArgumentError):
+                image.save(name, **options)
+
+    @needs_numpy
+    def test_colors_of_files_are_in_order(self):
+        """Channels of EXR files are in alphabetical order."""
+        image = tyndall.Scene(FOG).render(channels=["single", "normal"])
+        image.save("order.exr")
+        read = tyndall.read("order.exr")
+        for layer in ("single", "normal", ""):
+            np.testing.assert_array_equal(read[layer], image[layer])
+        with self.assertRaisesRegex(tyndall.ArgumentError, "no colours"):
+            tyndall.Image({"depth": image["R"], "mask": image["G"]}).rgb
 
     @needs_numpy
     def test_fields(self):
@@ -441,6 +559,16 @@ class Rendering(unittest.TestCase):
         self.assertEqual(image.metadata["tyndall.complete"], 0)
         with self.assertRaises(tyndall.Cancelled):
             tyndall.Scene(FOG).render("dom", resolution=64, directions=1024, progress=lambda p: False)
+
+    def test_exceptions_of_functions(self):
+        """They come through, with the partial image."""
+        def fail(_):
+            raise RuntimeError("enough")
+
+        for function in ("progress", "partial"):
+            with self.assertRaisesRegex(RuntimeError, "enough") as caught:
+                tyndall.Scene(FOG).render(seconds=30, **{function: fail})
+            self.assertFalse(caught.exception.image.complete)
 
     def interrupt_soon(self, delay=0.3):
         timer = threading.Timer(delay, os.kill, (os.getpid(), signal.SIGINT))
@@ -585,6 +713,8 @@ class Tools(unittest.TestCase):
         self.assertEqual(scene.bake("probes", grid=box, spp=4).size, (2, 2))
         with self.assertRaisesRegex(tyndall.Error, "spp"):
             scene.bake("vertices", spp=0)
+        with self.assertRaisesRegex(tyndall.ArgumentError, "terms: 7"):
+            scene.bake("probes", grid=box, terms=7)
 
     @needs_numpy
     def test_denoise(self):
@@ -595,11 +725,13 @@ class Tools(unittest.TestCase):
         self.assertLess(clean.diff(truth)["relative_rmse"][3], noisy.diff(truth)["relative_rmse"][3])
         self.assertIn("error", clean.layers)
         self.assertGreater(clean.stats["raw_error"], clean.stats["error"])
+        crop = scene.render(spp=8, channels=tyndall.DENOISE_CHANNELS, crop=(8, 4, 12, 8))
+        self.assertEqual(crop.denoise().frame, crop.frame)
 
     @needs_numpy
     def test_volume_files(self):
         volume = tyndall.Volume(cloud(), spacing=0.5, origin=(1, 2, 3))
-        for name in ("cloud.vdb", "cloud.nvdb", "cloud.nrrd"):
+        for name in ("cloud.vdb", "cloud.nvdb", "cloud.nrrd", "cloud.vti", "cloud.vol"):
             volume.save(name)
             read = tyndall.Volume.read(name)
             self.assertIn("grids", tyndall.info(name))
@@ -608,6 +740,26 @@ class Tools(unittest.TestCase):
         cloud().tofile("cloud.raw")
         raw = tyndall.Volume.read("cloud.raw", raw={"size": (12, 12, 12), "type": "float"})
         np.testing.assert_array_equal(raw.values, cloud())
+
+    def test_named_grids(self):
+        """Of a file with two, the one that is named is read, or none."""
+        arrays = "".join(f'<DataArray type="Float32" Name="{name}" format="ascii">{value} {value}</DataArray>'
+                         for name, value in (("density", 1), ("heat", 7)))
+        pathlib.Path("two.vti").write_text(
+            '<VTKFile type="ImageData"><ImageData WholeExtent="0 1 0 0 0 0"><Piece Extent="0 1 0 0 0 0"><PointData>'
+            f"{arrays}</PointData></Piece></ImageData></VTKFile>", encoding="utf-8")
+        self.assertEqual([grid["name"] for grid in tyndall.info("two.vti")["grids"]], ["density", "heat"])
+        self.assertEqual(tyndall.Volume.read("two.vti").info["max"], 1)
+        self.assertEqual(tyndall.Volume.read("two.vti", "heat").info["max"], 7)
+        with self.assertRaisesRegex(tyndall.InputError, "ice"):
+            tyndall.Volume.read("two.vti", "ice")
+
+    def test_long_lists(self):
+        names = [f"m{i}" for i in range(70)]
+        pathlib.Path("many.mtl").write_text("".join(f"newmtl {name}\nKd 0.5 0.5 0.5\n" for name in names))
+        faces = "".join(f"usemtl {name}\nf 1 2 3\n" for name in names)
+        pathlib.Path("many.obj").write_text(f"mtllib many.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}")
+        self.assertEqual(len(tyndall.info("many.obj")["entries"]), 70)
 
     @needs_numpy
     def test_the_pages_examples_run(self):

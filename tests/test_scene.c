@@ -37,6 +37,9 @@ static void wrong_cameras_are_refused(void** state) {
         CAMERA(resolution[0], FIELD_INT, 0, "camera.resolution[0]: 0 is outside [1, 65536]"),
         CAMERA(resolution[1], FIELD_INT, 65537, "camera.resolution[1]: 65537"),
         CAMERA(exposure, FIELD_DOUBLE, INFINITY, "camera.exposure"),
+        CAMERA(shift[1], FIELD_DOUBLE, 101, "camera.shift[1]: 101"),
+        CAMERA(aperture_radius, FIELD_DOUBLE, -1, "camera.aperture_radius: -1"),
+        CAMERA(focus_distance, FIELD_DOUBLE, NAN, "camera.focus_distance"),
     };
     ty_scene* scene = make_scene(*state);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {

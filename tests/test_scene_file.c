@@ -115,6 +115,7 @@ static void camera_and_render_are_read(void** state) {
     const ty_render_settings render = ty_scene_render_settings(scene);
     assert_int_equal(render.spp, 7);
     assert_true(render.seed == 9007199254740991u);
+    assert_int_equal(camera.moves, 0);
     expect_option(scene, "path", "max_depth", "3");
     expect_option(scene, "screen", "variant", "naive");
     expect_option(scene, "screen", "spread", "gaussian");
@@ -122,6 +123,24 @@ static void camera_and_render_are_read(void** state) {
     expect_option(scene, "screen", "levels", "5");
     expect_option(scene, "screen", "environment", "lights");
     expect_option(scene, "screen", "balance", "false");
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+static void lenses_and_motion_are_read(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    ty_scene* scene = parse(context, "{\"tyndall\":1,\"meters_per_unit\":0.5,\"camera\":{\"position\":[1,2,3],"
+                                     "\"target\":[4,5,7],\"shift\":[0.25,-0.5],\"aperture_radius\":0.25,"
+                                     "\"focus_distance\":8,\"motion\":{\"position\":[2,2,3]}}}");
+    const ty_camera_def camera = ty_scene_camera(scene);
+    assert_true(camera.shift[0] == 0.25 && camera.shift[1] == -0.5);
+    assert_float_equal(camera.aperture_radius, 0.125, 0);
+    assert_float_equal(camera.focus_distance, 4, 0);
+    assert_int_equal(camera.moves, 1);
+    expect_vector(camera.end_position, 1, 1, 1.5);
+    expect_vector(camera.end_target, 2, 2.5, 3.5);
+    expect_vector(camera.end_up, 0, 1, 0);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }
@@ -452,10 +471,12 @@ static void overrides_change_the_scene(void** state) {
 /* ---- Every key ---- */
 
 static const char every_key[] =
-    "{\"$schema\":\"scene.schema.json\",\"tyndall\":1,\"meters_per_unit\":1,\"up_axis\":\"z\",\"frame\":1,"
+    "{\"$schema\":\"scene.schema.json\",\"tyndall\":1,\"comment\":[\"by "
+    "hand\"],\"meters_per_unit\":1,\"up_axis\":\"z\",\"frame\":1,"
     "\"camera\":{\"file\":\"camera.gltf\",\"name\":\"front\",\"position\":[0,-5,0],\"target\":[0,0,0],\"up\":[0,0,1],"
     "\"fov_y\":40,\"resolution\":[8,6],"
-    "\"exposure\":0},"
+    "\"exposure\":0,\"shift\":[0,0],\"aperture_radius\":0,\"focus_distance\":5,\"motion\":{\"position\":[0,-5,0],"
+    "\"target\":[0,0,0],\"up\":[0,0,1]}},"
     "\"media\":[{\"name\":\"a\",\"density\":1,\"bounds\":{\"sphere\":{\"center\":[0,0,0],\"radius\":1}},"
     "\"transform\":{\"translate\":[0,0,0],\"rotate\":[0,0,0],\"scale\":[1,1,1]},\"sigma_s\":1,\"sigma_a\":1,\"scale\":"
     "1,\"g\":0},"
@@ -754,6 +775,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_smallest_scene_has_the_defaults),
         cmocka_unit_test(camera_and_render_are_read),
+        cmocka_unit_test(lenses_and_motion_are_read),
         cmocka_unit_test(coefficients_are_read),
         cmocka_unit_test(phase_functions_are_read),
         cmocka_unit_test(lights_are_read),

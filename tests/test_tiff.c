@@ -305,6 +305,26 @@ static void descriptions_are_parsed(void** state) {
     const ty_stack_layout layout = ty_stack_parse("ImageJ=1\nimages=12\nframes=3\nunit=micron\n");
     assert_true(layout.slices == 4 && layout.times == 3);
     assert_string_equal(layout.unit, "micron");
+    assert_true(ty_stack_parse("ImageJ=1\nspacing=-1.5\n").spacing[2] == 1.5);
+}
+
+/* More planes than numbers of 32 bits count. */
+static void impossible_planes_are_refused(void** state) {
+    (void)state;
+    const stack_form form = {.bits = 8,
+                             .format = SAMPLEFORMAT_UINT,
+                             .compression = COMPRESSION_NONE,
+                             .samples = 1,
+                             .pages = 1,
+                             .description = "ImageJ=1\nslices=16777216\nchannels=16777216\nframes=16777216\n"};
+    ty_volume_def def = ty_default_volume_def();
+    ty_grid* grid = NULL;
+    int32_t components;
+    write_stack("planes.tif", &form);
+    assert_failed(context, ty_volume_read(context, "planes.tif", &def, &grid), TY_ERROR_INPUT, "planes.tif",
+                  "up to 65536 values");
+    assert_failed(context, ty_volume_components(context, "planes.tif", &def, &components), TY_ERROR_INPUT, "planes.tif",
+                  "up to 65536 values");
 }
 
 static void broken_files_are_refused(void** state) {
@@ -358,8 +378,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_page_is_read), cmocka_unit_test(imagej_tells_spacing_and_channels),
         cmocka_unit_test(planes_may_follow_one_page), cmocka_unit_test(ome_tells_order_and_spacing),
-        cmocka_unit_test(descriptions_are_parsed),    cmocka_unit_test(broken_files_are_refused),
-        cmocka_unit_test(memory_may_run_out),
+        cmocka_unit_test(descriptions_are_parsed),    cmocka_unit_test(impossible_planes_are_refused),
+        cmocka_unit_test(broken_files_are_refused),   cmocka_unit_test(memory_may_run_out),
     };
     TIFFSetErrorHandler(NULL);
     TIFFSetWarningHandler(NULL);

@@ -58,7 +58,8 @@ typedef enum ty_flux_quantity {
     TY_FLUX_DOWN_DIRECT = 2,  ///< Flux of light of lights, environments among them, that sinks through a level and was
                               ///< neither scattered nor reflected, W m^-2.
     TY_FLUX_ABSORBED = 3,     ///< Power that the media of a column absorb, over its area, W m^-2.
-    TY_FLUX_RADIANCE = 4 ///< Radiance of a view, W m^-2 sr^-1, without light that is neither scattered nor emitted.
+    TY_FLUX_RADIANCE = 4      ///< Radiance of a view, W m^-2 sr^-1: also that of environments behind the media, but not
+                              ///< that of directional lights, whose direct light has none.
 } ty_flux_quantity;
 
 /// Fluxes by columns.

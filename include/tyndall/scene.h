@@ -38,6 +38,15 @@ typedef struct ty_camera_def {
     double fov_y;          ///< Full vertical angle of view, degrees, (0, 180); default 40.
     int32_t resolution[2]; ///< Width and height, pixels, 1..65536; default 800 x 600.
     double exposure;       ///< Exposure for display alone, stops; default 0.
+    double shift[2]; ///< Shift of the view to the right and up, as off a lens that is moved in parallel to the film:
+                     ///< fractions of the frame's height, [-100, 100]; default 0. `target` stays on the axis.
+    double aperture_radius; ///< Radius of the thin lens, m, [0, 1e9]; default 0: a pinhole, which is sharp everywhere.
+    double focus_distance; ///< Distance along the axis of the plane in focus, m, [0, 1e9]; default 0: through `target`.
+    int32_t moves;         ///< Nonzero: the shutter is open while the camera goes from `position`, `target` and `up` to
+                           ///< `end_position`, `end_target` and `end_up`, linearly; default 0.
+    double end_position[3]; ///< m; default (0, 0, 5).
+    double end_target[3];   ///< m; default (0, 0, 0).
+    double end_up[3];       ///< Default (0, 1, 0).
 } ty_camera_def;
 
 /// The shape that bounds a medium.

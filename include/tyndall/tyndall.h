@@ -10,6 +10,7 @@
 #include <tyndall/dom.h>
 #include <tyndall/fld.h>
 #include <tyndall/flux.h>
+#include <tyndall/gradient.h>
 #include <tyndall/grid.h>
 #include <tyndall/image.h>
 #include <tyndall/impulse.h>

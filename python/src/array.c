@@ -79,8 +79,9 @@ static int get_buffer(PyObject* self, Py_buffer* view, int flags) {
     const bool contiguous = is_contiguous(array), wants_strides = (flags & PyBUF_STRIDES) == PyBUF_STRIDES;
     const bool wants_c = (flags & PyBUF_C_CONTIGUOUS) == PyBUF_C_CONTIGUOUS;
     const bool wants_f = (flags & PyBUF_F_CONTIGUOUS) == PyBUF_F_CONTIGUOUS && array->ndim > 1;
+    const bool wants_any = (flags & PyBUF_ANY_CONTIGUOUS) == PyBUF_ANY_CONTIGUOUS;
     view->obj = NULL;
-    if ((!wants_strides && !contiguous) || (wants_c && !contiguous) || wants_f) {
+    if (((!wants_strides || wants_c || wants_any) && !contiguous) || wants_f) {
         PyErr_SetString(PyExc_BufferError, "the array is not contiguous in this order; its strides are needed");
         return -1;
     }
@@ -120,11 +121,27 @@ static void release_capsule(PyObject* capsule) {
     tensor->deleter(tensor);
 }
 
+/* True for no device and for the host's memory. */
+static bool is_host(PyObject* device) {
+    int type = 0, number = 0;
+    if (device == Py_None) return true;
+    if (PyTuple_Check(device) && PyArg_ParseTuple(device, "ii", &type, &number)) return type == DL_CPU;
+    PyErr_Clear();
+    return false;
+}
+
 static PyObject* dlpack(PyObject* self, PyObject* arguments, PyObject* keywords) {
+    static char* names[] = {"stream", "max_version", "dl_device", "copy", NULL};
     array_object* array = (array_object*)self;
-    (void)arguments, (void)keywords; /* streams are for devices; the first version of the protocol has no others */
-    if (array->readonly) {
-        PyErr_SetString(PyExc_BufferError, "the array is read-only, which DLPack cannot tell; copy it");
+    PyObject *stream, *version, *device = Py_None, *copy = Py_None; /* streams are for devices */
+    if (!PyArg_ParseTupleAndKeywords(arguments, keywords, "|$OOOO", names, &stream, &version, &device, &copy))
+        return NULL;
+    const char* refusal = array->readonly    ? "the array is read-only, which DLPack cannot tell; copy it"
+                          : !is_host(device) ? "the array is in the host's memory alone"
+                          : copy == Py_True  ? "the array is not copied by DLPack; copy its view"
+                                             : NULL;
+    if (refusal != NULL) {
+        PyErr_SetString(PyExc_BufferError, refusal);
         return NULL;
     }
     DLManagedTensor* tensor = calloc(1, sizeof *tensor);
@@ -184,7 +201,8 @@ static Py_ssize_t length(PyObject* self) {
 
 static PyMethodDef methods[] = {
     {"__dlpack__", (PyCFunction)(void (*)(void))dlpack, METH_VARARGS | METH_KEYWORDS,
-     "__dlpack__(*, stream=None)\n--\n\nA DLPack capsule of the same memory."},
+     "__dlpack__(*, stream=None, max_version=None, dl_device=None, copy=None)\n--\n\nA DLPack capsule of the same "
+     "memory."},
     {"__dlpack_device__", dlpack_device, METH_NOARGS, "__dlpack_device__()\n--\n\n(1, 0): the host's memory."},
     {NULL, NULL, 0, NULL}};
 

@@ -176,9 +176,9 @@ void call_run(call* running) {
             heed(running, running->poll(running->user));
     }
     if (apart) pthread_join(thread, NULL);
+    if (drain_log(running->context) != 0) keep_exception(running);
     pthread_mutex_destroy(&running->lock);
     pthread_cond_destroy(&running->wake);
-    if (drain_log(running->context) != 0) keep_exception(running);
 }
 
 int call_raise(call* running, PyObject* partial) {

@@ -36,11 +36,17 @@ static bool read_format(input* in) {
 }
 
 static int finish(input* in, const char* what) {
+    /* Strides of 0 make arrays larger than memory. */
+    const Py_ssize_t most = PTRDIFF_MAX / (Py_ssize_t)sizeof(double);
+    bool fits = true;
     in->count = 1;
-    for (int i = 0; i < in->ndim; ++i) in->count *= in->shape[i];
-    if (in->count > 0) return 0;
+    for (int i = 0; i < in->ndim; ++i) {
+        fits = fits && (in->shape[i] <= 0 || in->count <= most / in->shape[i]);
+        if (fits) in->count *= in->shape[i];
+    }
+    if (fits && in->count > 0) return 0;
     input_close(in);
-    raise_argument("%s: the array is empty", what);
+    raise_argument(fits ? "%s: the array is empty" : "%s: the array is too large", what);
     return -1;
 }
 
@@ -69,6 +75,7 @@ static bool read_tensor(input* in, const DLTensor* tensor) {
     in->kind = tensor->dtype.code == DL_FLOAT ? 'f' : tensor->dtype.code == DL_INT ? 'i' : 'u';
     in->itemsize = tensor->dtype.bits / 8;
     if (in->itemsize != 1 && in->itemsize != 2 && in->itemsize != 4 && in->itemsize != 8) return false;
+    if (in->kind == 'f' && in->itemsize == 1) return false;
     in->data = (const char*)tensor->data + tensor->byte_offset;
     in->ndim = tensor->ndim;
     Py_ssize_t stride = in->itemsize;

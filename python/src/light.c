@@ -357,6 +357,12 @@ static PyObject* radiance(PyObject* self, PyObject* arguments) {
     return radiance_along(&running, rays, &w, false);
 }
 
+static PyObject* gradient(PyObject* self, PyObject* arguments) {
+    light_object* light = (light_object*)self;
+    if (light->solver != FLD) return raise_argument("gradients are of fld, not of %s", names[light->solver]);
+    return light_gradient(light->light, arguments);
+}
+
 /* ---- the same by path tracing ---- */
 
 static int start_path(const ty_scene* scene, scene_object* object, int spp, unsigned long long seed, call* running,
@@ -464,6 +470,8 @@ static PyGetSetDef properties[] = {{"method", get_method, NULL, "Name of the met
 static PyMethodDef methods[] = {
     {"view", view, METH_VARARGS, "view(scene, size, spp, seed, aovs, progress)\n--\n\nAn image."},
     {"fluence", fluence, METH_VARARGS, "fluence(lower, upper, size)\n--\n\n(fluence, uncollided, flux)."},
+    {"gradient", gradient, METH_VARARGS,
+     "gradient(scene, lower, upper, size, weights, progress)\n--\n\n(stats, box, coefficients, lights, media)."},
     {"radiance", radiance, METH_VARARGS, "radiance(rays)\n--\n\n(radiance, None)."},
     {NULL, NULL, 0, NULL}};
 

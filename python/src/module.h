@@ -52,8 +52,9 @@ typedef struct array_object {
 typedef struct scene_object {
     PyObject_HEAD context_object* context;
     ty_scene_editor* editor;
-    int32_t users; /* calls that read the scene */
-    int32_t edits; /* calls that change it */
+    int32_t users;    /* calls that read the scene */
+    int32_t edits;    /* calls that change it */
+    PyObject* others; /* contexts of grids that it may hold; NULL: its own alone */
 } scene_object;
 
 typedef struct light_object light_object;
@@ -182,10 +183,14 @@ PyObject* scene_render(PyObject* self, PyObject* arguments);
 PyObject* scene_choose(PyObject* self, PyObject* arguments);
 PyObject* scene_solve(PyObject* self, PyObject* arguments);
 PyObject* scene_fluence(PyObject* self, PyObject* arguments);
+PyObject* scene_flux(PyObject* self, PyObject* arguments);
 PyObject* scene_radiance(PyObject* self, PyObject* arguments);
 PyObject* scene_transmittance(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_lightmap(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_vertices(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_probes(PyObject* self, PyObject* arguments);
+
+/* (scene, lower, upper, size, weights, progress) -> (stats, box, (extinction, albedo, g), lights, media), for light of fld. */
+PyObject* light_gradient(const ty_fld* light, PyObject* arguments);
 
 #endif

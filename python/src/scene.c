@@ -11,6 +11,7 @@ PyTypeObject* scene_type;
 static void destroy(PyObject* self) {
     scene_object* scene = (scene_object*)self;
     ty_scene_editor_close(scene->editor);
+    Py_XDECREF(scene->others);
     Py_XDECREF((PyObject*)scene->context);
     free_object(self);
 }
@@ -168,6 +169,13 @@ static PyObject* give(scene_object* scene, ty_result (*function)(void* user), me
     Py_RETURN_NONE;
 }
 
+/* Keeps the context of a grid, which the scene may hold longer than others do: 0, or -1 after an exception. */
+static int keep_context(scene_object* scene, context_object* context) {
+    if (context == scene->context) return 0;
+    if (scene->others == NULL) scene->others = PySet_New(NULL);
+    return scene->others != NULL ? PySet_Add(scene->others, (PyObject*)context) : -1;
+}
+
 static PyObject* set_volume(PyObject* self, PyObject* arguments) {
     scene_object* scene = (scene_object*)self;
     memory_work w = {.editor = scene->editor};
@@ -178,6 +186,7 @@ static PyObject* set_volume(PyObject* self, PyObject* arguments) {
         PyObject* grid = PyTuple_GetItem(grids, i);
         if (!PyObject_TypeCheck(grid, grid_type)) return raise_argument("%s: expected a Grid", w.name);
         w.grids[i] = ((grid_object*)grid)->grid;
+        if (keep_context(scene, ((grid_object*)grid)->context) != 0) return NULL;
     }
     return give(scene, give_volume, &w);
 }
@@ -241,25 +250,34 @@ static PyObject* drop(PyObject* self, PyObject* arguments) {
 
 /* ---- attributes ---- */
 
+/* The scene as it is, for a reader that keeps the interpreter's lock; NULL after an exception if it is being changed.
+ */
+static const ty_scene* scene_of(PyObject* self) {
+    const ty_scene* scene = scene_begin((scene_object*)self);
+    if (scene != NULL) scene_end((scene_object*)self);
+    return scene;
+}
+
 static PyObject* get_text(PyObject* self, void* closure) {
     (void)closure;
+    if (scene_of(self) == NULL) return NULL;
     return PyUnicode_FromString(ty_scene_editor_text(((scene_object*)self)->editor));
 }
 
-static const ty_scene* scene_of(PyObject* self) {
-    return ty_scene_editor_scene(((scene_object*)self)->editor);
-}
-
 static PyObject* get_hash(PyObject* self, void* closure) {
+    const ty_scene* scene = scene_of(self);
     char text[20];
     (void)closure;
-    snprintf(text, sizeof text, "%016" PRIx64, ty_scene_hash(scene_of(self)));
+    if (scene == NULL) return NULL;
+    snprintf(text, sizeof text, "%016" PRIx64, ty_scene_hash(scene));
     return PyUnicode_FromString(text);
 }
 
 static PyObject* get_info(PyObject* self, void* closure) {
-    const ty_scene_info info = ty_scene_get_info(scene_of(self));
+    const ty_scene* scene = scene_of(self);
     (void)closure;
+    if (scene == NULL) return NULL;
+    const ty_scene_info info = ty_scene_get_info(scene);
     return Py_BuildValue("{s:i,s:i,s:i,s:i,s:L,s:L,s:L,s:N,s:N,s:N,s:n}", "media", (int)info.media, "lights",
                          (int)info.lights, "shapes", (int)info.shapes, "meshes", (int)info.meshes, "triangles",
                          (long long)info.triangles, "textures", (long long)info.textures, "emitters",
@@ -269,15 +287,19 @@ static PyObject* get_info(PyObject* self, void* closure) {
 }
 
 static PyObject* get_settings(PyObject* self, void* closure) {
-    const ty_render_settings settings = ty_scene_render_settings(scene_of(self));
+    const ty_scene* scene = scene_of(self);
     (void)closure;
+    if (scene == NULL) return NULL;
+    const ty_render_settings settings = ty_scene_render_settings(scene);
     return Py_BuildValue("{s:s,s:i,s:K}", "method", settings.method, "spp", (int)settings.spp, "seed",
                          (unsigned long long)settings.seed);
 }
 
 static PyObject* get_camera(PyObject* self, void* closure) {
-    const ty_camera_def camera = ty_scene_camera(scene_of(self));
+    const ty_scene* scene = scene_of(self);
     (void)closure;
+    if (scene == NULL) return NULL;
+    const ty_camera_def camera = ty_scene_camera(scene);
     return Py_BuildValue("{s:N,s:N,s:N,s:d,s:N,s:d}", "position", tuple_of_doubles(camera.position, 3), "target",
                          tuple_of_doubles(camera.target, 3), "up", tuple_of_doubles(camera.up, 3), "fov_y",
                          camera.fov_y, "resolution", tuple_of_ints(camera.resolution, 2), "exposure", camera.exposure);
@@ -307,6 +329,9 @@ static PyMethodDef methods[] = {
      "fluence(lower, upper, size, spp, seed, progress)\n--\n\n(fluence, uncollided, variance) by path tracing."},
     {"radiance", scene_radiance, METH_VARARGS,
      "radiance(rays, spp, seed, progress)\n--\n\n(radiance, variance) by path tracing."},
+    {"flux", scene_flux, METH_VARARGS,
+     "flux(levels, views, columns, area, spp, seed, progress)\n--\n\nPairs of values "
+     "and errors: up, down_diffuse, down_direct, absorbed, radiance."},
     {"transmittance", scene_transmittance, METH_VARARGS, "transmittance(start, end, spp, seed)\n--\n\nOf the media."},
     {"bake_lightmap", scene_bake_lightmap, METH_VARARGS,
      "bake_lightmap(mesh, options, atlas, progress)\n--\n\nAn image."},

@@ -158,27 +158,25 @@ static PyGetSetDef properties[] = {
 
 typedef struct file_work {
     ty_context* context;
-    const char *path, *name, *codec;
+    const char *path, *name, *codec; /* codec: NULL: the format's first */
     ty_volume_def def;
     const ty_grid* grid;
     ty_grid* out;
-    ty_vdb_entry* entries;
+    void* entries; /* ty_vdb_entry or ty_mesh_file_entry */
     int32_t capacity, count;
     ty_scene_info info;
-    ty_mesh_file_entry* meshes;
 } file_work;
 
 static ty_result write_volume(void* user) {
     file_work* w = user;
-    if (strcmp(w->codec, "nrrd") == 0) return ty_nrrd_write(w->context, w->grid, TY_NRRD_CODEC_GZIP, w->path);
-    if (strcmp(w->codec, "nvdb") == 0) return ty_nanovdb_write(w->context, w->grid, w->name, "zip", w->path);
-    return ty_vdb_write(w->context, w->grid, w->name, w->codec, w->path);
+    const ty_volume_field field = {.name = w->name, .components = 1, .grids = {w->grid}};
+    return ty_volume_write(w->context, &field, 1, w->codec, w->path);
 }
 
 static PyObject* grid_write(PyObject* self, PyObject* arguments) {
     grid_object* grid = (grid_object*)self;
     file_work w = {.context = grid->context->context, .grid = grid->grid};
-    if (!PyArg_ParseTuple(arguments, "sss", &w.path, &w.name, &w.codec)) return NULL;
+    if (!PyArg_ParseTuple(arguments, "ssz", &w.path, &w.name, &w.codec)) return NULL;
     if (call_simple(grid->context, write_volume, &w) != 0) return NULL;
     Py_RETURN_NONE;
 }
@@ -230,9 +228,11 @@ static PyObject* volume_read(PyObject* module, PyObject* arguments) {
     file_work w = {.def = ty_default_volume_def()};
     int component, frame;
     (void)module;
-    if (!PyArg_ParseTuple(arguments, "O!ssiiO", context_type, &context, &w.path, &w.def.grid, &component, &frame, &raw))
+    if (!PyArg_ParseTuple(arguments, "O!sziiO", context_type, &context, &w.path, &w.name, &component, &frame, &raw))
         return NULL;
     w.context = context->context;
+    if (w.name != NULL) w.def.grid = w.name;
+    w.def.exact_grid = w.name != NULL;
     w.def.component = component;
     w.def.frame = frame;
     if (read_raw(raw, &w.def) != 0) return NULL;
@@ -241,9 +241,9 @@ static PyObject* volume_read(PyObject* module, PyObject* arguments) {
     return NULL;
 }
 
-static ty_result list_vdb(void* user) {
+static ty_result list_volume(void* user) {
     file_work* w = user;
-    return ty_vdb_list(w->context, w->path, w->entries, w->capacity, &w->count);
+    return ty_volume_list(w->context, w->path, w->entries, w->capacity, &w->count);
 }
 
 static PyObject* vdb_entry(const ty_vdb_entry* entry) {
@@ -266,18 +266,31 @@ static int append(PyObject* list, PyObject* item) {
     return status;
 }
 
-static PyObject* vdb_list(PyObject* module, PyObject* arguments) {
-    enum { CAPACITY = 256 };
+/* Lists the entries of a file, again with room for all of them if there are many: 0, or -1 after an exception. They are
+ * freed by free(). */
+static int list_entries(context_object* context, ty_result (*function)(void* user), file_work* w, size_t size) {
+    w->context = context->context;
+    for (w->capacity = 64;; w->capacity = w->count) {
+        free(w->entries);
+        w->entries = calloc((size_t)w->capacity, size);
+        if (w->entries == NULL) {
+            PyErr_NoMemory();
+            return -1;
+        }
+        if (call_simple(context, function, w) != 0) return -1;
+        if (w->count <= w->capacity) return 0;
+    }
+}
+
+static PyObject* volume_list(PyObject* module, PyObject* arguments) {
     context_object* context;
-    file_work w = {.capacity = CAPACITY};
+    file_work w = {.entries = NULL};
     (void)module;
     if (!PyArg_ParseTuple(arguments, "O!s", context_type, &context, &w.path)) return NULL;
-    w.context = context->context;
-    w.entries = calloc(CAPACITY, sizeof *w.entries);
-    if (w.entries == NULL) return PyErr_NoMemory();
-    PyObject* list = call_simple(context, list_vdb, &w) == 0 ? PyList_New(0) : NULL;
-    for (int32_t i = 0; list != NULL && i < w.count && i < CAPACITY; ++i)
-        if (append(list, vdb_entry(&w.entries[i])) != 0) {
+    PyObject* list = list_entries(context, list_volume, &w, sizeof(ty_vdb_entry)) == 0 ? PyList_New(0) : NULL;
+    const ty_vdb_entry* entries = w.entries;
+    for (int32_t i = 0; list != NULL && i < w.count; ++i)
+        if (append(list, vdb_entry(&entries[i])) != 0) {
             Py_DECREF(list);
             list = NULL;
         }
@@ -287,25 +300,22 @@ static PyObject* vdb_list(PyObject* module, PyObject* arguments) {
 
 static ty_result list_mesh(void* user) {
     file_work* w = user;
-    return ty_mesh_file_list(w->context, w->path, &w->info, w->meshes, w->capacity, &w->count);
+    return ty_mesh_file_list(w->context, w->path, &w->info, w->entries, w->capacity, &w->count);
 }
 
 static PyObject* mesh_list(PyObject* module, PyObject* arguments) {
-    enum { CAPACITY = 1024 };
     context_object* context;
-    file_work w = {.capacity = CAPACITY};
+    file_work w = {.entries = NULL};
     (void)module;
     if (!PyArg_ParseTuple(arguments, "O!s", context_type, &context, &w.path)) return NULL;
-    w.context = context->context;
-    w.meshes = calloc(CAPACITY, sizeof *w.meshes);
-    if (w.meshes == NULL) return PyErr_NoMemory();
-    PyObject* list = call_simple(context, list_mesh, &w) == 0 ? PyList_New(0) : NULL;
-    for (int32_t i = 0; list != NULL && i < w.count && i < CAPACITY; ++i)
-        if (append(list, mesh_entry(&w.meshes[i])) != 0) {
+    PyObject* list = list_entries(context, list_mesh, &w, sizeof(ty_mesh_file_entry)) == 0 ? PyList_New(0) : NULL;
+    const ty_mesh_file_entry* entries = w.entries;
+    for (int32_t i = 0; list != NULL && i < w.count; ++i)
+        if (append(list, mesh_entry(&entries[i])) != 0) {
             Py_DECREF(list);
             list = NULL;
         }
-    free(w.meshes);
+    free(w.entries);
     if (list == NULL) return NULL;
     return Py_BuildValue("{s:i,s:L,s:i,s:N,s:N,s:N}", "meshes", (int)w.info.meshes, "triangles",
                          (long long)w.info.triangles, "lights", (int)w.info.lights, "lower",
@@ -320,6 +330,6 @@ PyMethodDef volume_functions[] = {
      "float32 in C order and all finite. placement: 12 numbers of a map from voxel indices to metres, or None."},
     {"volume_read", volume_read, METH_VARARGS,
      "volume_read(context, path, grid, component, frame, raw)\n--\n\nReads a volume file."},
-    {"vdb_list", vdb_list, METH_VARARGS, "vdb_list(context, path)\n--\n\nThe grids of a file."},
+    {"volume_list", volume_list, METH_VARARGS, "volume_list(context, path)\n--\n\nThe grids of a file."},
     {"mesh_list", mesh_list, METH_VARARGS, "mesh_list(context, path)\n--\n\nThe content of a mesh file."},
     {NULL, NULL, 0, NULL}};

@@ -14,6 +14,8 @@ from ._core import version as __version__
 from ._compare import Comparison, compare, medium, screen
 from ._errors import ArgumentError, Cancelled, Error, FileError, InputError, OutOfMemory, Unsupported
 from ._fields import Box, Field, Fields, Light
+from ._flux import Flux
+from ._gradient import Gradient
 from ._image import Image, denoise, diff, read
 from ._progress import Progress
 from ._scene import CHANNELS, DENOISE_CHANNELS, Scene, method_options, methods, schema
@@ -21,7 +23,7 @@ from ._volume import Mesh, Volume, info
 
 __all__ = [
     "ArgumentError", "Box", "CHANNELS", "Cancelled", "Comparison", "Context", "DENOISE_CHANNELS", "Error", "Field",
-    "Fields", "FileError", "Image", "InputError", "Light", "Mesh", "OutOfMemory", "Progress", "Scene", "Unsupported",
-    "Volume", "blackbody", "compare", "default_context", "denoise", "diff", "info", "medium", "method_options", "methods",
+    "Fields", "FileError", "Flux", "Gradient", "Image", "InputError", "Light", "Mesh", "OutOfMemory", "Progress", "Scene",
+    "Unsupported", "Volume", "blackbody", "compare", "default_context", "denoise", "diff", "info", "medium", "method_options", "methods",
     "presets", "read", "schema", "screen", "set_default",
 ]

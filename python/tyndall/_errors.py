@@ -9,7 +9,7 @@ _logger = logging.getLogger("tyndall")
 _SECTIONS = "media|lights|camera|geometry|render|frame|tyndall|meters_per_unit|up_axis"
 _PLACE = re.compile(r"(?P<file>[^\n]+?):(?P<line>\d+): (?:(?P<key>[A-Za-z_][\w.\[\]]*): )?")
 _KEY = re.compile(rf"(?P<key>(?:{_SECTIONS})\b[\w.\[\]]*): ")
-_FILE = re.compile(r"(?P<file>[^\s:][^\n:]*\.\w+): ")
+_FILE = re.compile(r"(?:cannot (?:open|read|write|replace) )?(?P<file>[^\s:][^\n:]*\.\w+): ")
 
 
 class Error(Exception):

@@ -9,6 +9,7 @@ from ._image import Image
 from ._progress import ProgressChoice, Reporter
 
 if TYPE_CHECKING:
+    from ._gradient import Gradient
     from ._scene import Scene
 
 Vector = Sequence[float]
@@ -143,7 +144,7 @@ class Light:
     """
 
     def __init__(self, core: Any, scene: "Scene", method: str, stats: dict[str, Any], box: Box, spp: int,
-                 seed: int) -> None:
+                 seed: int, options: Optional[dict[str, Any]] = None) -> None:
         self._core = core
         self._scene = scene
         self.method = method
@@ -152,6 +153,7 @@ class Light:
         """The cells of fields() for which no box is given: those of the solve around the scene's bounds."""
         self._spp = spp
         self._seed = seed
+        self._options = options or {}
 
     def fields(self, lower: Optional[Vector] = None, upper: Optional[Vector] = None,
                size: Union[None, int, Sequence[int]] = None, *, progress: ProgressChoice = None) -> Fields:
@@ -184,6 +186,30 @@ class Light:
         made = (self._core.radiance(rays) if self._core is not None else
                 self._scene._core.radiance(rays, self._spp, self._seed, None))
         return _arrays.view(made[0])
+
+    def gradient(self, weights: Any, lower: Optional[Vector] = None, upper: Optional[Vector] = None,
+                 size: Union[None, int, Sequence[int]] = None, *, progress: ProgressChoice = None) -> "Gradient":
+        """Derivatives of a loss by densities, coefficients and lights, for the cost of about three more solves (fld).
+
+        weights: the derivatives of the loss by the values of fluence(lower, upper, size), (nz, ny, nx, 3), or (nz, ny,
+        nx) for the sum of the channels. The scene must be the one that was solved. Its light should have converged well:
+        solve("fld", tolerance=1e-5). Not for scenes with surfaces, point and area lights, and media that emit
+        (docs/gradients.md).
+        """
+        from ._gradient import Gradient
+
+        if self._core is None:
+            raise ArgumentError("gradients are of fld, not of path")
+        box = box_of(self.box, lower, upper, size)
+        numpy = _arrays.numpy
+        given = numpy.asarray(weights, dtype=numpy.float64)
+        if given.ndim == 3:
+            given = numpy.repeat(given[..., None], 3, axis=-1)
+        if given.shape != (*reversed(box.size), 3):
+            raise ArgumentError(f"weights of shape {given.shape}, not {(*reversed(box.size), 3)}")
+        with self._scene._temporary(self._options):
+            with Reporter(progress) as report:
+                return Gradient(self._core.gradient(self._scene._core, *box, numpy.ascontiguousarray(given), report))
 
     def render(self, size: Optional[Tuple[int, int]] = None, *, camera: Optional[dict[str, Any]] = None,
                channels: Union[str, Iterable[str]] = (), spp: Optional[int] = None, seed: Optional[int] = None,

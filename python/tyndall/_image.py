@@ -110,7 +110,7 @@ class Image:
         if len(parts) == 1:
             return _arrays.view(self._core.channel(parts[0]))
         if len(parts) == 3:
-            return self._three(parts)
+            return self._three(_in_order(parts))
         raise KeyError(f"{name!r}; known: {', '.join(self.channels)}")
 
     def _three(self, names: Sequence[str]) -> Any:
@@ -129,7 +129,9 @@ class Image:
     def _color_names(self) -> Sequence[str]:
         if {"R", "G", "B"} <= set(self.channels):
             return ("R", "G", "B")
-        return (self.channels[0],) * 3 if len(self.channels) == 1 else ("Y",) * 3
+        if len(self.channels) > 1 and "Y" not in self.channels:
+            raise ArgumentError(f"the image has no colours; its channels are {', '.join(self.channels)}")
+        return (self.channels[0] if len(self.channels) == 1 else "Y",) * 3
 
     def _colors(self) -> Any:
         memory = self._core.colors(*self._color_names())
@@ -216,6 +218,8 @@ class Image:
         """
         name = os.fspath(path)
         lower = name.lower()
+        if channel is not None and not lower.endswith(".png"):
+            raise ArgumentError(f"{name}: one channel alone is written to .png")
         if lower.endswith(".exr"):
             self._core.write_exr(name)
         elif lower.endswith(".png") and channel is not None:
@@ -235,7 +239,7 @@ class Image:
         variables = {}
         for layer in self.layers:
             prefix = layer + "." if layer else ""
-            names = [c for c in self.channels if c.rpartition(".")[0] == layer]
+            names = _in_order([c for c in self.channels if c.rpartition(".")[0] == layer])
             data = numpy.stack([self[name] for name in names], axis=-1)
             dim = "channel" if [n[len(prefix):] for n in names] == ["R", "G", "B"] else f"{layer}_channel"
             coords.setdefault(dim, [n[len(prefix):] for n in names])
@@ -245,6 +249,12 @@ class Image:
     def __repr__(self) -> str:
         note = "" if self.complete else ", partial"
         return f"<tyndall.Image {self.width}x{self.height}, {', '.join(self.layers[1:]) or 'R, G, B'}{note}>"
+
+
+def _in_order(names: list[str]) -> list[str]:
+    """Channels of a layer, colours as R, G, B: files may have them by the alphabet."""
+    colors = [name for end in "RGB" for name in names if name.rpartition(".")[2] == end]
+    return colors if len(colors) == len(names) else names
 
 
 def _from_arrays(arrays: Any) -> Any:
@@ -277,7 +287,11 @@ def _renamed(core: Any, layers: Mapping[str, str]) -> Any:
         layer, _, channel = name.rpartition(".")
         new = layers.get(layer, layer)
         arrays[f"{new}.{channel}" if new else channel] = _arrays.view(core.channel(name))
-    return _from_arrays(arrays)
+    made = _from_arrays(arrays)
+    made.set_frame(*core.frame)
+    for key, value in core.metadata.items():
+        made.set_metadata(key, value)
+    return made
 
 
 def _for_sequence(image: Image) -> Any:

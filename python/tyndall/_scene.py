@@ -12,6 +12,7 @@ from . import _arrays, _core
 from ._context import default_context
 from ._errors import ArgumentError, InputError, OutOfMemory, Unsupported
 from ._fields import Box, Light
+from ._flux import Flux
 from ._image import Image, word
 from ._progress import ProgressChoice, Reporter
 from ._volume import Mesh, Volume
@@ -312,8 +313,9 @@ class Scene:
         partial: a function that receives images so far of path, about once a second, whose answer False stops the work.
         progress: a function of tyndall.Progress, whose answer False stops the work; True or False: a bar or none;
         default: a bar in terminals and notebooks. Ctrl-C, or "interrupt" in a notebook, cancels: the KeyboardInterrupt
-        has the partial image of path as its attribute `image` (None of methods without one); with
-        on_interrupt="return" that image is returned instead. A partial image has complete == False.
+        has the partial image of path as its attribute `image` (None of methods without one), as has an exception of these
+        functions; with on_interrupt="return" an interrupt returns that image instead. A partial image has complete ==
+        False.
         """
         if on_interrupt not in ("raise", "return"):
             raise ArgumentError(f"on_interrupt: {on_interrupt!r} is not \"raise\" or \"return\"")
@@ -354,11 +356,13 @@ class Scene:
                         raise
                     choice = {"reason": f"{name} refused: {refusal}"}
                     return run("path")
-            except KeyboardInterrupt as stop:
+            except BaseException as stop:
                 made = getattr(stop, "image", None)
                 image = self._image(name, given, choice, made) if isinstance(made, tuple) else None
-                stop.image = image  # type: ignore[attr-defined]
-                if on_interrupt == "return" and image is not None:
+                interrupted = isinstance(stop, KeyboardInterrupt)
+                if interrupted or image is not None:
+                    stop.image = image  # type: ignore[attr-defined]
+                if interrupted and on_interrupt == "return" and image is not None:
                     return image
                 raise
 
@@ -402,10 +406,30 @@ class Scene:
             longest = max(sides) or 1.0
             size = tuple(max(1, round(32 * side / longest)) for side in sides)
             return Light(None, self, method, {}, Box(lower, upper, size), samples, given)  # type: ignore
-        with self._temporary({f"render.{method}.{key}": value for key, value in options.items()}):
+        changes = {f"render.{method}.{key}": value for key, value in options.items()}
+        with self._temporary(changes):
             with Reporter(progress) as report:
                 core, stats = self._core.solve(method, given, report)
-        return Light(core, self, method, stats, Box(lower, upper, tuple(stats["size"])), samples, given)  # type: ignore
+        box = Box(lower, upper, tuple(stats["size"]))  # type: ignore
+        return Light(core, self, method, stats, box, samples, given, changes)
+
+    def flux(self, levels: Any, *, columns: Tuple[int, int] = (1, 1), views: Any = None,
+             area: Optional[Sequence[float]] = None, spp: Optional[int] = None, seed: Optional[int] = None,
+             progress: ProgressChoice = None) -> Flux:
+        """Upward and downward fluxes through levels, absorbed power and radiance, by columns (docs/atmosphere.md).
+
+        levels: heights, m, ascending. columns: along both horizontal axes. views: rows of zenith and azimuth, degrees.
+        area: lower and upper corner of all columns, four numbers, m; by default the periodic cell, or the box around the
+        media. spp: samples for each number. By path tracing.
+        """
+        settings = self.settings
+        with Reporter(progress) as report:
+            parts = self._core.flux(_arrays.to_input(levels, "levels"),
+                                    None if views is None else _arrays.to_input(views, "views"), tuple(columns),
+                                    None if area is None else tuple(area),
+                                    spp if spp is not None else settings["spp"],
+                                    int(settings["seed"] if seed is None else seed), report)
+        return Flux(tuple(float(level) for level in levels), parts)
 
     def transmittance(self, start: Sequence[float], end: Sequence[float], *, spp: int = 64,
                       seed: int = 0) -> Tuple[float, float, float]:
@@ -439,6 +463,8 @@ class Scene:
         elif target == "vertices":
             call = lambda report: self._core.bake_vertices(mesh, options, report)
         elif target == "probes":
+            if terms not in (9, 25):
+                raise ArgumentError(f"terms: {terms} is neither 9 nor 25")
             points, size = _probe_points(positions, grid)
             call = lambda report: self._core.bake_probes(points, size, terms, options, report)
         else:
@@ -446,9 +472,12 @@ class Scene:
         try:
             with Reporter(progress) as report:
                 core, complete = call(report)
-        except KeyboardInterrupt as stop:
+        except BaseException as stop:
             made = getattr(stop, "image", None)
-            stop.image = Image(made[0], {}, False) if isinstance(made, tuple) else None  # type: ignore[attr-defined]
+            if isinstance(made, tuple):
+                stop.image = Image(made[0], {}, False)  # type: ignore[attr-defined]
+            elif isinstance(stop, KeyboardInterrupt):
+                stop.image = None  # type: ignore[attr-defined]
             raise
         return Image(core, {}, complete)
 

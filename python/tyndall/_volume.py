@@ -50,12 +50,13 @@ class Volume:
         return volume
 
     @classmethod
-    def read(cls, path: Union[str, os.PathLike[str]], grid: str = "density", *, component: int = 0, frame: int = 0,
+    def read(cls, path: Union[str, os.PathLike[str]], grid: Optional[str] = None, *, component: int = 0, frame: int = 0,
              raw: Optional[dict[str, Any]] = None, context: Optional[_core.Context] = None) -> "Volume":
-        """Reads an OpenVDB, NanoVDB, NRRD or raw file.
+        """Reads a file of one of the formats of docs/formats.md, or a raw file.
 
-        grid: name of the grid in VDB files. component: of files with several values per voxel. frame: replaces # in the
-        file's name. raw: layout of a raw file, {"size": (nx, ny, nz), "type": "uint8", "big_endian": False,
+        grid: name of the grid in OpenVDB, NanoVDB, VTK and NetCDF files; default "density", or, in VTK and NetCDF files
+        without it, the active or the only one. component: of files with several values per voxel. frame: replaces # in
+        the file's name. raw: layout of a raw file, {"size": (nx, ny, nz), "type": "uint8", "big_endian": False,
         "offset": 0, "spacing": (dx, dy, dz)}.
         """
         name = os.fspath(path)
@@ -66,19 +67,15 @@ class Volume:
                 raise ArgumentError(f"raw: {'unknown ' + sorted(unknown)[0] if unknown else 'size is missing'}")
             layout = (tuple(raw["size"]), raw.get("type", "uint8"), bool(raw.get("big_endian", False)),
                       int(raw.get("offset", 0)), tuple(raw.get("spacing", (0.0, 0.0, 0.0))))
-        if not name.lower().endswith((".vdb", ".nvdb")):
-            grid = ""
         return cls._of((_core.volume_read(context or default_context(), name, grid, component, frame, layout),))
 
-    def save(self, path: Union[str, os.PathLike[str]], grid: str = "density", *, codec: str = "zip") -> None:
-        """Writes .vdb, .nvdb or .nrrd. grid: name of the grid. codec: of .vdb, "none", "zip" or "blosc"."""
-        name = os.fspath(path)
-        kind = os.path.splitext(name)[1].lower()
-        if kind not in (".vdb", ".nvdb", ".nrrd"):
-            raise ArgumentError(f"{name}: the extension is not .vdb, .nvdb or .nrrd")
+    def save(self, path: Union[str, os.PathLike[str]], grid: str = "density", *, codec: Optional[str] = None) -> None:
+        """Writes .vdb, .nvdb, .nrrd, .vti or .vol. grid: name of the grid. codec: "none", "zip" (.vdb, .nvdb, .vti),
+        "blosc" (.vdb) or "gzip" (.nrrd); default: the format's compression.
+        """
         if len(self._grids) != 1:
             raise ArgumentError("a volume of three values per voxel is not written; write its parts")
-        self._grids[0].write(name, grid, codec if kind == ".vdb" else kind[1:])
+        self._grids[0].write(os.fspath(path), grid, codec)
 
     @property
     def info(self) -> dict[str, Any]:
@@ -167,15 +164,17 @@ def _indices(triangles: Any) -> Any:
 
 
 def info(path: Union[str, os.PathLike[str]], *, context: Optional[_core.Context] = None) -> dict[str, Any]:
-    """What a file holds: the grids of a VDB file, the volume of an NRRD file, or the content of a mesh file."""
+    """What a file holds: the grids of an OpenVDB, NanoVDB, VTK or NetCDF file, the volume of another volume file, the
+    content of a mesh file, or size, channels and metadata of an image.
+    """
     name = os.fspath(path)
     kind = os.path.splitext(name)[1].lower()
     context = context or default_context()
-    if kind in (".vdb", ".nvdb"):
-        return {"grids": _core.vdb_list(context, name)}
+    if kind in (".vdb", ".nvdb", ".vti", ".vtk", ".nc", ".cdf"):
+        return {"grids": _core.volume_list(context, name)}
     if kind in (".gltf", ".glb", ".obj", ".ply"):
         return _core.mesh_list(context, name)
-    if kind in (".nrrd", ".nhdr"):
+    if kind in (".nrrd", ".nhdr", ".nii", ".gz", ".tif", ".tiff", ".vol", ".dcm"):
         return {"grids": [Volume.read(name, context=context).info]}
     if kind in (".exr", ".hdr", ".png", ".jpg", ".jpeg", ".webp"):
         from ._image import Image

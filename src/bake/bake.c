@@ -11,6 +11,8 @@ ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const 
     ty_bake_run run;
     ty_bake_stats own;
     ty_result result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_bake_stats", &own, sizeof own);
+    if (result == TY_OK && count > 0 && light == NULL)
+        result = ty_fail(ty_scene_context(scene), TY_ERROR_ARGUMENT, "ty_bake_surfaces: light is NULL");
     if (result != TY_OK) return result;
     result = ty_bake_run_begin(&run, scene, def, receivers, count, TY_BAKE_SURFACE_TERMS);
     if (result == TY_OK) {
@@ -49,6 +51,8 @@ ty_result ty_bake_probes(const ty_scene* scene, const ty_bake_def* def, const fl
     ty_result result = ty_take_stats(context, stats, "ty_default_bake_stats", &own, sizeof own);
     if (result == TY_OK && count < 0)
         result = ty_fail(context, TY_ERROR_ARGUMENT, "bake: a count of %lld probes", (long long)count);
+    if (result == TY_OK && count > 0 && (positions == NULL || probes == NULL))
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_bake_probes: positions or probes is NULL");
     if (result != TY_OK) return result;
     ty_bake_receiver* receivers = ty_alloc_array(context, (size_t)count, sizeof *receivers, true);
     if (receivers == NULL) return TY_ERROR_MEMORY;

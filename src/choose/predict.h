@@ -64,7 +64,7 @@ typedef struct ty_expectation {
     double seconds; /* of one processor */
 } ty_expectation;
 
-/* Errors and times below which a picture is as good as another: 1 % is hardly seen, and 0.1 s hardly waited for. */
+/* Errors and times below which a picture is as good as another: 2 % is hardly seen, and 1 s hardly waited for. */
 extern const double ty_error_unseen, ty_seconds_unfelt;
 
 /* Terms of the method of a number. */

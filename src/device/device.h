@@ -16,7 +16,7 @@ typedef struct ty_device_backend {
     /* Opens device `number`. Errors: TY_ERROR_UNSUPPORTED where there is none, TY_ERROR_MEMORY. */
     ty_result (*create)(ty_context* context, int32_t number, ty_device** out);
     void (*destroy)(ty_device* device);
-    /* `bytes` > 0 of memory, aligned to 256. Errors: TY_ERROR_MEMORY, with a message that names the device's memory. */
+    /* `bytes` > 0 of memory, aligned to 64. Errors: TY_ERROR_MEMORY, with a message that names the device's memory. */
     ty_result (*alloc)(ty_device* device, size_t bytes, ty_address* out);
     void (*free)(ty_device* device, ty_address address);
     ty_result (*write)(ty_device* device, ty_address to, const void* from, size_t bytes);

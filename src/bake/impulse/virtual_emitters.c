@@ -248,13 +248,16 @@ static ty_virtual_emitter local_light_point(const emitter_search* s, int32_t ind
     }
     if (light->kind != TY_KIND_AREA && light->kind != TY_KIND_TRIANGLE) return out;
     float b1, b2;
-    const bool back = light->two_sided != 0 && k % 2 == 1;
-    const float u = ((float)k + 0.5f) / (float)count, v = ty_unit_float(ty_reverse_bits((uint32_t)k));
+    /* Both sides emit from the same points (Hammersley). */
+    const int32_t sides = light->two_sided != 0 ? 2 : 1, point = k / sides;
+    const bool back = k % sides == 1;
+    const float u = ((float)point + 0.5f) * (float)sides / (float)count;
+    const float v = ty_unit_float(ty_reverse_bits((uint32_t)point));
     out.kind = TY_IMPULSE_AREA;
     out.light = -1;
     out.position = ty_light_point(light, u, v, &b1, &b2);
     out.normal = out.face = ty_scale(light->direction, back ? -1.0f : 1.0f);
-    out.area = light->area * (light->two_sided != 0 ? 2.0f : 1.0f) / (float)count;
+    out.area = light->area * (float)sides / (float)count;
     out.measure *= out.area;
     if (light->textured != NULL) ty_surface_mean_emission(light->textured, light->primitive_id, b1, b2, out.emission);
     return out;

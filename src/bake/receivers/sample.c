@@ -29,12 +29,12 @@ static bool has_density(const ty_medium_view* medium) {
     return false;
 }
 
-/* Media of zero density are left out, so that they change nothing, not even the random choice of lights. */
 /* True for methods to which media scatter light. */
 static bool solves_enclosed(const ty_bake_run* run) {
     return run->def->method != TY_BAKE_SURFACES && run->def->method != TY_BAKE_ATTENUATION;
 }
 
+/* Media of zero density are left out, so that they change nothing, not even the random choice of lights. */
 static ty_result select_media(ty_bake_run* run, const ty_scene* solved) {
     const ty_scene_view* scene = ty_scene_get_view(solved);
     if (run->def->method == TY_BAKE_SURFACES || scene->medium_count == 0) return TY_OK;

@@ -1,7 +1,8 @@
-/* tyndall convert: conversion of a volume or an image to another file format, chosen by the extensions. */
+/* tyndall convert: conversion of a volume, an image or a scene to another file format, chosen by the extensions. */
 #include "cli/convert/convert.h"
 #include "cli/commands.h"
 #include "cli/options/raw_options.h"
+#include "io/interchange/convert.h"
 #include "io/textures/textures.h"
 #include "io/volumes/nifti/nifti.h"
 
@@ -21,7 +22,7 @@ static bool is_image(const char* path) {
     return has_one_of(path, extensions) && !ty_is_nifti_file(path);
 }
 
-static int choose_codec(const char** codec, const char* const* known, const char* output) {
+static int choose_codec(const char* command, const char** codec, const char* const* known, const char* output) {
     char list[64] = "";
     if (*codec == NULL) *codec = known[0];
     for (int i = 0; known[i] != NULL; ++i) {
@@ -29,38 +30,40 @@ static int choose_codec(const char** codec, const char* const* known, const char
         const size_t used = strlen(list);
         snprintf(list + used, sizeof list - used, "%s%s", i > 0 ? ", " : "", known[i]);
     }
-    return cli_usage_error("convert", "%s: the codec '%s' is not one of %s", output, *codec, list);
+    return cli_usage_error(command, "%s: the codec '%s' is not one of %s", output, *codec, list);
 }
 
-/* The codec of the output's extension; the default is the first codec of each format. */
-static int check_codec(const char** codec, const char* output) {
+int cli_check_codec(const char* command, const char** codec, const char* output) {
     static const char* const vdb[] = {"zip", "blosc", "none", NULL};
     static const char* const nanovdb[] = {"zip", "none", NULL};
     static const char* const nrrd[] = {"gzip", "none", NULL};
     static const char* const vti[] = {"zip", "none", NULL};
     static const char* const plain[] = {"none", NULL};
     static const char* const packed[] = {"gzip", NULL};
-    if (cli_has_extension(output, ".vdb")) return choose_codec(codec, vdb, output);
-    if (cli_has_extension(output, ".nvdb")) return choose_codec(codec, nanovdb, output);
-    if (cli_has_extension(output, ".nrrd")) return choose_codec(codec, nrrd, output);
-    if (cli_has_extension(output, ".vti")) return choose_codec(codec, vti, output);
-    if (cli_has_extension(output, ".nii.gz")) return choose_codec(codec, packed, output);
+    if (cli_has_extension(output, ".vdb")) return choose_codec(command, codec, vdb, output);
+    if (cli_has_extension(output, ".nvdb")) return choose_codec(command, codec, nanovdb, output);
+    if (cli_has_extension(output, ".nrrd")) return choose_codec(command, codec, nrrd, output);
+    if (cli_has_extension(output, ".vti")) return choose_codec(command, codec, vti, output);
+    if (cli_has_extension(output, ".nii.gz")) return choose_codec(command, codec, packed, output);
     if (cli_has_extension(output, ".nii") || cli_has_extension(output, ".vol"))
-        return choose_codec(codec, plain, output);
-    return cli_usage_error("convert", "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz or .vol", output);
+        return choose_codec(command, codec, plain, output);
+    return cli_usage_error(command, "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz or .vol", output);
 }
 
 static int convert(cli_session* session, convert_volume_options* volume, const convert_image_options* image,
-                   const char* const paths[2]) {
+                   bool partial, const char* const paths[2]) {
     cli_end_on_interrupt(true);
+    if (ty_scene_language_of(paths[0]) != TY_LANGUAGE_NONE)
+        return cli_convert_scene(session, partial, paths[0], paths[1]);
     if (is_image(paths[0])) return cli_convert_image(session, image, paths[0], paths[1]);
-    const int status = check_codec(&volume->codec, paths[1]);
+    const int status = cli_check_codec("convert", &volume->codec, paths[1]);
     return status == CLI_GO ? cli_convert_volume(session, volume, paths[0], paths[1]) : status;
 }
 
 int cli_convert(int count, char** arguments) {
     convert_volume_options volume = {.def = ty_default_volume_def()};
     ty_volume_def* def = &volume.def;
+    bool partial = false;
     const char *raw_size = NULL, *raw_type = NULL, *raw_spacing = NULL, *radius = NULL, *air = NULL;
     convert_image_options image = {.scale = 65535, .texels = -1, .zstd = ty_has_zstd() ? ZSTD_LEVEL : 0};
     bool plain = false;
@@ -102,19 +105,23 @@ int cli_convert(int count, char** arguments) {
         {"zstd", 0, CLI_INT, "LEVEL", "compression of a .ktx2 by Zstandard (default 9)", &image.zstd, 1, 22, NULL},
         {"no-zstd", 0, CLI_FLAG, NULL, "a .ktx2 without compression", &plain, 0, 0, NULL},
         {"scale", 0, CLI_REAL, "S", "what 1 becomes with --bits 16 (default 65535)", &image.scale, 1e-30, 1e30, NULL},
+        {"partial", 0, CLI_FLAG, NULL, "of a scene: leave out files that are missing", &partial, 0, 0, NULL},
     };
-    const cli_syntax syntax = {"convert",
-                               "IN OUT [options]",
-                               "Converts a volume or an image into a file of another kind.",
-                               "Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, DICOM (a folder or a file of a\n"
-                               "series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd,\n"
-                               ".vti, .nii, .nii.gz, .vol.\n"
-                               "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png, and to textures, .ktx2, .dds.",
-                               table,
-                               sizeof table / sizeof table[0],
-                               2,
-                               2,
-                               NULL};
+    const cli_syntax syntax = {
+        "convert",
+        "IN OUT [options]",
+        "Converts a volume, an image or a scene into a file of another kind.",
+        "Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, DICOM (a folder or a file of a\n"
+        "series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd,\n"
+        ".vti, .nii, .nii.gz, .vol.\n"
+        "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png, and to textures, .ktx2, .dds.\n"
+        "Scenes: of pbrt-v4 (.pbrt, .pbrt.gz) and Mitsuba (.xml) to .json, with meshes, volumes\n"
+        "and maps in a folder beside it.",
+        table,
+        sizeof table / sizeof table[0],
+        2,
+        2,
+        NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO) status = cli_parse_raw("convert", raw_size, raw_type, raw_spacing, def);
@@ -124,5 +131,5 @@ int cli_convert(int count, char** arguments) {
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "convert", &given.common);
     if (status != CLI_GO) return status;
-    return cli_session_close(&session, convert(&session, &volume, &image, given.positional));
+    return cli_session_close(&session, convert(&session, &volume, &image, partial, given.positional));
 }

@@ -1,4 +1,4 @@
-/* Conversion of images and of volumes by tyndall convert. */
+/* Conversion of images, volumes and scenes by tyndall convert. */
 #ifndef TY_CLI_CONVERT_CONVERT_H
 #define TY_CLI_CONVERT_CONVERT_H
 
@@ -21,9 +21,14 @@ typedef struct convert_volume_options {
     bool half, vector;
 } convert_volume_options;
 
-/* Both return an exit status. */
+/* Checks the codec of a volume by the extension of its file; NULL becomes the format's first one. */
+int cli_check_codec(const char* command, const char** codec, const char* output);
+
+/* All return an exit status. */
 int cli_convert_volume(cli_session* session, convert_volume_options* options, const char* input, const char* output);
 int cli_convert_image(cli_session* session, const convert_image_options* options, const char* input,
                       const char* output);
+/* partial: files that are missing are left out. */
+int cli_convert_scene(cli_session* session, bool partial, const char* input, const char* output);
 
 #endif

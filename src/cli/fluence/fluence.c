@@ -1,6 +1,7 @@
 /* tyndall fluence: the fluence of a scene's light on a grid, as a volume. */
 #include "base/context.h"
 #include "cli/commands.h"
+#include "cli/convert/convert.h"
 #include "cli/fluence/fog_texture.h"
 #include "cli/methods/methods.h"
 #include "grid/grid.h"
@@ -80,7 +81,11 @@ static int check_options(fluence_options* options) {
             options->upper[a] = box[3 + a];
         }
     }
-    return cli_check_output("fluence", options->output);
+    if (options->codec != NULL && is_texture(options->output))
+        return cli_usage_error("fluence", "--codec is for .vti and .vdb, and %s is neither", options->output);
+    const int status =
+        is_texture(options->output) ? CLI_GO : cli_check_codec("fluence", &options->codec, options->output);
+    return status == CLI_GO ? cli_check_output("fluence", options->output) : status;
 }
 
 /* The box around the media, and cubes in it, where neither is given. */

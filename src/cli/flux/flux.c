@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SPP_MAX = 1 << 24 };
+enum { SPP_MAX = 1 << 24, LIST_SIZE = 1 << 14 }; /* characters of a list of numbers */
 
 typedef struct flux_options {
     const char *output, *levels_text, *views_text, *bands_file;
@@ -30,10 +30,19 @@ static char* next_part(char** rest, char separator) {
     return part;
 }
 
+/* Copies the text of a list, which the parsing cuts up. */
+static int copy_list(const char* option, const char* list, char text[LIST_SIZE]) {
+    if (strlen(list) >= LIST_SIZE)
+        return cli_usage_error("flux", "%s: it is longer than %d characters", option, LIST_SIZE - 1);
+    memcpy(text, list, strlen(list) + 1);
+    return CLI_GO;
+}
+
 static int parse_levels(flux_options* options) {
-    char text[4096];
+    char text[LIST_SIZE];
     if (options->levels_text == NULL) return CLI_GO;
-    snprintf(text, sizeof text, "%s", options->levels_text);
+    const int status = copy_list("--levels", options->levels_text, text);
+    if (status != CLI_GO) return status;
     char* rest = text;
     for (char* part; (part = next_part(&rest, ',')) != NULL;) {
         if (options->level_count == TY_FLUX_LEVELS_MAX)
@@ -47,9 +56,10 @@ static int parse_levels(flux_options* options) {
 }
 
 static int parse_views(flux_options* options) {
-    char text[4096];
+    char text[LIST_SIZE];
     if (options->views_text == NULL) return CLI_GO;
-    snprintf(text, sizeof text, "%s", options->views_text);
+    const int status = copy_list("--views", options->views_text, text);
+    if (status != CLI_GO) return status;
     char* rest = text;
     for (char* part; (part = next_part(&rest, ',')) != NULL;) {
         if (options->view_count == TY_FLUX_LEVELS_MAX)
@@ -103,7 +113,6 @@ static int run_band(cli_session* session, const char* scene_path, flux_options* 
                                  .seed = session->common.seed_given ? session->common.seed : settings.seed,
                                  .seconds = options->time,
                                  .error = options->error};
-    result->spp = request.spp;
     result->seed = request.seed;
     result->z_up = ty_scene_up_axis(scene) == TY_AXIS_Z;
     if (options->level_count == 0) choose_levels(scene, options);
@@ -115,7 +124,9 @@ static int run_band(cli_session* session, const char* scene_path, flux_options* 
     for (int i = 0; i < 2 && options->columns[0] > 0; ++i) def.columns[i] = options->columns[i];
     ty_path_def path;
     ty_result done = cli_path_def(session, scene, &request, &path);
-    if (done == TY_OK) done = ty_path_flux(scene, &path, &def, &band->flux, NULL);
+    ty_path_stats stats = ty_default_path_stats();
+    if (done == TY_OK) done = ty_path_flux(scene, &path, &def, &band->flux, &stats);
+    band->spp = stats.spp;
     cli_progress_clear(&session->progress);
     ty_scene_destroy(scene);
     if (done == TY_ERROR_ARGUMENT) return cli_fail(CLI_USAGE, "%s: %s", scene_path, ty_take_error(session->context));
@@ -151,8 +162,8 @@ int cli_flux(int count, char** arguments) {
          &options.bands_file, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples of each number (default: what the scene says)", &options.spp, 1, SPP_MAX,
          &options.spp_given},
-        {"time", 0, CLI_REAL, "SECONDS", "stop after this time; without --spp nothing else does", &options.time, 1e-3,
-         1e7, NULL},
+        {"time", 0, CLI_REAL, "SECONDS", "stop each band after this time; without --spp nothing else does",
+         &options.time, 1e-3, 1e7, NULL},
         {"error", 0, CLI_REAL, "E", "stop at this relative error of the numbers, 0.01 for 1%", &options.error, 1e-6, 1,
          NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)",

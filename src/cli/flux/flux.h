@@ -12,6 +12,7 @@ typedef struct flux_band {
     double weight;
     char* changes[FLUX_BAND_CHANGES_MAX]; /* "media[0].sigma_t=0.3"; owned */
     int32_t change_count;
+    double spp;    /* samples of each number, the mean */
     ty_flux* flux; /* of this band, owned */
 } flux_band;
 
@@ -29,7 +30,6 @@ void flux_free_bands(flux_bands* bands);
 /* A finished run. */
 typedef struct flux_result {
     const char* scene; /* path as given */
-    int32_t spp;
     uint64_t seed;
     bool z_up;
     const flux_bands* bands;

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const struct {
     ty_flux_quantity quantity;
@@ -130,6 +131,13 @@ static void write_tables(json_writer* json, const flux_result* result, bool colu
     json_close_array(json);
 }
 
+/* Bands may have several numbers of samples where time ends them. */
+static double min_spp(const flux_result* result) {
+    double spp = result->bands->bands[0].spp;
+    for (int32_t b = 1; b < result->bands->count; ++b) spp = fmin(spp, result->bands->bands[b].spp);
+    return spp;
+}
+
 static ty_result print_json(ty_context* context, FILE* file, const void* user) {
     (void)context;
     const flux_result* result = user;
@@ -138,7 +146,7 @@ static ty_result print_json(ty_context* context, FILE* file, const void* user) {
     json_open_object(&json, NULL);
     json_text(&json, "scene", result->scene);
     json_text(&json, "method", "path");
-    json_int(&json, "spp", result->spp);
+    json_number(&json, "spp", min_spp(result));
     json_unsigned(&json, "seed", result->seed);
     json_text(&json, "axes", result->z_up ? "xy" : "xz");
     json_numbers(&json, "columns", (const double[]){places.columns[0], places.columns[1]}, 2);
@@ -151,12 +159,24 @@ static ty_result print_json(ty_context* context, FILE* file, const void* user) {
 
 /* ---- CSV ---- */
 
+/* Text of a field, in quotes where it holds what separates fields (RFC 4180). */
+static void print_text(FILE* file, const char* text) {
+    const bool quoted = strpbrk(text, ",\"\r\n") != NULL;
+    if (quoted) fputc('"', file);
+    for (; *text != '\0'; ++text) {
+        if (*text == '"') fputc('"', file);
+        fputc(*text, file);
+    }
+    if (quoted) fputc('"', file);
+}
+
 static void print_rows(FILE* file, const flux_result* result, int32_t table, const char* name, const char* place,
                        numbers n) {
     const ty_flux_def places = places_of(result);
     for (int64_t i = 0; i < (int64_t)places.columns[0] * places.columns[1]; ++i) {
         const int32_t at[2] = {(int32_t)(i % places.columns[0]), (int32_t)(i / places.columns[0])};
-        fprintf(file, "%s,%s,%s", table_name(result, table), name, place);
+        print_text(file, table_name(result, table));
+        fprintf(file, ",%s,%s", name, place);
         for (int a = 0; a < 2; ++a)
             fprintf(file, ",%.9g",
                     places.lower[a] + (at[a] + 0.5) * (places.upper[a] - places.lower[a]) / places.columns[a]);

@@ -123,3 +123,30 @@ const float* ty_aligned_row(const ty_aligned* aligned, const ty_grid_medium* out
     }
     return means;
 }
+
+/* The voxel that a lookup at an index reads; -1: the background. */
+static int32_t voxel_read(const ty_grid_view* grid, int axis, int32_t index) {
+    const int32_t last = grid->size[axis] - 1;
+    if (index >= 0 && index <= last) return index;
+    return grid->clamp == 0 ? -1 : index < 0 ? 0 : last;
+}
+
+void ty_aligned_spread_row(const ty_aligned* aligned, const ty_grid_medium* out, const ty_medium_view* medium,
+                           int32_t y, int32_t z, const double* by_density, double* voxels) {
+    const ty_grid_view* grid = &medium->grid;
+    const ty_aligned_cell *row = &aligned->cells[1][y], *layer = &aligned->cells[2][z];
+    for (int32_t k = 0; k < layer->count; ++k)
+        for (int32_t j = 0; j < row->count; ++j) {
+            const int32_t at_z = voxel_read(grid, 2, layer->first + k), at_y = voxel_read(grid, 1, row->first + j);
+            if (at_z < 0 || at_y < 0) continue;
+            const double weight = (double)layer->weight[k] * (double)row->weight[j];
+            double* to = voxels + (size_t)grid->size[0] * ((size_t)at_y + (size_t)grid->size[1] * (size_t)at_z);
+            for (int32_t x = 0; x < out->box.size[0]; ++x) {
+                const ty_aligned_cell* cell = &aligned->cells[0][x];
+                for (int32_t i = 0; i < cell->count; ++i) {
+                    const int32_t at_x = voxel_read(grid, 0, cell->first + i);
+                    if (at_x >= 0) to[at_x] += weight * (double)cell->weight[i] * by_density[x];
+                }
+            }
+        }
+}

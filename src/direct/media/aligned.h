@@ -26,5 +26,8 @@ void ty_aligned_destroy(const ty_grid_medium* out, ty_aligned* aligned);
 /* Mean densities of row (y, z) of cells, in the worker's scratch. */
 const float* ty_aligned_row(const ty_aligned* aligned, const ty_grid_medium* out, const ty_medium_view* medium,
                             int32_t y, int32_t z, int32_t worker);
+/* The transpose of that: adds to the voxels, x fastest, the derivatives by the mean densities of row (y, z). */
+void ty_aligned_spread_row(const ty_aligned* aligned, const ty_grid_medium* out, const ty_medium_view* medium,
+                           int32_t y, int32_t z, const double* by_density, double* voxels);
 
 #endif

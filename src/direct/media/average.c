@@ -119,3 +119,45 @@ void ty_grid_average(ty_context* context, const float* from, const int32_t from_
     average_job job = {.from = from, .to = to};
     run(context, &job, from_size, to_size);
 }
+
+/* ---- the transpose ---- */
+
+/* The range of coarser cells that a finer cell is part of. */
+static overlap parts_of(int32_t index, int32_t from, int32_t to) {
+    overlap o = overlap_of(index, from, to);
+    if (o.begin >= from) o.begin = from - 1;
+    return o;
+}
+
+/* The part of coarser cell `at` that the finer cell `index` is, of `from` coarser and `to` finer cells. */
+static double part_of(int32_t index, int32_t from, int32_t to, int32_t at) {
+    const overlap coarse = overlap_of(at, to, from);
+    return fmax(0, weight_of(&coarse, index));
+}
+
+static void spread_row(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const average_job* job = user;
+    const int32_t *from = job->from_size, *to = job->to_size;
+    const int32_t y = (int32_t)(index % to[1]), z = (int32_t)(index / to[1]);
+    const overlap rows = parts_of(y, from[1], to[1]), layers = parts_of(z, from[2], to[2]);
+    float* out = job->to + index * to[0];
+    for (int32_t k = layers.begin; k < layers.end; ++k)
+        for (int32_t j = rows.begin; j < rows.end; ++j) {
+            const double weight = part_of(z, from[2], to[2], k) * part_of(y, from[1], to[1], j);
+            const float* row = job->from + (size_t)from[0] * ((size_t)j + (size_t)from[1] * (size_t)k);
+            for (int32_t x = 0; x < to[0]; ++x) {
+                const overlap columns = parts_of(x, from[0], to[0]);
+                for (int32_t i = columns.begin; i < columns.end; ++i)
+                    out[x] += (float)(weight * part_of(x, from[0], to[0], i) * (double)row[i]);
+            }
+        }
+}
+
+void ty_grid_spread(ty_context* context, const float* from, const int32_t from_size[3], const int32_t to_size[3],
+                    float* to) {
+    average_job job = {.from = from, .to = to};
+    memcpy(job.from_size, from_size, sizeof job.from_size);
+    memcpy(job.to_size, to_size, sizeof job.to_size);
+    ty_parallel_for(context, (int64_t)to_size[1] * to_size[2], spread_row, &job);
+}

@@ -39,6 +39,16 @@ void ty_coverage_add(const ty_grid_box* box, const ty_coverage axes[3], const fl
         }
 }
 
+void ty_coverage_spread(const ty_grid_box* box, const ty_coverage axes[3], double value, float* plane) {
+    for (int32_t k = axes[2].first; k < axes[2].first + axes[2].count; ++k)
+        for (int32_t j = axes[1].first; j < axes[1].first + axes[1].count; ++j) {
+            const double row = value * ty_coverage_fraction(&axes[2], k) * ty_coverage_fraction(&axes[1], j);
+            float* to = plane + (size_t)box->size[0] * ((size_t)j + (size_t)box->size[1] * (size_t)k);
+            for (int32_t i = axes[0].first; i < axes[0].first + axes[0].count; ++i)
+                to[i] += (float)(row * ty_coverage_fraction(&axes[0], i));
+        }
+}
+
 void ty_coverage_of_cell(const ty_grid_box* box, const ty_coverage_box* callers, const int32_t cell[3],
                          ty_coverage axes[3]) {
     for (int a = 0; a < 3; ++a)

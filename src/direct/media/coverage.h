@@ -26,5 +26,8 @@ double ty_coverage_fraction(const ty_coverage* c, int32_t cell);
 /* Adds the means of planes over the caller's cell, times scale, to out[]. */
 void ty_coverage_add(const ty_grid_box* box, const ty_coverage axes[3], const float* const* planes, int32_t plane_count,
                      double scale, double* out);
+/* The transpose of ty_coverage_add for one plane: adds value times the fraction that each cell of the box has of the
+ * caller's. */
+void ty_coverage_spread(const ty_grid_box* box, const ty_coverage axes[3], double value, float* plane);
 
 #endif

@@ -288,21 +288,29 @@ static bool covers_all(const ty_scene* scene, int32_t index, const ty_grid_mediu
     return true;
 }
 
-static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium* out) {
-    const ty_medium_view* medium = &ty_scene_get_view(scene)->media[index];
-    sample_job job = {.out = out, .medium = medium, .only_density = only_density_varies(medium)};
-    double density[3];
-    ty_grid* coverage = NULL;
+/* The fraction of each cell within a medium's bounds, and how its cells are sampled. The caller releases the coverage
+ * and destroys job->aligned, also after an error. medium: its view, or one with other coefficients. */
+static ty_result begin_medium(const ty_scene* scene, int32_t index, const ty_medium_view* medium, ty_grid_medium* out,
+                              sample_job* job, ty_grid** coverage) {
+    *job = (sample_job){.out = out, .medium = medium, .only_density = only_density_varies(medium)};
+    *coverage = NULL;
     if (!covers_all(scene, index, out)) {
         const ty_result covered = ty_medium_create_coverage(scene, index, out->box.lower, out->box.upper, out->box.size,
-                                                            COVERAGE_SAMPLES, &coverage);
+                                                            COVERAGE_SAMPLES, coverage);
         if (covered != TY_OK) return covered;
     }
-    job.coverage = coverage;
+    double density[3];
+    job->coverage = *coverage;
     voxel_density(medium, density);
     for (int a = 0; a < 3; ++a)
-        job.samples[a] = (int32_t)fmin(SAMPLES_MAX, fmax(1, ceil(2 * density[a] * out->cell[a] * (1 - 1e-5))));
-    const ty_result result = job.only_density ? ty_aligned_create(out, medium, job.samples, &job.aligned) : TY_OK;
+        job->samples[a] = (int32_t)fmin(SAMPLES_MAX, fmax(1, ceil(2 * density[a] * out->cell[a] * (1 - 1e-5))));
+    return job->only_density ? ty_aligned_create(out, medium, job->samples, &job->aligned) : TY_OK;
+}
+
+static ty_result add_medium(const ty_scene* scene, int32_t index, const ty_medium_view* medium, ty_grid_medium* out) {
+    sample_job job;
+    ty_grid* coverage;
+    const ty_result result = begin_medium(scene, index, medium, out, &job, &coverage);
     if (result == TY_OK)
         ty_parallel_for(out->context, (int64_t)out->box.size[1] * out->box.size[2],
                         job.aligned.cells[0] != NULL ? mean_row : sample_row, &job);
@@ -349,7 +357,8 @@ ty_result ty_grid_medium_create(const ty_scene* scene, const ty_grid_box* box, t
     }
     ty_grid_medium* medium = NULL;
     result = new_medium(scene->context, box, gray ? 1 : 3, emits, &medium);
-    for (int32_t m = 0; m < view->medium_count && result == TY_OK; ++m) result = add_medium(scene, m, medium);
+    for (int32_t m = 0; m < view->medium_count && result == TY_OK; ++m)
+        result = add_medium(scene, m, &view->media[m], medium);
     if (result != TY_OK) {
         ty_grid_medium_destroy(medium);
         return result;
@@ -358,6 +367,58 @@ ty_result ty_grid_medium_create(const ty_scene* scene, const ty_grid_box* box, t
     find_common_legendre(view, medium->legendre);
     *out = medium;
     return TY_OK;
+}
+
+/* ---- the density of one medium ---- */
+
+/* A medium of extinction 1 at density 1. Only its density varies. */
+static ty_medium_view of_density(const ty_scene* scene, int32_t index) {
+    ty_medium_view medium = ty_scene_get_view(scene)->media[index];
+    for (int c = 0; c < 3; ++c) {
+        medium.sigma_t[c] = 1;
+        medium.sigma_s[c] = 0;
+    }
+    medium.albedo_fields = medium.transfer_albedo = medium.has_g_field = medium.has_temperature = medium.emits = 0;
+    return medium;
+}
+
+ty_result ty_grid_medium_density(const ty_scene* scene, int32_t index, const ty_grid_box* box, ty_grid_medium** out) {
+    const ty_medium_view view = of_density(scene, index);
+    ty_grid_medium* medium = NULL;
+    ty_result result = new_medium(scene->context, box, 1, false, &medium);
+    if (result == TY_OK) result = add_medium(scene, index, &view, medium);
+    if (result != TY_OK) {
+        ty_grid_medium_destroy(medium);
+        return result;
+    }
+    *out = medium;
+    return TY_OK;
+}
+
+ty_result ty_grid_medium_spread_density(const ty_scene* scene, int32_t index, ty_grid_medium* medium,
+                                        const double* by_density, double* voxels) {
+    const ty_medium_view view = of_density(scene, index);
+    const int32_t* size = medium->box.size;
+    sample_job job;
+    ty_grid* coverage;
+    ty_result result = begin_medium(scene, index, &view, medium, &job, &coverage);
+    if (result == TY_OK && job.aligned.cells[0] == NULL)
+        result =
+            ty_fail(scene->context, TY_ERROR_ARGUMENT,
+                    "gradient: media[%d].density: there are derivatives of voxels along the axes of the scene alone, "
+                    "without a transfer function and of at least 0",
+                    (int)index);
+    double* row = result == TY_OK ? ty_alloc_array(scene->context, (size_t)size[0], sizeof *row, false) : NULL;
+    if (result == TY_OK && row == NULL) result = TY_ERROR_MEMORY;
+    for (int64_t r = 0; r < (int64_t)size[1] * size[2] && result == TY_OK; ++r) {
+        for (int32_t x = 0; x < size[0]; ++x)
+            row[x] = by_density[r * size[0] + x] * (double)covered_fraction(&job, x, r);
+        ty_aligned_spread_row(&job.aligned, medium, &view, (int32_t)(r % size[1]), (int32_t)(r / size[1]), row, voxels);
+    }
+    ty_free_array(scene->context, row, (size_t)size[0], sizeof *row);
+    ty_aligned_destroy(medium, &job.aligned);
+    ty_grid_release(coverage);
+    return result;
 }
 
 /* ---- other cells ---- */

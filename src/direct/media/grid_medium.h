@@ -45,6 +45,14 @@ ty_result ty_grid_medium_create(const ty_scene* scene, const ty_grid_box* box, t
 /* The same box in other cells, as overlap-weighted means: integrals over the box are conserved. */
 ty_result ty_grid_medium_resize(const ty_grid_medium* medium, const int32_t size[3], ty_grid_medium** out);
 void ty_grid_medium_destroy(ty_grid_medium* medium);
+/* The mean density of one of the scene's media in cells, as the extinction of a medium of one plane. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_grid_medium_density(const ty_scene* scene, int32_t index, const ty_grid_box* box, ty_grid_medium** out);
+/* The transpose of that: adds to the voxels of the medium's density, x fastest, the derivatives by it of each cell of a
+ * medium on the box. Errors: TY_ERROR_ARGUMENT (rotated grids, transfer functions, negative voxels, no voxels),
+ * TY_ERROR_MEMORY. */
+ty_result ty_grid_medium_spread_density(const ty_scene* scene, int32_t index, ty_grid_medium* medium,
+                                        const double* by_density, double* voxels);
 
 /* The moment of an order that counts as unscattered, where medium->legendre is set: at least 0. */
 float ty_grid_medium_forward(const ty_grid_medium* medium, int32_t order);
@@ -59,6 +67,10 @@ void ty_grid_medium_reduce_by(const ty_grid_medium* medium, float fraction, floa
 /* Overlap-weighted means of a plane of from_size cells over to_size cells of the same box. */
 void ty_grid_average(ty_context* context, const float* from, const int32_t from_size[3], const int32_t to_size[3],
                      float* to);
+/* The transpose of ty_grid_average: adds to each of to_size cells the values of from_size cells that it is part of,
+ * times its part of them. */
+void ty_grid_spread(ty_context* context, const float* from, const int32_t from_size[3], const int32_t to_size[3],
+                    float* to);
 /* Means of the plane times a plane of weights, and of the plane itself (plain; NULL: not computed). */
 void ty_grid_average_both(ty_context* context, const float* from, const float* weight, const int32_t from_size[3],
                           const int32_t to_size[3], float* weighted, float* plain);

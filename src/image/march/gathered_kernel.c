@@ -25,8 +25,9 @@ TY_GATHERED_KERNEL(TY_KERNEL_NAME(ty_gathered_kernel)) {
         point->position = hit.position;
         point->normal = surface.ns;
         point->distance = hit.distance;
-        steps += ty_reflect_gather(request, &ray, ty_hit_leave(&hit, surface.ng), surface.ng, surface.ns,
-                                   TY_REFLECT_RAYS, ty_pixel_offset(request, i, row, 0, request->spp), point->irradiance);
+        steps +=
+            ty_reflect_gather(request, &ray, ty_hit_leave(&hit, surface.ng), surface.ng, surface.ns, TY_REFLECT_RAYS,
+                              ty_pixel_offset(request, i, row, 0, request->spp), point->irradiance);
     }
     ty_restore_denormals(state);
     return steps;

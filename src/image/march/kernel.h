@@ -74,5 +74,6 @@ typedef struct ty_march_pixel {
     uint64_t name(const ty_march_request* request, int32_t y, int32_t begin, int32_t end, ty_march_pixel* pixels)
 typedef TY_MARCH_KERNEL((*ty_march_kernel));
 TY_DECLARE_KERNEL_FUNCTION(TY_MARCH_KERNEL, ty_march_kernel);
+TY_DECLARE_KERNEL_FUNCTION(TY_MARCH_KERNEL, ty_march_sampled_kernel);
 
 #endif

@@ -16,7 +16,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-enum { TILE = 16, REDUCED_MAX = 12 };
+enum { TILE = 16, REDUCED_MAX = 12, LENS_RAYS = 32 };
 
 typedef struct march_job {
     ty_context* context;
@@ -309,7 +309,18 @@ static ty_result march(march_job* job) {
     return cancelled ? TY_CANCELLED : TY_OK;
 }
 
-ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** out, ty_march_stats* stats) {
+/* A lens or a moving camera is seen by rays of its own through each pixel. */
+static ty_march_def def_of_camera(const ty_scene* scene, const ty_march_def* given) {
+    const ty_camera_def camera = ty_scene_camera(scene);
+    ty_march_def def = *given;
+    if (!ty_camera_is_sampled(&camera)) return def;
+    if (def.spp < LENS_RAYS) def.spp = LENS_RAYS;
+    def.ray_spacing = def.edge_rays = 1;
+    return def;
+}
+
+ty_result ty_march(const ty_scene* scene, const ty_march_def* given, ty_image** out, ty_march_stats* stats) {
+    const ty_march_def own = def_of_camera(scene, given), *def = &own;
     march_job job = {.context = ty_scene_context(scene), .def = def};
     job.begun = job.reported = ty_wall_seconds();
     job.cpu_begun = ty_cpu_seconds();
@@ -318,13 +329,19 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
     job.froxel_kernels = TY_BEST_KERNELS(ty_froxel_kernels);
     ty_result result = check_def(job.context, def);
     if (def->unscattered != NULL && result == TY_OK) ty_image_rgb_planes(def->unscattered, job.unscattered);
+    const ty_camera_def camera = ty_scene_camera(scene);
+    if (result == TY_OK && ty_march_has_froxels(def))
+        result = ty_camera_check_pinhole(job.context, &camera, "march.froxels");
     if (result == TY_OK) result = ty_march_request_make(scene, def, &job.packed);
+    if (result == TY_OK && job.packed.request.camera.sampled != 0)
+        job.kernel = TY_BEST_KERNELS(ty_march_sampled_kernel);
     if (result == TY_OK) result = create_image(&job);
     if (result == TY_OK) result = create_spaced(&job);
     if (result == TY_OK && ty_march_has_froxels(def))
         result = ty_froxels_create(job.context, &job.packed.request, def->froxels, def->width, def->height);
     uint64_t gathering_steps = 0;
-    if (result == TY_OK && def->ray_spacing == 1 && !ty_march_has_froxels(def))
+    if (result == TY_OK && def->ray_spacing == 1 && !ty_march_has_froxels(def) &&
+        job.packed.request.camera.sampled == 0)
         result = ty_gathered_create(scene, &job.packed.request, def->width, def->height, &gathering_steps);
     atomic_fetch_add(&job.steps, gathering_steps);
     if (result == TY_OK && def->ray_spacing == 1 && !ty_march_has_froxels(def))

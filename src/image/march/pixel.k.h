@@ -51,6 +51,15 @@ TY_FN float ty_pixel_offset(TY_GLOBAL const ty_march_request* request, int32_t x
     return 1.0f - (value - floorf(value));
 }
 
+/* The camera of a ray through a pixel, of those of a lens or a moving camera: points of the R3 sequence (Roberts 2018),
+ * shifted from pixel to pixel. */
+TY_FN ty_camera_view ty_pixel_camera(const ty_camera_view* camera, int32_t x, int32_t y, int32_t sample) {
+    const double pixel = 0.7548776662466927 * x + 0.5698402909980532 * y, index = sample + 0.5;
+    const double u = pixel + 0.8191725133961645 * index, v = 1.3247179572447460 * pixel + 0.6710436067037893 * index;
+    const double time = 1.7548776662466927 * pixel + 0.5497004779019703 * index;
+    return ty_camera_sample(camera, (float)(u - floor(u)), (float)(v - floor(v)), (float)(time - floor(time)));
+}
+
 TY_FN void ty_pixel_add_environment(TY_GLOBAL const ty_march_request* request, ty_vec direction,
                                     const float transmittance[3], float unscattered[3]) {
     TY_GLOBAL const ty_light_set* lights = &request->scene->lights;

@@ -67,9 +67,9 @@ static uint64_t march_rays(const ty_march_request* request, const ty_spaced_rays
     ty_march_ray ray;
     for (int32_t i = begin; i < end; ++i) {
         const int32_t x = pixel_of(i, lattice->spacing, lattice->width);
-        steps +=
-            march_ray(request, &ray, direction_through(request, x, y, sample), ty_pixel_offset(request, i, row, sample, request->spp),
-                      &lattice->rays[(size_t)row * (size_t)lattice->columns + (size_t)i]);
+        steps += march_ray(request, &ray, direction_through(request, x, y, sample),
+                           ty_pixel_offset(request, i, row, sample, request->spp),
+                           &lattice->rays[(size_t)row * (size_t)lattice->columns + (size_t)i]);
     }
     ty_restore_denormals(state);
     return steps;

@@ -7,15 +7,16 @@
 #include <math.h>
 #include <string.h>
 
-static ty_result check_view(const ty_scene_reader* reader, const ty_json_path* path, const ty_camera_def* def) {
+static ty_result check_view(const ty_scene_reader* reader, const ty_json_path* path, const double position[3],
+                            const double target[3], const double given_up[3]) {
     double view[3], across[3];
-    for (int a = 0; a < 3; ++a) view[a] = def->target[a] - def->position[a];
+    for (int a = 0; a < 3; ++a) view[a] = target[a] - position[a];
     for (int a = 0; a < 3; ++a) {
         const int b = (a + 1) % 3, c = (a + 2) % 3;
-        across[a] = view[b] * def->up[c] - view[c] * def->up[b];
+        across[a] = view[b] * given_up[c] - view[c] * given_up[b];
     }
     const double distance = hypot(hypot(view[0], view[1]), view[2]);
-    const double up = hypot(hypot(def->up[0], def->up[1]), def->up[2]);
+    const double up = hypot(hypot(given_up[0], given_up[1]), given_up[2]);
     if (!(distance > 0)) return ty_reader_fail(reader, path, TY_ERROR_INPUT, "position and target are the same point");
     if (!(hypot(hypot(across[0], across[1]), across[2]) > 1e-6 * distance * up))
         return ty_reader_fail(reader, path, TY_ERROR_INPUT, "up points along the view, from position to target");
@@ -154,6 +155,32 @@ static ty_result read_first(ty_scene_reader* reader, ty_camera_def* def) {
 
 /* ---- camera section ---- */
 
+/* The pose at which the shutter closes; what it lacks is as it was when the shutter opened. */
+static ty_result read_motion(const ty_scene_reader* reader, const json_t* camera, const ty_json_path* path,
+                             ty_camera_def* def) {
+    const json_t* motion = json_object_get(camera, "motion");
+    const ty_json_path motion_path = ty_json_path_key(path, "motion");
+    if (motion == NULL) return TY_OK;
+    def->moves = 1;
+    memcpy(def->end_position, def->position, sizeof def->end_position);
+    memcpy(def->end_target, def->target, sizeof def->end_target);
+    memcpy(def->end_up, def->up, sizeof def->end_up);
+    ty_read_vector(motion, "position", reader->unit, def->end_position);
+    ty_read_vector(motion, "target", reader->unit, def->end_target);
+    const ty_result result = ty_read_direction(reader, motion, &motion_path, "up", def->end_up);
+    if (result != TY_OK) return result;
+    return check_view(reader, &motion_path, def->end_position, def->end_target, def->end_up);
+}
+
+static void read_lens(const ty_scene_reader* reader, const json_t* camera, ty_camera_def* def) {
+    const json_t* shift = json_object_get(camera, "shift");
+    for (size_t a = 0; a < 2 && shift != NULL; ++a) def->shift[a] = json_number_value(json_array_get(shift, a));
+    ty_read_number(camera, "aperture_radius", &def->aperture_radius);
+    ty_read_number(camera, "focus_distance", &def->focus_distance);
+    def->aperture_radius *= reader->unit;
+    def->focus_distance *= reader->unit;
+}
+
 ty_result ty_read_camera(ty_scene_reader* reader) {
     const ty_json_path root = {.depth = 0};
     const ty_json_path path = ty_json_path_key(&root, "camera");
@@ -170,8 +197,10 @@ ty_result ty_read_camera(ty_scene_reader* reader) {
     ty_read_vector(camera, "position", reader->unit, def.position);
     ty_read_vector(camera, "target", reader->unit, def.target);
     result = ty_read_direction(reader, camera, &path, "up", def.up);
-    if (result == TY_OK) result = check_view(reader, &path, &def);
+    if (result == TY_OK) result = check_view(reader, &path, def.position, def.target, def.up);
+    if (result == TY_OK) result = read_motion(reader, camera, &path, &def);
     if (result != TY_OK) return result;
+    read_lens(reader, camera, &def);
     ty_read_number(camera, "fov_y", &def.fov_y);
     ty_read_number(camera, "exposure", &def.exposure);
     const json_t* resolution = json_object_get(camera, "resolution");

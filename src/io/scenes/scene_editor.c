@@ -338,7 +338,11 @@ static bool same_camera(const ty_camera_def* a, const ty_camera_def* b) {
     return memcmp(a->position, b->position, sizeof a->position) == 0 &&
            memcmp(a->target, b->target, sizeof a->target) == 0 && memcmp(a->up, b->up, sizeof a->up) == 0 &&
            memcmp(a->resolution, b->resolution, sizeof a->resolution) == 0 && a->fov_y == b->fov_y &&
-           a->exposure == b->exposure;
+           a->exposure == b->exposure && memcmp(a->shift, b->shift, sizeof a->shift) == 0 &&
+           a->aperture_radius == b->aperture_radius && a->focus_distance == b->focus_distance && a->moves == b->moves &&
+           memcmp(a->end_position, b->end_position, sizeof a->end_position) == 0 &&
+           memcmp(a->end_target, b->end_target, sizeof a->end_target) == 0 &&
+           memcmp(a->end_up, b->end_up, sizeof a->end_up) == 0;
 }
 
 static ty_result apply(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count, uint32_t* edited) {

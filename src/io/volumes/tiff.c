@@ -15,7 +15,8 @@
 #include <string.h>
 #include <tiffio.h>
 
-enum { RATIO_MAX = 1 << 16, MEMORY_MAX = 1 << 28 }; /* compression of blank pages; bytes of a table of the library */
+/* Compression of blank pages; bytes of a table of the library; values per voxel. */
+enum { RATIO_MAX = 1 << 16, MEMORY_MAX = 1 << 28, COMPONENTS_MAX = 65536 };
 
 typedef struct page_form {
     uint32_t width, height;
@@ -194,20 +195,22 @@ static ty_result count_pages(stack* s) {
 static ty_result check_layout(stack* s) {
     ty_stack_layout* l = &s->layout;
     if (l->writer == TY_STACK_OME && l->channels % s->form.samples == 0) l->channels /= s->form.samples;
-    const int64_t planes = (int64_t)l->slices * l->channels * l->times;
+    const double planes = (double)l->slices * l->channels * l->times;
     s->contiguous = l->writer == TY_STACK_IMAGEJ && s->pages == 1 && planes > 1 &&
                     s->form.compression == COMPRESSION_NONE && s->form.samples == 1;
     if (l->writer == TY_STACK_OME && planes != s->pages)
         return ty_fail(
             s->context, TY_ERROR_INPUT,
-            "%s: its OME description tells of %lld planes, and the file has %d; those in other files are not "
+            "%s: its OME description tells of %.0f planes, and the file has %d; those in other files are not "
             "read",
-            s->path, (long long)planes, s->pages);
+            s->path, planes, s->pages);
     if (planes != s->pages && !s->contiguous) {
         l->slices = s->pages;
         l->channels = l->times = 1;
     }
-    return TY_OK;
+    if ((double)l->channels * l->times * s->form.samples <= COMPONENTS_MAX) return TY_OK;
+    return ty_fail(s->context, TY_ERROR_INPUT, "%s: %d channels of %d samples at %d times; up to %d values can be read",
+                   s->path, l->channels, s->form.samples, l->times, COMPONENTS_MAX);
 }
 
 static int32_t components_of(const stack* s) {
@@ -225,7 +228,7 @@ static ty_result check_size(const stack* s, size_t* voxels) {
     if (result != TY_OK) return result;
     const double bytes = (double)plane_bytes(s) * l->slices * l->channels * l->times;
     const double ratio = s->form.compression == COMPRESSION_NONE ? 1 : RATIO_MAX;
-    if (components_of(s) <= UINT16_MAX + 1 && bytes <= ratio * (double)s->size) return TY_OK;
+    if (bytes <= ratio * (double)s->size) return TY_OK;
     return ty_fail(s->context, TY_ERROR_INPUT,
                    "%s: cut short: %u x %u x %d voxels of %d values of %d bits do not fit in it", s->path,
                    s->form.width, s->form.height, l->slices, components_of(s), s->form.bits);

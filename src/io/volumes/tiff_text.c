@@ -40,9 +40,10 @@ static void parse_imagej(const char* text, ty_stack_layout* out) {
     out->channels = positive(line_number(text, "channels"));
     out->times = positive(line_number(text, "frames"));
     const double images = line_number(text, "images"), slices = line_number(text, "slices");
-    out->slices = positive(slices > 0 ? slices : images / (out->channels * out->times));
-    out->spacing[2] = line_number(text, "spacing");
-    const char* unit = find_line(text, "unit");
+    out->slices = positive(slices > 0 ? slices : images / ((double)out->channels * out->times));
+    const char *spacing = find_line(text, "spacing"), *unit = find_line(text, "unit");
+    if (spacing != NULL)
+        out->spacing[2] = length_of(spacing + (*spacing == '-')); /* ImageJ takes it without its sign */
     if (unit == NULL) return;
     const bool escaped = strncmp(unit, "\\u00B5m", 7) == 0;
     snprintf(out->unit, sizeof out->unit, "%.*s", escaped ? 6 : (int)strcspn(unit, "\r\n"), escaped ? "micron" : unit);

@@ -6,6 +6,7 @@
 #include "method/lpv/inject/inject.h"
 #include "method/lpv/lpv_method.h"
 #include "method/lpv/propagate/propagate.h"
+#include "scene/camera.h"
 #include "scene/interiors.h"
 
 #include <string.h>
@@ -218,6 +219,8 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
     const ty_camera_def camera = ty_scene_camera(scene);
     const size_t count = (size_t)light->source_count;
     ty_lpv_def sized = *def;
+    const ty_result allowed = ty_camera_check_pinhole(light->context, &camera, "lpv");
+    if (allowed != TY_OK) return allowed;
     ty_airlight *airlight = NULL, *single = NULL;
     const ty_shadow_hierarchy** maps = ty_alloc_array(light->context, count, sizeof(const ty_shadow_hierarchy*), false);
     if (maps == NULL) return TY_ERROR_MEMORY;

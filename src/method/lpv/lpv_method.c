@@ -4,6 +4,7 @@
 #include "image/march/march.h"
 #include "method/lpv/job.h"
 #include "method/method.h"
+#include "scene/camera.h"
 
 #include <stdio.h>
 
@@ -105,6 +106,11 @@ static void destroy(void* light) {
     ty_lpv_destroy(light);
 }
 
+static ty_result check(const ty_scene* scene) {
+    const ty_camera_def camera = ty_scene_camera(scene);
+    return ty_camera_check_pinhole(ty_scene_context(scene), &camera, "lpv");
+}
+
 static bool follows_camera(const ty_scene* scene) {
     ty_lpv_def def = ty_default_lpv_def();
     return ty_method_options(scene, "lpv", &def) == TY_OK && def.place == TY_LPV_PLACE_CAMERA;
@@ -125,6 +131,7 @@ const ty_method ty_method_lpv = {.name = "lpv",
                                  .aovs = TY_MARCH_AOVS | TY_AOV_NORMAL | TY_AOV_SAMPLES,
                                  .stats = stats,
                                  .stat_count = sizeof stats / sizeof stats[0],
+                                 .check = check,
                                  .render = render,
                                  .solve = solve,
                                  .view = view,

@@ -177,6 +177,14 @@ void ty_flux_destroy(ty_flux* flux) {
     ty_free_array(context, flux, 1, sizeof *flux);
 }
 
+/* True if sampled directions may meet light that nothing has scattered: of environments, and of surfaces, which emit in
+ * no periodic scene. */
+static bool has_extended_lights(const ty_scene_view* view) {
+    bool extended = view->mesh != NULL && view->periodic.axes == 0;
+    for (int32_t i = 0; i < view->lights.count; ++i) extended = extended || view->lights.lights[i].kind >= TY_KIND_AREA;
+    return extended;
+}
+
 /* Samples all numbers. */
 static ty_result sample(ty_path_run* run, const ty_scene* scene, ty_flux* flux) {
     run->stage = "flux";
@@ -214,6 +222,7 @@ ty_result ty_path_flux(const ty_scene* scene, const ty_path_def* path, const ty_
     result = place_columns(scene, &own, levels, &columns);
     if (result == TY_OK) result = create_flux(context, &own, &flux);
     if (result != TY_OK) return result;
+    columns.extended = has_extended_lights(&scene->view);
     place_views(&own, &columns, view_levels, views);
     run.request.columns = &columns;
     result = sample(&run, scene, flux);

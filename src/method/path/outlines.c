@@ -49,8 +49,8 @@ static void find_in_row(void* user, int64_t row, int32_t worker) {
 }
 
 ty_result ty_path_prepare_outlines(ty_path_run* run) {
-    if (run->request.kind != TY_PATH_PIXELS || run->view.mesh == NULL || run->view.interior_count > 0 ||
-        !emits(&run->view.lights))
+    if (run->request.kind != TY_PATH_PIXELS || run->request.camera.sampled != 0 || run->view.mesh == NULL ||
+        run->view.interior_count > 0 || !emits(&run->view.lights))
         return TY_OK;
     run->outlines = ty_alloc_array(run->context, (size_t)run->item_count, 1, true);
     if (run->outlines == NULL) return TY_ERROR_MEMORY;

@@ -53,9 +53,12 @@ ty_result ty_screen_set_scene(const ty_scene* scene, int32_t height, ty_screen_d
     const ty_scene_view* view = result == TY_OK ? ty_scene_get_view(scene) : NULL;
     if (view == NULL) return TY_ERROR_ARGUMENT;
     result = ty_scene_check_open(scene, "screen");
+    const ty_camera_def camera = ty_scene_camera(scene);
+    if (result == TY_OK) result = ty_camera_check_pinhole(ty_scene_context(scene), &camera, "screen");
+    if (result == TY_OK && (camera.shift[0] != 0 || camera.shift[1] != 0))
+        result = ty_fail(ty_scene_context(scene), TY_ERROR_ARGUMENT, "screen: the camera has a shift");
     if (result == TY_OK) result = add_media(scene, view, def);
     if (result != TY_OK) return result;
-    const ty_camera_def camera = ty_scene_camera(scene);
     def->focal[0] = def->focal[1] = ty_screen_focal(height > 0 ? height : camera.resolution[1], camera.fov_y);
     def->center[0] = def->center[1] = -1;
     def->distance_kind = TY_SCREEN_DISTANCE_RAY;

@@ -335,6 +335,21 @@ static ty_result view_fields(ty_context* context, const ty_medium_def* def, cons
     return TY_OK;
 }
 
+/* Tentative collisions sample the emission of a varying medium: one that hardly absorbs, such as a clear flame, would
+ * have few of them and much noise. This many are expected along its diagonal. */
+static float emission_majorant(const ty_medium_def* def, const ty_medium_view* view) {
+    const double points = 8;
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    float densest = view->has_grid != 0 ? 0.0f : 1.0f;
+    if (view->emits == 0) return 0;
+    for (size_t i = 0; view->has_grid != 0 && i < brick_count(&view->grid); ++i)
+        densest = ty_maxf(densest, view->extremes[2 * i + 1]);
+    ty_medium_extent(def, lower, upper);
+    const double diagonal = hypot(hypot(upper[0] - lower[0], upper[1] - lower[1]), upper[2] - lower[2]);
+    const double thickness = (double)view->sigma_t_max * diagonal;
+    return thickness > 0 && thickness * (double)densest < 1 ? (float)(points / thickness) : 0;
+}
+
 ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, const ty_periodic_view* cell,
                                 ty_medium_view* view) {
     memset(view, 0, sizeof *view);
@@ -355,6 +370,7 @@ ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, c
         if (def->transfer_count > 0 || view->grid.wraps != 0) result = own_extremes(context, def, view);
     }
     if (result == TY_OK) result = view_fields(context, def, cell, view);
+    if (result == TY_OK) view->emission_majorant = emission_majorant(def, view);
     view->heterogeneous = view->has_grid || view->albedo_fields > 0 || view->has_g_field || view->has_temperature;
     return result;
 }

@@ -51,7 +51,8 @@ typedef struct ty_medium_view {
     int32_t has_g_field;
     ty_field_view g_field;
     int32_t emits;
-    float emission[3]; /* radiance */
+    float emission_majorant; /* least density of tentative collisions in a thin medium that emits; 0: any */
+    float emission[3];       /* radiance */
     int32_t has_temperature;
     ty_field_view temperature;
     float kelvin[2]; /* temperature = kelvin[0] + kelvin[1] * value */

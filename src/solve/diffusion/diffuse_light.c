@@ -5,6 +5,7 @@
 #include "base/kernel.h"
 #include "scene/media/phase.k.h"
 #include "solve/diffusion/surface_light.h"
+#include "solve/diffusion/thickness.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -12,14 +13,6 @@
 
 /* Relative difference of sources up to which one channel counts as a multiple of another. */
 static const float MAX_DIFFERENCE = 1e-6f;
-
-/* Maximum thickness of a cell, transport mean free paths. Light entering a very thick cell scatters near its surface
- * and mostly leaves again, but in the discrete equations its source is at the cell's center and accumulates: the
- * fluence would grow with thickness, without bound. The light a thick medium reflects depends on its albedo only, so
- * thicker cells are scaled down to these values. Their fluence is then that of a surface; the (small) transmission of a
- * medium of such cells is overestimated. The effect is strongest at the faces of the box; inside, vacuum beside a thick
- * cell takes up the light. */
-static const double MAX_THICKNESS_INSIDE = 2.5, MAX_THICKNESS_AT_FACES = 1.5;
 
 /* Residual, relative to the source, above which a solve with limited flux counts as divergent: D and the fluence then
  * grow in turn. Diffusion without a limiter is linear and converges; it takes its place. */
@@ -113,26 +106,13 @@ static void end_work(solve_work* work) {
     pthread_mutex_destroy(&work->lock);
 }
 
-static bool is_at_face(const ty_grid_box* box, const ty_diffuse_surfaces* surfaces, size_t cell) {
-    if (surfaces != NULL && surfaces->faces->closed[cell] != 0) return true;
-    for (int a = 0; a < 3; ++a) {
-        const size_t size = (size_t)box->size[a], at = cell % size;
-        if (at == 0 || at + 1 == size) return true;
-        cell /= size;
-    }
-    return false;
-}
-
 /* Limits the thickness of cells of a media plane at constant albedo, and adds their emission to the sources of channels
  * [first, end). */
 static void limit_thickness(const solve_work* work, int32_t plane, int32_t first, int32_t end) {
     const ty_grid_medium* medium = work->medium;
-    const double side = fmin(medium->cell[0], fmin(medium->cell[1], medium->cell[2]));
-    const float max_inside = (float)(MAX_THICKNESS_INSIDE / side),
-                max_at_faces = (float)(MAX_THICKNESS_AT_FACES / side);
+    const ty_max_extinction max = ty_max_extinction_of(medium, work->surfaces);
     for (size_t i = 0; i < medium->cells; ++i) {
-        const float max_extinction = is_at_face(&medium->box, work->surfaces, i) ? max_at_faces : max_inside;
-        const float extinction = work->extinction[plane][i],
+        const float max_extinction = ty_max_extinction_at(&max, i), extinction = work->extinction[plane][i],
                     scale = extinction > max_extinction ? max_extinction / extinction : 1.0f;
         work->extinction[plane][i] = extinction * scale;
         work->absorption[plane][i] *= scale;

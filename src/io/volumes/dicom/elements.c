@@ -25,6 +25,7 @@ enum {
     TAG_ITEM = (int)TAG(0xfffe, 0xe000),
     TAG_ITEM_END = (int)TAG(0xfffe, 0xe00d),
     TAG_SEQUENCE_END = (int)TAG(0xfffe, 0xe0dd),
+    TAG_DETECTORS = TAG(0x0054, 0x0022), /* that place the frames of nuclear medicine (PS3.3 C.8.4.11) */
     TAG_SHARED_GROUPS = TAG(0x5200, 0x9229),
     TAG_FRAME_GROUPS = TAG(0x5200, 0x9230),
     TAG_FLOATS = TAG(0x7fe0, 0x0008),
@@ -164,6 +165,7 @@ static void take_place(const reader* r, const element* e, ty_dicom_frame* f) {
     case TAG(0x0028, 0x1052): f->has_intercept = take_numbers(r, e, &f->intercept, 1); break;
     case TAG(0x0028, 0x1053): f->has_slope = take_numbers(r, e, &f->slope, 1); break;
     case TAG(0x0018, 0x0050): take_numbers(r, e, &r->out->thickness, 1); break;
+    case TAG(0x0018, 0x0088): take_numbers(r, e, &r->out->between, 1); break;
     default: break;
     }
 }
@@ -173,7 +175,6 @@ static ty_result take_file_value(reader* r, const element* e) {
     switch (e->tag) {
     case TAG(0x0008, 0x0060): take_text(r, e, out->modality, sizeof out->modality); break;
     case TAG(0x0008, 0x103e): take_text(r, e, out->description, sizeof out->description); break;
-    case TAG(0x0018, 0x0088): take_numbers(r, e, &out->between, 1); break;
     case TAG(0x0020, 0x000e): take_text(r, e, out->series, sizeof out->series); break;
     case TAG(0x0020, 0x0011): out->series_number = take_integer_text(r, e); break;
     case TAG(0x0028, 0x0002): out->samples = take_short(r, e); break;
@@ -198,7 +199,7 @@ static ty_result read_elements(reader* r, size_t end, scope in, int depth);
 
 /* Scope of a sequence's items; frames and what they share have their values in sequences of one item. */
 static scope scope_of(uint32_t tag, scope in) {
-    if (in == SCOPE_FILE && tag == TAG_SHARED_GROUPS) return SCOPE_SHARED;
+    if (in == SCOPE_FILE && (tag == TAG_SHARED_GROUPS || tag == TAG_DETECTORS)) return SCOPE_SHARED;
     if (in == SCOPE_FILE && tag == TAG_FRAME_GROUPS) return SCOPE_FRAME;
     if (in == SCOPE_FILE || in == SCOPE_OTHER) return SCOPE_OTHER;
     switch (tag) {
@@ -443,11 +444,12 @@ static void inherit(ty_dicom_frame* frame, const ty_dicom_frame* shared) {
     frame->has_slope = frame->has_slope || shared->has_slope;
 }
 
-/* Frames without places of their own follow one another along the normal. */
+/* Frames without places of their own follow one another along the normal, or against it where the spacing between them
+ * is negative (PS3.3 C.8.4.15). */
 static void step_along_normal(const ty_dicom* dicom, int32_t frame, ty_dicom_frame* f) {
     const double* o = f->orientation;
     const double normal[3] = {o[1] * o[5] - o[2] * o[4], o[2] * o[3] - o[0] * o[5], o[0] * o[4] - o[1] * o[3]};
-    const double between = dicom->between > 0 ? dicom->between : dicom->thickness > 0 ? dicom->thickness : 1;
+    const double between = dicom->between != 0 ? dicom->between : dicom->thickness > 0 ? dicom->thickness : 1;
     const bool listed = (size_t)frame < dicom->offset_count;
     const double distance = listed ? dicom->offsets[frame] - dicom->offsets[0] : between * frame;
     for (int a = 0; a < 3; ++a) f->position[a] += normal[a] * distance;

@@ -47,7 +47,8 @@ static ty_result check_bits(ty_context* context, const char* path, const ty_dico
 }
 
 ty_result ty_dicom_check_pixels(ty_context* context, const char* path, const ty_dicom* d, uint64_t file_size) {
-    enum { FREE_BYTES = 1 << 20, RATIO_MAX = 1 << 16 }; /* of blank frames, larger than any decoder needs */
+    /* Of blank frames, larger than any decoder needs; bytes of the head of a fragment, of which each frame has one. */
+    enum { FREE_BYTES = 1 << 20, RATIO_MAX = 1 << 16, FRAGMENT_HEAD = 8 };
     ty_result result = check_kind(context, path, d);
     if (result == TY_OK) result = check_bits(context, path, d);
     size_t voxels;
@@ -58,11 +59,12 @@ ty_result ty_dicom_check_pixels(ty_context* context, const char* path, const ty_
         return ty_fail(context, TY_ERROR_INPUT, "%s: its pixel data is %s, which its transfer syntax (%s) excludes",
                        path, d->encapsulated ? "in fragments" : "not in fragments", ty_dicom_coding_name(d));
     const uint64_t all = d->deflated ? d->size : file_size, left = all > d->pixels ? all - d->pixels : 0;
-    const uint64_t wanted = frame_bytes(d) * (uint64_t)d->frames;
     const uint64_t found = d->encapsulated        ? left * RATIO_MAX + FREE_BYTES
                            : d->pixel_size < left ? d->pixel_size
                                                   : left;
-    if (found >= wanted) return TY_OK;
+    uint64_t frames = found / frame_bytes(d);
+    if (d->encapsulated && left / FRAGMENT_HEAD < frames) frames = left / FRAGMENT_HEAD;
+    if ((uint64_t)d->frames <= frames) return TY_OK;
     return ty_fail(context, TY_ERROR_INPUT, "%s: cut short: %d x %d pixels of %d bits in %d frames do not fit in it",
                    path, d->columns, d->rows, d->bits_allocated, d->frames);
 }

@@ -75,7 +75,7 @@ static ty_result add_file(series* s, const char* path, const ty_dicom* d) {
                           .frames = d->frames,
                           .bits_stored = d->bits_stored,
                           .is_signed = d->is_signed,
-                          .thickness = d->between > 0 ? d->between : d->thickness};
+                          .thickness = d->between != 0 ? fabs(d->between) : d->thickness};
     memcpy(file->series, d->series, sizeof file->series);
     memcpy(file->description, d->description, sizeof file->description);
     memcpy(file->modality, d->modality, sizeof file->modality);

@@ -61,10 +61,11 @@ static int axis_of_letter(char letter) {
 
 /* By its name: x, xt, x-Grid; west_east; lev, height, bottom_top. */
 static int axis_of_name(const char* name) {
-    static const char* const along[4][10] = {{"lon", "west_east", "easting", "ni", NULL},
-                                             {"lat", "south_north", "northing", "nj", NULL},
-                                             {"lev", "height", "alt", "bottom_top", "layer", "vertical", "nk", NULL},
-                                             {"time", "nt", "record", NULL}};
+    static const char* const along[4][10] = {
+        {"lon", "west_east", "easting", "ni", NULL},
+        {"lat", "south_north", "northing", "nj", NULL},
+        {"lev", "height", "alt", "depth", "bottom_top", "layer", "vertical", "nk", NULL},
+        {"time", "nt", "record", NULL}};
     for (int a = 0; a < 4; ++a)
         if (begins(name, along[a])) return a;
     const int axis = axis_of_letter(name[0]);
@@ -256,6 +257,13 @@ static bool order_edges(ty_netcdf_axis* axis) {
     return true;
 }
 
+/* Heights are minus the coordinates of an axis that points down, as those of depth do (CF conventions 4.3). */
+static bool points_down(const ty_netcdf_file* file, int coordinates) {
+    char text[64];
+    ty_netcdf_text(file, coordinates, "positive", text, sizeof text);
+    return strcasecmp(text, "down") == 0;
+}
+
 /* Coordinates of one axis, in m by their units, divided by the scene's unit; without units as they are. */
 static ty_result place_axis(const ty_netcdf_file* file, const ty_netcdf_variable* variable, ty_netcdf_axis* axis,
                             double meters_per_unit, bool* single) {
@@ -277,7 +285,9 @@ static ty_result place_axis(const ty_netcdf_file* file, const ty_netcdf_variable
     const double unit = units[0] != '\0' ? ty_netcdf_length_unit(units) / meters_per_unit : 1;
     if (unit == 0)
         return refuse(file, "the coordinates \"%s\" are in \"%s\", which is no length; m and km are", name, units);
-    for (size_t i = 0; i < axis->length + (*single ? 0 : 1); ++i) axis->edges[i] *= unit;
+    const double scale =
+        axis == &variable->axes[2] && coordinates >= 0 && points_down(file, coordinates) ? -unit : unit;
+    for (size_t i = 0; i < axis->length + (*single ? 0 : 1); ++i) axis->edges[i] *= scale;
     axis->placed = true;
     if (*single || order_edges(axis)) return TY_OK;
     return wrong_axis(file, name, "do not ascend or descend");

@@ -15,6 +15,8 @@ struct ty_netcdf_calls {
     __typeof__(nc_inq_dim)* inq_dim;
     __typeof__(nc_inq_att)* inq_att;
     __typeof__(nc_get_att_text)* get_att_text;
+    __typeof__(nc_get_att_string)* get_att_string;
+    __typeof__(nc_free_string)* free_string;
     __typeof__(nc_get_att_double)* get_att_double;
     __typeof__(nc_get_vara_double)* get_vara_double;
 };

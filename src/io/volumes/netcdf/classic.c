@@ -60,7 +60,7 @@ static void skip_attributes(cursor* c) {
 
 /* End of the data of all variables: in double precision, which no count of a file overflows. */
 typedef struct extent {
-    double end, record_begin, record_size; /* of fixed data; of the first record; of a record, padded */
+    double end, record_begin, record_size; /* of fixed data; of the first record; of a record without padding */
 } extent;
 
 static void take_variable(cursor* c, const double* lengths, uint64_t dimensions, extent* e) {

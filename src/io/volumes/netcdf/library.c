@@ -40,6 +40,8 @@ static ty_result load(ty_context* context, const char* path) {
              find(handle, "nc_inq_varid", &calls.inq_varid) && find(handle, "nc_inq_var", &calls.inq_var) &&
              find(handle, "nc_inq_dim", &calls.inq_dim) && find(handle, "nc_inq_att", &calls.inq_att) &&
              find(handle, "nc_get_att_text", &calls.get_att_text) &&
+             find(handle, "nc_get_att_string", &calls.get_att_string) &&
+             find(handle, "nc_free_string", &calls.free_string) &&
              find(handle, "nc_get_att_double", &calls.get_att_double) &&
              find(handle, "nc_get_vara_double", &calls.get_vara_double);
     if (loaded) return TY_OK;

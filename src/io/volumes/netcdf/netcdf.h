@@ -1,6 +1,6 @@
-/* NetCDF files: netcdf_library.c loads the library, netcdf_classic.c finds files that are cut short, netcdf_axes.c
- * finds the axes of a variable and the placement of its values, netcdf_values.c reads values and their units,
- * netcdf_droplets.c makes extinction of liquid water, and netcdf.c makes grids. */
+/* NetCDF files: library.c loads the library, classic.c finds files that are cut short, axes.c finds the axes of a
+ * variable and the placement of its values, values.c reads values and their units, droplets.c makes extinction of
+ * liquid water, and netcdf.c makes grids. */
 #ifndef TY_IO_NETCDF_H
 #define TY_IO_NETCDF_H
 

@@ -20,14 +20,19 @@ static const double unwritten = 9.9e36;
 void ty_netcdf_text(const ty_netcdf_file* file, int id, const char* attribute, char* text, size_t size) {
     enum { LONGEST = 255 };
     char found[LONGEST + 1] = "";
+    char* string = NULL;
     nc_type type = NC_NAT;
     size_t length = 0;
-    if (file->calls->inq_att(file->id, id, attribute, &type, &length) == NC_NOERR && type == NC_CHAR &&
-        length <= LONGEST && file->calls->get_att_text(file->id, id, attribute, found) == NC_NOERR)
+    text[0] = '\0';
+    if (file->calls->inq_att(file->id, id, attribute, &type, &length) != NC_NOERR) return;
+    if (type == NC_CHAR && length <= LONGEST && file->calls->get_att_text(file->id, id, attribute, found) == NC_NOERR) {
         found[length] = '\0';
-    else
-        found[0] = '\0';
-    snprintf(text, size, "%s", found);
+        snprintf(text, size, "%s", found);
+    }
+    if (type == NC_STRING && length == 1 && file->calls->get_att_string(file->id, id, attribute, &string) == NC_NOERR) {
+        if (string != NULL) snprintf(text, size, "%s", string);
+        file->calls->free_string(1, &string);
+    }
 }
 
 /* ---- units ---- */
@@ -90,34 +95,39 @@ typedef struct packing {
     double scale, offset;
     double missing[2];
     bool has_missing[2];
+    double valid[2]; /* lowest and highest packed value that is none of the missing ones */
 } packing;
 
-static bool number_attribute(const ty_netcdf_file* file, int id, const char* name, double* out) {
+static bool number_attribute(const ty_netcdf_file* file, int id, const char* name, size_t count, double* out) {
     nc_type type = NC_NAT;
     size_t length = 0;
     return file->calls->inq_att(file->id, id, name, &type, &length) == NC_NOERR && type != NC_CHAR &&
-           type <= NC_UINT64 && length == 1 && file->calls->get_att_double(file->id, id, name, out) == NC_NOERR;
+           type <= NC_UINT64 && length == count && file->calls->get_att_double(file->id, id, name, out) == NC_NOERR;
 }
 
 static packing find_packing(const ty_netcdf_file* file, int id) {
-    packing p = {.scale = 1};
-    number_attribute(file, id, "scale_factor", &p.scale);
-    number_attribute(file, id, "add_offset", &p.offset);
-    p.has_missing[0] = number_attribute(file, id, "_FillValue", &p.missing[0]);
-    p.has_missing[1] = number_attribute(file, id, "missing_value", &p.missing[1]);
+    packing p = {.scale = 1, .valid = {-INFINITY, INFINITY}};
+    number_attribute(file, id, "scale_factor", 1, &p.scale);
+    number_attribute(file, id, "add_offset", 1, &p.offset);
+    p.has_missing[0] = number_attribute(file, id, "_FillValue", 1, &p.missing[0]);
+    p.has_missing[1] = number_attribute(file, id, "missing_value", 1, &p.missing[1]);
+    number_attribute(file, id, "valid_min", 1, &p.valid[0]);
+    number_attribute(file, id, "valid_max", 1, &p.valid[1]);
+    number_attribute(file, id, "valid_range", 2, p.valid);
     return p;
 }
 
 static float unpack(const packing* p, double value) {
     for (int i = 0; i < 2; ++i)
         if (p->has_missing[i] && value == p->missing[i]) return 0;
-    return fabs(value) >= unwritten ? 0 : (float)(value * p->scale + p->offset);
+    if (!(value >= p->valid[0] && value <= p->valid[1]) || fabs(value) >= unwritten) return 0;
+    return (float)(value * p->scale + p->offset);
 }
 
 /* Reads parts along the variable's first axis with more than one value. */
 static ty_result read_parts(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time, size_t part,
                             size_t row, double* scratch, float* out) {
-    size_t start[TY_NETCDF_DIMENSIONS_MAX] = {0}, count[TY_NETCDF_DIMENSIONS_MAX];
+    size_t start[TY_NETCDF_DIMENSIONS_MAX] = {0}, count[TY_NETCDF_DIMENSIONS_MAX] = {1}; /* of a scalar, too */
     const packing p = find_packing(file, variable->id);
     int first = 0;
     for (int d = 0; d < variable->dimension_count; ++d) count[d] = variable->lengths[d];

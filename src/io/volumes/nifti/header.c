@@ -172,6 +172,12 @@ static ty_affine read_sform(const header* h) {
     return map;
 }
 
+/* A spacing of 0, as of an axis that a file does not have, counts as 1. */
+static double spacing_of(const header* h, int axis) {
+    const double spacing = fabs(real(h, h->at->pixdim, 1 + axis));
+    return spacing > 0 ? spacing : 1;
+}
+
 /* The rotation of a unit quaternion and the spacings, nifti1.h's method 2. */
 static ty_affine read_qform(const header* h) {
     const double b = real(h, h->at->quaternion, 0), c = real(h, h->at->quaternion, 1),
@@ -184,20 +190,16 @@ static ty_affine read_qform(const header* h) {
         2 * (x * z - w * y),           2 * (y * z + w * x),           w * w + z * z - x * x - y * y};
     ty_affine map;
     for (int r = 0; r < 3; ++r) {
-        for (int a = 0; a < 3; ++a) map.m[4 * r + a] = rotation[3 * r + a] * real(h, h->at->pixdim, 1 + a);
+        for (int a = 0; a < 3; ++a) map.m[4 * r + a] = rotation[3 * r + a] * spacing_of(h, a);
         if (real(h, h->at->pixdim, 0) < 0) map.m[4 * r + 2] = -map.m[4 * r + 2];
         map.m[4 * r + 3] = real(h, h->at->qoffset, r);
     }
     return map;
 }
 
-/* A spacing of 0 counts as 1. */
 static ty_affine read_spacings(const header* h) {
     ty_affine map = ty_affine_identity();
-    for (int a = 0; a < 3; ++a) {
-        const double spacing = fabs(real(h, h->at->pixdim, 1 + a));
-        map.m[5 * a] = spacing > 0 ? spacing : 1;
-    }
+    for (int a = 0; a < 3; ++a) map.m[5 * a] = spacing_of(h, a);
     return map;
 }
 

@@ -2,7 +2,6 @@
 #include "io/volumes/vtk/vtk.h"
 
 #include "base/context.h"
-#include "base/half.h"
 #include "base/number.h"
 #include "grid/grid.h"
 #include "io/volumes/volume_file.h"
@@ -150,13 +149,6 @@ static const char* skip_blanks(const char* text, const char* end) {
     return text;
 }
 
-static void store(ty_grid_type type, void* values, size_t at, double value) {
-    if (type == TY_GRID_F16)
-        ((uint16_t*)values)[at] = ty_float_to_half((float)value);
-    else
-        ((float*)values)[at] = (float)value;
-}
-
 /* Numbers in decimal; their end is found before, so that none reaches beyond. */
 static ty_result parse_text(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component, size_t voxels,
                             ty_grid_type type, void* values) {
@@ -169,7 +161,7 @@ static ty_result parse_text(const ty_vtk_image* image, const ty_vtk_array* array
             return ty_fail(image->context, TY_ERROR_INPUT, "%s: array \"%s\" has %zu numbers instead of %zu",
                            image->path, array->name, i, voxels * step);
         text = skip_blanks(rest, end);
-        if (i % step == (size_t)component) store(type, values, i / step, value);
+        if (i % step == (size_t)component) ty_store_value(type, values, i / step, value);
     }
     return text >= end ? TY_OK : ty_vtk_damaged(image, array->name, "has something behind its numbers");
 }

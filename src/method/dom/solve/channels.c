@@ -222,7 +222,7 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
     solve->result = allocate_start(job, light->shared ? brightest(light) : solve->channel, &start);
     if (solve->result != TY_OK) return;
     solve->result = solve_from(solve, &start);
-    keep_scattered(job, solve->channel);
+    if (solve->result == TY_OK) keep_scattered(job, solve->channel);
     ty_free_array(job->context, start.floats, start.floats != NULL ? light->cells : 0,
                   term_count(light->bands) * sizeof(float));
 }

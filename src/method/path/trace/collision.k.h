@@ -179,11 +179,16 @@ typedef struct ty_majorant_tracker {
     float t; /* distance of the tentative collision; TY_FLOAT_MAX past the last */
 } ty_majorant_tracker;
 
+/* The density of tentative collisions. */
+TY_FN float ty_majorant_tracker_density(const ty_majorant_tracker* tracker) {
+    return ty_maxf(tracker->bricks.majorant, tracker->bricks.medium->emission_majorant);
+}
+
 TY_FN void ty_majorant_tracker_next(ty_majorant_tracker* tracker, float u) {
     float left = ty_exponential(u);
     float t = tracker->t;
     for (;;) {
-        const float rate = tracker->bricks.majorant * tracker->bricks.medium->sigma_t_max;
+        const float rate = ty_majorant_tracker_density(tracker) * tracker->bricks.medium->sigma_t_max;
         const float depth = (tracker->bricks.leave - t) * rate;
         if (left < depth) {
             tracker->t = t + ty_maxf(left / rate, TY_MIN_COLLISION_STEP * t);
@@ -214,7 +219,7 @@ TY_FN void ty_majorant_tracker_albedo(const ty_majorant_tracker* tracker, ty_vec
 TY_FN bool ty_majorant_tracker_collides(const ty_majorant_tracker* tracker, ty_vec origin, ty_vec direction,
                                         ty_sampler* random, float beta[3], float emitted[3]) {
     TY_GLOBAL const ty_medium_view* medium = tracker->bricks.medium;
-    const float high = tracker->bricks.majorant;
+    const float high = ty_majorant_tracker_density(tracker);
     const float u = ty_rng_uniform(random);
     float albedo[3];
     if (medium->gray != 0 && medium->emits == 0) {

@@ -9,11 +9,23 @@ TY_FN int32_t ty_column_quantity(const ty_path_columns* columns, int64_t item) {
     return (int32_t)(item / ((int64_t)columns->size[0] * columns->size[1]));
 }
 
-/* True if light that nothing has scattered or reflected does not belong to an item. */
-TY_FN bool ty_column_is_diffuse(const ty_path_columns* columns, int64_t item) {
+/* True if only light that nothing has scattered or reflected belongs to an item. */
+TY_FN bool ty_column_is_direct(const ty_path_columns* columns, int64_t item) {
     const int32_t quantity = ty_column_quantity(columns, item);
     return quantity < TY_COLUMN_LEVEL_QUANTITIES * columns->level_count &&
-           quantity % TY_COLUMN_LEVEL_QUANTITIES == TY_COLUMN_DOWN_DIFFUSE;
+           quantity % TY_COLUMN_LEVEL_QUANTITIES == TY_COLUMN_DOWN_DIRECT;
+}
+
+/* The request of paths for direct light: media only attenuate, and a reflection is the end. */
+TY_FN void ty_column_request_direct(const ty_path_request* request, ty_path_request* out) {
+    *out = *request;
+    out->unscattered = 1;
+    out->max_depth = 1;
+}
+
+TY_FN void ty_column_keep_direct(ty_path* path) {
+    for (int32_t path_class = 0; path_class < TY_PATH_CLASS_COUNT; ++path_class)
+        for (int c = 0; c < 3 && path_class != TY_PATH_UNCOLLIDED; ++c) path->radiance[path_class][c] = 0.0f;
 }
 
 /* A point, uniform over the cross section of an item's column, at a height. */
@@ -73,8 +85,10 @@ TY_FN_CALLED void ty_path_begin_column(ty_path* path, const ty_path_columns* col
         const ty_vec point =
             ty_column_point(path, columns, item, columns->levels[quantity / TY_COLUMN_LEVEL_QUANTITIES]);
         const ty_vec normal = ty_scale(ty_vec_load(up), kind == TY_COLUMN_UP ? -1.0f : 1.0f);
-        ty_path_begin_flux(path, point, normal, kind != TY_COLUMN_DOWN_DIFFUSE,
-                           kind == TY_COLUMN_DOWN_DIRECT ? 0.0f : 1.0f);
+        /* Direct light of lights without extent is that of light samples alone. */
+        const bool sampled = kind == TY_COLUMN_DOWN_DIRECT && columns->extended == 0;
+        ty_path_begin_flux(path, point, normal, kind != TY_COLUMN_DOWN_DIFFUSE, sampled ? 0.0f : 1.0f);
+        if (kind == TY_COLUMN_DOWN_DIFFUSE) path->found = TY_FOUND_ALL;
     } else if (quantity == level_quantities) {
         const double height = columns->absorbing[1] - columns->absorbing[0];
         const ty_vec at = ty_column_point(path, columns, item,

@@ -13,11 +13,25 @@ static void begin_at_camera(ty_path* path) {
     if (ty_path_sees_dielectrics(path)) ty_path_set_inside(path, &path->request->camera_inside);
 }
 
+/* A thin lens, or a camera that moves while its shutter is open. */
+static void begin_at_lens(ty_path* path, float x, float y) {
+    const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
+    const float time = ty_sobol_next(&path->random);
+    const ty_camera_view camera = ty_camera_sample(&path->request->camera, u, v, time);
+    path->origin = camera.origin;
+    path->direction = ty_camera_direction(&camera, x, y);
+    ty_path_begin_inside(path);
+}
+
 static void start(ty_path* path, const ty_path_request* request, int64_t item) {
     if (request->kind == TY_PATH_PIXELS) {
         const int32_t x = request->crop[0] + (int32_t)(item % request->crop[2]);
         const int32_t y = request->crop[1] + (int32_t)(item / request->crop[2]);
         const float dx = ty_sobol_next(&path->random), dy = ty_sobol_next(&path->random);
+        if (request->camera.sampled != 0) {
+            begin_at_lens(path, (float)x + dx, (float)y + dy);
+            return;
+        }
         begin_at_camera(path);
         path->direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
     } else if (request->kind == TY_PATH_RAYS) {
@@ -153,19 +167,24 @@ static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_aov_sums*
 TY_FN TY_PATH_KERNEL(ty_path_sample_items) {
     const unsigned thread_state = ty_flush_denormals();
     uint64_t vertices = 0;
+    ty_path_request direct; /* of columns, for direct light */
+    if (request->kind == TY_PATH_COLUMNS) ty_column_request_direct(request, &direct);
     for (int64_t item = begin; item < end; ++item) {
+        const bool is_direct = request->kind == TY_PATH_COLUMNS && ty_column_is_direct(request->columns, item);
+        const ty_path_request* own = is_direct ? &direct : request;
         const uint64_t number = random_item(request, item);
         ty_path_aov_sums* sums_of_item = aov_sums != NULL ? &aov_sums[item - begin] : NULL;
         for (uint32_t i = first_sample; i < first_sample + count; ++i) {
             ty_path path;
-            ty_path_begin(&path, request, number, i);
-            start(&path, request, item);
+            ty_path_begin(&path, own, number, i);
+            start(&path, own, item);
             if (sums_of_item != NULL && request->first_hit != 0) add_first_hit(&path, number, i, sums_of_item);
-            path.outline = i >= TY_OUTLINE_FIRST && request->outlines != NULL && request->outlines[item] != 0;
-            if (path.outline != 0) add_seen_emission(&path, item, number, i);
+            if (i >= TY_OUTLINE_FIRST && request->outlines != NULL && request->outlines[item] != 0) {
+                path.found = TY_FOUND_SURFACES;
+                add_seen_emission(&path, item, number, i);
+            }
             vertices += ty_path_follow(&path);
-            if (request->kind == TY_PATH_COLUMNS && ty_column_is_diffuse(request->columns, item))
-                memset(path.radiance[TY_PATH_UNCOLLIDED], 0, sizeof path.radiance[TY_PATH_UNCOLLIDED]);
+            if (own != request) ty_column_keep_direct(&path);
             add_sample(&path, &sums[item - begin], sums_of_item);
         }
     }

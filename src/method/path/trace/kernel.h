@@ -28,6 +28,7 @@ typedef struct ty_path_columns {
     int32_t axis[3]; /* both horizontal ones, and up */
     int32_t size[2]; /* columns along the horizontal axes */
     int32_t level_count, view_count;
+    int32_t extended;          /* nonzero if directions may meet lights: environments and those with an area */
     double lower[2], cell[2];  /* of the columns, m */
     double absorbing[2];       /* lowest and highest point of the media that absorb, m */
     const double* levels;      /* where paths start, m */

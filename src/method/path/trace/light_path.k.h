@@ -29,6 +29,9 @@ enum {
     TY_PATH_CLASS_COUNT = 4
 };
 
+/* Emission at the end of the first ray of a path that others find. */
+enum { TY_FOUND_NONE = 0, TY_FOUND_SURFACES = 1, TY_FOUND_ALL = 2 };
+
 /* The last vertex whose next-event estimation looked through smooth interfaces (manifold.k.h). */
 typedef struct ty_manifold_vertex {
     int32_t refractions;      /* of the path since; -1: it did something else, or there is no such vertex */
@@ -57,10 +60,10 @@ typedef struct ty_path {
     float radiance[TY_PATH_CLASS_COUNT][3]; /* estimate so far per class, W m^-2 sr^-1 */
     const ty_medium_view* media;            /* that the path may meet before the next interface of dielectrics */
     int32_t medium_count;
-    float expected;  /* by a guide: radiance of the camera's ray, W m^-2 sr^-1; 0: unknown */
-    float incident;  /* by a guide: radiance along the present ray; negative: unknown */
-    int32_t outline; /* nonzero if other rays find the emission at the end of the camera's */
-    float passed;    /* distance of origin from the last vertex, m: rays go on at interfaces that change nothing */
+    float expected; /* by a guide: radiance of the camera's ray, W m^-2 sr^-1; 0: unknown */
+    float incident; /* by a guide: radiance along the present ray; negative: unknown */
+    int32_t found;  /* by other rays: emission at the end of the path's first one, TY_FOUND_... */
+    float passed;   /* distance of origin from the last vertex, m: rays go on at interfaces that change nothing */
     ty_interior_list inside;   /* the dielectrics around it, where the scene has any */
     ty_manifold_vertex vertex; /* where the scene has any */
 } ty_path;

@@ -44,7 +44,7 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
     const bool refracted = ty_path_sees_dielectrics(path) && path->vertex.refractions > 0;
     float radiance[3];
     if (end != NULL) {
-        if (!(ty_max3(end->point.emission) > 0.0f) || (path->outline != 0 && path->depth == 0)) return;
+        if (!(ty_max3(end->point.emission) > 0.0f) || (path->found != TY_FOUND_NONE && path->depth == 0)) return;
         float weight = ty_path_mis_weight_emission(path, end);
         if (refracted && end->point.light >= 0) {
             const ty_manifold_target target = {end->hit.position, false};
@@ -54,6 +54,7 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
         ty_path_add(path, radiance);
         return;
     }
+    if (path->found == TY_FOUND_ALL && path->depth == 0) return;
     for (int32_t i = 0; i < lights->distant_count; ++i) {
         const ty_light_view* light = &lights->lights[lights->distant[i]];
         if (light->kind != TY_KIND_ENVIRONMENT) continue;
@@ -691,7 +692,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->scattered = 0;
     path->phase = 0.0f;
     path->point_light_rate = 0.0f;
-    path->outline = 0;
+    path->found = TY_FOUND_NONE;
     path->depth = 0;
     path->run = 0;
     path->path_class = TY_PATH_UNCOLLIDED;

@@ -1,0 +1,248 @@
+/* One pass along the tubes keeps what enters each of them in each slab; another one against the light gathers the
+ * derivatives. In a slab with the optical depth x of a tube and the transmittance t before it,
+ *
+ *     mean = t m(x),   t' = t exp(-x),   m(x) = (1 - exp(-x)) / x,
+ *
+ * so that with mean* and t'* the derivatives of the loss by mean and by the transmittance behind the slab
+ *
+ *     x* = mean* t m'(x) - t'* t exp(-x),   t* = mean* m(x) + t'* exp(-x). */
+#include "direct/uncollided/collimated_adjoint.h"
+
+#include "base/context.h"
+#include "base/parallel.h"
+#include "direct/uncollided/collimated.h"
+#include "direct/uncollided/collimated_adjoint_kernel.h"
+
+#include <string.h>
+
+/* Tubes beyond either end of a row of cells that overlap it; rows of scratch per worker. */
+enum { BORDER = 2, SCRATCH_ROWS = 3 };
+
+/* Smaller slabs are passed by one thread: waking others takes longer. */
+enum { TUBES_FOR_THREADS = 1 << 12 };
+
+/* Planes of cells in the order in which rows are along u: the medium's own, or with x and z exchanged. */
+typedef struct cell_planes {
+    const float *extinction, *weight[3];
+    float* gradient;
+} cell_planes;
+
+typedef struct adjoint_job {
+    const ty_grid_medium* medium;
+    const ty_collimated_loss* loss;
+    const ty_collimated_adjoint_kernels* kernels;
+    const ty_collimated* beam;
+    const ty_discrete_light* source;
+    const cell_planes* planes;
+    int32_t slab;          /* in the order of travel */
+    int32_t width, rows;   /* tubes that overlap a row of cells, and rows of such tubes */
+    float *before, *depth; /* of each slab, row and tube: transmittance before the slab, optical depth within it */
+    float* through;        /* transmittance of each tube, and then the loss's derivative by it */
+    float* by_depth;       /* of the slab's tubes: the loss's derivative by depth */
+    float* scratch;        /* of each worker */
+    double (*sums)[3];     /* of each row of tubes: the loss per channel */
+} adjoint_job;
+
+static size_t tubes_of_slab(const adjoint_job* job) {
+    return (size_t)job->width * (size_t)job->rows;
+}
+
+static size_t scratch_row(const adjoint_job* job) {
+    return (size_t)job->beam->size[0] + 2 * BORDER;
+}
+
+/* Row v of cells in the slab; NULL beyond the box. */
+static const float* cell_row(const adjoint_job* job, const float* cells, int64_t v) {
+    const ty_collimated* beam = job->beam;
+    const int32_t slab = beam->backwards ? beam->size[2] - 1 - job->slab : job->slab;
+    if (v < 0 || v >= beam->size[1]) return NULL;
+    return cells + beam->stride[2] * (size_t)slab + beam->stride[1] * (size_t)v;
+}
+
+/* The three rows of cells that a row of tubes overlaps. */
+static ty_adjoint_rows rows_of(const adjoint_job* job, const float* cells, int64_t row, int32_t worker) {
+    ty_adjoint_rows rows = {.count = job->beam->size[0],
+                            .across = job->beam->weight[1][job->slab],
+                            .along = job->beam->weight[0][job->slab],
+                            .blend = job->scratch + SCRATCH_ROWS * scratch_row(job) * (size_t)worker};
+    for (int32_t b = 0; b < 3; ++b) rows.cells[b] = cell_row(job, cells, row - BORDER + b);
+    return rows;
+}
+
+static ty_adjoint_tubes tubes_of(const adjoint_job* job, int64_t row, const ty_adjoint_rows* rows) {
+    const ty_collimated* beam = job->beam;
+    const int32_t across = (int32_t)row - BORDER - beam->shift[1][job->slab] - beam->first[1];
+    const int32_t along = -BORDER - beam->shift[0][job->slab] - beam->first[0];
+    const size_t in_slab = (size_t)row * (size_t)job->width, at = tubes_of_slab(job) * (size_t)job->slab + in_slab;
+    return (ty_adjoint_tubes){.length = beam->length,
+                              .before = job->before + at,
+                              .depth = job->depth + at,
+                              .through = job->through + (ptrdiff_t)across * beam->tubes[0] + along,
+                              .by_mean = rows->blend + scratch_row(job),
+                              .mean = rows->blend + 2 * scratch_row(job),
+                              .by_depth = job->by_depth + in_slab};
+}
+
+static void pass_row(void* user, int64_t row, int32_t worker) {
+    const adjoint_job* job = user;
+    const ty_adjoint_rows rows = rows_of(job, job->planes->extinction, row, worker);
+    const ty_adjoint_tubes tubes = tubes_of(job, row, &rows);
+    job->kernels->pass(&rows, &tubes);
+}
+
+static void return_row(void* user, int64_t row, int32_t worker) {
+    const adjoint_job* job = user;
+    ty_adjoint_rows rows = rows_of(job, job->planes->extinction, row, worker);
+    const ty_adjoint_tubes tubes = tubes_of(job, row, &rows);
+    job->kernels->begin(&rows, &tubes);
+    for (int32_t c = 0; c < job->loss->channels; ++c) {
+        rows = rows_of(job, job->planes->weight[c], row, worker);
+        job->sums[row][c] += job->kernels->weigh(&rows, &tubes, job->source->color[job->loss->first + c]);
+    }
+    job->kernels->back(&rows, &tubes);
+}
+
+/* Adds the derivatives by depth of the nine tubes that overlap each cell of a row. */
+static void gather_row(void* user, int64_t v, int32_t worker) {
+    const adjoint_job* job = user;
+    ty_adjoint_rows rows = rows_of(job, job->planes->extinction, v, worker);
+    for (int64_t b = 0; b < 3; ++b) rows.cells[b] = job->by_depth + (v + BORDER - b) * job->width;
+    job->kernels->gather(&rows, job->beam->length, (float*)cell_row(job, job->planes->gradient, v));
+}
+
+static void pass_all(adjoint_job* job) {
+    ty_context* context = tubes_of_slab(job) >= TUBES_FOR_THREADS ? job->beam->context : NULL;
+    const size_t tubes = ty_collimated_tubes(job->beam);
+    for (size_t t = 0; t < tubes; ++t) job->through[t] = 1;
+    for (job->slab = 0; job->slab < job->beam->size[2]; ++job->slab)
+        ty_parallel_flushed(context, job->rows, pass_row, job);
+    memset(job->through, 0, sizeof *job->through * tubes);
+    for (job->slab = job->beam->size[2] - 1; job->slab >= 0; --job->slab) {
+        ty_parallel_flushed(context, job->rows, return_row, job);
+        ty_parallel_flushed(context, job->beam->size[1], gather_row, job);
+    }
+}
+
+static ty_result pass_direction(adjoint_job* job, double strength[3]) {
+    ty_context* context = job->beam->context;
+    job->width = job->beam->size[0] + BORDER;
+    job->rows = job->beam->size[1] + BORDER;
+    const size_t tubes = tubes_of_slab(job), all = tubes * (size_t)job->beam->size[2], rows = (size_t)job->rows;
+    const size_t scratch = SCRATCH_ROWS * scratch_row(job) * (size_t)ty_context_threads(context);
+    job->before = ty_alloc_array(context, all, sizeof(float), false);
+    job->depth = ty_alloc_array(context, all, sizeof(float), false);
+    job->through = ty_alloc_array(context, ty_collimated_tubes(job->beam), sizeof(float), false);
+    job->by_depth = ty_alloc_array(context, tubes, sizeof(float), false);
+    job->scratch = ty_alloc_array(context, scratch, sizeof(float), false);
+    job->sums = ty_alloc_array(context, rows, sizeof *job->sums, true);
+    const bool whole = job->before != NULL && job->depth != NULL && job->through != NULL && job->by_depth != NULL &&
+                       job->scratch != NULL && job->sums != NULL;
+    if (whole) pass_all(job);
+    for (size_t r = 0; r < rows && whole; ++r)
+        for (int32_t c = 0; c < job->loss->channels; ++c) strength[job->loss->first + c] += job->sums[r][c];
+    ty_free_array(context, job->before, all, sizeof(float));
+    ty_free_array(context, job->depth, all, sizeof(float));
+    ty_free_array(context, job->through, ty_collimated_tubes(job->beam), sizeof(float));
+    ty_free_array(context, job->by_depth, tubes, sizeof(float));
+    ty_free_array(context, job->scratch, scratch, sizeof(float));
+    ty_free_array(context, job->sums, rows, sizeof *job->sums);
+    return whole ? TY_OK : TY_ERROR_MEMORY;
+}
+
+/* ---- cells with x and z exchanged ---- */
+
+typedef struct exchange_job {
+    const float* from;
+    float* to;
+    int32_t size[3]; /* of `from` */
+    bool adds;
+} exchange_job;
+
+/* Layer y, in blocks that fit the cache. */
+static void exchange_layer(void* user, int64_t y, int32_t worker) {
+    (void)worker;
+    const exchange_job* job = user;
+    const size_t nx = (size_t)job->size[0], ny = (size_t)job->size[1], nz = (size_t)job->size[2];
+    for (size_t z0 = 0; z0 < nz; z0 += TY_TRANSPOSE_SIDE)
+        for (size_t x0 = 0; x0 < nx; x0 += TY_TRANSPOSE_SIDE)
+            for (size_t z = z0; z < nz && z < z0 + TY_TRANSPOSE_SIDE; ++z)
+                for (size_t x = x0; x < nx && x < x0 + TY_TRANSPOSE_SIDE; ++x) {
+                    float* to = &job->to[z + nz * ((size_t)y + ny * x)];
+                    const float value = job->from[x + nx * ((size_t)y + ny * z)];
+                    *to = job->adds ? *to + value : value;
+                }
+}
+
+static void exchange(const ty_grid_medium* medium, const float* from, float* to, bool back) {
+    const int32_t* size = medium->box.size;
+    exchange_job job = {
+        .from = from, .to = to, .size = {size[back ? 2 : 0], size[1], size[back ? 0 : 2]}, .adds = back};
+    ty_parallel_for(medium->context, size[1], exchange_layer, &job);
+}
+
+/* Copies of all planes; the gradient's is one of zeros. */
+static ty_result exchange_all(const adjoint_job* job, const cell_planes* planes, cell_planes* out) {
+    const ty_grid_medium* medium = job->medium;
+    float* copies[4] = {NULL};
+    for (int32_t c = -1; c < job->loss->channels; ++c) {
+        float* copy = copies[c + 1] = ty_alloc_array(medium->context, medium->cells, sizeof *copy, false);
+        if (copy == NULL) break;
+        exchange(medium, c < 0 ? planes->extinction : planes->weight[c], copy, false);
+    }
+    out->extinction = copies[0];
+    for (int32_t c = 0; c < 3; ++c) out->weight[c] = copies[c + 1];
+    out->gradient = ty_alloc_array(medium->context, medium->cells, sizeof *out->gradient, true);
+    return copies[job->loss->channels] != NULL && out->gradient != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+static void free_exchanged(const ty_grid_medium* medium, const cell_planes* planes) {
+    ty_free_array(medium->context, (float*)planes->extinction, medium->cells, sizeof(float));
+    for (int32_t c = 0; c < 3; ++c)
+        ty_free_array(medium->context, (float*)planes->weight[c], medium->cells, sizeof(float));
+    ty_free_array(medium->context, planes->gradient, medium->cells, sizeof(float));
+}
+
+/* ---- all directions ---- */
+
+/* Those that cross the most cells along x, or all others. */
+static ty_result pass_directions(adjoint_job* job, bool along_x, double (*strength)[3]) {
+    static const ty_scene_view without_surfaces;
+    const double outside[2][3] = {{0}};
+    ty_result result = TY_OK;
+    for (int32_t i = 0; i < job->loss->count && result == TY_OK; ++i) {
+        ty_collimated beam;
+        job->source = &job->loss->sources[i];
+        if ((ty_collimated_sweep_axis(job->medium, job->source->direction) / 2 == 0) != along_x) continue;
+        result = ty_part_show(job->loss->progress, "adjoint", (double)i / job->loss->count);
+        if (result != TY_OK) return result;
+        result = ty_collimated_begin(&without_surfaces, job->medium, outside, job->source->direction, &beam);
+        job->beam = &beam;
+        if (result == TY_OK) result = pass_direction(job, strength[job->source->light]);
+        ty_collimated_end(&beam);
+    }
+    return result;
+}
+
+static bool has_along_x(const adjoint_job* job) {
+    for (int32_t i = 0; i < job->loss->count; ++i)
+        if (ty_collimated_sweep_axis(job->medium, job->loss->sources[i].direction) / 2 == 0) return true;
+    return false;
+}
+
+ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_collimated_loss* loss, float* gradient,
+                                double (*strength)[3]) {
+    const cell_planes own = {.extinction = loss->extinction,
+                             .weight = {loss->weight[0], loss->weight[1], loss->weight[2]},
+                             .gradient = gradient};
+    adjoint_job job = {
+        .medium = medium, .loss = loss, .kernels = TY_BEST_KERNELS(ty_collimated_adjoint_kernels), .planes = &own};
+    ty_result result = pass_directions(&job, false, strength);
+    if (result != TY_OK || !has_along_x(&job)) return result;
+    cell_planes exchanged;
+    result = exchange_all(&job, &own, &exchanged);
+    job.planes = &exchanged;
+    if (result == TY_OK) result = pass_directions(&job, true, strength);
+    if (result == TY_OK) exchange(medium, exchanged.gradient, gradient, true);
+    free_exchanged(medium, &exchanged);
+    return result;
+}

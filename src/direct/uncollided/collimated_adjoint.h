@@ -1,0 +1,27 @@
+/* Adjoint of parallel light: derivatives of a weighted sum of its mean fluence in cells by the extinction of each cell
+ * and by the strength of the light. It is exact for the tubes of collimated.h, without surfaces. */
+#ifndef TY_DIRECT_UNCOLLIDED_COLLIMATED_ADJOINT_H
+#define TY_DIRECT_UNCOLLIDED_COLLIMATED_ADJOINT_H
+
+#include "base/progress.h"
+#include "direct/lights/discrete_light.h"
+#include "direct/media/grid_medium.h"
+
+/* The loss is the sum over directions, channels and cells of weight[c] color T, with T the mean transmittance from one
+ * direction through one plane of extinction. */
+typedef struct ty_collimated_loss {
+    const ty_discrete_light* sources; /* directions alone */
+    int32_t count;
+    const float* extinction; /* 1/m */
+    int32_t first, channels; /* channels [first, first + channels) of the colors */
+    const float* weight[3];  /* of each of these channels, one per cell */
+    ty_part_progress* progress;
+} ty_collimated_loss;
+
+/* Adds the derivatives by extinction to `gradient`, one per cell, and the parts of the loss that each direction has in
+ * each channel, its derivatives by a factor of the direction's color, to strength[index of its light]. Errors:
+ * TY_ERROR_MEMORY; TY_CANCELLED. */
+ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_collimated_loss* loss, float* gradient,
+                                double (*strength)[3]);
+
+#endif

@@ -1,0 +1,87 @@
+/* Row loops of the adjoint of parallel light, built once per instruction set, with TY_ISA naming it. */
+#include "direct/uncollided/collimated_adjoint_kernel.h"
+
+#include "direct/media/attenuation.k.h"
+
+#include <string.h>
+
+/* Blends three rows of cells, with two empty cells at either end. */
+static void blend_cells(const ty_adjoint_rows* rows) {
+    float* blend = rows->blend;
+    memset(blend, 0, sizeof *blend * ((size_t)rows->count + 4));
+    for (int32_t b = 0; b < 3; ++b) {
+        const float *from = rows->cells[b], weight = rows->across[b];
+        if (from == NULL) continue;
+#pragma omp simd
+        for (int32_t i = 0; i < rows->count; ++i) blend[i + 2] += weight * from[i];
+    }
+}
+
+static void pass(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes) {
+    const float *blend = rows->blend, *along = rows->along, length = tubes->length;
+    float *before = tubes->before, *depth = tubes->depth, *through = tubes->through;
+    blend_cells(rows);
+#pragma omp simd
+    for (int32_t t = 0; t < rows->count + 2; ++t) {
+        const float x = ty_weighted_sum3(blend[t], blend[t + 1], blend[t + 2], along) * length;
+        before[t] = through[t];
+        depth[t] = x;
+        through[t] = before[t] * ty_attenuation(x);
+    }
+}
+
+static void begin(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes) {
+    const float *before = tubes->before, *depth = tubes->depth;
+    float *by_mean = tubes->by_mean, *mean = tubes->mean;
+#pragma omp simd
+    for (int32_t t = 0; t < rows->count + 2; ++t) {
+        by_mean[t] = 0.0f;
+        mean[t] = before[t] * ty_mean_attenuation(depth[t], ty_attenuation(depth[t]));
+    }
+}
+
+static double weigh(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes, float color) {
+    const float *blend = rows->blend, *along = rows->along, *mean = tubes->mean;
+    float* by_mean = tubes->by_mean;
+    double sum = 0;
+    blend_cells(rows);
+#pragma omp simd reduction(+ : sum)
+    for (int32_t t = 0; t < rows->count + 2; ++t) {
+        const float weight = color * ty_weighted_sum3(blend[t], blend[t + 1], blend[t + 2], along);
+        by_mean[t] += weight;
+        sum += (double)(weight * mean[t]);
+    }
+    return sum;
+}
+
+/* m'(x) = (exp(-x) - m(x)) / x, and its series where that loses digits. */
+TY_FN float mean_attenuation_slope(float x, float attenuation, float mean) {
+    const float series = -0.5f + x * (1.0f / 3.0f - x * (0.125f - x * (1.0f / 30.0f)));
+    return x < 0.1f ? series : (attenuation - mean) / ty_maxf(x, 0.1f);
+}
+
+static void back(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes) {
+    const float *before = tubes->before, *depth = tubes->depth, *by_mean = tubes->by_mean;
+    float *through = tubes->through, *by_depth = tubes->by_depth;
+#pragma omp simd
+    for (int32_t t = 0; t < rows->count + 2; ++t) {
+        const float x = depth[t], attenuation = ty_attenuation(x), m = ty_mean_attenuation(x, attenuation);
+        const float behind = through[t];
+        by_depth[t] = before[t] * (by_mean[t] * mean_attenuation_slope(x, attenuation, m) - behind * attenuation);
+        through[t] = by_mean[t] * m + behind * attenuation;
+    }
+}
+
+static void gather(const ty_adjoint_rows* rows, float length, float* cells) {
+    const float *first = rows->cells[0], *second = rows->cells[1], *third = rows->cells[2];
+    const float *along = rows->along, *across = rows->across;
+    float* blend = rows->blend;
+#pragma omp simd
+    for (int32_t t = 0; t < rows->count + 2; ++t) blend[t] = ty_weighted_sum3(first[t], second[t], third[t], across);
+#pragma omp simd
+    for (int32_t i = 0; i < rows->count; ++i)
+        cells[i] += length * ty_weighted_sum3(blend[i + 2], blend[i + 1], blend[i], along);
+}
+
+const ty_collimated_adjoint_kernels TY_KERNEL_NAME(ty_collimated_adjoint_kernels) = {
+    .pass = pass, .begin = begin, .weigh = weigh, .back = back, .gather = gather};
