@@ -1,5 +1,5 @@
-/* NIfTI-1 and NIfTI-2 files in two parts: header.c parses the header, nifti.c reads the voxels, nifti_write.c writes
- * NIfTI-1. The layouts are those of nifti1.h and nifti2.h of the NIfTI Data Format Working Group. */
+/* NIfTI-1 and NIfTI-2 files: header.c parses the header, nifti.c reads the voxels, nifti_write.c writes. The layouts
+ * are those of nifti1.h and nifti2.h of the NIfTI Data Format Working Group. */
 #ifndef TY_IO_NIFTI_H
 #define TY_IO_NIFTI_H
 
