@@ -102,6 +102,14 @@ test_vtk() {
   said out.txt '^range +97 to 120, mean 108.5$'
   printf '# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 1\nPOINT_DATA 2
 VECTORS v float\n1 2 3 4 5 6\n' > v.vtk
+  expect 0 convert a.nrrd n.nii.gz
+  expect 0 convert n.nii.gz d.nrrd --codec none
+  identical a.nrrd d.nrrd
+  expect 0 info n.nii.gz
+  said out.txt '^format +NIfTI-1, float$'
+  expect 0 convert v.vtk n.nii --vector --grid v
+  expect 0 info n.nii --component 2
+  said out.txt '^range +3 to 6, mean 4.5$'
   expect 0 convert v.vtk v.vdb --vector --half --grid v
   expect 0 info v.vdb
   said out.txt '^v +vec3s +2 active voxels'
@@ -114,7 +122,7 @@ VECTORS v float\n1 2 3 4 5 6\n' > v.vtk
   usage_error 'no array "w"; there is v' convert v.vtk a.vdb --grid w
   usage_error '3 values per voxel; component 3' convert v.vtk a.vdb --component 3
   usage_error '1 values per voxel, not 3' convert a.nrrd a.vdb --vector
-  usage_error 'vector is for .vdb and .vti' convert v.vtk a.nrrd --vector
+  usage_error 'vector is for .vdb, .vti and .nii' convert v.vtk a.nrrd --vector
   usage_error 'half is for .vdb' convert a.nrrd b.vti --half
   usage_error "codec 'blosc'" convert a.nrrd b.vti --codec blosc
   usage_error 'air-density goes with' convert v.vtk a.vdb --air-density 1
@@ -129,7 +137,7 @@ test_messages() {
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2,1.5
   usage_error 'raw_type is "bits"' convert eight.raw a.vdb --raw-size 2,2,2 --raw-type bits
-  usage_error 'goes to .vdb, .nvdb, .nrrd, .vti or .vol' convert eight.raw a.txt --raw-size 2,2,2
+  usage_error 'goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz or .vol' convert eight.raw a.txt --raw-size 2,2,2
   usage_error "codec 'lzma'" convert eight.raw a.vdb --raw-size 2,2,2 --codec lzma
   usage_error "codec 'blosc'" convert eight.raw a.nvdb --raw-size 2,2,2 --codec blosc
   usage_error 'No such file' convert gone.vdb a.nrrd

@@ -342,12 +342,50 @@ static void memory_may_run_out(void** state) {
     assert_true(check_short_memory(context, &memory, read_volume, (void*)(uintptr_t) "short.nii.gz") > 4);
 }
 
+/* Written files are read as they were: values to the last bit, places to the precision of the sform's floats. */
+static void written_volumes_come_back(void** state) {
+    (void)state;
+    static const float values[VOXELS] = {0, 1, -2, 3.5f, 4, 5, 6e-20f, 7, 8, 9, 10, 1e30f};
+    static const char* const paths[] = {"out.nii", "out.nii.gz"};
+    ty_grid_def def = ty_default_grid_def();
+    def.size[0] = NX;
+    def.size[1] = NY;
+    def.size[2] = NZ;
+    def.values = values;
+    def.placed = true;
+    def.index_to_local = (ty_affine){{0, -2, 0, 10, 1.5, 0, 0, 20, 0, 0, 2.5, -30}};
+    ty_grid* grid = NULL;
+    assert_int_equal(ty_grid_create(context, &def, &grid), TY_OK);
+    for (int i = 0; i < 4; ++i) {
+        const ty_volume_field field = {.name = "v", .components = i < 2 ? 1 : 3, .grids = {grid, grid, grid}};
+        assert_int_equal(ty_volume_write(context, &field, 1, NULL, paths[i % 2]), TY_OK);
+        ty_volume_def file = ty_default_volume_def();
+        int32_t components = 0;
+        assert_int_equal(ty_volume_components(context, paths[i % 2], &file, &components), TY_OK);
+        assert_int_equal(components, field.components);
+        for (file.component = 0; file.component < components; ++file.component) {
+            ty_grid* back = NULL;
+            assert_int_equal(ty_volume_read(context, paths[i % 2], &file, &back), TY_OK);
+            for (int v = 0; v < VOXELS; ++v)
+                assert_true(ty_grid_voxel(back, v % NX, v / NX % NY, v / NX / NY) == values[v]);
+            const ty_grid_info info = ty_grid_get_info(back);
+            for (int m = 0; m < 12; ++m) assert_float_equal(info.index_to_local.m[m], def.index_to_local.m[m], 1e-6);
+            ty_grid_release(back);
+        }
+    }
+    const ty_volume_field fields[2] = {{.name = "a", .components = 1, .grids = {grid}},
+                                       {.name = "b", .components = 1, .grids = {grid}}};
+    assert_failed(context, ty_volume_write(context, fields, 1, "gzip", "a.nii"), TY_ERROR_ARGUMENT, "codec", "gzip");
+    assert_failed(context, ty_volume_write(context, fields, 2, NULL, "a.nii"), TY_ERROR_ARGUMENT, "a.nii", "one field");
+    ty_grid_release(grid);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_datatype_is_read),   cmocka_unit_test(samples_are_scaled),
         cmocka_unit_test(sform_comes_before_qform), cmocka_unit_test(pairs_and_gzip_are_read),
         cmocka_unit_test(volumes_are_components),   cmocka_unit_test(broken_files_are_refused),
-        cmocka_unit_test(memory_may_run_out),
+        cmocka_unit_test(memory_may_run_out),       cmocka_unit_test(written_volumes_come_back),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

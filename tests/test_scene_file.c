@@ -480,7 +480,7 @@ static const char every_key[] =
     "\"media\":[{\"name\":\"a\",\"density\":1,\"bounds\":{\"sphere\":{\"center\":[0,0,0],\"radius\":1}},"
     "\"transform\":{\"translate\":[0,0,0],\"rotate\":[0,0,0],\"scale\":[1,1,1]},\"sigma_s\":1,\"sigma_a\":1,\"scale\":"
     "1,\"g\":0},"
-    "{\"density\":{\"file\":\"density.vdb\",\"grid\":\"density\",\"component\":0,\"frame\":2},\"sigma_t\":1,"
+    "{\"density\":{\"file\":\"density.vdb\",\"grid\":\"density\",\"component\":0,\"frame\":2,\"storage\":\"sparse\"},\"sigma_t\":1,"
     "\"transfer\":[{\"value\":0,\"density\":1,\"albedo\":1},{\"value\":1,\"density\":2,\"albedo\":[1,1,1]}]},"
     "{\"density\":{\"file\":\"camera.gltf\",\"raw\":{\"size\":[2,2,2],\"type\":\"uint8\",\"spacing\":1,\"offset\":-1,"
     "\"big_endian\":true}},\"sigma_t\":1,\"albedo\":{\"file\":\"density.vdb\",\"grid\":\"density\"},"

@@ -108,7 +108,7 @@ static void fields_are_checked(void** state) {
                  {places, 2, NULL, "x.vti", "\"v\" and \"w\" differ"},
                  {&good, 0, NULL, "x.vti", "no fields"},
                  {&good, 1, "blosc", "x.vti", "no codec \"blosc\""},
-                 {&good, 1, NULL, "x.txt", ".nrrd, .vti or .vol"},
+                 {&good, 1, NULL, "x.txt", ".nrrd, .vti, .nii, .nii.gz or .vol"},
                  {&vector, 1, NULL, "x.nrrd", "one value per voxel"},
                  {&good, 1, "lzma", "x.nrrd", "no codec"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
@@ -254,6 +254,39 @@ static void cells_and_directions_place(void** state) {
     assert_int_equal(components, 2);
 }
 
+#define PIECE_OF(extent, values)                                                                                       \
+    "<Piece Extent=\"" extent "\"><PointData><DataArray type=\"UInt8\" Name=\"v\">" values                             \
+    "</DataArray></PointData></Piece>"
+#define PIECES(a, x, b, y)                                                                                             \
+    "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 1 0 1\">" PIECE_OF(a, x)                               \
+        PIECE_OF(b, y) "</ImageData></VTKFile>"
+
+/* Points that pieces share at a face are those of the later one; cells are in one piece alone. */
+static void pieces_are_put_together(void** state) {
+    (void)state;
+    put_text("pieces.vti", PIECES("0 1 0 1 0 0", "0 1 2 3", "0 1 0 1 1 1", "4 5 6 7"));
+    assert_zero_to_seven("pieces.vti", 0);
+    put_text("shared.vti", PIECES("0 1 0 1 0 1", "9 9 9 9 4 5 6 7", "0 1 0 1 0 0", "0 1 2 3"));
+    assert_zero_to_seven("shared.vti", 0);
+    put_text("cells.vti",
+             "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"3 5 2 4 0 2\" Origin=\"0 0 7\">"
+             "<Piece Extent=\"3 5 2 3 0 2\"><CellData><DataArray type=\"UInt8\" Name=\"v\">0 1 4 5</DataArray>"
+             "</CellData></Piece><Piece Extent=\"3 5 3 4 0 2\"><CellData><DataArray type=\"UInt8\" Name=\"v\">"
+             "2 3 6 7</DataArray></CellData></Piece></ImageData></VTKFile>");
+    assert_zero_to_seven("cells.vti", 0);
+    ty_grid* grid = read_array("cells.vti", NULL, 0);
+    const ty_grid_info info = ty_grid_get_info(grid);
+    assert_float_equal(info.index_to_local.m[3], 3.5, 1e-12);
+    assert_float_equal(info.index_to_local.m[7], 2.5, 1e-12);
+    assert_float_equal(info.index_to_local.m[11], 7.5, 1e-12);
+    ty_grid_release(grid);
+    ty_vdb_entry entries[2];
+    int32_t count = 0;
+    assert_int_equal(ty_volume_list(context, "cells.vti", entries, 2, &count), TY_OK);
+    assert_int_equal(count, 1);
+    assert_int_equal(entries[0].active_voxels, 8);
+}
+
 static void broken_vti_files_are_refused(void** state) {
     (void)state;
 #define HEAD "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 1 0 1\">"
@@ -277,8 +310,12 @@ static void broken_vti_files_are_refused(void** state) {
         {"<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 1 0 .5\"/></VTKFile>", "first and a last index"},
         {"<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 1 0 1\" Spacing=\"1 nan 1\"/></VTKFile>",
          "numbers"},
-        {HEAD "<Piece Extent=\"0 1 0 1 0 1\"/><Piece Extent=\"0 1 0 1 0 1\"/></ImageData></VTKFile>",
-         "more than one Piece"},
+        {PIECES("0 1 0 1 0 0", "0 1 2 3", "0 1 0 1 0 0", "4 5 6 7"), "do not fill the whole extent"},
+        {PIECES("0 1 0 1 0 0", "0 1 2 3", "0 1 0 1 1 2", "4 5 6 7 8 9 10 11"), "beyond the whole extent"},
+        {PIECES("0 1 0 1 0 0", "0 1 2 3", "0 1 0 1 1 1", "4 5 6"), "array \"v\""},
+        {HEAD "<Piece Extent=\"0 1 0 1 0 1\"><PointData><DataArray type=\"UInt8\" Name=\"v\">0 1 2 3 4 5 6 7"
+              "</DataArray></PointData></Piece><Piece Extent=\"0 1 0 1 0 1\"/></ImageData></VTKFile>",
+         "is not in all pieces"},
         {"<!DOCTYPE a [<!ENTITY b \"c\">]><VTKFile type=\"ImageData\"/>", "document type"},
         {PIECE TAIL, "no array \"density\"; there are none"},
         {ARRAY("type=\"String\"", ""), "not of numbers"},
@@ -401,6 +438,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(every_form_is_read, start, stop),
         cmocka_unit_test_setup_teardown(appended_bytes_are_read, start, stop),
         cmocka_unit_test_setup_teardown(cells_and_directions_place, start, stop),
+        cmocka_unit_test_setup_teardown(pieces_are_put_together, start, stop),
         cmocka_unit_test_setup_teardown(broken_vti_files_are_refused, start, stop),
         cmocka_unit_test_setup_teardown(legacy_files_are_read, start, stop),
         cmocka_unit_test_setup_teardown(broken_legacy_files_are_refused, start, stop),

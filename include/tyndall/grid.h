@@ -1,8 +1,9 @@
 /// @file grid.h
-/// Dense scalar grids, affine maps and procedural density.
+/// Scalar grids, affine maps and procedural density.
 ///
-/// The centre of a voxel is at its integer index, and values between centres are trilinear. Storage is x fastest:
-/// value(i, j, k) = values[i + nx * (j + ny * k)]. Apache-2.0.
+/// The centre of a voxel is at its integer index, and values between centres are trilinear. Dense storage is x fastest:
+/// value(i, j, k) = values[i + nx * (j + ny * k)]. Sparse grids store blocks of 8^3 voxels, one for all blocks of the
+/// most common value; images do not depend on the storage. Apache-2.0.
 #ifndef TYNDALL_GRID_H
 #define TYNDALL_GRID_H
 
@@ -37,6 +38,13 @@ typedef enum ty_grid_type {
     TY_GRID_F32 = 0, ///< 32-bit floats.
     TY_GRID_F16 = 1  ///< 16-bit floats.
 } ty_grid_type;
+
+/// Storage of a grid in memory.
+typedef enum ty_grid_storage {
+    TY_GRID_AUTO = 0,  ///< Sparse where that halves the memory and saves 16 MiB or more, else dense.
+    TY_GRID_DENSE = 1, ///< Every voxel.
+    TY_GRID_SPARSE = 2 ///< Blocks of 8^3 voxels that are not all of one value, and 4 bytes for each other block.
+} ty_grid_storage;
 
 /// Receives the end of a loan: the library does not read the values of a grid any more. It is called once, from any
 /// thread.
@@ -90,12 +98,21 @@ typedef struct ty_grid_info {
     double mean;              ///< Mean over all voxels.
     size_t bytes;             ///< Memory of the grid with its tables.
     ty_affine index_to_local; ///< Map from voxel indices to the units that were given.
+    ty_grid_storage storage;  ///< TY_GRID_DENSE or TY_GRID_SPARSE.
+    int64_t active;           ///< Voxels that differ from the background.
+    int64_t stored;           ///< Values in memory: all voxels of a dense grid, 512 per block of a sparse one.
 } ty_grid_info;
 
 /// Size, placement, range and memory of a grid.
 TY_API ty_grid_info ty_grid_get_info(const ty_grid* grid);
 
-/// The values of a grid, of its type, x fastest; valid as long as the grid.
+/// The same values in another storage: the grid itself, with one more reference, where it is stored so. Values,
+/// extremes and images are the same to the last bit.
+/// Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+TY_API ty_result ty_grid_store(ty_context* context, ty_grid* grid, ty_grid_storage storage, ty_grid** out);
+
+/// The values of a dense grid, of its type, x fastest, valid as long as the grid; NULL of a sparse one, which
+/// ty_grid_store() makes dense.
 TY_API const void* ty_grid_values(const ty_grid* grid);
 /// The trilinear value at a point in index space. Outside, the value is the background of a placed grid, or that of the
 /// nearest edge.

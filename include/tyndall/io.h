@@ -100,6 +100,7 @@ typedef struct ty_volume_def {
     double droplet_radius;        ///< NetCDF: effective radius, micrometres, (0, 1e4], in place of a grid; default 0.
     const char* air_density;      ///< NetCDF: name of the density of the air, for water in mass per mass; default NULL.
     double air_density_value;     ///< NetCDF: that density, kg m^-3, (0, 1e3], in place of a grid; default 0.
+    ty_grid_storage storage;      ///< Storage of the grid in memory; default TY_GRID_AUTO.
 } ty_volume_def;
 
 /// Sets the `bytes` bytes of a ty_volume_def to the defaults, as ty_init_context_def() does.
@@ -138,9 +139,10 @@ static inline ty_volume_def ty_default_volume_def(void) {
 /// is 1. Axis mins and maxs, thicknesses, centerings and the name of the space are ignored. Raw data must be exactly as
 /// long as the header or raw_size tells.
 ///
-/// Values are stored as they are, as float, or as half for half, int8 and uint8, which half holds exactly.
-/// Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT, TY_ERROR_UNSUPPORTED (NetCDF
-/// without its library).
+/// Values are stored as they are, as float, or as half for half, int8 and uint8, which half holds exactly. OpenVDB,
+/// NanoVDB, plain NRRD, NIfTI, raw and Mitsuba's files become sparse grids without a dense array on the way; of others
+/// the dense one is in memory while they are read. Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY,
+/// TY_ERROR_ARGUMENT, TY_ERROR_UNSUPPORTED (NetCDF without its library).
 TY_API ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
 /// Stores the path with the `#` characters of the file's name replaced by a frame number. They must stand next to each
 /// other; those in names of folders are kept. size: size of out, bytes.
@@ -170,6 +172,8 @@ typedef struct ty_volume_field {
 /// - .nvdb, .nrrd, one field of one component: ty_nanovdb_write() with "zip", "none"; ty_nrrd_write() with "gzip",
 ///   "none".
 /// - .vol, the same: ty_mitsuba_write() with "none".
+/// - .nii ("none"), .nii.gz ("gzip"), one field: NIfTI-1 as float, placed by the sform in float; three components are a
+///   vector. Units are not told.
 ///
 /// Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY, and of .vol TY_ERROR_INPUT (voxels that are turned).
 TY_API ty_result ty_volume_write(ty_context* context, const ty_volume_field* fields, int32_t count, const char* codec,

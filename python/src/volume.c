@@ -113,19 +113,40 @@ static PyObject* grid_create(PyObject* module, PyObject* arguments) {
 static PyObject* get_info(PyObject* self, void* closure) {
     const ty_grid_info info = ty_grid_get_info(((grid_object*)self)->grid);
     (void)closure;
-    return Py_BuildValue("{s:N,s:s,s:N,s:d,s:d,s:d,s:d,s:n,s:N}", "size", tuple_of_ints(info.size, 3), "type",
+    return Py_BuildValue("{s:N,s:s,s:N,s:d,s:d,s:d,s:d,s:n,s:N,s:s,s:L}", "size", tuple_of_ints(info.size, 3), "type",
                          info.type == TY_GRID_F16 ? "float16" : "float32", "placed", PyBool_FromLong(info.placed),
                          "background", (double)info.background, "min", (double)info.min, "max", (double)info.max,
                          "mean", info.mean, "bytes", (Py_ssize_t)info.bytes, "placement",
-                         tuple_of_doubles(info.index_to_local.m, 12));
+                         tuple_of_doubles(info.index_to_local.m, 12), "storage",
+                         info.storage == TY_GRID_SPARSE ? "sparse" : "dense", "active", (long long)info.active);
 }
 
+typedef struct store_work {
+    ty_context* context;
+    ty_grid *grid, *out;
+} store_work;
+
+static ty_result make_dense(void* user) {
+    store_work* w = user;
+    return ty_grid_store(w->context, w->grid, TY_GRID_DENSE, &w->out);
+}
+
+/* A view of the values: those of a dense grid themselves, and of a sparse one those of a dense copy. */
 static PyObject* get_values(PyObject* self, void* closure) {
-    const ty_grid* grid = ((grid_object*)self)->grid;
-    const ty_grid_info info = ty_grid_get_info(grid);
-    const Py_ssize_t shape[3] = {info.size[2], info.size[1], info.size[0]};
+    grid_object* grid = (grid_object*)self;
+    store_work w = {.context = grid->context->context, .grid = grid->grid};
     (void)closure;
-    return array_view_const(self, ty_grid_values(grid), info.type == TY_GRID_F16 ? 'e' : 'f', 3, shape);
+    if (call_simple(grid->context, make_dense, &w) != 0) {
+        ty_grid_release(w.out);
+        return NULL;
+    }
+    PyObject* owner = wrap_grid(grid->context, w.out);
+    if (owner == NULL) return NULL;
+    const ty_grid_info info = ty_grid_get_info(w.out);
+    const Py_ssize_t shape[3] = {info.size[2], info.size[1], info.size[0]};
+    PyObject* view = array_view_const(owner, ty_grid_values(w.out), info.type == TY_GRID_F16 ? 'e' : 'f', 3, shape);
+    Py_DECREF(owner);
+    return view;
 }
 
 static PyGetSetDef properties[] = {

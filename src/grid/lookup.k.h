@@ -1,4 +1,4 @@
-/* Lookup in dense grids. */
+/* Lookup in grids, dense or in blocks. */
 #ifndef TY_GRID_LOOKUP_K_H
 #define TY_GRID_LOOKUP_K_H
 
@@ -15,6 +15,10 @@ typedef struct ty_grid_view {
     int32_t clamp; /* value outside: 1 nearest edge value, 0 background */
     int32_t wraps; /* bit a: along axis a the grid goes on at its other end */
     float background;
+    TY_GLOBAL const uint32_t* table; /* of a sparse grid, see ty_grid_blocks; NULL: dense */
+    int32_t table_size[3];
+    int32_t shift[3];
+    uint32_t block_count;
 } ty_grid_view;
 
 TY_FN ty_grid_view ty_grid_get_view(const ty_grid* grid) {
@@ -25,7 +29,11 @@ TY_FN ty_grid_view ty_grid_get_view(const ty_grid* grid) {
     for (int a = 0; a < 3; ++a) {
         view.size[a] = grid->size[a];
         view.bricks[a] = grid->bricks[a];
+        view.table_size[a] = grid->blocks.size[a];
+        view.shift[a] = grid->blocks.shift[a];
     }
+    view.table = grid->blocks.table;
+    view.block_count = grid->blocks.count;
     view.clamp = grid->placed ? 0 : 1;
     view.wraps = 0;
     view.background = grid->background;
@@ -35,6 +43,28 @@ TY_FN ty_grid_view ty_grid_get_view(const ty_grid* grid) {
 TY_FN int32_t ty_grid_wrap(int32_t i, int32_t n) {
     const int32_t rest = i % n;
     return rest < 0 ? rest + n : rest;
+}
+
+/* Where the value of voxel (i, j, k), which lies inside, is stored. */
+TY_FN size_t ty_grid_offset(const ty_grid_view* grid, int32_t i, int32_t j, int32_t k) {
+    if (grid->table == NULL) {
+        const size_t nx = (size_t)grid->size[0], ny = (size_t)grid->size[1];
+        return (size_t)i + nx * ((size_t)j + ny * (size_t)k);
+    }
+    const uint32_t x = (uint32_t)(i + grid->shift[0]), y = (uint32_t)(j + grid->shift[1]);
+    const uint32_t z = (uint32_t)(k + grid->shift[2]), in_block = TY_GRID_BLOCK - 1;
+    const size_t row =
+        (size_t)(z >> TY_GRID_BLOCK_LOG2) * (size_t)grid->table_size[1] + (size_t)(y >> TY_GRID_BLOCK_LOG2);
+    const size_t block = grid->table[row * (size_t)grid->table_size[0] + (size_t)(x >> TY_GRID_BLOCK_LOG2)];
+    return block * TY_GRID_BLOCK_VOXELS +
+           ((x & in_block) + TY_GRID_BLOCK * ((y & in_block) + TY_GRID_BLOCK * (z & in_block)));
+}
+
+/* Number of voxels from (i, j, k) on along x that are stored one after the other, from *offset on. */
+TY_FN int32_t ty_grid_run(const ty_grid_view* grid, int32_t i, int32_t j, int32_t k, size_t* offset) {
+    const int32_t row = grid->size[0] - i, block = TY_GRID_BLOCK - ((i + grid->shift[0]) & (TY_GRID_BLOCK - 1));
+    *offset = ty_grid_offset(grid, i, j, k);
+    return grid->table != NULL && block < row ? block : row;
 }
 
 /* Value of voxel (i, j, k), which may lie outside. */
@@ -50,7 +80,7 @@ TY_FN float ty_grid_fetch(const ty_grid_view* grid, int32_t i, int32_t j, int32_
         j = j < 0 ? 0 : j >= ny ? ny - 1 : j;
         k = k < 0 ? 0 : k >= nz ? nz - 1 : k;
     }
-    const size_t at = (size_t)i + (size_t)nx * ((size_t)j + (size_t)ny * (size_t)k);
+    const size_t at = ty_grid_offset(grid, i, j, k);
     return grid->floats != NULL ? grid->floats[at] : ty_half_to_float(grid->halves[at]);
 }
 

@@ -122,9 +122,9 @@ class TyndallEngine(bpy.types.RenderEngine):
                 os.remove(image)
             width, height = crop[2:] if crop else size_of(depsgraph.scene)
             result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
-            run = process.Run(program, arguments, folder)
-            self._follow(run, receiver, result, width, height)
-            status = run.finish()
+            with process.Run(program, arguments, folder) as run:
+                self._follow(run, receiver, result, width, height)
+                status = run.finish()
             if os.path.exists(image):
                 self._show(result, image, entries, camera, crop, run)
             self.end_result(result)

@@ -108,9 +108,9 @@ class Viewer:
 
     def __init__(self, program, scene_file, size, method, changed):
         self.changed, self.image, self.message, self.closed = changed, None, "", False
-        self.process = subprocess.Popen(
+        self.process = process.start(
             [program, "view", scene_file, "--no-open", "--no-compare", "--size", f"{size[0]}x{size[1]}", "--method", method],
-            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, **process._options())
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         address = self.process.stdout.readline().decode(errors="replace")
         found = re.search(r"http://[^:]+:(\d+)/\?token=(\w+)", address)
         if found is None:

@@ -1,10 +1,12 @@
 """The program `tyndall` as a process of its own: where it is, runs with progress and cancelling, short questions."""
+import atexit
 import json
 import os
 import shutil
 import signal
 import subprocess
 import threading
+import weakref
 
 MISSING = ("the program \"tyndall\" is not there: set its path in the add-on's preferences, "
            "or the environment variable TYNDALL, or put it into PATH")
@@ -25,6 +27,23 @@ def _options():
     if WINDOWS:
         return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW}
     return {"start_new_session": True}
+
+
+_started = weakref.WeakSet()
+
+
+def start(command, **options):
+    """A process that ends with Blender at the latest."""
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, **options, **_options())
+    _started.add(process)
+    return process
+
+
+@atexit.register
+def _end_all():
+    for process in list(_started):
+        if process.poll() is None:
+            process.kill()
 
 
 def answer(program, arguments, seconds=30):
@@ -53,10 +72,18 @@ class Run:
     def __init__(self, program, arguments, folder=None):
         self.fraction, self.stage, self.remaining, self.lines = 0.0, "", None, []
         self.cancelled = False
-        self.process = subprocess.Popen([program, *arguments, "--progress", "json"], cwd=folder, stdin=subprocess.DEVNULL,
-                                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, **_options())
+        self.process = start([program, *arguments, "--progress", "json"], cwd=folder, stdout=subprocess.DEVNULL,
+                             stderr=subprocess.PIPE)
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.is_running():
+            self.process.kill()
+            self.process.wait()
 
     def _read(self):
         for raw in self.process.stderr:

@@ -38,13 +38,16 @@ int cli_check_codec(const char* command, const char** codec, const char* output)
     static const char* const nanovdb[] = {"zip", "none", NULL};
     static const char* const nrrd[] = {"gzip", "none", NULL};
     static const char* const vti[] = {"zip", "none", NULL};
-    static const char* const vol[] = {"none", NULL};
+    static const char* const plain[] = {"none", NULL};
+    static const char* const packed[] = {"gzip", NULL};
     if (cli_has_extension(output, ".vdb")) return choose_codec(command, codec, vdb, output);
     if (cli_has_extension(output, ".nvdb")) return choose_codec(command, codec, nanovdb, output);
     if (cli_has_extension(output, ".nrrd")) return choose_codec(command, codec, nrrd, output);
     if (cli_has_extension(output, ".vti")) return choose_codec(command, codec, vti, output);
-    if (cli_has_extension(output, ".vol")) return choose_codec(command, codec, vol, output);
-    return cli_usage_error(command, "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti or .vol", output);
+    if (cli_has_extension(output, ".nii.gz")) return choose_codec(command, codec, packed, output);
+    if (cli_has_extension(output, ".nii") || cli_has_extension(output, ".vol"))
+        return choose_codec(command, codec, plain, output);
+    return cli_usage_error(command, "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz or .vol", output);
 }
 
 static int convert(cli_session* session, convert_volume_options* volume, const convert_image_options* image,
@@ -69,12 +72,12 @@ int cli_convert(int count, char** arguments) {
          &volume.grid, 0, 0, NULL},
         {"component", 0, CLI_INT, "N", "which of several values per voxel (default 0)", &def->component, 0, 65535,
          NULL},
-        {"vector", 0, CLI_FLAG, NULL, "all three values per voxel as a vector (.vdb, .vti)", &volume.vector, 0, 0,
+        {"vector", 0, CLI_FLAG, NULL, "all three values per voxel as a vector (.vdb, .vti, .nii)", &volume.vector, 0, 0,
          NULL},
         {"half", 0, CLI_FLAG, NULL, "store values as half floats (.vdb)", &volume.half, 0, 0, NULL},
         {"frame", 0, CLI_INT, "N", "takes the place of the #s in IN (default 0)", &def->frame, 0, INT32_MAX, NULL},
         {"codec", 0, CLI_TEXT, "NAME",
-         ".vdb: zip, blosc, none; .nvdb, .vti: zip, none; .nrrd: gzip, none; .vol: none (default: the first)",
+         ".vdb: zip, blosc, none; .nvdb, .vti: zip, none; .nrrd: gzip, none; others: one alone (default: the first)",
          &volume.codec, 0, 0, NULL},
         {"effective-radius", 0, CLI_TEXT, "NAME|UM", "NetCDF: makes liquid water the extinction of droplets, 1/m",
          &radius, 0, 0, NULL},
@@ -110,7 +113,7 @@ int cli_convert(int count, char** arguments) {
         "Converts a volume, an image or a scene into a file of another kind.",
         "Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, DICOM (a folder or a file of a\n"
         "series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd,\n"
-        ".vti, .vol.\n"
+        ".vti, .nii, .nii.gz, .vol.\n"
         "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png, and to textures, .ktx2, .dds.\n"
         "Scenes: of pbrt-v4 (.pbrt, .pbrt.gz) and Mitsuba (.xml) to .json, with meshes, volumes\n"
         "and maps in a folder beside it.",

@@ -1,5 +1,4 @@
 /* tyndall convert: volumes. */
-#include "base/context.h"
 #include "cli/convert/convert.h"
 #include "grid/grid.h"
 
@@ -9,23 +8,9 @@ static void release(ty_grid* grids[3]) {
 
 /* The same grid of half floats. */
 static ty_result make_half(ty_context* context, ty_grid** grid) {
-    const ty_grid_info info = ty_grid_get_info(*grid);
-    if (info.type == TY_GRID_F16) return TY_OK;
-    ty_grid_def def = ty_default_grid_def();
-    const size_t voxels = (size_t)info.size[0] * (size_t)info.size[1] * (size_t)info.size[2];
-    uint16_t* values = ty_alloc_array(context, voxels, sizeof *values, false);
-    if (values == NULL) return TY_ERROR_MEMORY;
-    size_t at = 0;
-    for (int32_t k = 0; k < info.size[2]; ++k)
-        for (int32_t j = 0; j < info.size[1]; ++j)
-            for (int32_t i = 0; i < info.size[0]; ++i) values[at++] = ty_float_to_half(ty_grid_voxel(*grid, i, j, k));
-    for (int a = 0; a < 3; ++a) def.size[a] = info.size[a];
-    def.type = TY_GRID_F16;
-    def.index_to_local = info.index_to_local;
-    def.placed = info.placed;
-    def.background = ty_half_to_float(ty_float_to_half(info.background));
+    if (ty_grid_get_info(*grid).type == TY_GRID_F16) return TY_OK;
     ty_grid* made = NULL;
-    const ty_result result = ty_grid_adopt(context, &def, values, &made);
+    const ty_result result = ty_grid_make_half(context, *grid, &made);
     if (result != TY_OK) return result;
     ty_grid_release(*grid);
     *grid = made;
@@ -35,8 +20,9 @@ static ty_result make_half(ty_context* context, ty_grid** grid) {
 static int check_options(const convert_volume_options* options, const char* output) {
     const bool vdb = cli_has_extension(output, ".vdb");
     if (options->half && !vdb) return cli_usage_error("convert", "--half is for .vdb, and %s is none", output);
-    if (options->vector && !vdb && !cli_has_extension(output, ".vti"))
-        return cli_usage_error("convert", "--vector is for .vdb and .vti, and %s is none", output);
+    const bool nifti = cli_has_extension(output, ".nii") || cli_has_extension(output, ".nii.gz");
+    if (options->vector && !vdb && !nifti && !cli_has_extension(output, ".vti"))
+        return cli_usage_error("convert", "--vector is for .vdb, .vti and .nii, and %s is none of these", output);
     return CLI_GO;
 }
 

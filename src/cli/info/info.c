@@ -39,7 +39,7 @@ static void print_grid(const ty_vdb_entry* entry) {
         printf(" in (%d, %d, %d) to (%d, %d, %d)", entry->lower[0], entry->lower[1], entry->lower[2], entry->upper[0],
                entry->upper[1], entry->upper[2]);
     printf(", voxel %.6g x %.6g x %.6g", entry->voxel_size[0], entry->voxel_size[1], entry->voxel_size[2]);
-    if (dense_bytes(entry) > 0) printf(", %s when read", bytes);
+    if (dense_bytes(entry) > 0) printf(", %s when dense", bytes);
     printf("\n");
 }
 
@@ -107,14 +107,23 @@ static void print_dense(const dense_volume* volume) {
         cli_print_text(stdout, volume->notes.items[i].text, 0);
         printf("\n");
     }
-    printf("size             %dx%dx%d\nvalues           %d per voxel, %s when read, %s each\n", info->size[0],
-           info->size[1], info->size[2], volume->components, info->type == TY_GRID_F16 ? "half" : "float", bytes);
+    printf("size             %dx%dx%d\nvalues           %d per voxel, %s when read, %s%s each\n", info->size[0],
+           info->size[1], info->size[2], volume->components, info->type == TY_GRID_F16 ? "half" : "float",
+           info->storage == TY_GRID_SPARSE ? "sparse, " : "", bytes);
+    printf("active           %" PRId64 " voxels\n", info->active);
     printf("range            %.6g to %.6g, mean %.6g\n", (double)info->min, (double)info->max, info->mean);
     if (!info->placed) printf("placed           no\n");
     for (int r = 0; r < 3 && info->placed; ++r) {
         const double* row = info->index_to_local.m + 4 * r;
         printf("%-16s %.9g %.9g %.9g %+.9g\n", r == 0 ? "index to place" : "", row[0], row[1], row[2], row[3]);
     }
+}
+
+/* Memory of a grid if it is dense. */
+static double grid_dense_bytes(const ty_grid_info* info) {
+    if (info->storage == TY_GRID_DENSE) return (double)info->bytes;
+    const double voxels = (double)info->size[0] * info->size[1] * info->size[2];
+    return voxels * (info->type == TY_GRID_F16 ? 2 : 4);
 }
 
 static void print_dense_json(const dense_volume* volume) {
@@ -130,7 +139,10 @@ static void print_dense_json(const dense_volume* volume) {
     json_numbers(&json, "size", (const double[]){info->size[0], info->size[1], info->size[2]}, 3);
     json_int(&json, "components", volume->components);
     json_text(&json, "type", info->type == TY_GRID_F16 ? "half" : "float");
-    json_number(&json, "dense_bytes", (double)info->bytes);
+    json_number(&json, "dense_bytes", grid_dense_bytes(info));
+    json_int(&json, "bytes", (int64_t)info->bytes);
+    json_text(&json, "storage", info->storage == TY_GRID_SPARSE ? "sparse" : "dense");
+    json_int(&json, "active_voxels", info->active);
     json_number(&json, "min", (double)info->min);
     json_number(&json, "max", (double)info->max);
     json_number(&json, "mean", info->mean);

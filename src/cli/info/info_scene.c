@@ -31,9 +31,10 @@ static void print_grid(const char* label, const ty_grid* grid) {
     const ty_grid_info info = ty_grid_get_info(grid);
     char bytes[24];
     cli_format_bytes((double)info.bytes, bytes);
-    printf("            %s %dx%dx%d %s%s, %.6g to %.6g, mean %.6g, %s\n", label, info.size[0], info.size[1],
+    printf("            %s %dx%dx%d %s%s, %.6g to %.6g, mean %.6g, %s%s\n", label, info.size[0], info.size[1],
            info.size[2], info.type == TY_GRID_F16 ? "half" : "float", info.placed ? "" : ", filling the box",
-           (double)info.min, (double)info.max, info.mean, bytes);
+           (double)info.min, (double)info.max, info.mean, info.storage == TY_GRID_SPARSE ? "sparse, " : "", bytes);
+    printf("            %" PRId64 " active voxels\n", info.active);
 }
 
 static void print_bounds(const ty_medium_def* medium) {
@@ -188,6 +189,8 @@ static void json_grid(json_writer* json, const char* name, const ty_grid* grid) 
     json_number(json, "max", decimal(info.max));
     json_number(json, "mean", info.mean);
     json_int(json, "bytes", (int64_t)info.bytes);
+    json_text(json, "storage", info.storage == TY_GRID_SPARSE ? "sparse" : "dense");
+    json_int(json, "active_voxels", info.active);
     json_close_object(json);
 }
 

@@ -90,14 +90,19 @@ static void add_voxels(const ty_grid_view* grid, int32_t j, int32_t k, float wei
     }
     j = j < 0 ? 0 : j >= ny ? ny - 1 : j;
     k = k < 0 ? 0 : k >= nz ? nz - 1 : k;
-    const size_t at = (size_t)nx * ((size_t)j + (size_t)ny * (size_t)k);
-    if (grid->floats == NULL) {
-        for (int32_t i = 0; i < nx; ++i) sum[i + 1] += weight * ty_half_to_float(grid->halves[at + (size_t)i]);
-        return;
-    }
-    const float* row = grid->floats + at;
+    int32_t count;
+    for (int32_t first = 0; first < nx; first += count) {
+        size_t at;
+        count = ty_grid_run(grid, first, j, k, &at);
+        float* to = sum + first + 1;
+        if (grid->floats == NULL) {
+            for (int32_t i = 0; i < count; ++i) to[i] += weight * ty_half_to_float(grid->halves[at + (size_t)i]);
+            continue;
+        }
+        const float* run = grid->floats + at;
 #pragma omp simd
-    for (int32_t i = 0; i < nx; ++i) sum[i + 1] += weight * row[i];
+        for (int32_t i = 0; i < count; ++i) to[i] += weight * run[i];
+    }
 }
 
 const float* ty_aligned_row(const ty_aligned* aligned, const ty_grid_medium* out, const ty_medium_view* medium,

@@ -19,17 +19,26 @@ TY_FN void ty_voxels_widen(TY_GLOBAL const uint16_t* from, size_t row, size_t pl
 #endif
 }
 
+/* True if the voxels starting at `cell`, which lie inside, do not lie in one block of a sparse grid. */
+TY_FN bool ty_voxels_cross_blocks(TY_GLOBAL const ty_grid_view* grid, const int32_t cell[3]) {
+    const int32_t last = TY_GRID_BLOCK - 1;
+    return ((cell[0] + grid->shift[0]) & last) == last || ((cell[1] + grid->shift[1]) & last) == last ||
+           ((cell[2] + grid->shift[2]) & last) == last;
+}
+
 /* The eight voxels starting at `cell`, x fastest. */
 TY_FN void ty_voxels_fetch(TY_GLOBAL const ty_grid_view* grid, const int32_t cell[3], float values[8]) {
     const int32_t* size = grid->size;
+    const bool sparse = grid->table != NULL;
     if ((uint32_t)cell[0] >= (uint32_t)(size[0] - 1) || (uint32_t)cell[1] >= (uint32_t)(size[1] - 1) ||
-        (uint32_t)cell[2] >= (uint32_t)(size[2] - 1)) {
+        (uint32_t)cell[2] >= (uint32_t)(size[2] - 1) || (sparse && ty_voxels_cross_blocks(grid, cell))) {
         for (int i = 0; i < 8; ++i)
             values[i] = ty_grid_fetch(grid, cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2));
         return;
     }
-    const size_t row = (size_t)size[0], plane = row * (size_t)size[1];
-    const size_t base = (size_t)cell[0] + row * (size_t)cell[1] + plane * (size_t)cell[2];
+    const size_t row = sparse ? TY_GRID_BLOCK : (size_t)size[0],
+                 plane = row * (sparse ? TY_GRID_BLOCK : (size_t)size[1]);
+    const size_t base = ty_grid_offset(grid, cell[0], cell[1], cell[2]);
     if (grid->floats == NULL) {
         ty_voxels_widen(grid->halves + base, row, plane, values);
         return;

@@ -42,7 +42,7 @@ static bool same_volume(const ty_volume_def* a, const ty_volume_def* b) {
     return strcmp(a->grid, b->grid) == 0 && strcmp(a->series, b->series) == 0 && a->exact_grid == b->exact_grid &&
            a->meters_per_unit == b->meters_per_unit && same_name(a->effective_radius, b->effective_radius) &&
            a->droplet_radius == b->droplet_radius && same_name(a->air_density, b->air_density) &&
-           a->air_density_value == b->air_density_value && a->component == b->component &&
+           a->air_density_value == b->air_density_value && a->component == b->component && a->storage == b->storage &&
            memcmp(a->raw_size, b->raw_size, sizeof a->raw_size) == 0 && strcmp(a->raw_type, b->raw_type) == 0 &&
            a->raw_big_endian == b->raw_big_endian && a->raw_offset == b->raw_offset &&
            memcmp(a->raw_spacing, b->raw_spacing, sizeof a->raw_spacing) == 0;

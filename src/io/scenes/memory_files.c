@@ -1,6 +1,7 @@
 #include "io/scenes/memory_files.h"
 
 #include "base/context.h"
+#include "grid/grid.h"
 #include "io/file.h"
 #include "io/schema_text.h"
 
@@ -120,12 +121,12 @@ static void hash(ty_memory_file* memory, const void* bytes, size_t size) {
 
 static void hash_grid(ty_memory_file* memory, const ty_grid* grid) {
     const ty_grid_info info = ty_grid_get_info(grid);
-    const size_t voxels = (size_t)info.size[0] * (size_t)info.size[1] * (size_t)info.size[2];
     const int32_t numbers[] = {info.size[0], info.size[1], info.size[2], (int32_t)info.type, info.placed};
     hash(memory, numbers, sizeof numbers);
     hash(memory, &info.background, sizeof info.background);
     hash(memory, info.index_to_local.m, sizeof info.index_to_local.m);
-    hash(memory, ty_grid_values(grid), voxels * (info.type == TY_GRID_F16 ? sizeof(uint16_t) : sizeof(float)));
+    hash(memory, grid->blocks.table, ty_grid_table_count(&grid->blocks) * sizeof *grid->blocks.table);
+    hash(memory, grid->values, grid->stored * ty_grid_value_size(grid->type));
 }
 
 ty_result ty_memory_set_volume(ty_asset_cache* cache, const char* name, ty_grid* const* grids, int32_t count,

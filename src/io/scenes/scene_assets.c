@@ -217,6 +217,12 @@ static ty_result check_droplets(const ty_scene_reader* reader, const json_t* vol
                : ty_reader_fail(reader, &key, TY_ERROR_INPUT, "is for a density; droplets make an extinction");
 }
 
+static ty_grid_storage read_storage(const json_t* volume) {
+    const char* name = json_string_value(json_object_get(volume, "storage"));
+    if (name == NULL || strcmp(name, "auto") == 0) return TY_GRID_AUTO;
+    return strcmp(name, "sparse") == 0 ? TY_GRID_SPARSE : TY_GRID_DENSE;
+}
+
 static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t* volume, const char* grid_name) {
     static const char* const exact[] = {".vdb", ".nvdb", NULL}; /* whose names are binding anyway */
     ty_volume_def def = ty_default_volume_def();
@@ -224,6 +230,7 @@ static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t
     def.grid = name != NULL ? name : has_names(volume) ? grid_name : "";
     def.exact_grid = name != NULL && !ty_has_extension(json_string_value(json_object_get(volume, "file")), exact);
     def.meters_per_unit = reader->unit;
+    def.storage = read_storage(volume);
     const json_t* droplets = json_object_get(volume, "droplets");
     read_companion(droplets, "effective_radius", &def.droplet_radius, &def.effective_radius);
     read_companion(droplets, "air_density", &def.air_density_value, &def.air_density);

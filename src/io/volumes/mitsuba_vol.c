@@ -1,6 +1,6 @@
 /* Mitsuba's .vol grids, version 3: a header of 48 bytes, then values with x fastest, components side by side; all
  * little-endian. The layout is that of the plugin gridvolume in the documentation of Mitsuba 3. */
-#include "io/volumes/samples.h"
+#include "io/volumes/sample_file.h"
 #include "io/volumes/volume_file.h"
 
 #include "base/context.h"
@@ -72,16 +72,16 @@ static ty_result read_header(ty_context* context, const char* path, vol_header* 
 }
 
 /* Fails unless the file has exactly the bytes that the header tells. */
-static ty_result check_length(ty_context* context, const char* path, const vol_header* header, size_t* needed) {
+static ty_result check_length(ty_context* context, const char* path, const vol_header* header) {
     FILE* stream = NULL;
     uint64_t length = 0;
     const ty_result result = ty_open_file(context, path, &stream, &length);
     if (result != TY_OK) return result;
     fclose(stream);
-    *needed = header->voxels * (size_t)header->components * ty_sample_size(header->type);
-    if (length == *needed + HEADER_SIZE) return TY_OK;
+    const size_t needed = header->voxels * (size_t)header->components * ty_sample_size(header->type);
+    if (length == needed + HEADER_SIZE) return TY_OK;
     return ty_fail(context, TY_ERROR_INPUT, "%s: %llu bytes, of which its header accounts for %zu", path,
-                   (unsigned long long)length, *needed + HEADER_SIZE);
+                   (unsigned long long)length, needed + HEADER_SIZE);
 }
 
 /* Voxels fill the box: the centre of the first one is half a voxel inside. */
@@ -99,25 +99,21 @@ static ty_grid_def place(const vol_header* header) {
 
 ty_result ty_mitsuba_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
     vol_header header;
-    uint8_t* bytes = NULL;
-    size_t needed = 0, size = 0;
+    ty_sample_file file;
     ty_result result = read_header(context, path, &header);
     if (result == TY_OK) result = ty_check_component(context, path, NULL, component, header.components);
-    if (result == TY_OK) result = check_length(context, path, &header, &needed);
-    if (result == TY_OK) result = ty_read_part(context, path, HEADER_SIZE, needed, &bytes, &size);
+    if (result == TY_OK) result = check_length(context, path, &header);
+    if (result == TY_OK) result = ty_sample_file_open(context, path, HEADER_SIZE, &file);
     if (result != TY_OK) return result;
-    if (size < needed) {
-        result = ty_fail(context, TY_ERROR_FILE, "cannot read %s: it became shorter meanwhile", path);
-    } else {
-        ty_samples samples = {.bytes = bytes,
-                              .type = header.type,
-                              .first = (size_t)component,
-                              .step = (size_t)header.components,
-                              .slope = header.type == TY_SAMPLE_UINT8 ? 1.0 / UINT8_MAX : 0};
-        const ty_grid_def def = place(&header);
-        result = ty_samples_make_grid(context, &samples, &def, out);
-    }
-    ty_free_file(context, bytes, size);
+    const ty_samples samples = {.read = ty_sample_file_read,
+                                .user = &file,
+                                .type = header.type,
+                                .first = (size_t)component,
+                                .step = (size_t)header.components,
+                                .slope = header.type == TY_SAMPLE_UINT8 ? 1.0 / UINT8_MAX : 0};
+    const ty_grid_def def = place(&header);
+    result = ty_samples_make_grid(context, &samples, &def, out);
+    ty_sample_file_close(&file);
     return result;
 }
 

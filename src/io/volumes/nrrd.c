@@ -6,9 +6,12 @@
 #include "io/file.h"
 #include "base/number.h"
 #include "io/volumes/inflate.h"
+#include "io/volumes/sample_file.h"
 #include "io/volumes/volume_file.h"
 
 #include <string.h>
+
+enum { HEAD_SIZE = 1 << 20 };
 
 static const size_t file_size_max = (size_t)1 << 36;
 
@@ -22,6 +25,7 @@ typedef struct source {
 
 static void close_source(source* s) {
     ty_free_file(s->context, s->bytes, s->size);
+    s->bytes = NULL;
 }
 
 /* True for data files in the header's folder or below it; others are refused. */
@@ -52,7 +56,8 @@ static ty_result inspect(ty_context* context, const char* path, uint8_t* head, s
     return TY_OK;
 }
 
-static ty_result open_data(const source* file, const ty_nrrd* nrrd, char** path, source* data) {
+/* The path of a header's data file, freed by the caller. */
+static ty_result find_data(const source* file, const ty_nrrd* nrrd, char** path) {
     if (strncmp(nrrd->data_file, "LIST", 4) == 0 || strchr(nrrd->data_file, '%') != NULL)
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: data in more than one file cannot be read", file->path);
     if (!is_inside_folder(nrrd->data_file))
@@ -61,11 +66,13 @@ static ty_result open_data(const source* file, const ty_nrrd* nrrd, char** path,
     char* folder = ty_folder_of(file->context, file->path);
     *path = folder == NULL ? NULL : ty_join_path(file->context, folder, nrrd->data_file);
     ty_free_text(file->context, folder);
-    if (*path == NULL) return TY_ERROR_MEMORY;
-    *data = (source){.context = file->context, .path = *path};
+    return *path != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+static ty_result open_data(source* data, const ty_nrrd* nrrd) {
     const uint64_t longest = longest_data(nrrd);
-    return ty_read_file(file->context, *path, longest < file_size_max ? (size_t)longest : file_size_max, &data->bytes,
-                        &data->size);
+    return ty_read_file(data->context, data->path, longest < file_size_max ? (size_t)longest : file_size_max,
+                        &data->bytes, &data->size);
 }
 
 static ty_result wrong_size(const source* s, const ty_nrrd* nrrd, bool more, size_t found) {
@@ -84,14 +91,34 @@ static ty_result skip_lines(source* s, int64_t lines) {
     return TY_OK;
 }
 
-/* Raw samples of exactly the header's size. */
-static ty_result find_raw(source* s, const ty_nrrd* nrrd, size_t size, const uint8_t** samples) {
-    const size_t left = s->size - s->at;
+/* Offset of raw samples of exactly the header's size among the `left` bytes from `begin` on. */
+static ty_result find_raw(const source* s, const ty_nrrd* nrrd, size_t size, uint64_t begin, uint64_t left,
+                          uint64_t* start) {
     const uint64_t skip = nrrd->byte_skip < 0 ? (left > size ? left - size : 0) : (uint64_t)nrrd->byte_skip;
-    if (skip > left || left - skip < size) return wrong_size(s, nrrd, false, skip > left ? 0 : left - (size_t)skip);
+    if (skip > left || left - skip < size) return wrong_size(s, nrrd, false, skip > left ? 0 : (size_t)(left - skip));
     if (left - skip > size) return wrong_size(s, nrrd, true, size);
-    *samples = s->bytes + s->at + skip;
+    *start = begin + skip;
     return TY_OK;
+}
+
+/* Reads raw samples in parts from a file, in which they begin after `begin` bytes. */
+static ty_result read_raw_parts(const source* s, const ty_nrrd* nrrd, uint64_t begin, ty_samples* samples,
+                                const ty_grid_def* def, ty_grid** out) {
+    const size_t size = nrrd->voxels * (size_t)nrrd->components * ty_sample_size(nrrd->type);
+    uint64_t length = 0, start = 0;
+    FILE* stream = NULL;
+    ty_sample_file file;
+    ty_result result = ty_open_file(s->context, s->path, &stream, &length);
+    if (result != TY_OK) return result;
+    fclose(stream);
+    result = find_raw(s, nrrd, size, begin, length > begin ? length - begin : 0, &start);
+    if (result == TY_OK) result = ty_sample_file_open(s->context, s->path, start, &file);
+    if (result != TY_OK) return result;
+    samples->read = ty_sample_file_read;
+    samples->user = &file;
+    result = ty_samples_make_grid(s->context, samples, def, out);
+    ty_sample_file_close(&file);
+    return result;
 }
 
 static ty_result read_gzip(source* s, const ty_nrrd* nrrd, size_t size, ty_samples* samples, const ty_grid_def* def,
@@ -154,48 +181,97 @@ static ty_result read_text(source* s, const ty_nrrd* nrrd, const ty_samples* lay
     return result;
 }
 
-static ty_result read_samples(source* s, const ty_nrrd* nrrd, int32_t component, ty_grid** out) {
-    const size_t size = nrrd->voxels * (size_t)nrrd->components * ty_sample_size(nrrd->type);
-    ty_samples samples = {.type = nrrd->type,
-                          .big_endian = nrrd->big_endian,
-                          .first = nrrd->components_last ? nrrd->voxels * (size_t)component : (size_t)component,
-                          .step = nrrd->components_last ? 1 : (size_t)nrrd->components};
+static ty_samples describe_samples(const ty_nrrd* nrrd, int32_t component) {
+    return (ty_samples){.type = nrrd->type,
+                        .big_endian = nrrd->big_endian,
+                        .first = nrrd->components_last ? nrrd->voxels * (size_t)component : (size_t)component,
+                        .step = nrrd->components_last ? 1 : (size_t)nrrd->components};
+}
+
+static ty_grid_def describe_grid(const ty_nrrd* nrrd) {
     ty_grid_def def = ty_default_grid_def();
     memcpy(def.size, nrrd->size, sizeof def.size);
     def.index_to_local = nrrd->index_to_local;
     def.placed = true;
+    return def;
+}
+
+static ty_result read_samples(source* s, const ty_nrrd* nrrd, int32_t component, ty_grid** out) {
+    const size_t size = nrrd->voxels * (size_t)nrrd->components * ty_sample_size(nrrd->type);
+    ty_samples samples = describe_samples(nrrd, component);
+    ty_grid_def def = describe_grid(nrrd);
+    uint64_t start = 0;
     ty_result result = skip_lines(s, nrrd->line_skip);
     if (result != TY_OK) return result;
     switch (nrrd->encoding) {
     case TY_NRRD_RAW:
-        result = find_raw(s, nrrd, size, &samples.bytes);
-        return result == TY_OK ? ty_samples_make_grid(s->context, &samples, &def, out) : result;
+        result = find_raw(s, nrrd, size, s->at, s->size - s->at, &start);
+        if (result != TY_OK) return result;
+        samples.bytes = s->bytes + start;
+        return ty_samples_make_grid(s->context, &samples, &def, out);
     case TY_NRRD_GZIP: return read_gzip(s, nrrd, size, &samples, &def, out);
     case TY_NRRD_TEXT: return read_text(s, nrrd, &samples, &def, out);
     }
     return TY_ERROR_INTERNAL;
 }
 
-static ty_result read_data(source* file, const ty_nrrd* nrrd, int32_t component, ty_grid** out) {
-    if (nrrd->data_file == NULL) {
-        file->at = nrrd->data;
-        return read_samples(file, nrrd, component, out);
-    }
+static bool in_parts(const ty_nrrd* nrrd) {
+    return nrrd->encoding == TY_NRRD_RAW && nrrd->line_skip == 0;
+}
+
+/* Reads what a header tells of the data behind it, or in a file of their own. */
+static ty_result read_data(const source* file, const ty_nrrd* nrrd, int32_t component, ty_grid** out) {
+    ty_samples samples = describe_samples(nrrd, component);
+    const ty_grid_def def = describe_grid(nrrd);
+    source data = *file;
     char* path = NULL;
-    source data = {.context = file->context};
-    ty_result result = open_data(file, nrrd, &path, &data);
-    if (result == TY_OK) result = read_samples(&data, nrrd, component, out);
-    close_source(&data);
+    ty_result result = TY_OK;
+    if (nrrd->data_file != NULL) {
+        result = find_data(file, nrrd, &path);
+        data = (source){.context = file->context, .path = path};
+    }
+    if (result != TY_OK) return result;
+    if (in_parts(nrrd)) {
+        result = read_raw_parts(&data, nrrd, path == NULL ? nrrd->data : 0, &samples, &def, out);
+    } else if (path == NULL) {
+        data.at = nrrd->data;
+        result = read_samples(&data, nrrd, component, out);
+    } else {
+        result = open_data(&data, nrrd);
+        if (result == TY_OK) result = read_samples(&data, nrrd, component, out);
+        close_source(&data);
+    }
     ty_free_text(file->context, path);
+    return result;
+}
+
+static bool ends_header(const uint8_t* bytes, size_t size) {
+    for (size_t i = 1; i < size; ++i)
+        if (bytes[i] == '\n' && (bytes[i - 1] == '\n' || (i > 1 && bytes[i - 1] == '\r' && bytes[i - 2] == '\n')))
+            return true;
+    return false;
+}
+
+/* Reads the beginning of a file, as far as its header; *found tells whether it parsed and its data are read in parts.
+ */
+static ty_result read_head(source* file, ty_nrrd* nrrd, bool* found) {
+    ty_result result = ty_read_part(file->context, file->path, 0, HEAD_SIZE, &file->bytes, &file->size);
+    *found = result == TY_OK && ends_header(file->bytes, file->size);
+    if (*found) result = ty_nrrd_parse(file->context, file->path, file->bytes, file->size, nrrd);
+    *found = *found && result == TY_OK && in_parts(nrrd);
     return result;
 }
 
 ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
     source file = {.context = context, .path = path};
-    ty_result result = ty_read_inspected_file(context, path, file_size_max, inspect, &file.bytes, &file.size);
-    if (result != TY_OK) return result;
     ty_nrrd nrrd;
-    result = ty_nrrd_parse(context, path, file.bytes, file.size, &nrrd);
+    bool parts = false;
+    ty_result result = read_head(&file, &nrrd, &parts);
+    if (result == TY_OK && !parts) {
+        close_source(&file);
+        result = ty_read_inspected_file(context, path, file_size_max, inspect, &file.bytes, &file.size);
+        if (result == TY_OK) result = ty_nrrd_parse(context, path, file.bytes, file.size, &nrrd);
+    }
     if (result == TY_OK) result = ty_check_component(context, path, NULL, component, nrrd.components);
     if (result == TY_OK) result = read_data(&file, &nrrd, component, out);
     close_source(&file);

@@ -1,5 +1,5 @@
 /* Raw volumes without a header. */
-#include "io/volumes/samples.h"
+#include "io/volumes/sample_file.h"
 #include "io/volumes/volume_file.h"
 
 #include "base/context.h"
@@ -46,7 +46,7 @@ ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def
                        "raw_type is \"%s\", not int8, uint8 ... uint64, half, float or double", def->raw_type);
     if (def->raw_offset < -1)
         return ty_fail(context, TY_ERROR_ARGUMENT, "raw_offset is %lld, below -1", (long long)def->raw_offset);
-    size_t voxels = 0, size = 0, start = 0;
+    size_t voxels = 0, start = 0;
     ty_grid_def grid = ty_default_grid_def();
     memcpy(grid.size, def->raw_size, sizeof grid.size);
     ty_result result = check_spacing(context, def, &grid);
@@ -56,15 +56,12 @@ ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def
     if (result == TY_OK) result = ty_check_component(context, path, NULL, def->component, 1);
     const size_t needed = result == TY_OK ? voxels * ty_sample_size(type) : 0;
     if (result == TY_OK) result = find_start(context, path, def, needed, &start);
-    uint8_t* bytes = NULL;
-    if (result == TY_OK) result = ty_read_part(context, path, start, needed, &bytes, &size);
+    ty_sample_file file;
+    if (result == TY_OK) result = ty_sample_file_open(context, path, start, &file);
     if (result != TY_OK) return result;
-    if (size < needed) {
-        result = ty_fail(context, TY_ERROR_FILE, "cannot read %s: it became shorter meanwhile", path);
-    } else {
-        const ty_samples samples = {.bytes = bytes, .type = type, .big_endian = def->raw_big_endian, .step = 1};
-        result = ty_samples_make_grid(context, &samples, &grid, out);
-    }
-    ty_free_file(context, bytes, size);
+    const ty_samples samples = {
+        .read = ty_sample_file_read, .user = &file, .type = type, .big_endian = def->raw_big_endian, .step = 1};
+    result = ty_samples_make_grid(context, &samples, &grid, out);
+    ty_sample_file_close(&file);
     return result;
 }

@@ -89,16 +89,6 @@ void ty_store_value(ty_grid_type type, void* values, size_t at, double value) {
         ((float*)values)[at] = (float)value;
 }
 
-float ty_value_outside(ty_grid_type type, const void* values, size_t count) {
-    float lowest = 0;
-    for (size_t i = 0; i < count; ++i) {
-        const float value =
-            type == TY_GRID_F16 ? ty_half_to_float(((const uint16_t*)values)[i]) : ((const float*)values)[i];
-        if (value < lowest && isfinite(value)) lowest = value;
-    }
-    return lowest;
-}
-
 /* Converts a row of voxels `step` bytes apart by an expression of their bits. */
 #define TY_CONVERT_ROW(size, output, expression)                                                                       \
     for (size_t i = 0; i < count; ++i) {                                                                               \
@@ -124,44 +114,64 @@ static void convert_row(ty_sample_type type, bool swap, const uint8_t* from, siz
     }
 }
 
-typedef struct convert_job {
+/* Converts slices in turn, as ty_slice_source. */
+typedef struct converter {
+    ty_context* context;
     const ty_samples* samples;
-    const int32_t* size;
-    uint8_t* values;
-} convert_job;
+    ty_grid_def def;
+    const uint8_t* bytes; /* of the slices' first sample */
+    uint8_t* values;      /* of TY_GRID_BLOCK slices */
+} converter;
 
-static ty_grid_type grid_type(const ty_samples* samples) {
-    return samples->slope != 0 ? TY_GRID_F32 : ty_sample_grid_type(samples->type);
+static size_t slice_voxels(const ty_grid_def* def) {
+    return (size_t)def->size[0] * (size_t)def->size[1];
 }
 
 static void convert_slice(void* user, int64_t k, int32_t worker) {
     (void)worker;
-    const convert_job* job = user;
-    const ty_samples* samples = job->samples;
+    const converter* c = user;
+    const ty_samples* samples = c->samples;
     const size_t sample = types[samples->type].size;
-    const size_t voxels = (size_t)job->size[0] * (size_t)job->size[1], first = voxels * (size_t)k;
-    const uint8_t* from = samples->bytes + sample * (samples->first + samples->step * first);
+    const size_t voxels = slice_voxels(&c->def), first = voxels * (size_t)k;
+    const uint8_t* from = c->bytes + sample * samples->step * first;
     if (samples->slope == 0) {
-        const size_t value = ty_grid_value_size(grid_type(samples));
+        const size_t value = ty_grid_value_size(c->def.type);
         convert_row(samples->type, must_swap(samples->big_endian), from, sample * samples->step, voxels,
-                    job->values + value * first);
+                    c->values + value * first);
         return;
     }
-    float* to = (float*)(void*)job->values + first;
+    float* to = (float*)(void*)c->values + first;
     for (size_t i = 0; i < voxels; ++i)
         to[i] = (float)(samples->slope *
                             ty_sample_value(samples->type, samples->big_endian, from + sample * samples->step * i) +
                         samples->intercept);
 }
 
+static ty_result convert_slices(void* user, int32_t first, int32_t count, const void** values) {
+    converter* c = user;
+    const ty_samples* samples = c->samples;
+    const size_t sample = types[samples->type].size;
+    const size_t at = sample * (samples->first + samples->step * slice_voxels(&c->def) * (size_t)first);
+    const size_t bytes = sample * (samples->step * (slice_voxels(&c->def) * (size_t)count - 1) + 1);
+    ty_result result = TY_OK;
+    if (samples->read != NULL)
+        result = samples->read(samples->user, at, bytes, &c->bytes);
+    else
+        c->bytes = samples->bytes + at;
+    if (result == TY_OK) ty_parallel_for(c->context, count, convert_slice, c);
+    *values = c->values;
+    return result;
+}
+
 ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out) {
-    ty_grid_def typed = *def;
-    typed.type = grid_type(samples);
-    const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
-    void* values = ty_alloc_array(context, voxels, ty_grid_value_size(typed.type), false);
-    if (values == NULL) return TY_ERROR_MEMORY;
-    convert_job job = {samples, def->size, values};
-    ty_parallel_for(context, def->size[2], convert_slice, &job);
-    if (def->placed) typed.background = ty_value_outside(typed.type, values, voxels);
-    return ty_grid_adopt(context, &typed, values, out);
+    converter c = {.context = context, .samples = samples, .def = *def};
+    c.def.type = samples->slope != 0 ? TY_GRID_F32 : ty_sample_grid_type(samples->type);
+    const size_t slices = (size_t)(def->size[2] < TY_GRID_BLOCK ? def->size[2] : TY_GRID_BLOCK);
+    const size_t count = slices * slice_voxels(def), value = ty_grid_value_size(c.def.type);
+    c.values = ty_alloc_array(context, count, value, false);
+    if (c.values == NULL) return TY_ERROR_MEMORY;
+    const ty_slice_source source = {convert_slices, &c};
+    const ty_result result = ty_grid_create_from_slices(context, &c.def, TY_GRID_AUTO, &source, def->placed, out);
+    ty_free_array(context, c.values, count, value);
+    return result;
 }

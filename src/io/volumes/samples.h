@@ -32,11 +32,11 @@ double ty_sample_value(ty_sample_type type, bool big_endian, const uint8_t* from
 /* Stores a value among those of a grid. */
 void ty_store_value(ty_grid_type type, void* values, size_t at, double value);
 
-/* Value outside of a placed grid: its lowest, which is air in Hounsfield units, but 0 if none is below. */
-float ty_value_outside(ty_grid_type type, const void* values, size_t count);
-
 typedef struct ty_samples {
     const uint8_t* bytes;
+    /* Reads size bytes, from `at` on, to an address that is valid until the next call; NULL: all are at `bytes`. */
+    ty_result (*read)(void* user, size_t at, size_t size, const uint8_t** bytes);
+    void* user;
     ty_sample_type type;
     bool big_endian;
     size_t first, step;      /* in samples: offset of the component, and stride between voxels */
@@ -44,7 +44,7 @@ typedef struct ty_samples {
 } ty_samples;
 
 /* Creates a grid of def->size voxels, x fastest, placed by def: of ty_sample_grid_type, or float where samples are
- * scaled. */
+ * scaled; as TY_GRID_AUTO stores it. */
 ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out);
 
 #endif

@@ -1,4 +1,4 @@
-/* Conversion of sparse trees to dense grids. */
+/* Grids, dense or in blocks, of sparse trees. */
 #include "io/volumes/sparse.h"
 
 #include "base/context.h"
@@ -87,13 +87,14 @@ bool ty_sparse_add_leaf(ty_sparse* sparse, const int32_t origin[3], const uint8_
     return add_cell(sparse, &cell);
 }
 
-/* Job of ty_parallel_for: slices get the background, then groups of cells their values. */
+/* Job of ty_parallel_for: the slices of a dense grid get the background, then groups of cells their values. */
 typedef struct fill_job {
     const ty_sparse* sparse;
     ty_sparse_decode decode;
     const void* user;
-    const int32_t *lower, *size; /* of the dense box */
+    const int32_t *lower, *size; /* of the active box */
     void* values;
+    ty_grid_blocks blocks;
     _Atomic bool fail_corrupt;
 } fill_job;
 
@@ -115,7 +116,7 @@ static void fill_slice(void* user, int64_t k, int32_t worker) {
     fill_values(job, voxels * (size_t)k, voxels, job->sparse->background);
 }
 
-/* Intersection of a cell with the dense box, in voxels of the box: [first, last). */
+/* Intersection of a cell with the active box, in voxels of the box: [first, last). */
 static bool clip_cell(const fill_job* job, const ty_sparse_cell* cell, int64_t first[3], int64_t last[3]) {
     for (int a = 0; a < 3; ++a) {
         const int64_t start = (int64_t)cell->origin[a] - job->lower[a], end = start + cell->side;
@@ -126,8 +127,23 @@ static bool clip_cell(const fill_job* job, const ty_sparse_cell* cell, int64_t f
     return true;
 }
 
+/* The entry of a table for a voxel of the active box. */
+static size_t table_index(const ty_grid_blocks* blocks, int64_t i, int64_t j, int64_t k) {
+    const int64_t x = (i + blocks->shift[0]) / TY_GRID_BLOCK, y = (j + blocks->shift[1]) / TY_GRID_BLOCK;
+    const int64_t z = (k + blocks->shift[2]) / TY_GRID_BLOCK;
+    return (size_t)(x + blocks->size[0] * (y + blocks->size[1] * z));
+}
+
 #define TY_COPY_ROW(type, from, to, count)                                                                             \
     for (size_t i = 0; i < (count); ++i) ((type*)(to))[i] = ((const type*)(from))[64 * i]
+
+/* Where the value of a voxel of a leaf is stored. */
+static size_t stored_at(const fill_job* job, const int64_t origin[3], int64_t i, int64_t j, int64_t k) {
+    if (job->blocks.table == NULL) return (size_t)(i + job->size[0] * (j + job->size[1] * k));
+    const size_t block = job->blocks.table[table_index(&job->blocks, i, j, k)];
+    return block * TY_GRID_BLOCK_VOXELS +
+           (size_t)(i - origin[0] + TY_GRID_BLOCK * (j - origin[1] + TY_GRID_BLOCK * (k - origin[2])));
+}
 
 static void copy_leaf(const fill_job* job, const ty_sparse_cell* cell, const void* leaf, const int64_t first[3],
                       const int64_t last[3]) {
@@ -136,7 +152,7 @@ static void copy_leaf(const fill_job* job, const ty_sparse_cell* cell, const voi
                                (int64_t)cell->origin[2] - job->lower[2]};
     for (int64_t k = first[2]; k < last[2]; ++k)
         for (int64_t j = first[1]; j < last[1]; ++j) {
-            const size_t to = (size_t)(first[0] + job->size[0] * (j + job->size[1] * k));
+            const size_t to = stored_at(job, origin, first[0], j, k);
             const size_t from = (size_t)(64 * (first[0] - origin[0]) + 8 * (j - origin[1]) + (k - origin[2]));
             if (job->sparse->type == TY_GRID_F16)
                 TY_COPY_ROW(uint16_t, (const uint16_t*)leaf + from, (uint16_t*)job->values + to, count);
@@ -149,7 +165,7 @@ static void fill_cell(fill_job* job, const ty_sparse_cell* cell) {
     int64_t first[3], last[3];
     if (!clip_cell(job, cell, first, last)) return;
     if (cell->leaf == TY_SPARSE_TILE) {
-        for (int64_t k = first[2]; k < last[2]; ++k)
+        for (int64_t k = first[2]; k < last[2] && job->blocks.table == NULL; ++k)
             for (int64_t j = first[1]; j < last[1]; ++j)
                 fill_values(job, (size_t)(first[0] + job->size[0] * (j + job->size[1] * k)),
                             (size_t)(last[0] - first[0]), cell->value);
@@ -174,7 +190,7 @@ static ty_result fail_corrupt(const ty_sparse* sparse) {
     return ty_fail(sparse->context, TY_ERROR_INPUT, "%s: damaged or cut short (%s)", sparse->path, sparse->name);
 }
 
-/* Sets the dense grid's def without its values: the active box and its transform. */
+/* Sets the grid's def without its values: the active box and its transform. */
 static ty_result describe_grid(const ty_sparse* sparse, const ty_affine* index_to_world, ty_grid_def* def,
                                int32_t lower[3], size_t* voxels) {
     const bool empty = sparse->active == 0;
@@ -188,7 +204,7 @@ static ty_result describe_grid(const ty_sparse* sparse, const ty_affine* index_t
     if (!isfinite(sparse->background))
         return ty_fail(sparse->context, TY_ERROR_INPUT, "%s: the background of grid \"%s\" is not finite", sparse->path,
                        sparse->name);
-    const ty_result result = ty_check_volume_size(sparse->context, sparse->path, sides, voxels);
+    const ty_result result = ty_check_sparse_size(sparse->context, sparse->path, sides, voxels);
     if (result != TY_OK) return result;
     *def = ty_default_grid_def();
     for (int a = 0; a < 3; ++a) def->size[a] = (int32_t)sides[a];
@@ -199,27 +215,117 @@ static ty_result describe_grid(const ty_sparse* sparse, const ty_affine* index_t
     return TY_OK;
 }
 
+/* ---- blocks ---- */
+
+static bool is_tile(const ty_sparse_cell* cell) {
+    return cell->leaf == TY_SPARSE_TILE;
+}
+
+/* Number of blocks with the background's. Neighbouring tiles of one value share a block. */
+static size_t count_blocks(const fill_job* job) {
+    size_t count = 1;
+    const ty_sparse_cell* tile = NULL;
+    int64_t first[3], last[3];
+    for (size_t i = 0; i < job->sparse->count; ++i) {
+        const ty_sparse_cell* cell = &job->sparse->cells[i];
+        if (!clip_cell(job, cell, first, last)) continue;
+        const bool shared = is_tile(cell) && tile != NULL && tile->value == cell->value;
+        count += !shared;
+        if (is_tile(cell)) tile = cell;
+    }
+    return count;
+}
+
+static void fill_block(const fill_job* job, uint32_t number, float value) {
+    fill_values(job, (size_t)number * TY_GRID_BLOCK_VOXELS, TY_GRID_BLOCK_VOXELS, value);
+}
+
+/* Enters a cell's block into the table; the sides and origins of cells are multiples of those of blocks. */
+static void enter_cell(fill_job* job, const int64_t first[3], const int64_t last[3], uint32_t number) {
+    for (int64_t k = first[2] + job->blocks.shift[2]; k < last[2] + job->blocks.shift[2];
+         k += TY_GRID_BLOCK - k % TY_GRID_BLOCK)
+        for (int64_t j = first[1] + job->blocks.shift[1]; j < last[1] + job->blocks.shift[1];
+             j += TY_GRID_BLOCK - j % TY_GRID_BLOCK) {
+            uint32_t* row =
+                job->blocks.table +
+                (size_t)job->blocks.size[0] * (size_t)(j / TY_GRID_BLOCK + job->blocks.size[1] * (k / TY_GRID_BLOCK));
+            const int64_t end = (last[0] - 1 + job->blocks.shift[0]) / TY_GRID_BLOCK;
+            for (int64_t i = (first[0] + job->blocks.shift[0]) / TY_GRID_BLOCK; i <= end; ++i) row[i] = number;
+        }
+}
+
+/* Fills the table, and the blocks of tiles; those of leaves get the background, which stays beyond the active box. */
+static void enter_cells(fill_job* job) {
+    const ty_sparse_cell* tile = NULL;
+    uint32_t tile_block = 0;
+    int64_t first[3], last[3];
+    fill_block(job, 0, job->sparse->background);
+    for (size_t i = 0; i < job->sparse->count; ++i) {
+        const ty_sparse_cell* cell = &job->sparse->cells[i];
+        if (!clip_cell(job, cell, first, last)) continue;
+        uint32_t number = tile_block;
+        if (!is_tile(cell) || tile == NULL || tile->value != cell->value) {
+            number = job->blocks.count++;
+            fill_block(job, number, is_tile(cell) ? cell->value : job->sparse->background);
+        }
+        if (is_tile(cell)) {
+            tile = cell;
+            tile_block = number;
+        }
+        enter_cell(job, first, last, number);
+    }
+}
+
+static void fill_all_cells(fill_job* job) {
+    const size_t tasks = (job->sparse->count + CELLS_A_TASK - 1) / CELLS_A_TASK;
+    ty_parallel_for(job->sparse->context, (int64_t)tasks, fill_cells, job);
+}
+
+static ty_result make_blocks(fill_job* job, const ty_grid_def* def, const int32_t shift[3], size_t blocks,
+                             ty_grid** out) {
+    ty_context* context = job->sparse->context;
+    const size_t stored = blocks * TY_GRID_BLOCK_VOXELS, value_size = ty_grid_value_size(def->type);
+    if (ty_grid_blocks_table(context, def->size, shift, &job->blocks) == NULL) return TY_ERROR_MEMORY;
+    const size_t table = ty_grid_table_count(&job->blocks);
+    job->values = ty_alloc_array(context, stored, value_size, false);
+    if (job->values != NULL) {
+        enter_cells(job);
+        fill_all_cells(job);
+        if (!atomic_load(&job->fail_corrupt)) return ty_grid_adopt_blocks(context, def, &job->blocks, job->values, out);
+    }
+    const bool allocated = job->values != NULL;
+    ty_free_array(context, job->values, stored, value_size);
+    ty_free_array(context, job->blocks.table, table, sizeof *job->blocks.table);
+    return allocated ? fail_corrupt(job->sparse) : TY_ERROR_MEMORY;
+}
+
+static ty_result make_dense(fill_job* job, const ty_grid_def* def, size_t voxels, ty_grid** out) {
+    ty_context* context = job->sparse->context;
+    const size_t value_size = ty_grid_value_size(def->type);
+    job->values = ty_alloc_array(context, voxels, value_size, false);
+    if (job->values == NULL) return TY_ERROR_MEMORY;
+    ty_parallel_for(context, def->size[2], fill_slice, job);
+    fill_all_cells(job);
+    if (!atomic_load(&job->fail_corrupt)) return ty_grid_adopt(context, def, job->values, out);
+    ty_free_array(context, job->values, voxels, value_size);
+    return fail_corrupt(job->sparse);
+}
+
 ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, const void* user,
                               const ty_affine* index_to_world, ty_grid** out) {
-    ty_context* context = sparse->context;
     ty_grid_def def;
-    int32_t lower[3];
-    size_t voxels = 0;
+    int32_t lower[3], shift[3];
+    size_t voxels = 0, table = 1;
     if (!roots_are_unique(sparse)) return fail_corrupt(sparse);
     const ty_result result = describe_grid(sparse, index_to_world, &def, lower, &voxels);
     if (result != TY_OK) return result;
-    const size_t value_size = ty_grid_value_size(sparse->type);
-    fill_job job = {.sparse = sparse,
-                    .decode = decode,
-                    .user = user,
-                    .lower = lower,
-                    .size = def.size,
-                    .values = ty_alloc_array(context, voxels, value_size, false)};
-    if (job.values == NULL) return TY_ERROR_MEMORY;
+    fill_job job = {.sparse = sparse, .decode = decode, .user = user, .lower = lower, .size = def.size};
     atomic_init(&job.fail_corrupt, false);
-    ty_parallel_for(context, def.size[2], fill_slice, &job);
-    ty_parallel_for(context, (int64_t)((sparse->count + CELLS_A_TASK - 1) / CELLS_A_TASK), fill_cells, &job);
-    if (!atomic_load(&job.fail_corrupt)) return ty_grid_adopt(context, &def, job.values, out);
-    ty_free_array(context, job.values, voxels, value_size);
-    return fail_corrupt(sparse);
+    for (int a = 0; a < 3; ++a) {
+        shift[a] = lower[a] & (TY_GRID_BLOCK - 1); /* of blocks that are leaves */
+        table *= (size_t)(def.size[a] + shift[a] + TY_GRID_BLOCK - 1) / TY_GRID_BLOCK;
+    }
+    const size_t blocks = count_blocks(&job);
+    if (ty_grid_saves_memory(def.type, voxels, table, blocks)) return make_blocks(&job, &def, shift, blocks, out);
+    return make_dense(&job, &def, voxels, out);
 }

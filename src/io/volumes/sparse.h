@@ -1,4 +1,4 @@
-/* Sparse trees of OpenVDB and NanoVDB, leaves of 8^3 voxels and larger constant tiles, converted to dense grids. */
+/* Sparse trees of OpenVDB and NanoVDB, leaves of 8^3 voxels and larger constant tiles, converted to grids. */
 #ifndef TY_IO_SPARSE_H
 #define TY_IO_SPARSE_H
 
@@ -47,8 +47,8 @@ bool ty_sparse_add_leaf(ty_sparse* sparse, const int32_t origin[3], const uint8_
  * data is corrupt. Called from several threads. */
 typedef bool (*ty_sparse_decode)(const void* user, uint64_t leaf, void* values);
 
-/* Creates the grid dense over its active box, placed by index_to_world; an empty grid gives one voxel of background
- * at 0. */
+/* Creates the grid of the active box, as TY_GRID_AUTO stores it, placed by index_to_world; an empty grid gives one
+ * voxel of background at 0. */
 ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, const void* user,
                               const ty_affine* index_to_world, ty_grid** out);
 

@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/half.h"
+#include "grid/grid.h"
 #include "io/file.h"
 
 #include <blosc.h>
@@ -106,11 +107,27 @@ static bool get_value(const writer* w, const int32_t at[3], float* value) {
     return active;
 }
 
+/* True if a leaf is in the background of sparse grids. */
+static bool is_background(const writer* w, const int32_t block[3]) {
+    int32_t first[3], last[3];
+    bool background = true;
+    for (int a = 0; a < 3; ++a) {
+        first[a] = TY_LEAF_SIDE * block[a];
+        last[a] = first[a] + TY_LEAF_SIDE - 1;
+    }
+    for (size_t c = 0; c < w->components && background; ++c) {
+        float value = 0;
+        background = ty_grid_is_common(w->field->grids[c], first, last, &value) && value == w->background[c];
+    }
+    return background;
+}
+
 /* Sets the mask of a leaf's active voxels, z fastest, and appends their values; returns their number. */
 static size_t gather_leaf(const writer* w, const int32_t block[3], uint8_t mask[TY_LEAF_VOXELS / 8], float* values) {
     const int32_t* size = w->info.size;
     size_t count = 0;
     memset(mask, 0, TY_LEAF_VOXELS / 8);
+    if (is_background(w, block)) return 0;
     for (int32_t i = 0; i < TY_LEAF_VOXELS; ++i) {
         const int32_t at[3] = {TY_LEAF_SIDE * block[0] + (i >> 6), TY_LEAF_SIDE * block[1] + (i >> 3 & 7),
                                TY_LEAF_SIDE * block[2] + (i & 7)};
@@ -313,12 +330,24 @@ static void put_topology(writer* w) {
 
 /* ---- the container ---- */
 
+/* Extends a hash by the blocks of a sparse grid. */
+static uint64_t hash_blocks(uint64_t hash, const ty_grid* grid) {
+    const ty_grid_blocks* blocks = &grid->blocks;
+    hash = ty_hash_bytes(hash, blocks->shift, sizeof blocks->shift);
+    hash = ty_hash_bytes(hash, blocks->table, ty_grid_table_count(blocks) * sizeof *blocks->table);
+    return ty_hash_bytes(hash, grid->values, grid->stored * ty_grid_value_size(grid->type));
+}
+
 /* Extends a hash by a field. */
 static uint64_t hash_field(uint64_t hash, const ty_volume_field* field, uint32_t compression) {
     const ty_grid_info info = ty_grid_get_info(field->grids[0]);
     hash = ty_hash_bytes(hash, field->name, strlen(field->name));
     hash = ty_hash_bytes(hash, &compression, sizeof compression);
     hash = ty_hash_bytes(hash, info.index_to_local.m, sizeof info.index_to_local.m);
+    if (info.storage == TY_GRID_SPARSE) {
+        for (int32_t c = 0; c < field->components; ++c) hash = hash_blocks(hash, field->grids[c]);
+        return hash;
+    }
     for (int32_t z = 0; z < info.size[2]; ++z)
         for (int32_t y = 0; y < info.size[1]; ++y)
             for (int32_t x = 0; x < info.size[0]; ++x)

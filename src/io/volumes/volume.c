@@ -13,27 +13,35 @@
 
 enum { PATH_SIZE = 4096 };
 
-static const double voxels_max = 4e9;
+static const double voxels_max = 4e9, sparse_voxels_max = 3.2e10;
 
 void ty_init_volume_def(void* def, size_t bytes) {
     const ty_volume_def own = {.grid = "density", .raw_type = "uint8", .series = "", .meters_per_unit = 1};
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
-ty_result ty_check_volume_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels) {
+static ty_result check_size(ty_context* context, const char* path, const char* kind, double limit,
+                            const int64_t sides[3], size_t* voxels) {
     double product = 1;
     bool fits = true;
     for (int a = 0; a < 3; ++a) {
         product *= (double)sides[a];
         fits = fits && sides[a] >= 1 && sides[a] <= TY_GRID_SIDE_MAX;
     }
-    if (!fits || product > voxels_max)
+    if (!fits || product > limit)
         return ty_fail(context, TY_ERROR_INPUT,
-                       "%s: spans %lld x %lld x %lld voxels; dense grids have 1 to %d a side and up to %.0f in all",
-                       path, (long long)sides[0], (long long)sides[1], (long long)sides[2], TY_GRID_SIDE_MAX,
-                       voxels_max);
+                       "%s: spans %lld x %lld x %lld voxels; %s grids have 1 to %d a side and up to %.0f in all", path,
+                       (long long)sides[0], (long long)sides[1], (long long)sides[2], kind, TY_GRID_SIDE_MAX, limit);
     *voxels = (size_t)product;
     return TY_OK;
+}
+
+ty_result ty_check_volume_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels) {
+    return check_size(context, path, "dense", voxels_max, sides, voxels);
+}
+
+ty_result ty_check_sparse_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels) {
+    return check_size(context, path, "sparse", sparse_voxels_max, sides, voxels);
 }
 
 ty_result ty_check_component(ty_context* context, const char* path, const char* name, int32_t component,
@@ -146,6 +154,9 @@ static ty_result check_def(ty_context* context, const ty_volume_def** given, ty_
     if (!(def->meters_per_unit > 0 && def->meters_per_unit <= 1e6))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: meters_per_unit is %g, outside (0, 1e6]",
                        def->meters_per_unit);
+    if (def->storage < TY_GRID_AUTO || def->storage > TY_GRID_SPARSE)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: storage is %d, not a ty_grid_storage",
+                       (int)def->storage);
     return TY_OK;
 }
 
@@ -164,13 +175,8 @@ static ty_result find_file(ty_context* context, const char* path, const ty_volum
     return result == TY_OK ? find_format(context, file, format) : result;
 }
 
-ty_result ty_volume_read_droplets(ty_context* context, const char* path, const ty_volume_def* def, double* radius,
-                                  ty_grid** out) {
-    char file[PATH_SIZE];
-    ty_volume_format format = TY_VOLUME_RAW;
-    ty_volume_def own;
-    ty_result result = find_file(context, path, &def, &own, out, file, &format);
-    if (result != TY_OK) return result;
+static ty_result read_format(ty_context* context, ty_volume_format format, const char* file, const ty_volume_def* def,
+                             double* radius, ty_grid** out) {
     switch (format) {
     case TY_VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, out);
     case TY_VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, out);
@@ -183,8 +189,22 @@ ty_result ty_volume_read_droplets(ty_context* context, const char* path, const t
     case TY_VOLUME_MITSUBA: return ty_mitsuba_read(context, file, def->component, out);
     case TY_VOLUME_RAW: break;
     }
-    result = check_raw(context, file, def);
+    const ty_result result = check_raw(context, file, def);
     return result == TY_OK ? ty_raw_read(context, file, def, out) : result;
+}
+
+ty_result ty_volume_read_droplets(ty_context* context, const char* path, const ty_volume_def* def, double* radius,
+                                  ty_grid** out) {
+    char file[PATH_SIZE];
+    ty_volume_format format = TY_VOLUME_RAW;
+    ty_volume_def own;
+    ty_grid* grid = NULL;
+    ty_result result = find_file(context, path, &def, &own, out, file, &format);
+    if (result == TY_OK) result = read_format(context, format, file, def, radius, &grid);
+    if (result != TY_OK) return result;
+    result = ty_grid_store(context, grid, def->storage, out);
+    ty_grid_release(grid);
+    return result;
 }
 
 ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {

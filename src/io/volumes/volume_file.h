@@ -7,6 +7,8 @@
 
 /* Refuses sides outside a grid's limits and more voxels than a dense grid may have; *voxels is the product. */
 ty_result ty_check_volume_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels);
+/* The same for grids in a sparse tree, which may span more. */
+ty_result ty_check_sparse_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels);
 /* Refuses a component that a grid with that many values per voxel does not have. */
 ty_result ty_check_component(ty_context* context, const char* path, const char* name, int32_t component,
                              int32_t components);

@@ -1,4 +1,5 @@
 /* Writing volumes of any format: choice of the writer, common checks. */
+#include "io/volumes/nifti/nifti.h"
 #include "io/volumes/vdb.h"
 #include "io/volumes/volume_file.h"
 #include "io/volumes/vtk/vtk.h"
@@ -69,6 +70,14 @@ static ty_result write_vti(ty_context* context, const ty_volume_field* fields, i
     return finish(context, &output, ty_vti_write_file(context, fields, count, !none, &output));
 }
 
+static ty_result write_nifti(ty_context* context, const ty_volume_field* fields, int32_t count, const char* codec,
+                             const char* path) {
+    const bool gzip = ty_volume_has_extension(path, ".gz");
+    if (codec != NULL && strcmp(codec, gzip ? "gzip" : "none") != 0) return wrong_codec(context, path, codec);
+    if (count > 1) return ty_fail(context, TY_ERROR_ARGUMENT, "%s: one field goes there", path);
+    return ty_nifti_write_file(context, fields, gzip, path);
+}
+
 ty_result ty_volume_write(ty_context* context, const ty_volume_field* fields, int32_t count, const char* codec,
                           const char* path) {
     const ty_result result = check_fields(context, fields, count);
@@ -76,9 +85,12 @@ ty_result ty_volume_write(ty_context* context, const ty_volume_field* fields, in
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_write: path is NULL");
     if (ty_volume_has_extension(path, ".vdb")) return write_vdb(context, fields, count, codec, path);
     if (ty_volume_has_extension(path, ".vti")) return write_vti(context, fields, count, codec, path);
+    if (ty_volume_has_extension(path, ".nii") || ty_volume_has_extension(path, ".nii.gz"))
+        return write_nifti(context, fields, count, codec, path);
     const bool nanovdb = ty_volume_has_extension(path, ".nvdb"), mitsuba = ty_volume_has_extension(path, ".vol");
     if (!nanovdb && !mitsuba && !ty_volume_has_extension(path, ".nrrd"))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti or .vol", path);
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz or .vol", path);
     if (count > 1 || fields[0].components > 1)
         return ty_fail(context, TY_ERROR_ARGUMENT, "%s: one field of one value per voxel goes there", path);
     if (nanovdb) return ty_nanovdb_write(context, fields[0].grids[0], fields[0].name, codec ? codec : "zip", path);

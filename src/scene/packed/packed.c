@@ -68,8 +68,10 @@ static size_t product(const int32_t size[3]) {
 }
 
 static void take_grid(packing* p, ty_grid_view* grid) {
-    take(p, &grid->floats, product(grid->size), sizeof(float));
-    take(p, &grid->halves, product(grid->size), sizeof(uint16_t));
+    const size_t values = grid->table != NULL ? (size_t)grid->block_count * TY_GRID_BLOCK_VOXELS : product(grid->size);
+    take(p, &grid->floats, values, sizeof(float));
+    take(p, &grid->halves, values, sizeof(uint16_t));
+    take(p, &grid->table, product(grid->table_size), sizeof *grid->table);
     take(p, &grid->extremes, 2 * product(grid->bricks), sizeof(float));
 }
 

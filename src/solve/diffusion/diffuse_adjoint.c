@@ -118,7 +118,7 @@ static ty_result solve_channel(const ty_diffuse_loss* loss, int32_t channel, con
 ty_result ty_diffuse_adjoint(const ty_diffuse_loss* loss, ty_medium_gradient* media, float* const by_source[3],
                              ty_diffusion_adjoint_stats* stats) {
     const ty_grid_medium* medium = loss->medium;
-    channel_arrays arrays = {NULL};
+    channel_arrays arrays = {.absorption = NULL};
     ty_result result = allocate(medium, &arrays);
     *stats = (ty_diffusion_adjoint_stats){.converged = true};
     int32_t solved = -1; /* the channel whose derivatives by coefficients the arrays hold */

@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "io/file.h"
 #include "io/volumes/inflate.h"
+#include "io/volumes/sample_file.h"
 #include "io/volumes/volume_file.h"
 
 #include <string.h>
@@ -105,32 +106,59 @@ static ty_result unpack(ty_context* context, const char* path, const ty_nifti* n
     return TY_OK;
 }
 
-static ty_result read_plain(ty_context* context, const char* path, const ty_nifti* nifti, uint64_t first,
-                            uint8_t** bytes, size_t* size) {
-    const size_t wanted = volume_bytes(nifti);
+/* Opens a file of samples that are not packed, from `first` on. */
+static ty_result open_plain(ty_context* context, const char* path, const ty_nifti* nifti, uint64_t first,
+                            ty_sample_file* file) {
     FILE* stream = NULL;
     uint64_t length = 0;
-    ty_result result = ty_open_file(context, path, &stream, &length);
+    const ty_result result = ty_open_file(context, path, &stream, &length);
     if (result != TY_OK) return result;
     fclose(stream);
-    if (length < first || length - first < wanted) return cut_short(context, path, nifti);
-    result = ty_read_part(context, path, first, wanted, bytes, size);
-    if (result != TY_OK || *size == wanted) return result;
-    ty_free_file(context, *bytes, *size);
-    return ty_fail(context, TY_ERROR_FILE, "cannot read %s: it became shorter meanwhile", path);
+    if (length < first || length - first < volume_bytes(nifti)) return cut_short(context, path, nifti);
+    return ty_sample_file_open(context, path, first, file);
 }
 
-/* Samples of the volume that has the component. */
-static ty_result read_bytes(ty_context* context, const char* path, const ty_nifti* nifti, int32_t component,
-                            uint8_t** bytes, size_t* size) {
-    const uint64_t skipped = nifti->channels == 1 ? (uint64_t)component * volume_bytes(nifti) : 0;
+static ty_result find_packed(ty_context* context, const char* path, bool* packed) {
     uint8_t* head = NULL;
-    size_t head_size = 0;
-    const ty_result result = ty_read_part(context, path, 0, 2, &head, &head_size);
+    size_t size = 0;
+    const ty_result result = ty_read_part(context, path, 0, 2, &head, &size);
     if (result != TY_OK) return result;
-    const bool packed = is_packed(head, head_size);
-    ty_free_file(context, head, head_size);
-    return (packed ? unpack : read_plain)(context, path, nifti, nifti->data + skipped, bytes, size);
+    *packed = is_packed(head, size);
+    ty_free_file(context, head, size);
+    return TY_OK;
+}
+
+/* The grid of the volume that has the component. */
+static ty_result read_volume(ty_context* context, const char* path, const ty_nifti* nifti, int32_t component,
+                             ty_grid** out) {
+    const uint64_t first = nifti->data + (nifti->channels == 1 ? (uint64_t)component * volume_bytes(nifti) : 0);
+    ty_sample_file file = {.context = context};
+    ty_samples samples = {.type = nifti->type,
+                          .big_endian = nifti->big_endian,
+                          .first = nifti->channels > 1 ? (size_t)component : 0,
+                          .step = (size_t)nifti->channels,
+                          .slope = nifti->slope,
+                          .intercept = nifti->intercept};
+    ty_grid_def def = ty_default_grid_def();
+    memcpy(def.size, nifti->size, sizeof def.size);
+    def.index_to_local = nifti->index_to_local;
+    def.placed = true;
+    uint8_t* bytes = NULL;
+    size_t size = 0;
+    bool packed = false;
+    ty_result result = find_packed(context, path, &packed);
+    if (result == TY_OK && packed) result = unpack(context, path, nifti, first, &bytes, &size);
+    if (result == TY_OK && !packed) result = open_plain(context, path, nifti, first, &file);
+    if (result != TY_OK) return result;
+    samples.bytes = bytes;
+    samples.read = packed ? NULL : ty_sample_file_read;
+    samples.user = &file;
+    result = ty_samples_make_grid(context, &samples, &def, out);
+    if (packed)
+        ty_free_file(context, bytes, size);
+    else
+        ty_sample_file_close(&file);
+    return result;
 }
 
 ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
@@ -140,24 +168,7 @@ ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component
     if (result != TY_OK) return result;
     char* image = nifti.pair ? ty_nifti_image_path(context, path) : ty_copy_text(context, path);
     if (image == NULL) return TY_ERROR_MEMORY;
-    uint8_t* bytes = NULL;
-    size_t size = 0;
-    result = read_bytes(context, image, &nifti, component, &bytes, &size);
-    if (result == TY_OK) {
-        const ty_samples samples = {.bytes = bytes,
-                                    .type = nifti.type,
-                                    .big_endian = nifti.big_endian,
-                                    .first = nifti.channels > 1 ? (size_t)component : 0,
-                                    .step = (size_t)nifti.channels,
-                                    .slope = nifti.slope,
-                                    .intercept = nifti.intercept};
-        ty_grid_def def = ty_default_grid_def();
-        memcpy(def.size, nifti.size, sizeof def.size);
-        def.index_to_local = nifti.index_to_local;
-        def.placed = true;
-        result = ty_samples_make_grid(context, &samples, &def, out);
-        ty_free_file(context, bytes, size);
-    }
+    result = read_volume(context, image, &nifti, component, out);
     ty_free_text(context, image);
     return result;
 }

@@ -1,9 +1,11 @@
-/* NIfTI-1 and NIfTI-2 files in two parts: header.c parses the header, nifti.c reads the voxels. The layouts are
- * those of nifti1.h and nifti2.h of the NIfTI Data Format Working Group. */
+/* NIfTI-1 and NIfTI-2 files: header.c parses the header, nifti.c reads the voxels, nifti_write.c writes. The layouts
+ * are those of nifti1.h and nifti2.h of the NIfTI Data Format Working Group. */
 #ifndef TY_IO_NIFTI_H
 #define TY_IO_NIFTI_H
 
 #include "io/volumes/samples.h"
+
+#include <tyndall/io.h>
 
 enum { TY_NIFTI1_BYTES = 348, TY_NIFTI2_BYTES = 540 };
 
@@ -36,5 +38,8 @@ ty_result ty_nifti_parse(ty_context* context, const char* path, const uint8_t* b
 /* Path of the voxels of a pair: .img in place of .hdr, in the same case; freed with ty_free_text. NULL if memory runs
  * out. */
 char* ty_nifti_image_path(ty_context* context, const char* path);
+
+/* Writes a field of 1 or 3 components, as floats. */
+ty_result ty_nifti_write_file(ty_context* context, const ty_volume_field* field, bool gzip, const char* path);
 
 #endif

@@ -20,9 +20,9 @@ typedef struct header {
     ty_vtk_image* image;
     XML_Parser parser;
     ty_result result;
-    int depth;       /* of the element that the parser is in */
-    int array_depth; /* of the DataArray that it is in, or 0 */
-    int pieces;
+    int depth;                  /* of the element that the parser is in */
+    int array_depth;            /* of the DataArray that it is in, or 0 */
+    int64_t whole[6], piece[6]; /* extents */
     bool image_data, appended;
     section section;
     char scalars[TY_VTK_NAME_SIZE]; /* the section's own choice */
@@ -68,7 +68,7 @@ static void read_numbers(header* h, const char** attributes, const char* name, i
     if (at[strspn(at, " \t\r\n")] != '\0') stop(h, "\"%.100s\" has too many numbers", text);
 }
 
-static void read_extent(header* h, const char** attributes, const char* name) {
+static void read_extent(header* h, const char** attributes, const char* name, int64_t extent[6]) {
     double numbers[6];
     if (attribute(attributes, name) == NULL) {
         stop(h, "%s is missing", name);
@@ -81,7 +81,7 @@ static void read_extent(header* h, const char** attributes, const char* name) {
             stop(h, "%s does not have a first and a last index along each axis", name);
             return;
         }
-        h->image->extent[i] = (int64_t)numbers[i];
+        extent[i] = (int64_t)numbers[i];
     }
 }
 
@@ -124,10 +124,19 @@ static uint64_t read_count(header* h, const char** attributes, const char* name,
     return value < 0 ? 0 : (uint64_t)value;
 }
 
+/* A piece among others lies in the whole extent; a single one is the whole. */
+static void start_piece(header* h, const char** attributes) {
+    ty_vtk_image* image = h->image;
+    read_extent(h, attributes, "Extent", h->piece);
+    memcpy(image->extent, ++image->pieces > 1 ? h->whole : h->piece, sizeof image->extent);
+}
+
 static void start_array(header* h, const char** attributes) {
     const char *name = attribute(attributes, "Name"), *format = attribute(attributes, "format");
     const uint64_t components = read_count(h, attributes, "NumberOfComponents", 1);
     h->array = (ty_vtk_array){.type = type_of(attribute(attributes, "type")), .cells = h->section == SECTION_CELLS};
+    h->array.piece = h->image->pieces - 1;
+    memcpy(h->array.extent, h->piece, sizeof h->array.extent);
     snprintf(h->array.name, sizeof h->array.name, "%s", name != NULL ? name : "");
     if (components < 1 || components > TY_VTK_COMPONENTS_MAX)
         stop(h, "the array \"%.100s\" does not have 1 to 65536 components", h->array.name);
@@ -202,18 +211,15 @@ static void XMLCALL start_element(void* user, const char* name, const char** att
             start_file(h, attributes);
     } else if (h->depth == 2 && strcmp(name, "ImageData") == 0) {
         h->image_data = true;
-        read_extent(h, attributes, "WholeExtent");
+        read_extent(h, attributes, "WholeExtent", h->whole);
         read_numbers(h, attributes, "Origin", 3, h->image->origin);
         read_numbers(h, attributes, "Spacing", 3, h->image->spacing);
         read_numbers(h, attributes, "Direction", 9, h->image->direction);
     } else if (h->depth == 3 && h->image_data && strcmp(name, "Piece") == 0) {
-        if (++h->pieces > 1)
-            stop(h, "there is more than one Piece; files of one can be read");
-        else
-            read_extent(h, attributes, "Extent");
-    } else if (h->depth == 4 && h->pieces > 0 && strcmp(name, "PointData") == 0) {
+        start_piece(h, attributes);
+    } else if (h->depth == 4 && h->image->pieces > 0 && strcmp(name, "PointData") == 0) {
         start_section(h, attributes, SECTION_POINTS);
-    } else if (h->depth == 4 && h->pieces > 0 && strcmp(name, "CellData") == 0) {
+    } else if (h->depth == 4 && h->image->pieces > 0 && strcmp(name, "CellData") == 0) {
         start_section(h, attributes, SECTION_CELLS);
     } else if (h->depth == 5 && h->section != SECTION_NONE && strcmp(name, "DataArray") == 0) {
         start_array(h, attributes);
@@ -270,7 +276,7 @@ static ty_result parse(header* h) {
 static ty_result check(const header* h) {
     const ty_vtk_image* image = h->image;
     if (image->beginning && !h->appended) return TY_OK;
-    if (!h->image_data || h->pieces == 0)
+    if (!h->image_data || image->pieces == 0)
         return ty_fail(image->context, TY_ERROR_INPUT, "%s: there is no ImageData with a Piece", image->path);
     for (size_t i = 0; i < image->count; ++i)
         if (image->arrays[i].form == TY_VTK_RAW && !h->appended)

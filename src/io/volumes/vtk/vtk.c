@@ -34,9 +34,9 @@ void ty_vtk_close(ty_vtk_image* image) {
 }
 
 /* Along an axis of one point there is one layer of cells. */
-void ty_vtk_sides(const ty_vtk_image* image, bool cells, int64_t sides[3]) {
+void ty_vtk_sides(const int64_t extent[6], bool cells, int64_t sides[3]) {
     for (int a = 0; a < 3; ++a) {
-        const int64_t last = image->extent[2 * a + 1] - image->extent[2 * a];
+        const int64_t last = extent[2 * a + 1] - extent[2 * a];
         sides[a] = cells && last > 0 ? last : last + 1;
     }
 }
@@ -50,7 +50,7 @@ static ty_result parse(ty_vtk_image* image) {
 /* Bytes that an array of a .vti file takes at most: compression does not enlarge much. */
 static uint64_t longest_array(const ty_vtk_image* image, const ty_vtk_array* array) {
     int64_t sides[3];
-    ty_vtk_sides(image, array->cells, sides);
+    ty_vtk_sides(image->pieces > 1 ? array->extent : image->extent, array->cells, sides);
     const double values = (double)sides[0] * (double)sides[1] * (double)sides[2] * array->components;
     const double bytes = 3 * values * (array->type < TY_SAMPLE_TYPES ? (double)ty_sample_size(array->type) : 1);
     return bytes < (double)file_size_max ? (uint64_t)bytes : file_size_max;
@@ -62,7 +62,7 @@ static ty_result inspect(ty_context* context, const char* path, uint8_t* head, s
     const bool legacy = size > 0 && head[0] == '#';
     const ty_result result = parse(&image);
     int64_t sides[3];
-    ty_vtk_sides(&image, false, sides);
+    ty_vtk_sides(image.extent, false, sides);
     if (legacy) {
         const double longest = (double)sides[0] * (double)sides[1] * (double)sides[2] * LEGACY_ARRAYS * LEGACY_VALUE;
         form->longest = longest < (double)file_size_max ? (uint64_t)longest + TY_FILE_SLACK : UINT64_MAX;
@@ -92,24 +92,33 @@ static void close_image(ty_vtk_image* image) {
 
 /* ---- choice of an array ---- */
 
+/* Arrays of the first piece, which stand before those of others. */
+static size_t array_count(const ty_vtk_image* image) {
+    size_t count = 0;
+    while (count < image->count && image->arrays[count].piece == 0) ++count;
+    return count;
+}
+
 static ty_result missing_array(const ty_vtk_image* image, const char* name) {
+    const size_t count = array_count(image);
     char names[512] = "";
     size_t length = 0;
-    for (size_t i = 0; i < image->count && length < sizeof names; ++i)
+    for (size_t i = 0; i < count && length < sizeof names; ++i)
         length +=
             (size_t)snprintf(names + length, sizeof names - length, "%s%s", i > 0 ? ", " : "", image->arrays[i].name);
     return ty_fail(image->context, TY_ERROR_INPUT, "%s: no array \"%s\"; there %s %s", image->path, name,
-                   image->count == 1 ? "is" : "are", image->count == 0 ? "none" : names);
+                   count == 1 ? "is" : "are", count == 0 ? "none" : names);
 }
 
 /* The array of a name; unless the name is binding, else the section's own choice, or the only one. */
 static ty_result choose_array(const ty_vtk_image* image, const ty_volume_def* def, const ty_vtk_array** out) {
+    const size_t count = array_count(image);
     *out = NULL;
-    for (size_t i = 0; i < image->count && *out == NULL; ++i)
+    for (size_t i = 0; i < count && *out == NULL; ++i)
         if (strcmp(image->arrays[i].name, def->grid) == 0) *out = &image->arrays[i];
-    for (size_t i = 0; i < image->count && *out == NULL && !def->exact_grid; ++i)
+    for (size_t i = 0; i < count && *out == NULL && !def->exact_grid; ++i)
         if (image->arrays[i].active) *out = &image->arrays[i];
-    if (*out == NULL && image->count == 1 && !def->exact_grid) *out = image->arrays;
+    if (*out == NULL && count == 1 && !def->exact_grid) *out = image->arrays;
     if (*out == NULL) return missing_array(image, def->grid);
     return (*out)->type < TY_SAMPLE_TYPES ? TY_OK
                                           : ty_vtk_damaged(image, (*out)->name, "is not of numbers that can be read");
@@ -121,7 +130,7 @@ static ty_result choose_array(const ty_vtk_image* image, const ty_volume_def* de
 static ty_result place(const ty_vtk_image* image, const ty_vtk_array* array, ty_affine* out) {
     int64_t sides[3];
     ty_affine inverse;
-    ty_vtk_sides(image, false, sides);
+    ty_vtk_sides(image->extent, false, sides);
     for (int r = 0; r < 3; ++r) out->m[4 * r + 3] = image->origin[r];
     for (int a = 0; a < 3; ++a) {
         const double step = image->spacing[a] == 0 && sides[a] == 1 ? 1 : image->spacing[a];
@@ -185,11 +194,18 @@ static ty_result read_bytes(const ty_vtk_image* image, const ty_vtk_array* array
     return result;
 }
 
+ty_result ty_vtk_read_values(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component, ty_grid_def* def,
+                             ty_grid** out) {
+    const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
+    return array->form == TY_VTK_TEXT ? read_text(image, array, component, voxels, def, out)
+                                      : read_bytes(image, array, component, voxels, def, out);
+}
+
 static ty_result read_array(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component, ty_grid** out) {
     int64_t sides[3];
     size_t voxels = 0;
     ty_grid_def def = ty_default_grid_def();
-    ty_vtk_sides(image, array->cells, sides);
+    ty_vtk_sides(image->extent, array->cells, sides);
     ty_result result = ty_check_volume_size(image->context, image->path, sides, &voxels);
     if (result == TY_OK)
         result = ty_check_component(image->context, image->path, array->name, component, array->components);
@@ -197,8 +213,9 @@ static ty_result read_array(const ty_vtk_image* image, const ty_vtk_array* array
     if (result != TY_OK) return result;
     for (int a = 0; a < 3; ++a) def.size[a] = (int32_t)sides[a];
     def.placed = true;
-    return array->form == TY_VTK_TEXT ? read_text(image, array, component, voxels, &def, out)
-                                      : read_bytes(image, array, component, voxels, &def, out);
+    def.type = ty_sample_grid_type(array->type);
+    return image->pieces > 1 ? ty_vtk_read_pieces(image, array, component, &def, out)
+                             : ty_vtk_read_values(image, array, component, &def, out);
 }
 
 /* ---- entry points ---- */
@@ -232,7 +249,7 @@ static ty_vdb_entry entry_of(const ty_vtk_image* image, const ty_vtk_array* arra
         snprintf(entry.type, sizeof entry.type, "%s", type);
     else
         snprintf(entry.type, sizeof entry.type, "%s[%d]", type, array->components);
-    ty_vtk_sides(image, array->cells, sides);
+    ty_vtk_sides(image->extent, array->cells, sides);
     for (int a = 0; a < 3; ++a) {
         entry.upper[a] = sides[a] <= INT32_MAX ? (int32_t)sides[a] - 1 : INT32_MAX;
         entry.voxel_size[a] = fabs(image->spacing[a]);
@@ -244,9 +261,10 @@ static ty_vdb_entry entry_of(const ty_vtk_image* image, const ty_vtk_array* arra
 ty_result ty_vtk_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity, int32_t* count) {
     ty_vtk_image image;
     const ty_result result = open_image(context, path, &image);
-    for (size_t i = 0; i < image.count && i < (size_t)capacity && result == TY_OK; ++i)
+    const size_t arrays = array_count(&image);
+    for (size_t i = 0; i < arrays && i < (size_t)capacity && result == TY_OK; ++i)
         entries[i] = entry_of(&image, &image.arrays[i]);
-    if (result == TY_OK) *count = (int32_t)image.count;
+    if (result == TY_OK) *count = (int32_t)arrays;
     close_image(&image);
     return result;
 }

@@ -1,6 +1,6 @@
 /* Images of VTK: uniform grids with named arrays of values at points or in cells. vti_header.c reads the XML of .vti
- * files, vtk_legacy.c reads .vtk files, vti_data.c decodes arrays, vtk.c chooses one and makes a grid of it, and
- * vti_write.c writes .vti files. */
+ * files, vtk_legacy.c reads .vtk files, vti_data.c decodes arrays, vtk.c chooses one and makes a grid of it,
+ * vti_pieces.c puts pieces together, and vti_write.c writes .vti files. */
 #ifndef TY_IO_VTK_H
 #define TY_IO_VTK_H
 
@@ -24,6 +24,8 @@ typedef struct ty_vtk_array {
     bool cells;          /* a value per cell; false: per point */
     bool active;         /* the section's own choice of scalars */
     int32_t components;
+    int32_t piece;     /* of a .vti file, from 0 */
+    int64_t extent[6]; /* of a piece beside others */
     ty_vtk_form form;
     uint64_t at, end; /* bytes of the file that it lies in; it may end before `end` */
 } ty_vtk_array;
@@ -33,9 +35,10 @@ typedef struct ty_vtk_image {
     const char* path;
     const uint8_t* bytes; /* of the file or its beginning, with a zero behind */
     size_t size;
-    bool beginning; /* true: more bytes follow in the file */
-    bool complete;  /* false: arrays may follow behind the beginning */
-    int64_t extent[6];
+    bool beginning;    /* true: more bytes follow in the file */
+    bool complete;     /* false: arrays may follow behind the beginning */
+    int64_t extent[6]; /* of all pieces */
+    int32_t pieces;    /* more than one in some .vti files */
     double origin[3], spacing[3], direction[9];
     bool big_endian, wide, compressed; /* of RAW and BASE64: sizes of 64 bits, blocks of zlib */
     ty_vtk_array* arrays;
@@ -48,8 +51,14 @@ ty_result ty_vtk_legacy_parse(ty_vtk_image* image);
 void ty_vtk_close(ty_vtk_image* image);
 /* Appends an array; fails if there are too many. */
 ty_result ty_vtk_add_array(ty_vtk_image* image, const ty_vtk_array* array);
-/* Number of points, or of cells, along each axis. */
-void ty_vtk_sides(const ty_vtk_image* image, bool cells, int64_t sides[3]);
+/* Number of points, or of cells, along each axis of an extent. */
+void ty_vtk_sides(const int64_t extent[6], bool cells, int64_t sides[3]);
+/* Reads an array in its pieces, whose first one is array; def has size, placement and type of the whole. */
+ty_result ty_vtk_read_pieces(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component,
+                             const ty_grid_def* def, ty_grid** out);
+/* Reads the values of one array, of def->size voxels. */
+ty_result ty_vtk_read_values(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component, ty_grid_def* def,
+                             ty_grid** out);
 ty_result ty_vtk_damaged(const ty_vtk_image* image, const char* name, const char* what);
 
 /* Finds the `needed` bytes of an array's values, form TEXT excepted: *samples lies in the file or in *owned, an array

@@ -186,7 +186,7 @@ static ty_result read_section(reader* r, const char* keyword) {
     ty_result result = take_count(r, &r->tuples);
     if (result != TY_OK) return result;
     if (!r->dimensions) return fail_word(r, keyword, "stands before DIMENSIONS");
-    ty_vtk_sides(r->image, r->section == 2, sides);
+    ty_vtk_sides(r->image->extent, r->section == 2, sides);
     const double product = (double)sides[0] * (double)sides[1] * (double)sides[2];
     if (product != (double)r->tuples)
         return ty_fail(r->image->context, TY_ERROR_INPUT, "%s: %s are %llu, which do not go with the DIMENSIONS",

@@ -1,0 +1,338 @@
+/* Sparse grids: the choice of storage, and blocks from slices of voxels or another grid. */
+#include "base/context.h"
+#include "grid/grid.h"
+#include "grid/lookup.k.h"
+
+/* TY_GRID_AUTO chooses blocks where they save this many bytes. */
+static const size_t saving_min = (size_t)16 << 20;
+
+bool ty_grid_saves_memory(ty_grid_type type, size_t voxels, size_t table, size_t blocks) {
+    const size_t dense = voxels * ty_grid_value_size(type);
+    const size_t sparse = blocks * TY_GRID_BLOCK_VOXELS * ty_grid_value_size(type) + table * sizeof(uint32_t);
+    return sparse <= dense / 2 && dense - sparse >= saving_min;
+}
+
+uint32_t* ty_grid_blocks_table(ty_context* context, const int32_t size[3], const int32_t shift[3],
+                               ty_grid_blocks* blocks) {
+    *blocks = (ty_grid_blocks){.count = 1};
+    for (int a = 0; a < 3; ++a) {
+        blocks->shift[a] = shift[a];
+        blocks->size[a] = (size[a] + shift[a] + TY_GRID_BLOCK - 1) / TY_GRID_BLOCK;
+    }
+    return blocks->table = ty_alloc_array(context, ty_grid_table_count(blocks), sizeof *blocks->table, true);
+}
+
+float ty_value_outside(ty_grid_type type, const void* values, size_t count) {
+    float lowest = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const float value =
+            type == TY_GRID_F16 ? ty_half_to_float(((const uint16_t*)values)[i]) : ((const float*)values)[i];
+        if (value < lowest && isfinite(value)) lowest = value;
+    }
+    return lowest;
+}
+
+/* ---- slices ---- */
+
+/* A block of a slab: whether it has one value, the bits of its first one, and ty_value_outside. */
+typedef struct block_kind {
+    bool common;
+    uint32_t bits;
+    float lowest;
+} block_kind;
+
+/* A grid in the making: slabs of TY_GRID_BLOCK slices are surveyed, which fills the table, and then stored. */
+typedef struct slicing {
+    ty_context* context;
+    ty_grid_def def;
+    const ty_slice_source* source;
+    const uint8_t* slab;
+    int32_t first, slices; /* of the slab */
+    block_kind* kinds;     /* of the slab's blocks */
+    ty_grid_blocks blocks;
+    bool has_common;
+    uint32_t common;
+    uint8_t* values;
+    float lowest;
+} slicing;
+
+static size_t row_bytes(const slicing* s) {
+    return (size_t)s->def.size[0] * ty_grid_value_size(s->def.type);
+}
+
+/* Row (j, k) of the slab, from voxel i on. */
+static const uint8_t* slab_at(const slicing* s, int32_t i, int32_t j, int32_t k) {
+    return s->slab + row_bytes(s) * ((size_t)j + (size_t)s->def.size[1] * (size_t)k) +
+           (size_t)i * ty_grid_value_size(s->def.type);
+}
+
+static ty_result load_slab(slicing* s, int32_t first) {
+    const int32_t left = s->def.size[2] - first;
+    const void* values = NULL;
+    s->first = first;
+    s->slices = left < TY_GRID_BLOCK ? left : TY_GRID_BLOCK;
+    const ty_result result = s->source->slices(s->source->user, first, s->slices, &values);
+    s->slab = values;
+    return result;
+}
+
+static uint32_t bits_at(const slicing* s, const uint8_t* from, int32_t i) {
+    if (s->def.type == TY_GRID_F16) return ((const uint16_t*)(const void*)from)[i];
+    return ((const uint32_t*)(const void*)from)[i];
+}
+
+static float value_of(const slicing* s, uint32_t bits) {
+    return s->def.type == TY_GRID_F16 ? ty_half_to_float((uint16_t)bits) : ty_float_from_bits(bits);
+}
+
+static int32_t extent_of(int32_t block, int32_t size) {
+    const int32_t left = size - TY_GRID_BLOCK * block;
+    return left < TY_GRID_BLOCK ? left : TY_GRID_BLOCK;
+}
+
+/* Folds the bits of a row's values: those that differ from the block's first value, and those that are set in any. */
+static void fold_bits(const slicing* s, const uint8_t* row, int32_t count, uint32_t first, uint32_t* differ,
+                      uint32_t* any) {
+    for (int32_t i = 0; i < count; ++i) {
+        const uint32_t bits = bits_at(s, row, i);
+        *differ |= bits ^ first;
+        *any |= bits;
+    }
+}
+
+static block_kind survey_block(const slicing* s, int32_t bi, int32_t bj) {
+    const int32_t nx = extent_of(bi, s->def.size[0]), ny = extent_of(bj, s->def.size[1]);
+    const uint32_t sign = s->def.type == TY_GRID_F16 ? 0x8000u : 0x80000000u;
+    block_kind kind = {.bits = bits_at(s, slab_at(s, TY_GRID_BLOCK * bi, TY_GRID_BLOCK * bj, 0), 0)};
+    uint32_t differ = 0, any = 0;
+    for (int32_t k = 0; k < s->slices; ++k)
+        for (int32_t j = 0; j < ny; ++j)
+            fold_bits(s, slab_at(s, TY_GRID_BLOCK * bi, TY_GRID_BLOCK * bj + j, k), nx, kind.bits, &differ, &any);
+    kind.common = differ == 0 && isfinite(value_of(s, kind.bits));
+    for (int32_t row = 0; row < ny * s->slices && (any & sign) != 0; ++row) {
+        const uint8_t* values = slab_at(s, TY_GRID_BLOCK * bi, TY_GRID_BLOCK * bj + row % ny, row / ny);
+        kind.lowest = ty_minf(kind.lowest, ty_value_outside(s->def.type, values, (size_t)nx));
+    }
+    return kind;
+}
+
+static void survey_row(void* user, int64_t bj, int32_t worker) {
+    const slicing* s = user;
+    (void)worker;
+    for (int32_t bi = 0; bi < s->blocks.size[0]; ++bi)
+        s->kinds[(size_t)bj * (size_t)s->blocks.size[0] + (size_t)bi] = survey_block(s, bi, (int32_t)bj);
+}
+
+/* Gives the slab's blocks their numbers. The first block of one value makes that value the common one. */
+static void number_blocks(slicing* s) {
+    const size_t count = (size_t)s->blocks.size[0] * (size_t)s->blocks.size[1];
+    uint32_t* numbers = s->blocks.table + count * (size_t)(s->first / TY_GRID_BLOCK);
+    for (size_t i = 0; i < count; ++i) {
+        const block_kind* kind = &s->kinds[i];
+        if (kind->common && !s->has_common) {
+            s->has_common = true;
+            s->common = kind->bits;
+        }
+        numbers[i] = kind->common && kind->bits == s->common ? 0 : s->blocks.count++;
+        if (kind->lowest < s->lowest) s->lowest = kind->lowest;
+    }
+}
+
+static size_t voxel_count(const slicing* s) {
+    return (size_t)s->def.size[0] * (size_t)s->def.size[1] * (size_t)s->def.size[2];
+}
+
+/* Fills the table; it is freed where TY_GRID_AUTO chooses a dense grid. */
+static ty_result survey(slicing* s, ty_grid_storage storage) {
+    static const int32_t none[3] = {0, 0, 0};
+    const size_t voxels = voxel_count(s);
+    if (storage == TY_GRID_DENSE) return TY_OK;
+    if (storage == TY_GRID_AUTO && !ty_grid_saves_memory(s->def.type, voxels, 0, 0)) return TY_OK;
+    if (ty_grid_blocks_table(s->context, s->def.size, none, &s->blocks) == NULL) return TY_ERROR_MEMORY;
+    const size_t table = ty_grid_table_count(&s->blocks);
+    const size_t kinds = (size_t)s->blocks.size[0] * (size_t)s->blocks.size[1];
+    s->kinds = ty_alloc_array(s->context, kinds, sizeof *s->kinds, false);
+    ty_result result = s->kinds != NULL ? TY_OK : TY_ERROR_MEMORY;
+    bool saves = true;
+    for (int32_t first = 0; first < s->def.size[2] && result == TY_OK && saves; first += TY_GRID_BLOCK) {
+        result = load_slab(s, first);
+        if (result != TY_OK) break;
+        ty_parallel_for(s->context, s->blocks.size[1], survey_row, s);
+        number_blocks(s);
+        saves = storage == TY_GRID_SPARSE || ty_grid_saves_memory(s->def.type, voxels, table, s->blocks.count);
+    }
+    ty_free_array(s->context, s->kinds, kinds, sizeof *s->kinds);
+    if (result == TY_OK && saves) return TY_OK;
+    ty_free_array(s->context, s->blocks.table, table, sizeof *s->blocks.table);
+    s->blocks.table = NULL;
+    return result;
+}
+
+static void store_block(const slicing* s, uint32_t number, int32_t bi, int32_t bj) {
+    const size_t bytes = ty_grid_value_size(s->def.type);
+    uint8_t* to = s->values + (size_t)number * TY_GRID_BLOCK_VOXELS * bytes;
+    const int32_t ny = extent_of(bj, s->def.size[1]);
+    memset(to, 0, TY_GRID_BLOCK_VOXELS * bytes);
+    for (int32_t k = 0; k < s->slices; ++k)
+        for (int32_t j = 0; j < ny; ++j)
+            memcpy(to + bytes * TY_GRID_BLOCK * (size_t)(j + TY_GRID_BLOCK * k),
+                   slab_at(s, TY_GRID_BLOCK * bi, TY_GRID_BLOCK * bj + j, k),
+                   bytes * (size_t)extent_of(bi, s->def.size[0]));
+}
+
+static void store_row(void* user, int64_t bj, int32_t worker) {
+    const slicing* s = user;
+    const size_t row = (size_t)bj + (size_t)s->blocks.size[1] * (size_t)(s->first / TY_GRID_BLOCK);
+    (void)worker;
+    for (int32_t bi = 0; bi < s->blocks.size[0]; ++bi) {
+        const uint32_t number = s->blocks.table[row * (size_t)s->blocks.size[0] + (size_t)bi];
+        if (number != 0) store_block(s, number, bi, (int32_t)bj);
+    }
+}
+
+static void fill_common(slicing* s) {
+    for (size_t i = 0; i < TY_GRID_BLOCK_VOXELS; ++i)
+        if (s->def.type == TY_GRID_F16)
+            ((uint16_t*)(void*)s->values)[i] = (uint16_t)s->common;
+        else
+            ((uint32_t*)(void*)s->values)[i] = s->common;
+}
+
+/* Copies the slices into the blocks, or into a dense array. */
+static ty_result store_slices(slicing* s) {
+    const bool sparse = s->blocks.table != NULL;
+    if (sparse) fill_common(s);
+    ty_result result = TY_OK;
+    for (int32_t first = 0; first < s->def.size[2] && result == TY_OK; first += TY_GRID_BLOCK) {
+        result = load_slab(s, first);
+        if (result != TY_OK) break;
+        const size_t slice = row_bytes(s) * (size_t)s->def.size[1];
+        if (sparse)
+            ty_parallel_for(s->context, s->blocks.size[1], store_row, s);
+        else
+            memcpy(s->values + slice * (size_t)first, s->slab, slice * (size_t)s->slices);
+    }
+    return result;
+}
+
+/* The grid of a source that was surveyed. */
+static ty_result finish(slicing* s, bool lowest_outside, ty_grid** out) {
+    const bool sparse = s->blocks.table != NULL;
+    const size_t bytes = ty_grid_value_size(s->def.type);
+    const size_t stored = sparse ? (size_t)s->blocks.count * TY_GRID_BLOCK_VOXELS : voxel_count(s);
+    s->values = ty_alloc_array(s->context, stored, bytes, false);
+    const ty_result result = s->values != NULL ? store_slices(s) : TY_ERROR_MEMORY;
+    if (result != TY_OK) {
+        ty_free_array(s->context, s->values, stored, bytes);
+        ty_free_array(s->context, s->blocks.table, ty_grid_table_count(&s->blocks), sizeof *s->blocks.table);
+        return result;
+    }
+    if (lowest_outside) s->def.background = sparse ? s->lowest : ty_value_outside(s->def.type, s->values, stored);
+    return sparse ? ty_grid_adopt_blocks(s->context, &s->def, &s->blocks, s->values, out)
+                  : ty_grid_adopt(s->context, &s->def, s->values, out);
+}
+
+ty_result ty_grid_create_from_slices(ty_context* context, const ty_grid_def* def, ty_grid_storage storage,
+                                     const ty_slice_source* source, bool lowest_outside, ty_grid** out) {
+    slicing s = {.context = context, .def = *def, .source = source};
+    const ty_result result = survey(&s, storage);
+    return result == TY_OK ? finish(&s, lowest_outside, out) : result;
+}
+
+/* ---- other storage ---- */
+
+static ty_grid_def describe(const ty_grid* grid) {
+    ty_grid_def def = ty_default_grid_def();
+    memcpy(def.size, grid->size, sizeof def.size);
+    def.type = grid->type;
+    def.index_to_local = grid->index_to_local;
+    def.placed = grid->placed;
+    def.background = grid->background;
+    return def;
+}
+
+/* Slices of a dense grid, as ty_slice_source. */
+static ty_result own_slices(void* user, int32_t first, int32_t count, const void** values) {
+    const ty_grid* grid = user;
+    const size_t slice = (size_t)grid->size[0] * (size_t)grid->size[1] * ty_grid_value_size(grid->type);
+    (void)count;
+    *values = (const uint8_t*)grid->values + slice * (size_t)first;
+    return TY_OK;
+}
+
+typedef struct expansion {
+    const ty_grid* grid;
+    ty_grid_view view;
+    uint8_t* values;
+} expansion;
+
+static void expand_slice(void* user, int64_t k, int32_t worker) {
+    const expansion* e = user;
+    const int32_t* size = e->grid->size;
+    const size_t bytes = ty_grid_value_size(e->grid->type);
+    uint8_t* to = e->values + bytes * (size_t)size[0] * (size_t)size[1] * (size_t)k;
+    (void)worker;
+    for (int32_t j = 0; j < size[1]; ++j) {
+        int32_t count;
+        for (int32_t i = 0; i < size[0]; i += count, to += bytes * (size_t)count) {
+            size_t at;
+            count = ty_grid_run(&e->view, i, j, (int32_t)k, &at);
+            memcpy(to, (const uint8_t*)e->grid->values + bytes * at, bytes * (size_t)count);
+        }
+    }
+}
+
+static ty_result make_dense(ty_context* context, const ty_grid* grid, ty_grid** out) {
+    const ty_grid_def def = describe(grid);
+    expansion e = {.grid = grid,
+                   .view = ty_grid_get_view(grid),
+                   .values = ty_alloc_array(context, grid->voxels, ty_grid_value_size(grid->type), false)};
+    if (e.values == NULL) return TY_ERROR_MEMORY;
+    ty_parallel_for(context, grid->size[2], expand_slice, &e);
+    return ty_grid_adopt(context, &def, e.values, out);
+}
+
+static ty_result make_sparse(ty_context* context, ty_grid* grid, ty_grid_storage storage, ty_grid** out) {
+    const ty_slice_source source = {own_slices, grid};
+    slicing s = {.context = context, .def = describe(grid), .source = &source};
+    const ty_result result = survey(&s, storage);
+    if (result != TY_OK) return result;
+    if (s.blocks.table == NULL) {
+        *out = ty_grid_retain(grid);
+        return TY_OK;
+    }
+    return finish(&s, false, out);
+}
+
+ty_result ty_grid_store(ty_context* context, ty_grid* grid, ty_grid_storage storage, ty_grid** out) {
+    if (grid == NULL || out == NULL || storage < TY_GRID_AUTO || storage > TY_GRID_SPARSE)
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "ty_grid_store: grid or out is NULL, or the storage not a ty_grid_storage");
+    const bool sparse = grid->blocks.table != NULL;
+    if (storage == TY_GRID_DENSE && sparse) return make_dense(context, grid, out);
+    if (storage != TY_GRID_DENSE && !sparse) return make_sparse(context, grid, storage, out);
+    *out = ty_grid_retain(grid);
+    return TY_OK;
+}
+
+/* ---- halves ---- */
+
+ty_result ty_grid_make_half(ty_context* context, const ty_grid* grid, ty_grid** out) {
+    const size_t table = ty_grid_table_count(&grid->blocks);
+    const float* floats = grid->values;
+    ty_grid_def def = describe(grid);
+    def.type = TY_GRID_F16;
+    def.background = ty_half_to_float(ty_float_to_half(grid->background));
+    ty_grid_blocks blocks = grid->blocks;
+    uint16_t* values = ty_alloc_array(context, grid->stored, sizeof *values, false);
+    if (values == NULL) return TY_ERROR_MEMORY;
+    for (size_t i = 0; i < grid->stored; ++i) values[i] = ty_float_to_half(floats[i]);
+    if (blocks.table == NULL) return ty_grid_adopt(context, &def, values, out);
+    blocks.table = ty_alloc_array(context, table, sizeof *blocks.table, false);
+    if (blocks.table == NULL) {
+        ty_free_array(context, values, grid->stored, sizeof *values);
+        return TY_ERROR_MEMORY;
+    }
+    memcpy(blocks.table, grid->blocks.table, table * sizeof *blocks.table);
+    return ty_grid_adopt_blocks(context, &def, &blocks, values, out);
+}
