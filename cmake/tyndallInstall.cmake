@@ -10,6 +10,9 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/tyndall" DESTINATION "${CMAKE_I
   COMPONENT development FILES_MATCHING PATTERN "*.h")
 if(TYNDALL_CLI)
   install(TARGETS tyndall_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT tool)
+  if(TYNDALL_MPI) # a package of its own, which alone needs MPI
+    install(TARGETS tyndall_mpi LIBRARY DESTINATION "${CMAKE_INSTALL_LIBEXECDIR}/tyndall" COMPONENT mpi)
+  endif()
 endif()
 if(NOT TYNDALL_PACKAGE) # packages have a file of Debian's form in its place
   install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT tool)

@@ -16,9 +16,10 @@ sources() {
 }
 
 # room: the rooms below it. What a room has of its own is always allowed. Rooms of tools/ are its folders.
-library="base device option grid scene direct image solve method bake choose io"
+library="base comm device option grid scene direct image solve method bake choose io"
 declare -A below=(
   [base]=""
+  [comm]="base"
   [device]="base"
   [option]="base"
   [grid]="base"
@@ -26,8 +27,8 @@ declare -A below=(
   [direct]="base option grid scene"
   [image]="base option grid scene direct"
   [solve]="base option grid scene direct"
-  [method]="base device option grid scene direct image solve method/diffuse method/gradient"
-  [bake]="base option grid scene direct image solve method/impulse method/path"
+  [method]="base comm device option grid scene direct image solve method/diffuse method/gradient"
+  [bake]="base comm option grid scene direct image solve method/impulse method/path"
   [io]="base option grid scene image"
   [cli]="$library"
   [plot]="base"
@@ -118,6 +119,7 @@ only gdcmjpeg "src/io/volumes/dicom/jpeg8.c src/io/volumes/dicom/jpeg12.c src/io
 only charls "src/io/volumes/dicom/jpeg_ls.c"
 only openjpeg "src/io/volumes/dicom/jpeg_2000.c"
 only expat "src/io/volumes/vtk/vti_header.c src/io/interchange/mitsuba/tree.c"
+only mpi.h "src/comm/mpi.c"
 only netcdf "src/io/volumes/netcdf/calls.h"
 only openvdb "no file: it starts threads before main"
 

@@ -119,7 +119,7 @@ test_completion() {
   touch 'a scene.json'
   completes 'render' r
   completes 'a scene.json' render a
-  completes '--png --progress' render --p
+  completes '--part --png --progress' render --p
   completes 'path pop' render --method p
   completes 'path pop' render --method = p
   completes 'a scene.json' render -o a

@@ -35,7 +35,8 @@ struct ty_context {
     pthread_mutex_t slot_lock; /* of the slot's making */
     void* slot;                /* NULL: none, or not asked for yet */
     void (*close_slot)(void* object);
-    ty_thread_pool pool; /* all threads but the caller's */
+    struct ty_work_queue* queue; /* NULL: no other processes */
+    ty_thread_pool pool;         /* all threads but the caller's */
     ty_pool_thread pool_threads[];
 };
 
@@ -253,6 +254,14 @@ int32_t ty_context_threads(const ty_context* context) {
 
 const char* ty_context_device_name(const ty_context* context) {
     return context->device;
+}
+
+void ty_context_set_queue(ty_context* context, struct ty_work_queue* queue) {
+    context->queue = queue;
+}
+
+struct ty_work_queue* ty_context_queue(const ty_context* context) {
+    return context->queue;
 }
 
 ty_result ty_context_slot(ty_context* context, ty_result (*open)(ty_context* context, void** out),

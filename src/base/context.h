@@ -67,6 +67,12 @@ const char* ty_context_device_name(const ty_context* context);
 ty_result ty_context_slot(ty_context* context, ty_result (*open)(ty_context* context, void** out),
                           void (*close)(void* object), void** out);
 
+struct ty_work_queue;
+/* The tasks that the context's loops offer to other processes (comm/queue.h); NULL, at first: there are no
+ * others. They stay the caller's. */
+void ty_context_set_queue(ty_context* context, struct ty_work_queue* queue);
+struct ty_work_queue* ty_context_queue(const ty_context* context);
+
 /* Seconds of a monotonic clock, and processor seconds of the whole process. */
 double ty_wall_seconds(void);
 double ty_cpu_seconds(void);

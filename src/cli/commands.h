@@ -26,7 +26,8 @@ typedef struct cli_command {
     const char* name;
     const char* summary;
     int (*run)(int count, char** arguments);
-    bool is_tool; /* a separate program, which replaces this process */
+    bool is_tool;     /* a separate program, which replaces this process */
+    bool distributed; /* under mpirun its work is that of all ranks; rank 0 alone runs the others */
 } cli_command;
 
 enum { CLI_COMMAND_COUNT = 17 };

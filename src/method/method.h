@@ -28,6 +28,8 @@ typedef struct ty_render_request {
     size_t resume_size;
     ty_path_partial_fn partial; /* method path, as in ty_path_def */
     void* partial_user;
+    void** light; /* methods that start from the light of another frame: that light, or NULL, and then this frame's,
+                     which is freed with `destroy`; one that another grid makes useless is freed, too. NULL: none */
 } ty_render_request;
 
 /* The accuracy of a solve: TY_SOLVE_COARSE, for a scene that changes while it is shown, takes the method's options with

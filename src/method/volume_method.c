@@ -111,8 +111,9 @@ ty_result ty_volume_view(const ty_volume_method* method, const void* light, cons
     return result;
 }
 
-ty_result ty_volume_render(const ty_volume_method* method, const ty_scene* scene, const void* def, ty_image** out,
-                           void* stats) {
+/* kept: receives the light in place of what is there; NULL: it is freed. */
+static ty_result render(const ty_volume_method* method, const ty_scene* scene, const void* def, void** kept,
+                        ty_image** out, void* stats) {
     _Alignas(16) char own[TY_VOLUME_DEF_MAX], totals[TY_METHOD_STATS_MAX];
     const double begun = ty_wall_seconds(), fraction = method->solve_fraction;
     ty_volume_call call;
@@ -124,9 +125,30 @@ ty_result ty_volume_render(const ty_volume_method* method, const ty_scene* scene
     call.progress = ty_part_begin(call.options.progress, call.options.progress_user, fraction, 1 - fraction);
     call.progress.begun = begun;
     result = view(method, &call, out);
-    method->destroy(call.light);
+    method->destroy(kept != NULL ? *kept : call.light);
+    if (kept != NULL) *kept = call.light;
     ty_give_stats(totals, method->stats_bytes, stats);
     return result;
+}
+
+ty_result ty_volume_render(const ty_volume_method* method, const ty_scene* scene, const void* def, ty_image** out,
+                           void* stats) {
+    return render(method, scene, def, NULL, out, stats);
+}
+
+/* The same from the light of another frame, as far as the method can: not from that of another grid. */
+static ty_result render_from(const ty_volume_method* method, const ty_scene* scene, char* def, void** light,
+                             ty_image** out, void* stats) {
+    void** kept = method->start_at > 0 ? light : NULL;
+    if (kept == NULL || *kept == NULL) return render(method, scene, def, kept, out, stats);
+    memcpy(def + method->start_at, kept, sizeof *kept);
+    const ty_result result = render(method, scene, def, kept, out, stats);
+    if (result != TY_ERROR_ARGUMENT) return result;
+    ty_take_error(ty_scene_context(scene));
+    method->destroy(*kept);
+    *kept = NULL;
+    memset(def + method->start_at, 0, sizeof *kept);
+    return render(method, scene, def, kept, out, stats);
 }
 
 /* The def of a request, of TY_VOLUME_DEF_MAX bytes. */
@@ -208,7 +230,8 @@ ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)
         return TY_OK;
     }
     if (result == TY_OK) result = make_def(method, change, scene, request, surfaces, def);
-    if (result == TY_OK) result = ty_volume_render(method, scene, def, out, ty_method_stats(run, method->stats_bytes));
+    if (result == TY_OK)
+        result = render_from(method, scene, def, request->light, out, ty_method_stats(run, method->stats_bytes));
     const double seconds = *seconds_at(run->stats, method->seconds);
     run->own_seconds += seconds;
     run->path.seconds += seconds;

@@ -48,6 +48,7 @@ typedef struct ty_volume_method {
                     ty_solve_quality quality); /* the def of a solve coarser than TY_SOLVE_FULL; NULL: the same */
     void (*destroy)(void* light);
     bool diffuses;      /* media inside dielectrics are solved by diffusion; false: by ordinates */
+    size_t start_at;    /* offset of the light to start from in the def; 0: none */
     size_t interior_at; /* offset of interior_resolution in the def; 0: none, and TY_AUTO */
 } ty_volume_method;
 

@@ -1,6 +1,7 @@
 /* Sampling of receivers in passes, with progress, an error bound and cancellation. */
 #include "bake/cache/cache.h"
 #include "bake/impulse/impulse.h"
+#include "bake/receivers/distributed.h"
 
 #include "base/context.h"
 #include "base/progress.h"
@@ -10,8 +11,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Samples of the first pass; receivers per parallel block; receivers per progress report at first. */
-enum { PASS_FIRST = 16, BLOCK = 8, CHUNK_FIRST = 64 };
+/* Samples of the first pass; receivers per progress report at first, whole blocks. */
+enum { PASS_FIRST = 16, CHUNK_FIRST = 8 * TY_BAKE_BLOCK };
 /* Paths per gather ray beside the light cache: by default, and with an error bound. */
 enum { FOG_EVERY = 32, FOG_EVERY_BOUND = 4 };
 
@@ -221,6 +222,7 @@ double ty_bake_variance(const ty_bake_sums* sums, int channel) {
 
 typedef struct pass {
     ty_bake_run* run;
+    ty_bake_shared* shared;
     int64_t begin, end; /* receivers of this chunk */
     uint32_t first, count;
 } pass;
@@ -228,8 +230,9 @@ typedef struct pass {
 static void sample_block(void* user, int64_t block, int32_t worker) {
     (void)worker;
     const pass* p = user;
-    const int64_t begin = p->begin + block * BLOCK;
-    const int64_t end = begin + BLOCK < p->end ? begin + BLOCK : p->end;
+    const int64_t begin = p->begin + block * TY_BAKE_BLOCK;
+    const int64_t end = begin + TY_BAKE_BLOCK < p->end ? begin + TY_BAKE_BLOCK : p->end;
+    if (!ty_bake_shared_take(p->shared, begin / TY_BAKE_BLOCK)) return;
     p->run->kernel(&p->run->request, begin, end, p->first, p->count, p->run->sums, p->run->light);
 }
 
@@ -241,12 +244,13 @@ static bool report(const ty_bake_run* run, double fraction, double seconds, uint
 }
 
 /* One pass over all receivers, in chunks of about 0.1 s. */
-static ty_result sample_pass(ty_bake_run* run, uint32_t first, uint32_t count, double begun) {
+static ty_result sample_pass(ty_bake_run* run, ty_bake_shared* shared, uint32_t first, uint32_t count, double begun) {
     int64_t chunk = CHUNK_FIRST;
+    ty_bake_shared_begin_pass(shared, first, count);
     for (int64_t at = 0; at < run->count;) {
-        pass p = {run, at, at + chunk < run->count ? at + chunk : run->count, first, count};
+        pass p = {run, shared, at, at + chunk < run->count ? at + chunk : run->count, first, count};
         const double start = ty_wall_seconds();
-        ty_parallel_for(run->context, (p.end - p.begin + BLOCK - 1) / BLOCK, sample_block, &p);
+        ty_parallel_for(run->context, (p.end - p.begin + TY_BAKE_BLOCK - 1) / TY_BAKE_BLOCK, sample_block, &p);
         const double now = ty_wall_seconds();
         at = p.end;
         if (now - start < 0.5 * chunk_seconds) chunk *= 2;
@@ -254,6 +258,7 @@ static ty_result sample_pass(ty_bake_run* run, uint32_t first, uint32_t count, d
         const double samples = first + (double)count * (double)at / (double)run->count;
         if (!report(run, samples / run->def->spp, now - begun, first)) return TY_CANCELLED;
     }
+    ty_bake_shared_end_pass(shared);
     return TY_OK;
 }
 
@@ -284,14 +289,18 @@ ty_result ty_bake_sample(ty_bake_run* run) {
     const double begun = ty_wall_seconds();
     const uint32_t spp = (uint32_t)run->def->spp;
     const bool fog = run->def->method == TY_BAKE_IMPULSE && run->path.view.medium_count > 0;
+    ty_bake_shared shared;
     ty_result result = fog ? ty_bake_impulse_begin(run) : TY_OK;
+    if (result == TY_OK) result = ty_bake_shared_open(&shared, run);
+    if (result != TY_OK) return result;
     for (uint32_t done = 0; done < spp && result == TY_OK;) {
         const uint32_t max_count = done > 0 ? done : PASS_FIRST,
                        count = spp - done < max_count ? spp - done : max_count;
-        result = sample_pass(run, done, count, begun);
+        result = sample_pass(run, &shared, done, count, begun);
         done += count;
         if (result == TY_OK && end_receivers(run)) break;
     }
+    ty_bake_shared_close(&shared);
     run->stats.seconds = ty_wall_seconds() - begun;
     for (int64_t i = 0; i < run->count; ++i) {
         run->stats.paths += (int64_t)run->sums[i].paths;

@@ -1,8 +1,10 @@
 /* tyndall bake: precomputed light on meshes and at points. */
 #define _GNU_SOURCE
 #include "cli/bake/bake.h"
+#include "bake/receivers/distributed.h"
 #include "cli/bake/mesh_scene.h"
 #include "cli/commands.h"
+#include "cli/session/ranks.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -159,12 +161,31 @@ static int bake_scene(bake_run* run) {
     return finish(run, result);
 }
 
+/* A rank other than 0: it reads the scene, makes the same cache, and samples receivers for rank 0. */
+static int help_baking(cli_session* session, const bake_options* options) {
+    bake_run run = {.session = session, .options = options};
+    const ty_result result = load_scene(session, options, &run.scene);
+    cli_ranks_hello(session, result == TY_OK ? CLI_GO : cli_fail_reading(session, result), run.scene);
+    if (result == TY_OK) {
+        run.def = make_def(&run);
+        run.def.progress = NULL;
+        if (make_cache(&run) != TY_OK) ty_take_error(session->context); /* and refuses jobs with a cache */
+    }
+    ty_bake_helper helper = {run.scene, run.cache};
+    const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_BAKE] = ty_bake_job_worker(&helper)};
+    const int status = cli_ranks_serve(session, workers);
+    ty_bake_cache_destroy(run.cache);
+    ty_scene_destroy(run.scene);
+    return cli_session_close(session, status);
+}
+
 static int load_and_bake(cli_session* session, const bake_options* options) {
     bake_run run = {.session = session, .options = options};
     cli_end_on_interrupt(true);
     const ty_result result = load_scene(session, options, &run.scene);
     cli_end_on_interrupt(false);
-    const int status = result == TY_OK ? bake_scene(&run) : cli_fail_reading(session, result);
+    int status = result != TY_OK ? cli_fail_reading(session, result) : cli_ranks_greet(session, run.scene);
+    if (status == CLI_GO) status = bake_scene(&run);
     cli_lock_release(&run.lock);
     bake_count_totals(&run);
     bake_free_plan(session, &run.plan);
@@ -274,5 +295,7 @@ int cli_bake(int count, char** arguments) {
     status = check_options(&options);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "bake", &given.common);
-    return status == CLI_GO ? load_and_bake(&session, &options) : status;
+    if (status == CLI_GO) status = cli_ranks_open(&session);
+    if (status != CLI_GO) return status;
+    return cli_ranks_helps(&session) ? help_baking(&session, &options) : load_and_bake(&session, &options);
 }

@@ -5,6 +5,8 @@
 #include "cli/compare/measure.h"
 #include "cli/compare/read.h"
 #include "cli/compare/scene.h"
+#include "cli/methods/help_paths.h"
+#include "cli/session/ranks.h"
 #include "io/scenes/builtin.h"
 
 #include <stdlib.h>
@@ -66,12 +68,16 @@ static int load_and_compare(cli_session* session, cli_comparison* comparison, co
     const ty_result result =
         ty_scene_load(session->context, path, options->overrides.items, options->overrides.count, &scene);
     cli_end_on_interrupt(false);
-    if (result != TY_OK) return cli_fail_reading(session, result);
+    int status = result != TY_OK ? cli_fail_reading(session, result) : cli_ranks_greet(session, scene);
+    if (status != CLI_GO) {
+        ty_scene_destroy(scene);
+        return status;
+    }
     comparison->subject = path;
     comparison->overrides = &options->overrides;
     comparison->scene_text = read_scene_text(session, path);
     if (!options->exposure_given) comparison->exposure = ty_scene_camera(scene).exposure;
-    const int status = cli_compare_scene(session, comparison, scene, &options->scene);
+    status = cli_compare_scene(session, comparison, scene, &options->scene);
     ty_scene_destroy(scene);
     return status;
 }
@@ -194,5 +200,9 @@ int cli_compare(int count, char** arguments) {
     if (status == CLI_GO) status = check_options(&given, &options);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "compare", &given.common);
-    return status == CLI_GO ? run_comparison(&session, &given, &options) : status;
+    if (status == CLI_GO) status = cli_ranks_open(&session);
+    if (status != CLI_GO) return status;
+    const char* path = is_image(given.positional[0]) ? NULL : given.positional[0];
+    return cli_ranks_helps(&session) ? cli_help_paths(&session, path, &options.overrides)
+                                     : run_comparison(&session, &given, &options);
 }

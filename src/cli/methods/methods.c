@@ -48,7 +48,8 @@ static ty_render_request to_library(cli_session* session, const cli_request* req
                              .progress = cli_progress_report,
                              .progress_user = &session->progress,
                              .partial = request->partial,
-                             .partial_user = request->partial_user};
+                             .partial_user = request->partial_user,
+                             .light = request->light};
     memcpy(out.crop, request->crop, sizeof out.crop);
     if (request->checkpoint == NULL) return out;
     out.state = cli_checkpoint_write;

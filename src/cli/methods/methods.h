@@ -19,6 +19,7 @@ typedef struct cli_request {
     double checkpoint_seconds;
     ty_path_partial_fn partial; /* receives images that are not finished, of method path; NULL: none */
     void* partial_user;
+    void** light; /* as in ty_render_request */
 } cli_request;
 
 /* The method that chooses one of the others for a scene; cli_render_method alone renders it. */

@@ -1,29 +1,21 @@
 /* tyndall render: renders a scene to an image. */
+#include "cli/render/render.h"
 #include "cli/denoise/denoised.h"
 #include "cli/options/aovs.h"
 #include "cli/session/checkpoint.h"
 #include "cli/commands.h"
+#include "cli/methods/help_paths.h"
 #include "cli/methods/method_help.h"
 #include "cli/methods/methods.h"
 #include "cli/methods/report.h"
-#include "cli/session/session.h"
+#include "cli/session/ranks.h"
 #include "cli/images/tev.h"
 #include "image/aovs.h"
+#include "image/options.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
-
-enum { SPP_MAX = 1 << 24 };
-
-typedef struct render_options {
-    const char *output, *png, *denoised_png, *aov, *method, *tev;
-    uint32_t aovs;
-    int32_t spp, size[2], crop[4];
-    double time, error, exposure, checkpoint;
-    int denoiser;
-    bool denoiser_given, spp_given, exposure_given, checkpoint_given, resume, denoise;
-    cli_list overrides;
-} render_options;
 
 static ty_result write_images(cli_session* session, const render_options* options, const ty_image* image,
                               double exposure) {
@@ -80,7 +72,7 @@ static cli_request make_request(const render_options* options, const cli_session
     const bool bounded_otherwise = options->time > 0 || options->error > 0;
     cli_request request = {
         .spp = options->spp_given  ? options->spp
-               : bounded_otherwise ? SPP_MAX
+               : bounded_otherwise ? RENDER_SPP_MAX
                                    : settings->spp,
         .samples = options->spp_given && options->method == NULL,
         .seed = session->common.seed_given ? session->common.seed : settings->seed,
@@ -93,6 +85,7 @@ static cli_request make_request(const render_options* options, const cli_session
         .checkpoint_seconds = options->checkpoint,
         .partial = options->tev != NULL ? cli_tev_show : NULL,
         .partial_user = tev,
+        .light = options->light,
     };
     memcpy(request.crop, options->crop, sizeof request.crop);
     return request;
@@ -137,29 +130,51 @@ static int write_result(cli_session* session, render_options* options, cli_repor
     if (result == TY_OK && (options->aovs & TY_AOV_SAMPLES) == 0)
         result = cli_drop_even_samples(session->context, image);
     if (result == TY_OK) result = cli_report_metadata(*image, report);
+    if (result == TY_OK && options->key != NULL) result = ty_image_set_text(*image, RENDER_KEY, options->key);
     if (result == TY_OK && options->denoise) result = cli_denoised_metadata(*image, &report->denoised);
     if (result == TY_OK) result = write_images(session, options, *image, exposure);
     if (result == TY_OK && options->denoise && options->denoised_png != NULL)
         result = cli_write_denoised_png(session, *image, exposure, options->denoised_png);
     if (result != TY_OK) return cli_fail_running(session, result);
-    if (!session->common.quiet) print_closing_lines(options, report);
+    if (!session->common.quiet && options->key == NULL) print_closing_lines(options, report);
     return report->complete ? CLI_DONE : CLI_INTERRUPTED;
 }
 
-/* Renders and writes the scene; returns the exit status. */
-static int render_scene(cli_session* session, const ty_scene* scene, render_options* options,
-                        cli_checkpoint* checkpoint, cli_tev* tev, cli_report* report) {
+/* A part of a frame is a band of rows. */
+static int take_part(const ty_scene* scene, const ty_method* method, render_options* options) {
+    if (options->part[1] == 0) return CLI_GO;
+    if (method != &cli_method_auto && !method->crops)
+        return cli_usage_error("render", "--part: the method %s renders whole frames; its parts are those of --frames",
+                               method->name);
+    int32_t size[2];
+    ty_image_resolution(scene, options->size[0], options->size[1], size);
+    if (options->crop[2] == 0) memcpy(options->crop, (int32_t[]){0, 0, size[0], size[1]}, sizeof options->crop);
+    const int64_t rows = options->crop[3], parts = options->part[1], part = options->part[0];
+    if (rows < parts)
+        return cli_usage_error("render", "--part: %d rows are fewer than %d parts", (int)rows, (int)parts);
+    const int32_t first = (int32_t)(rows * (part - 1) / parts), end = (int32_t)(rows * part / parts);
+    options->crop[1] += first;
+    options->crop[3] = end - first;
+    return CLI_GO;
+}
+
+int render_scene(cli_session* session, const ty_scene* scene, render_options* options, cli_checkpoint* checkpoint,
+                 cli_tev* tev, cli_report* report) {
     const ty_render_settings settings = ty_scene_render_settings(scene);
     const ty_method* method = cli_find_method("render", options->method != NULL ? options->method : settings.method);
     if (method == NULL) return CLI_USAGE;
     if (options->denoise && method != &cli_method_auto && strcmp(method->name, "path") != 0)
         return cli_usage_error("render", "--denoise is for method path, and %s has no noise of samples", method->name);
+    const int taken = take_part(scene, method, options);
+    if (taken != CLI_GO) return taken;
     const cli_request request = make_request(options, session, &settings, checkpoint, tev);
     if (options->denoise && request.spp < 2)
         return cli_usage_error("render", "--denoise compares two halves of the samples, and there is one a pixel");
     if (options->denoise && cli_check_denoiser(session, options->denoiser) != CLI_GO) return CLI_USAGE;
     const int possible = cli_check_request(session, scene, method, &request);
     if (possible != CLI_GO) return possible;
+    if (options->key == NULL && method != &cli_method_auto && strcmp(method->name, "path") != 0)
+        cli_ranks_tell_alone(session, method->name);
     report->method = method->name;
     report->seed = request.seed;
     report->fov_y = ty_scene_camera(scene).fov_y;
@@ -170,7 +185,7 @@ static int render_scene(cli_session* session, const ty_scene* scene, render_opti
     const ty_result result = cli_render_method(session, scene, method, &request, &image, report);
     cli_progress_clear(&session->progress);
     if (image == NULL) return fail_rendering(session, result, checkpoint);
-    cli_tev_show(tev, image);
+    if (tev != NULL) cli_tev_show(tev, image);
     report->complete = result == TY_OK;
     report->width = ty_image_width(image);
     report->height = ty_image_height(image);
@@ -198,7 +213,7 @@ static int load_and_render(cli_session* session, const char* path, render_option
         const ty_result result =
             ty_scene_load(session->context, path, options->overrides.items, options->overrides.count, &scene);
         cli_end_on_interrupt(false);
-        if (result != TY_OK) status = cli_fail_reading(session, result);
+        status = result != TY_OK ? cli_fail_reading(session, result) : cli_ranks_greet(session, scene);
     }
     if (status == CLI_GO) {
         report.load_seconds = cli_wall_seconds() - session->started;
@@ -220,6 +235,9 @@ static int check_options(render_options* options) {
         return cli_usage_error("render", "%s: the extension is not .exr or .png", options->output);
     if (options->png != NULL && !cli_has_extension(options->png, ".png"))
         return cli_usage_error("render", "%s: the extension is not .png", options->png);
+    int status = options->frames_text != NULL || options->chain_given ? render_check_sequence(options) : CLI_GO;
+    if (status == CLI_GO && options->part_text != NULL) status = render_parse_part(options);
+    if (status != CLI_GO) return status;
     if (options->aov != NULL && png)
         return cli_usage_error("render", "--aov is for .exr images, and %s is none", options->output);
     if (options->denoise && png)
@@ -234,7 +252,7 @@ static int check_options(render_options* options) {
         return cli_usage_error("render", "%s: the extension is not .png", options->denoised_png);
     if (options->checkpoint_given && !options->resume)
         return cli_usage_error("render", "--checkpoint says how often --resume saves; give both");
-    int status = options->tev != NULL ? cli_tev_check_address("render", options->tev) : CLI_GO;
+    if (options->tev != NULL) status = cli_tev_check_address("render", options->tev);
     if (status == CLI_GO && options->aov != NULL) status = cli_parse_aovs("render", options->aov, &options->aovs);
     if (status == CLI_GO) status = cli_check_output("render", options->output);
     if (status == CLI_GO && options->png != NULL) status = cli_check_output("render", options->png);
@@ -255,14 +273,14 @@ static bool print_words(FILE* file, const char* option) {
 }
 
 int cli_render(int count, char** arguments) {
-    render_options options = {.checkpoint = TY_AUTO};
+    render_options options = {.checkpoint = TY_AUTO, .chain = 8};
     char methods[160];
     cli_name_methods_in("(default: that of the scene, or auto)", methods, sizeof methods);
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
         {"method", 0, CLI_TEXT, "NAME", methods, &options.method, 0, 0, NULL},
-        {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
+        {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, RENDER_SPP_MAX,
          &options.spp_given},
         {"time", 0, CLI_REAL, "SECONDS", "stop after this time; without --spp nothing else does", &options.time, 1e-3,
          1e7, NULL},
@@ -285,6 +303,13 @@ int cli_render(int count, char** arguments) {
          &options.denoised_png, 0, 0, NULL},
         {"resume", 0, CLI_FLAG, NULL, "go on from FILE.state if it is there, and keep it up to date", &options.resume,
          0, 0, NULL},
+        {"frames", 0, CLI_TEXT, "A-B[:STEP]",
+         "render these frames of a sequence; OUT has #### in place of the number (see above)", &options.frames_text, 0,
+         0, NULL},
+        {"chain", 0, CLI_INT, "N", "with --frames: frames that follow one another as one task (default 8)",
+         &options.chain, 1, 1 << 20, &options.chain_given},
+        {"part", 0, CLI_TEXT, "I/N", "only part I of N: a band of rows, or of --frames every Nth chain",
+         &options.part_text, 0, 0, NULL},
         {"checkpoint", 0, CLI_REAL, "SECONDS", "time between two states of --resume (default: 2, see above)",
          &options.checkpoint, 0.05, 1e6, &options.checkpoint_given},
         {"tev", 0, CLI_TEXT, "HOST:PORT", "also show the image in the viewer tev; path while it converges",
@@ -305,6 +330,11 @@ int cli_render(int count, char** arguments) {
         "added to FILE.state every 2 seconds, so that a kill costs at most 5 seconds of work, as long as the "
         "disk\n"
         "takes it within one. One process at a time may use FILE.state.\n\n"
+        "--frames renders the scene with frame=A, A+1 ... B, which picks the files of volumes, into images of their "
+        "own;\n"
+        "--resume then leaves those that the same command finished before. dom starts from the light of the frame\n"
+        "before in the chain. Under mpirun the ranks divide a frame's paths, or frames: docs/farm.md.\n"
+        "--part is for machines without MPI: 'tyndall merge' puts bands together to the same image, bit for bit.\n\n"
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
         "media\n"
         "scattered once, and otherwise), albedo (fraction that media scatter), surface_albedo (of the first\n"
@@ -321,5 +351,9 @@ int cli_render(int count, char** arguments) {
     if (status == CLI_GO) status = check_options(&options);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "render", &given.common);
-    return status == CLI_GO ? load_and_render(&session, given.positional[0], &options) : status;
+    if (status == CLI_GO) status = cli_ranks_open(&session);
+    if (status != CLI_GO) return status;
+    if (options.frames_text != NULL) return render_sequence(&session, given.positional[0], &options);
+    return cli_ranks_helps(&session) ? cli_help_paths(&session, given.positional[0], &options.overrides)
+                                     : load_and_render(&session, given.positional[0], &options);
 }

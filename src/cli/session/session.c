@@ -1,6 +1,7 @@
 /* Sessions: contexts, messages, --stats, and common checks of commands. */
 #define _GNU_SOURCE
 #include "cli/session/session.h"
+#include "cli/session/ranks.h"
 #include "cli/text/text.h"
 #include "cli/text/text_file.h"
 #include "device/device.h"
@@ -70,6 +71,12 @@ static ty_result print_stats(ty_context* context, FILE* file, const void* user) 
     json_text(&json, "command", session->command);
     json_int(&json, "threads", ty_context_threads(context));
     if (session->stats != NULL) session->stats(&json, session->stats_user);
+    if (session->comm != NULL) {
+        const ty_comm_traffic traffic = ty_comm_get_traffic(session->comm);
+        json_int(&json, "ranks", ty_comm_size(session->comm));
+        json_int(&json, "messages", (int64_t)traffic.messages);
+        json_int(&json, "message_bytes", (int64_t)traffic.bytes);
+    }
     json_number(&json, "seconds", cli_wall_seconds() - session->started);
     json_number(&json, "cpu_seconds", timeval_seconds(usage.ru_utime) + timeval_seconds(usage.ru_stime));
     json_int(&json, "peak_memory_bytes", 1024 * (int64_t)usage.ru_maxrss);
@@ -84,6 +91,7 @@ int cli_session_close(cli_session* session, int status) {
         const ty_result result = cli_write_text_file(session->context, session->common.stats, print_stats, session);
         if (result != TY_OK) status = cli_fail_running(session, result);
     }
+    cli_ranks_close(session, status == CLI_INTERRUPTED ? cli_interrupt_status() : status);
     ty_context_destroy(session->context);
     return status;
 }

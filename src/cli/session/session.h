@@ -17,6 +17,8 @@ typedef struct cli_session {
     double started;
     void (*stats)(json_writer* json, const void* user); /* the command's members of --stats, or NULL */
     const void* stats_user;
+    struct ty_comm* comm;        /* the ranks under mpirun; NULL: this process is alone */
+    struct ty_work_queue* queue; /* what rank 0 gives them to do; NULL: nothing, or another rank */
 } cli_session;
 
 /* Opens a session: CLI_GO, or an exit status after a message. */

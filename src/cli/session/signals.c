@@ -21,7 +21,7 @@ enum { CAUGHT_COUNT = sizeof caught / sizeof caught[0], STATUS_BASE = 128 };
 
 /* A handler may run in any thread, and all of them ask: lock-free atomics, which a handler may use. */
 static atomic_int interrupt; /* number of the first signal; 0: none */
-static atomic_bool ends_at_once;
+static atomic_bool ends_at_once, silent;
 static atomic_bool ending; /* a handler is about to end the program */
 static _Atomic(const char*) remove_path;
 
@@ -38,7 +38,7 @@ static void end_at_once(int number) {
     const char* const parts[] = {"tyndall: interrupted by ", name_of(number), "\n"};
     if (path != NULL) unlink(path);
     ty_remove_unfinished_outputs();
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3 && !atomic_load(&silent); ++i)
         if (write(STDERR_FILENO, parts[i], strlen(parts[i])) < 0) break;
     _exit(STATUS_BASE + number);
 }
@@ -79,6 +79,10 @@ void cli_catch_interrupts(void) {
 
 void cli_end_on_interrupt(bool at_once) {
     atomic_store(&ends_at_once, at_once);
+}
+
+void cli_silence_interrupts(void) {
+    atomic_store(&silent, true);
 }
 
 bool cli_interrupted(void) {

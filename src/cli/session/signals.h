@@ -15,6 +15,8 @@ void cli_catch_interrupts(void);
 /* True while there is nothing to keep, such as when inputs are read: the first signal ends the program at once, after
  * one line. The default is false. */
 void cli_end_on_interrupt(bool at_once);
+/* An end at once says nothing from here on: another process does. */
+void cli_silence_interrupts(void);
 bool cli_interrupted(void);
 
 /* Name of the signal that interrupted, "SIGTERM", and the exit status that belongs to it; those of SIGINT without one.

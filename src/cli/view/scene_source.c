@@ -3,6 +3,7 @@
 #include "cli/view/live_state.h"
 
 #include "base/context.h"
+#include "cli/session/ranks.h"
 #include "cli/text/text.h"
 #include "io/scenes/scene_schema.h"
 
@@ -226,5 +227,5 @@ int view_open_scene(view_live* live, const view_live_def* def) {
     live->source = &scene_source;
     live->curve = TY_TONE_FILMIC;
     const ty_result result = open_editor(live, def);
-    return result == TY_OK ? CLI_GO : cli_fail_reading(def->session, result);
+    return result == TY_OK ? cli_ranks_greet(def->session, live->scene) : cli_fail_reading(def->session, result);
 }

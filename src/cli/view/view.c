@@ -1,9 +1,10 @@
 /* tyndall view: a scene in a window of the browser, rendered anew while it changes. */
 #define _GNU_SOURCE
 #include "cli/commands.h"
+#include "cli/methods/help_paths.h"
 #include "cli/methods/methods.h"
 #include "cli/screen/screen_options.h"
-#include "cli/session/session.h"
+#include "cli/session/ranks.h"
 #include "cli/view/live.h"
 
 #include <stdlib.h>
@@ -173,5 +174,9 @@ int cli_view(int count, char** arguments) {
     if (status == CLI_GO && options.record != NULL) status = cli_make_folder("view", options.record);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "view", &given.common);
-    return status == CLI_GO ? load_and_serve(&session, &given, &options) : status;
+    if (status == CLI_GO) status = cli_ranks_open(&session);
+    if (status != CLI_GO) return status;
+    const char* path = is_photo(&options, given.positional[0]) ? NULL : given.positional[0];
+    return cli_ranks_helps(&session) ? cli_help_paths(&session, path, &options.overrides)
+                                     : load_and_serve(&session, &given, &options);
 }

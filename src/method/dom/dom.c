@@ -110,6 +110,10 @@ static void coarsen(void* user, ty_solve_quality quality) {
     def->tolerance = fmax(def->tolerance, 0.02);
 }
 
-const ty_volume_method ty_volume_dom = {
-    TY_VOLUME_METHOD(dom), .solve_fraction = 0.7, .solve = solve,
-    .view = ty_dom_march,  .coarsen = coarsen,    .interior_at = offsetof(ty_dom_def, interior_resolution)};
+const ty_volume_method ty_volume_dom = {TY_VOLUME_METHOD(dom),
+                                        .solve_fraction = 0.7,
+                                        .solve = solve,
+                                        .view = ty_dom_march,
+                                        .coarsen = coarsen,
+                                        .start_at = offsetof(ty_dom_def, start),
+                                        .interior_at = offsetof(ty_dom_def, interior_resolution)};

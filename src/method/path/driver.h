@@ -57,6 +57,8 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
 /* Chooses the guiding lights, and allocates item_count items and, if asked, their AOV sums. */
 ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_aov_sums);
 void ty_path_run_end(ty_path_run* run);
+/* All of this for the pixels of an image. Call ty_path_run_end after TY_OK alone. */
+ty_result ty_path_begin_pixels(const ty_scene* scene, const ty_path_def* def, ty_path_run* run);
 
 /* Samples all items in passes until def's bounds are met. Items are valid after TY_OK and TY_CANCELLED;
  * TY_ERROR_MEMORY comes before any work. */

@@ -68,14 +68,18 @@ static ty_result render_pixels(ty_path_run* run, ty_image** out) {
     return result;
 }
 
+ty_result ty_path_begin_pixels(const ty_scene* scene, const ty_path_def* def, ty_path_run* run) {
+    ty_result result = ty_path_prepare(scene, def, run);
+    if (result == TY_OK) result = prepare_pixels(scene, run);
+    if (result == TY_OK) result = check_memory(run);
+    return result == TY_OK ? ty_path_run_begin(run, scene, ty_aovs_need_classes(def->aovs)) : result;
+}
+
 ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image** out, ty_path_stats* stats) {
     ty_path_run run;
     ty_path_stats own;
     ty_result result = ty_take_stats(ty_scene_context(scene), stats, "ty_default_path_stats", &own, sizeof own);
-    if (result == TY_OK) result = ty_path_prepare(scene, def, &run);
-    if (result == TY_OK) result = prepare_pixels(scene, &run);
-    if (result == TY_OK) result = check_memory(&run);
-    if (result == TY_OK) result = ty_path_run_begin(&run, scene, ty_aovs_need_classes(def->aovs));
+    if (result == TY_OK) result = ty_path_begin_pixels(scene, def, &run);
     if (result != TY_OK) return result;
     result = render_pixels(&run, out);
     if (result == TY_OK || result == TY_CANCELLED) ty_give_stats(&run.stats, sizeof run.stats, stats);

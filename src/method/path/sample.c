@@ -12,6 +12,8 @@
 #include <string.h>
 
 enum { PASS_MAX = 16, STRIDE_FIRST = 16, STRIDE_MAX = TY_PATH_BLOCK * PASS_MAX };
+/* Samples of a pass with other ranks that only the number of samples ends, so that they are sent seldom. */
+enum { PASS_MAX_SHARED = 256 };
 
 /* Target duration of a thread's work between two checks for an early stop, seconds. */
 static const double stride_seconds = 2e-3;
@@ -242,9 +244,7 @@ void ty_sampling_merge(ty_sampling* pass, const ty_block_work* work) {
     pthread_rwlock_unlock(&pass->items);
 }
 
-static void sample_block(void* user, int64_t block, int32_t worker) {
-    (void)worker;
-    ty_sampling* pass = user;
+void ty_sampling_block(ty_sampling* pass, int64_t block) {
     ty_path_run* run = pass->run;
     if (ty_sampling_stops(pass)) return;
     ty_block_work work = {.begin = block * TY_PATH_BLOCK};
@@ -265,9 +265,17 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
     ty_sampling_save(pass, false);
 }
 
+static void sample_block(void* user, int64_t block, int32_t worker) {
+    (void)worker;
+    ty_sampling_block(user, block);
+}
+
 /* Samples per item in the next pass: few at first, so that bounds on time and error are checked early, then more. */
-static uint32_t next_pass(const ty_path_run* run, uint32_t done) {
+static uint32_t next_pass(const ty_sampling* pass, uint32_t done) {
+    const ty_path_run* run = pass->run;
+    const bool bounded = run->def->seconds > 0 || run->def->error > 0 || run->def->partial != NULL;
     uint32_t count = done < 1 ? 1 : done < PASS_MAX ? done : PASS_MAX;
+    if (pass->queue != NULL && !bounded) count = PASS_MAX_SHARED;
     if (done + count > (uint32_t)run->def->spp) count = (uint32_t)run->def->spp - done;
     return count;
 }
@@ -300,11 +308,13 @@ static void sample_passes(ty_sampling* pass) {
     /* An interrupted pass is completed before bounds are checked, so that the error refers to equal samples of all
      * items. */
     for (; pass->done_before < spp && !(uniform && bounds_met(pass)); uniform = true) {
-        pass->last = pass->done_before + next_pass(pass->run, pass->done_before);
+        pass->last = pass->done_before + next_pass(pass, pass->done_before);
         atomic_store(&pass->blocks_done, 0);
         if (pass->last > TY_OUTLINE_FIRST) ty_path_find_outlines(pass->run);
         if (pass->device != NULL)
             ty_sample_pass_on_device(pass);
+        else if (pass->queue != NULL)
+            ty_sample_pass_shared(pass);
         else
             ty_parallel_for(pass->run->context, ty_sampling_blocks(pass->run), sample_block, pass);
         if (atomic_load(&pass->blocks_done) < ty_sampling_blocks(pass->run)) return;
@@ -312,45 +322,63 @@ static void sample_passes(ty_sampling* pass) {
     }
 }
 
+void ty_sampling_open(ty_sampling* pass, ty_path_run* run) {
+    *pass = (ty_sampling){.run = run, .odd = run->request, .reported = ty_wall_seconds(), .launch_paths = 1 << 12};
+    pass->odd.seed ^= odd_seed;
+    pass->begun = pass->reported - run->stats.seconds - run->guide_seconds;
+    pass->cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds - run->guide_cpu_seconds;
+    pass->saved = pass->shown = ty_wall_seconds();
+    pass->partial_period = partial_seconds;
+    pass->state_period = run->def->state_seconds == TY_AUTO ? 0.5 * state_seconds_auto : run->def->state_seconds;
+    atomic_init(&pass->paths, run->stats.paths);
+    atomic_init(&pass->vertices, run->stats.vertices);
+    atomic_init(&pass->stride, STRIDE_FIRST);
+    pthread_mutex_init(&pass->lock, NULL);
+    pthread_rwlock_init(&pass->items, NULL);
+}
+
+void ty_sampling_close(ty_sampling* pass) {
+    pthread_mutex_destroy(&pass->lock);
+    pthread_rwlock_destroy(&pass->items);
+}
+
+static ty_result allocate_states(ty_sampling* pass, size_t room, size_t blocks) {
+    if (room == 0) return TY_OK;
+    ty_context* context = pass->run->context;
+    pass->state = ty_alloc_array(context, room, 1, false);
+    pass->saved_counts = ty_alloc_array(context, blocks, sizeof *pass->saved_counts, true);
+    pass->whole_due = true;
+    return pass->state != NULL && pass->saved_counts != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+/* Samples, and leaves the statistics and the last state; true if the caller cancelled. */
+static bool run_passes(ty_sampling* pass) {
+    ty_path_run* run = pass->run;
+    if (pass->device != NULL) run->stats.isa = ty_path_device_kind(pass->device);
+    pass->vertices_before = run->stats.vertices;
+    sample_passes(pass);
+    ty_sampling_end_queue(pass);
+    const bool cancelled = atomic_load(&pass->cancelled) && pass->done_before < (uint32_t)run->def->spp;
+    ty_sampling_report(pass, true);
+    run->stats = totals(pass);
+    estimate_error(run);
+    ty_sampling_save(pass, true);
+    return cancelled;
+}
+
 ty_result ty_path_sample(ty_path_run* run) {
-    ty_sampling pass = {.run = run, .odd = run->request, .reported = ty_wall_seconds(), .launch_paths = 1 << 12};
-    pass.odd.seed ^= odd_seed;
-    pass.begun = pass.reported - run->stats.seconds - run->guide_seconds;
-    pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds - run->guide_cpu_seconds;
-    pass.saved = pass.shown = ty_wall_seconds();
-    pass.partial_period = partial_seconds;
-    pass.state_period = run->def->state_seconds == TY_AUTO ? 0.5 * state_seconds_auto : run->def->state_seconds;
-    atomic_init(&pass.paths, run->stats.paths);
-    atomic_init(&pass.vertices, run->stats.vertices);
-    atomic_init(&pass.stride, STRIDE_FIRST);
+    ty_sampling pass;
+    ty_sampling_open(&pass, run);
     const bool saves = run->def->state != NULL && run->request.kind == TY_PATH_PIXELS;
     const size_t room = saves ? ty_path_state_room(run) : 0, blocks = saves ? ty_path_state_blocks(run) : 0;
-    if (saves) {
-        pass.state = ty_alloc_array(run->context, room, 1, false);
-        pass.saved_counts = ty_alloc_array(run->context, blocks, sizeof *pass.saved_counts, true);
-        pass.whole_due = true;
-    }
-    ty_result result = !saves || (pass.state != NULL && pass.saved_counts != NULL) ? TY_OK : TY_ERROR_MEMORY;
+    ty_result result = allocate_states(&pass, room, blocks);
     if (result == TY_OK) result = ty_path_device_create(run, &pass.odd, &pass.device);
-    if (result != TY_OK) {
-        ty_free_array(run->context, pass.state, room, 1);
-        ty_free_array(run->context, pass.saved_counts, blocks, sizeof *pass.saved_counts);
-        return result;
-    }
-    if (pass.device != NULL) run->stats.isa = ty_path_device_kind(pass.device);
-    pass.vertices_before = run->stats.vertices;
-    pthread_mutex_init(&pass.lock, NULL);
-    pthread_rwlock_init(&pass.items, NULL);
-    sample_passes(&pass);
-    const bool cancelled = atomic_load(&pass.cancelled) && pass.done_before < (uint32_t)run->def->spp;
-    ty_sampling_report(&pass, true);
-    run->stats = totals(&pass);
-    estimate_error(run);
-    ty_sampling_save(&pass, true);
+    if (result == TY_OK) result = ty_sampling_distribute(&pass);
+    const bool cancelled = result == TY_OK && run_passes(&pass);
     ty_path_device_destroy(pass.device);
-    pthread_mutex_destroy(&pass.lock);
-    pthread_rwlock_destroy(&pass.items);
+    ty_sampling_close(&pass);
     ty_free_array(run->context, pass.state, room, 1);
     ty_free_array(run->context, pass.saved_counts, blocks, sizeof *pass.saved_counts);
+    if (result != TY_OK) return result;
     return pass.failed != TY_OK ? pass.failed : cancelled ? TY_CANCELLED : TY_OK;
 }

@@ -2,6 +2,8 @@
 #ifndef TY_PATH_SAMPLING_H
 #define TY_PATH_SAMPLING_H
 
+#include "comm/blocks.h"
+#include "comm/queue.h"
 #include "method/path/device.h"
 #include "method/path/driver.h"
 
@@ -33,6 +35,8 @@ typedef struct ty_sampling {
     _Atomic uint32_t stride; /* paths that take about stride_seconds */
     _Atomic bool cancelled, out_of_time;
     ty_path_device* device; /* NULL: the processor traces */
+    ty_work_queue* queue;   /* other ranks help; NULL: they do not, or there are none */
+    ty_blocks blocks;       /* of a pass, with a queue */
     ty_result failed;       /* of the device */
 } ty_sampling;
 
@@ -45,6 +49,9 @@ typedef struct ty_block_work {
     ty_path_aov_sums aov_sums[TY_PATH_BLOCK];
 } ty_block_work;
 
+/* A run's sampling, from its statistics on, with its locks; closing frees these. */
+void ty_sampling_open(ty_sampling* pass, ty_path_run* run);
+void ty_sampling_close(ty_sampling* pass);
 int64_t ty_sampling_blocks(const ty_path_run* run);
 /* Reports progress if due; sets cancelled if the caller asks for it. */
 void ty_sampling_report(ty_sampling* pass, bool always);
@@ -55,6 +62,17 @@ void ty_sampling_show(ty_sampling* pass);
 bool ty_sampling_stops(ty_sampling* pass);
 /* Adds the samples of a block to the run's items. */
 void ty_sampling_merge(ty_sampling* pass, const ty_block_work* work);
+
+/* Adds samples to a block until it has pass->last of them. */
+void ty_sampling_block(ty_sampling* pass, int64_t block);
+
+/* ---- shared.c ---- */
+
+/* Offers the run to other ranks, if there are any and they can trace it. Errors: TY_ERROR_MEMORY. */
+ty_result ty_sampling_distribute(ty_sampling* pass);
+void ty_sampling_end_queue(ty_sampling* pass);
+/* One pass of this rank and the others. */
+void ty_sample_pass_shared(ty_sampling* pass);
 
 /* One pass on the device. On its failure pass->failed is set. */
 void ty_sample_pass_on_device(ty_sampling* pass);

@@ -1,0 +1,37 @@
+/* The table of functions that a module with a message-passing library gives to the program that loads it. */
+#ifndef TY_COMM_BACKEND_H
+#define TY_COMM_BACKEND_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Of this table: a module of another build is refused. */
+#define TY_COMM_BACKEND_VERSION 1u
+
+/* A message that has arrived: its sender, its tag and its bytes. */
+typedef struct ty_comm_message {
+    int32_t from, tag;
+    size_t size;
+} ty_comm_message;
+
+/* Calls come from one thread at a time. A false result means that the library failed. */
+typedef struct ty_comm_backend {
+    uint32_t version;
+    /* Joins the other ranks, all of which call it. */
+    bool (*open)(int32_t* rank, int32_t* size);
+    bool (*send)(int32_t to, int32_t tag, const void* bytes, size_t size);
+    /* True if a message has arrived; it does not wait. */
+    bool (*probe)(ty_comm_message* out);
+    /* Receives a message that `probe` found. */
+    bool (*receive)(const ty_comm_message* message, void* bytes);
+    /* Leaves, after all ranks have called it. */
+    void (*close)(void);
+    /* Ends all ranks with an exit status. */
+    void (*abort)(int status);
+} ty_comm_backend;
+
+/* The one symbol of a module, a ty_comm_backend. */
+#define TY_COMM_BACKEND_SYMBOL "ty_comm_module"
+
+#endif
