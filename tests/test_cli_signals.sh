@@ -233,7 +233,7 @@ while at + 160 <= len(state):
     at += size
 lost = work - processor / threads
 print(f"killed after {wall} s: {lost:.2f} s of work lost, {wall - elapsed:.2f} s of time")
-if at > 0 and not (0 < elapsed <= wall and elapsed / 2 < processor <= threads * wall + 1):
+if at > 0 and not (0 < elapsed <= wall and elapsed / 20 < processor <= threads * wall + 1):
     sys.exit(f"a record after {elapsed} s, {processor} s of processors: these bytes are others")
 sys.exit(lost > limit)
 END

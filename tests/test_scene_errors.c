@@ -183,7 +183,7 @@ static const bad_case bad_cases[] = {
      "s.json:4: media[0].albedo: the key \"sigma_t\" is missing beside it"},
     {MEDIUM("\"sigma_t\": 1, " BOX ",\n\"albedo\": {\"noise\": {}}"), NULL,
      "s.json:4: media[0].albedo.noise: unknown key; known here: \"file\", \"grid\", \"component\", \"frame\", "
-     "\"series\", \"raw\", \"droplets\""},
+     "\"series\", \"storage\", \"raw\", \"droplets\""},
     {MEDIUM("\"sigma_t\": 1, " BOX ",\n\"albedo\": \"white\""), NULL,
      "s.json:4: media[0].albedo: expected a number or an array or an object, found a string"},
     {MEDIUM("\"preset\": \"apple\", " BOX ",\n\"g\": {\"file\": \"a.vdb\"}"), NULL,
