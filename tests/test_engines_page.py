@@ -4,10 +4,11 @@ dom, and the sample in examples/three against dom and path.
 usage: test_engines_page.py TYNDALL EXAMPLES (works in the current folder). TYNDALL_THREE names a folder of three.js, as npm
 installs it; without one, and without EXAMPLES/three/node_modules/three, the sample is left out.
 --picture FILE: writes a picture of the sample instead."""
-import array, base64, functools, http.server, json, os, shutil, struct, subprocess, sys, threading
+import base64, functools, http.server, json, os, shutil, subprocess, sys, threading
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from chromium import Browser, find_browser
+from ktx2 import read_floats
 
 TYNDALL, EXAMPLES = sys.argv[1], sys.argv[2]
 THREE = os.environ.get("TYNDALL_THREE") or os.path.join(EXAMPLES, "three", "node_modules", "three")
@@ -130,15 +131,6 @@ def tyndall(*arguments):
     subprocess.run([TYNDALL, *arguments, "-q"], check=True)
 
 
-def read_floats(path):
-    """Width, height, and four floats a pixel, rows from the top."""
-    tyndall("convert", path, "floats.ktx2", "--texels", "float", "--no-zstd")
-    data = open("floats.ktx2", "rb").read()
-    width, height = struct.unpack_from("<2I", data, 20)
-    at, = struct.unpack_from("<Q", data, 80)
-    return width, height, array.array("f", data[at:at + 16 * width * height])
-
-
 def rotated(pixels, width, height):
     """Rows from the other end."""
     return [v for y in reversed(range(height)) for v in pixels[4 * width * y:4 * width * (y + 1)]]
@@ -200,7 +192,7 @@ def camera_of(scene):
 
 def check_bc6h(browser):
     """Chromium's decoder sees the light of dom's image; measured: the means within 0.13 %, blocks of 4 x 4 pixels within 0.7 %."""
-    width, height, source = read_floats("fog.exr")
+    width, height, source = read_floats(TYNDALL, "fog.exr")
     for texels in ("bc6h", "bc6h-signed"):
         tyndall("convert", "fog.exr", f"{texels}.ktx2", "--texels", texels, "--no-zstd")
         found = browser.run(f"window.bc6h('{texels}.ktx2')")
@@ -213,7 +205,7 @@ def check_bc6h(browser):
 def draw_fog(browser, light):
     box = json.load(open("fog.json"))
     pixels = browser.run(f"window.fog('fog.ktx2', {json.dumps(box)}, {json.dumps(camera_of(FOG_SCENE))}, 64, {json.dumps(light)})")
-    width, height, expected = read_floats("fog.exr")
+    width, height, expected = read_floats(TYNDALL, "fog.exr")
     return compare(rotated(pixels, width, height), expected, width, height, 4)
 
 
@@ -266,10 +258,10 @@ def check_sample(browser, address):
     browser.open(address + "index.html?size=96x72&exposure=1")
     browser.wait_for("window.ready")
     found = browser.run("window.readRadiance()")
-    width, height, expected = read_floats("dom.exr")
+    width, height, expected = read_floats(TYNDALL, "dom.exr")
     check("three.js sample against dom", compare(rotated(found, width, height), expected, width, height, 8), 0.02, 0.07)
     tyndall("render", "level.json", "-o", "path.exr", "--method", "path", "--size", "96x72", "--spp", "64")
-    check("three.js sample against path", compare(rotated(found, width, height), read_floats("path.exr")[2], width, height, 24),
+    check("three.js sample against path", compare(rotated(found, width, height), read_floats(TYNDALL, "path.exr")[2], width, height, 24),
           0.03, 0.1)
 
 

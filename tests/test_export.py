@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """`tyndall export`: the coefficients of probes give our irradiance by each engine's own formula, lightmaps hold the bake's light,
 importers name what there is; `tyndall unwrap` keeps triangles; and what is refused. usage: test_export.py TYNDALL EXAMPLES (works in the current folder)"""
-import array, json, math, os, random, re, shutil, struct, subprocess, sys
+import json, math, os, random, re, shutil, struct, subprocess, sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from ktx2 import read_floats
 
 TYNDALL, EXAMPLES = sys.argv[1], sys.argv[2]
 ENGINES = ("three", "godot", "unity", "unreal")
@@ -108,18 +111,10 @@ def check_probes(up):
 
 # ---- lightmaps ----
 
-def read_floats(path):
-    tyndall("convert", path, "floats.ktx2", "--texels", "float", "--no-zstd")
-    data = open("floats.ktx2", "rb").read()
-    width, height = struct.unpack_from("<2I", data, 20)
-    at, = struct.unpack_from("<Q", data, 80)
-    return width, height, array.array("f", data[at:at + 16 * width * height])
-
-
 def check_lightmaps():
     subprocess.run([sys.executable, os.path.join(EXAMPLES, "make_room.py"), "room.glb"], check=True)
     tyndall("bake", "room.glb", "-o", "room", "--spp", "16", "--size", "96x64")
-    width, height, light = read_floats("room/walls.exr")
+    width, height, light = read_floats(TYNDALL, "room/walls.exr")
     for engine, extension, scale in (("three", "ktx2", 1), ("godot", "dds", 1 / math.pi), ("unity", "dds", 1 / math.pi),
                                      ("unreal", "exr", 1 / math.pi)):
         tyndall("export", "room", "-o", engine, "--for", engine)
@@ -127,13 +122,13 @@ def check_lightmaps():
         walls = next(m for m in listed["lightmaps"] if m["file"] == f"walls.{extension}")
         assert walls["meshes"] == [{"name": "walls", "node": 0, "primitive": 0}], walls
         assert listed["vertex_colors"] == "room.glb" and listed["color_scale"] > 0
-    assert all(abs(math.pi * a - b) <= 1e-6 * b for a, b in zip(read_floats("unreal/walls.exr")[2][:3], light[:3]))
+    assert all(abs(math.pi * a - b) <= 1e-6 * b for a, b in zip(read_floats(TYNDALL, "unreal/walls.exr")[2][:3], light[:3]))
     if shutil.which("oiiotool") is None:
         print("left out: DDS by another reader, as oiiotool is not installed (scripts/setup.sh corpora)")
         return
     for engine in ("godot", "unity"):
         subprocess.run(["oiiotool", f"{engine}/walls.dds", "-d", "float", "--ch", "R,G,B", "-o", f"{engine}.exr"], check=True)
-        found = read_floats(f"{engine}.exr")[2]
+        found = read_floats(TYNDALL, f"{engine}.exr")[2]
         error, total = 0, 0
         for y in range(height):
             row = height - 1 - y if engine == "unity" else y

@@ -9,20 +9,10 @@
 
 enum { PATH_SIZE = 4096, ARGUMENTS_MAX = 1024 };
 
-/* The path of a command's program: in the folder of this program, as in a build, or in the folder of an installation.
- * False: not found. */
 static bool find_tool(const char* command, char out[PATH_SIZE]) {
-    static const char* const folders[] = {".", TYNDALL_TOOLS_FOLDER};
-    char own[PATH_SIZE];
-    const ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
-    if (length <= 0) return false;
-    own[length] = '\0';
-    *strrchr(own, '/') = '\0';
-    for (size_t i = 0; i < sizeof folders / sizeof folders[0]; ++i) {
-        const int size = snprintf(out, PATH_SIZE, "%s/%s/tyndall-%s", own, folders[i], command);
-        if (size < PATH_SIZE && access(out, X_OK) == 0) return true;
-    }
-    return false;
+    char name[64];
+    snprintf(name, sizeof name, "tyndall-%s", command);
+    return cli_find_beside(name, X_OK, out, PATH_SIZE);
 }
 
 bool cli_has_tool(const char* command) {

@@ -56,6 +56,15 @@ bool ty_is_folder(const char* path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
+size_t ty_read_head(const char* path, void* out, size_t size) {
+    uint64_t length = 0;
+    FILE* stream = ty_open_regular(path, &length);
+    if (stream == NULL) return 0;
+    const size_t got = fread(out, 1, size, stream);
+    fclose(stream);
+    return got;
+}
+
 ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uint64_t* size) {
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "a file name is NULL");
     *stream = ty_open_regular(path, size);

@@ -9,6 +9,8 @@
 /* Opens a regular file for reading; *size is its length. The caller closes it. NULL on failure, with the cause in
  * errno (0: not a regular file). */
 FILE* ty_open_regular(const char* path, uint64_t* size);
+/* Reads the first bytes of a regular file, at most size. Returns how many; 0 where there is no such file. */
+size_t ty_read_head(const char* path, void* out, size_t size);
 /* The same as ty_open_regular, with an error message. */
 ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uint64_t* size);
 

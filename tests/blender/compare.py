@@ -56,7 +56,7 @@ def compare(name):
     os.makedirs(there, exist_ok=True)
     scenes.SCENES[name](there, tyndall)
     bpy.context.scene.cycles.volume_step_rate = 0.25
-    poses = operators.poses_of(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    poses = operators.poses(bpy.context.scene)
     path, report = exporter.write_scene(bpy.context.evaluated_depsgraph_get(), os.path.join(there, "export \u00e9"), poses=poses)
     ours = [by_tyndall(path, os.path.join(there, f"tyndall_{s}.exr"), int(spp), s) for s in (1, 2)]
     theirs = [by_cycles(os.path.join(there, f"cycles_{s}.exr"), int(spp), s) for s in (1, 2)]

@@ -103,6 +103,21 @@ def shutter_of(scene):
     return start, start + length
 
 
+def poses_of(scene, set_frame, matrix_of):
+    """World matrices of the camera as the shutter opens and closes; None where it does not move.
+    set_frame(frame, subframe): moves the scene there, and in the end back; matrix_of(camera): its world matrix there."""
+    times = shutter_of(scene)
+    if times is None or scene.camera is None:
+        return None
+    frame, found = scene.frame_current, []
+    for moment in times:
+        exact = frame + moment
+        set_frame(int(exact // 1), exact % 1)
+        found.append(matrix_of(scene.camera).copy())
+    set_frame(frame, 0.0)
+    return found
+
+
 def add_motion(out, opened, closed):
     """Makes a camera move from one world matrix to another while the shutter is open."""
     first, last = _pose(opened), _pose(closed)

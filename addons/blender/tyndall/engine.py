@@ -7,7 +7,7 @@ import time
 import bpy
 
 from . import passes, process, tev
-from .camera import crop_of, shutter_of, size_of
+from .camera import crop_of, poses_of, size_of
 from .exporter import write_scene
 from .report import show_in_text_block
 from .settings import program_of
@@ -62,27 +62,13 @@ class TyndallEngine(bpy.types.RenderEngine):
         with tempfile.TemporaryDirectory(prefix="tyndall_") as temporary:
             folder = bpy.path.abspath(settings.folder) if settings.folder else temporary
             self.update_stats("", "Tyndall: exporting")
-            poses = self._poses(depsgraph)
+            poses = poses_of(scene, self.frame_set, lambda camera: camera.evaluated_get(depsgraph).matrix_world)
             path, report = write_scene(depsgraph, folder, settings=render_settings(settings, scene.frame_current),
                                        poses=poses, program=program)
             if len(report):
                 self.report({"INFO"}, f"Tyndall: {report.summary()}")
             later(lambda: show_in_text_block(bpy.data, report))
             self._run(depsgraph, program, path, folder)
-
-    def _poses(self, depsgraph):
-        """World matrices of the camera as the shutter opens and closes; None where it does not move."""
-        scene = depsgraph.scene
-        times = shutter_of(scene)
-        if times is None or scene.camera is None:
-            return None
-        frame, found = scene.frame_current, []
-        for moment in times:
-            exact = frame + moment
-            self.frame_set(int(exact // 1), exact % 1)
-            found.append(scene.camera.evaluated_get(depsgraph).matrix_world.copy())
-        self.frame_set(frame, 0.0)
-        return found
 
     def _arguments(self, depsgraph, path, image, port, crop):
         settings = depsgraph.scene.tyndall

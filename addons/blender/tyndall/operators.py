@@ -7,33 +7,24 @@ import bpy
 from bpy_extras.io_utils import ExportHelper
 
 from . import process
-from .camera import shutter_of, size_of
+from .camera import poses_of, size_of
 from .engine import render_settings
 from .exporter import write_scene
 from .report import show_in_text_block
 from .settings import program_of
 
 
-def poses_of(scene, depsgraph):
-    """World matrices of the camera as the shutter opens and closes, or None; sets frames."""
-    times = shutter_of(scene)
-    if times is None or scene.camera is None:
-        return None
-    frame, found = scene.frame_current, []
-    for moment in times:
-        exact = frame + moment
-        scene.frame_set(int(exact // 1), subframe=exact % 1)
-        found.append(scene.camera.matrix_world.copy())
-    scene.frame_set(frame)
-    return found
+def poses(scene):
+    """Those of a scene that may change, whose frames are set and set back."""
+    return poses_of(scene, lambda frame, part: scene.frame_set(frame, subframe=part), lambda camera: camera.matrix_world)
 
 
 def export_to(context, folder, name="scene.json"):
     """Exports the scene of a context. Returns the path of the scene file and the Report."""
-    scene, depsgraph = context.scene, context.evaluated_depsgraph_get()
-    poses = poses_of(scene, depsgraph)
+    scene = context.scene
+    moved = poses(scene)
     path, report = write_scene(context.evaluated_depsgraph_get(), folder, name, render_settings(scene.tyndall, scene.frame_current),
-                               poses, program=process.find_program(program_of(context)))
+                               moved, program=process.find_program(program_of(context)))
     show_in_text_block(bpy.data, report)
     return path, report
 

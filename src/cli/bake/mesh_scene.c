@@ -29,3 +29,8 @@ ty_result cli_load_mesh_scene(cli_session* session, const char* path, const cli_
     free(folder);
     return result;
 }
+
+bool cli_same_node(const ty_mesh_def* a, const ty_mesh_def* b) {
+    return a->origin.node >= 0 && a->origin.node == b->origin.node && a->origin.file != NULL &&
+           b->origin.file != NULL && strcmp(a->origin.file, b->origin.file) == 0;
+}

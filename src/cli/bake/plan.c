@@ -1,5 +1,6 @@
 /* tyndall bake: the list of units and the estimate of memory. */
 #include "cli/bake/bake.h"
+#include "cli/bake/mesh_scene.h"
 
 #include <ctype.h>
 #include <inttypes.h>
@@ -69,12 +70,6 @@ static ty_result add_unit(bake_plan* plan, const bake_unit* unit) {
     plan->receivers += unit->receivers;
     plan->bytes = fmax(plan->bytes, unit->bytes);
     return TY_OK;
-}
-
-/* True if a mesh belongs to the same node as the preceding mesh. */
-static bool same_node(const ty_mesh_def* a, const ty_mesh_def* b) {
-    return a->origin.node >= 0 && a->origin.node == b->origin.node && a->origin.file != NULL &&
-           b->origin.file != NULL && strcmp(a->origin.file, b->origin.file) == 0;
 }
 
 static bool by_lightmap(const bake_options* options, const ty_mesh_def* mesh) {
@@ -147,7 +142,7 @@ static ty_result plan_meshes(bake_run* run) {
         for (next = first + 1; next < meshes; ++next) {
             result = ty_scene_get_mesh(run->scene, next, &other);
             if (result != TY_OK) return result;
-            if (!same_node(&mesh, &other) || by_lightmap(run->options, &other) != lightmap) break;
+            if (!cli_same_node(&mesh, &other) || by_lightmap(run->options, &other) != lightmap) break;
         }
         bake_unit unit = {.kind = lightmap ? BAKE_LIGHTMAP : BAKE_VERTICES, .first = first, .count = next - first};
         name_unit(&run->plan, bake_mesh_name(&mesh), unit.name);

@@ -38,21 +38,6 @@ int cli_ranks_end(int status) {
     return cli_fail(status, "rank %d: %s", (int)rank, kept_message);
 }
 
-/* The path of the module: in the folder of this program, as in a build, or in that of an installation. */
-static bool find_module(char out[PATH_SIZE]) {
-    static const char* const folders[] = {".", TYNDALL_TOOLS_FOLDER};
-    char own[PATH_SIZE];
-    const ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
-    if (length <= 0) return false;
-    own[length] = '\0';
-    *strrchr(own, '/') = '\0';
-    for (size_t i = 0; i < sizeof folders / sizeof folders[0]; ++i) {
-        const int size = snprintf(out, PATH_SIZE, "%s/%s/tyndall-mpi.so", own, folders[i]);
-        if (size < PATH_SIZE && access(out, R_OK) == 0) return true;
-    }
-    return false;
-}
-
 static double wait_seconds(void) {
     const char* text = getenv("TYNDALL_RANKS_WAIT");
     const double seconds = text != NULL ? strtod(text, NULL) : 0;
@@ -61,7 +46,8 @@ static double wait_seconds(void) {
 
 int cli_ranks_open(cli_session* session) {
     char path[PATH_SIZE];
-    const ty_result result = ty_comm_open(find_module(path) ? path : NULL, wait_seconds(), &session->comm);
+    const ty_result result = ty_comm_open(cli_find_beside("tyndall-mpi.so", R_OK, path, sizeof path) ? path : NULL,
+                                          wait_seconds(), &session->comm);
     if (result != TY_OK) return cli_session_close(session, cli_fail(CLI_USAGE, "%s", ty_take_error(NULL)));
     if (session->comm == NULL) return CLI_GO;
     joined = true;

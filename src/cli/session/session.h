@@ -36,6 +36,9 @@ int cli_fail_reading(cli_session* session, ty_result result);
 int cli_fail_running(cli_session* session, ty_result result);
 /* Like cli_fail_running, for an error that the command detected itself. */
 int cli_fail(int status, const char* format, ...) __attribute__((format(printf, 2, 3)));
+/* The path of a program or module that comes with this one: in the same folder, as in a build, or in that of an
+ * installation. mode: as of access(). False: there is none. */
+bool cli_find_beside(const char* name, int mode, char* out, size_t size);
 /* The last printed error, for commands that continue and report it at the end. */
 const char* cli_last_message(void);
 

@@ -33,10 +33,6 @@ typedef struct unwrap_run {
 
 /* ---- One node ---- */
 
-static bool same_node(const ty_mesh_def* a, const ty_mesh_def* b) {
-    return a->origin.node >= 0 && a->origin.node == b->origin.node;
-}
-
 /* The triangles of several meshes as one. */
 static bool join(const unwrap_run* run, int32_t first, int32_t count, ty_unwrap_mesh* out, float** positions,
                  uint32_t** indices) {
@@ -146,7 +142,7 @@ static ty_result unwrap_nodes(unwrap_run* run) {
         result = ty_scene_get_mesh(run->scene, first, &mesh);
         bool has_all = mesh.uv[1] != NULL;
         for (next = first + 1; next < meshes && ty_scene_get_mesh(run->scene, next, &other) == TY_OK; ++next) {
-            if (!same_node(&mesh, &other)) break;
+            if (!cli_same_node(&mesh, &other)) break;
             has_all = has_all && other.uv[1] != NULL;
         }
         if (result == TY_OK && (run->options->all || !has_all)) result = unwrap_node(run, first, next - first);

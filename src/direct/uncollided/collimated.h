@@ -3,7 +3,7 @@
 #define TY_DIRECT_UNCOLLIDED_COLLIMATED_H
 
 #include "base/progress.h"
-#include "direct/uncollided/transpose_scratch.h"
+#include "direct/uncollided/transpose.h"
 #include "direct/media/grid_medium.h"
 #include "direct/uncollided/kernel.h"
 #include "scene/scene.h"

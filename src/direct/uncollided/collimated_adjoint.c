@@ -151,35 +151,6 @@ static ty_result pass_direction(adjoint_job* job, double strength[3]) {
 
 /* ---- cells with x and z exchanged ---- */
 
-typedef struct exchange_job {
-    const float* from;
-    float* to;
-    int32_t size[3]; /* of `from` */
-    bool adds;
-} exchange_job;
-
-/* Layer y, in blocks that fit the cache. */
-static void exchange_layer(void* user, int64_t y, int32_t worker) {
-    (void)worker;
-    const exchange_job* job = user;
-    const size_t nx = (size_t)job->size[0], ny = (size_t)job->size[1], nz = (size_t)job->size[2];
-    for (size_t z0 = 0; z0 < nz; z0 += TY_TRANSPOSE_SIDE)
-        for (size_t x0 = 0; x0 < nx; x0 += TY_TRANSPOSE_SIDE)
-            for (size_t z = z0; z < nz && z < z0 + TY_TRANSPOSE_SIDE; ++z)
-                for (size_t x = x0; x < nx && x < x0 + TY_TRANSPOSE_SIDE; ++x) {
-                    float* to = &job->to[z + nz * ((size_t)y + ny * x)];
-                    const float value = job->from[x + nx * ((size_t)y + ny * z)];
-                    *to = job->adds ? *to + value : value;
-                }
-}
-
-static void exchange(const ty_grid_medium* medium, const float* from, float* to, bool back) {
-    const int32_t* size = medium->box.size;
-    exchange_job job = {
-        .from = from, .to = to, .size = {size[back ? 2 : 0], size[1], size[back ? 0 : 2]}, .adds = back};
-    ty_parallel_for(medium->context, size[1], exchange_layer, &job);
-}
-
 /* Copies of all planes; the gradient's is one of zeros. */
 static ty_result exchange_all(const adjoint_job* job, const cell_planes* planes, cell_planes* out) {
     const ty_grid_medium* medium = job->medium;
@@ -187,7 +158,8 @@ static ty_result exchange_all(const adjoint_job* job, const cell_planes* planes,
     for (int32_t c = -1; c < job->loss->channels; ++c) {
         float* copy = copies[c + 1] = ty_alloc_array(medium->context, medium->cells, sizeof *copy, false);
         if (copy == NULL) break;
-        exchange(medium, c < 0 ? planes->extinction : planes->weight[c], copy, false);
+        ty_exchange_axes(medium->context, medium->box.size, c < 0 ? planes->extinction : planes->weight[c], copy,
+                         false);
     }
     out->extinction = copies[0];
     for (int32_t c = 0; c < 3; ++c) out->weight[c] = copies[c + 1];
@@ -242,7 +214,11 @@ ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_collimate
     result = exchange_all(&job, &own, &exchanged);
     job.planes = &exchanged;
     if (result == TY_OK) result = pass_directions(&job, true, strength);
-    if (result == TY_OK) exchange(medium, exchanged.gradient, gradient, true);
+    if (result == TY_OK) {
+        const int32_t* size = medium->box.size;
+        const int32_t exchanged_size[3] = {size[2], size[1], size[0]};
+        ty_exchange_axes(medium->context, exchanged_size, exchanged.gradient, gradient, true);
+    }
     free_exchanged(medium, &exchanged);
     return result;
 }

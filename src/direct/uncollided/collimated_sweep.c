@@ -100,24 +100,6 @@ static void pass_block(void* user, int64_t block, int32_t worker) {
 
 /* ---- transposed cells ---- */
 
-typedef struct transpose_job {
-    const float* from;
-    float* to;
-    int32_t size[3]; /* of the medium */
-} transpose_job;
-
-/* Transposes the layer y from (x, z) to (z, x), in blocks that fit the cache. */
-static void transpose_layer(void* user, int64_t y, int32_t worker) {
-    (void)worker;
-    const transpose_job* job = user;
-    const size_t nx = (size_t)job->size[0], ny = (size_t)job->size[1], nz = (size_t)job->size[2];
-    for (size_t z0 = 0; z0 < nz; z0 += TY_TRANSPOSE_SIDE)
-        for (size_t x0 = 0; x0 < nx; x0 += TY_TRANSPOSE_SIDE)
-            for (size_t z = z0; z < nz && z < z0 + TY_TRANSPOSE_SIDE; ++z)
-                for (size_t x = x0; x < nx && x < x0 + TY_TRANSPOSE_SIDE; ++x)
-                    job->to[z + nz * ((size_t)y + ny * x)] = job->from[x + nx * ((size_t)y + ny * z)];
-}
-
 /* Transposes the last block of slabs in layer y back, adds it to the planes, and clears it. */
 static void add_transposed(void* user, int64_t y, int32_t worker) {
     (void)worker;
@@ -164,11 +146,6 @@ static ty_result pass_slabs(pass_job* job) {
     return result;
 }
 
-void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* scratch) {
-    ty_free_array(context, scratch->floats, scratch->count, sizeof *scratch->floats);
-    *scratch = (ty_transpose_scratch){.floats = NULL};
-}
-
 static ty_result fill_buffer(const pass_job* job, const ty_grid_medium* medium, size_t count) {
     ty_context* context = job->batch->beams->context;
     ty_transpose_scratch* buffer = job->buffer;
@@ -176,9 +153,7 @@ static ty_result fill_buffer(const pass_job* job, const ty_grid_medium* medium, 
     buffer->floats = ty_alloc_array(context, count, sizeof *buffer->floats, true);
     if (buffer->floats == NULL) return TY_ERROR_MEMORY;
     buffer->count = count;
-    transpose_job transpose = {.from = job->batch->extinction, .to = buffer->floats};
-    memcpy(transpose.size, medium->box.size, sizeof transpose.size);
-    ty_parallel_for(context, medium->box.size[1], transpose_layer, &transpose);
+    ty_exchange_axes(context, medium->box.size, job->batch->extinction, buffer->floats, false);
     return TY_OK;
 }
 

@@ -8,7 +8,7 @@
 #ifndef TY_DIRECT_UNCOLLIDED_UNCOLLIDED_H
 #define TY_DIRECT_UNCOLLIDED_UNCOLLIDED_H
 
-#include "direct/uncollided/transpose_scratch.h"
+#include "direct/uncollided/transpose.h"
 #include "direct/media/grid_medium.h"
 #include "direct/lights/discrete_light.h"
 

@@ -42,8 +42,12 @@ void ty_conversion_note_down(ty_conversion* conversion, const char* format, ...)
 
 /* ---- content ---- */
 
-static ty_result no_memory(ty_conversion* conversion) {
+ty_result ty_conversion_no_memory(ty_conversion* conversion) {
     return ty_fail(conversion->context, TY_ERROR_MEMORY, "%s: not enough memory", conversion->input);
+}
+
+ty_result ty_conversion_set(ty_conversion* conversion, json_t* object, const char* key, json_t* value) {
+    return json_object_set_new(object, key, value) == 0 ? TY_OK : ty_conversion_no_memory(conversion);
 }
 
 /* The index of an equal material; -1 without. */
@@ -91,7 +95,8 @@ ty_result ty_conversion_add_medium(ty_conversion* conversion, ty_conversion_medi
 }
 
 ty_result ty_conversion_add_light(ty_conversion* conversion, json_t* light) {
-    if (light == NULL || json_array_append_new(conversion->lights, light) != 0) return no_memory(conversion);
+    if (light == NULL || json_array_append_new(conversion->lights, light) != 0)
+        return ty_conversion_no_memory(conversion);
     return TY_OK;
 }
 
@@ -196,7 +201,7 @@ ty_result ty_conversion_open(ty_conversion* conversion, ty_context* context, con
                              const char* output) {
     *conversion = (ty_conversion){.context = context, .input = input, .folder = folder, .output = output};
     conversion->lights = json_array();
-    ty_result result = conversion->lights == NULL ? no_memory(conversion) : TY_OK;
+    ty_result result = conversion->lights == NULL ? ty_conversion_no_memory(conversion) : TY_OK;
     if (result == TY_OK && output != NULL) result = name_files(conversion);
     if (result != TY_OK) ty_conversion_close(conversion);
     return result;

@@ -90,6 +90,11 @@ void ty_conversion_close(ty_conversion* conversion);
 /* Keeps a note; the same text again is counted. */
 void ty_conversion_note_down(ty_conversion* conversion, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
+/* Fails for want of memory. */
+ty_result ty_conversion_no_memory(ty_conversion* conversion);
+/* Sets a key of an object; takes over the value, also on failure, and fails without one. */
+ty_result ty_conversion_set(ty_conversion* conversion, json_t* object, const char* key, json_t* value);
+
 /* Each takes over what it is given, also on failure; *index is its index, which equal materials share. */
 ty_result ty_conversion_add_material(ty_conversion* conversion, ty_conversion_material* material, int32_t* index);
 ty_result ty_conversion_add_medium(ty_conversion* conversion, ty_conversion_medium* medium, int32_t* index);

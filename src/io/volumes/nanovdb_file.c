@@ -33,12 +33,8 @@ ty_result ty_nanovdb_damaged(const ty_nanovdb_file* file, const char* what) {
 
 bool ty_is_nanovdb(const char* path) {
     char head[7] = "";
-    uint64_t size = 0;
-    FILE* stream = path == NULL ? NULL : ty_open_regular(path, &size);
-    if (stream == NULL) return false;
-    const bool read = fread(head, 1, sizeof head, stream) == sizeof head;
-    fclose(stream);
-    return read && memcmp(head, "NanoVDB", sizeof head) == 0;
+    return path != NULL && ty_read_head(path, head, sizeof head) == sizeof head &&
+           memcmp(head, "NanoVDB", sizeof head) == 0;
 }
 
 static bool read_bytes(const ty_nanovdb_file* file, uint64_t* at, void* to, uint64_t size) {

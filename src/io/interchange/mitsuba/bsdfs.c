@@ -16,12 +16,8 @@ typedef struct maker {
     ty_conversion_material material;
 } maker;
 
-static ty_result no_memory(const ty_mitsuba* scene) {
-    return ty_fail(scene->context, TY_ERROR_MEMORY, "%s: not enough memory", scene->conversion->input);
-}
-
 static ty_result set(maker* m, const char* key, json_t* value) {
-    return json_object_set_new(m->material.keys, key, value) == 0 ? TY_OK : no_memory(m->scene);
+    return ty_conversion_set(m->scene->conversion, m->material.keys, key, value);
 }
 
 static ty_result set_number(maker* m, const char* key, double value) {
@@ -283,7 +279,7 @@ ty_result ty_mitsuba_bsdf(ty_mitsuba* scene, int32_t node, int32_t* index) {
             return TY_OK;
         }
     maker m = {scene, node, {.keys = json_object(), .medium = -1}};
-    if (m.material.keys == NULL) return no_memory(scene);
+    if (m.material.keys == NULL) return ty_conversion_no_memory(scene->conversion);
     size_t i = 0;
     while (i < sizeof makers / sizeof makers[0] && strcmp(makers[i].type, ty_mitsuba_type(scene, node)) != 0) ++i;
     result = i < sizeof makers / sizeof makers[0] ? makers[i].make(&m) : make_unknown(&m);

@@ -16,10 +16,6 @@ typedef struct maker {
     double scale;
 } maker;
 
-static ty_result no_memory(const ty_mitsuba* scene) {
-    return ty_fail(scene->context, TY_ERROR_MEMORY, "%s: not enough memory", scene->conversion->input);
-}
-
 /* Sets g, or another phase function. */
 static ty_result set_phase(maker* m, json_t* entry) {
     const int32_t phase = ty_mitsuba_child_of_tag(m->scene, m->node, "phase");
@@ -29,20 +25,20 @@ static ty_result set_phase(maker* m, json_t* entry) {
         const ty_result result = ty_mitsuba_float(m->scene, phase, "g", &g);
         if (result != TY_OK) return result;
     } else if (strcmp(type, "rayleigh") == 0) {
-        return json_object_set_new(entry, "phase", json_pack("{s:s}", "type", "rayleigh")) == 0 ? TY_OK
-                                                                                                : no_memory(m->scene);
+        return ty_conversion_set(m->scene->conversion, entry, "phase", json_pack("{s:s}", "type", "rayleigh"));
     } else if (strcmp(type, "isotropic") != 0) {
         ty_conversion_note_down(m->scene->conversion, "the phase function \"%.60s\" became isotropic", type);
     }
-    return json_object_set_new(entry, "g", ty_json_number(fmin(fmax(g, -0.9999), 0.9999))) == 0 ? TY_OK
-                                                                                                : no_memory(m->scene);
+    return ty_conversion_set(m->scene->conversion, entry, "g", ty_json_number(fmin(fmax(g, -0.9999), 0.9999)));
 }
 
 /* Adds an entry, which is taken over. */
 static ty_result add_entry(maker* m, json_t* entry) {
     const ty_result result = set_phase(m, entry);
     const bool named = json_object_set_new(entry, "name", json_string(m->medium.name)) == 0;
-    return json_array_append_new(m->medium.entries, entry) == 0 && named ? result : no_memory(m->scene);
+    return json_array_append_new(m->medium.entries, entry) == 0 && named
+               ? result
+               : ty_conversion_no_memory(m->scene->conversion);
 }
 
 /* A colour of the medium itself, or of a volume that is constant. */
@@ -190,7 +186,7 @@ static ty_result set_volume(maker* m, json_t* entry, const char* key, const volu
     if (result != TY_OK) return result;
     json_t* value = json_pack("{s:s, s:s}", "file", reference != NULL ? reference : "", "grid", key);
     ty_free_text(context, reference);
-    return json_object_set_new(entry, key, value) == 0 ? TY_OK : no_memory(m->scene);
+    return ty_conversion_set(m->scene->conversion, entry, key, value);
 }
 
 /* One entry, or one for each channel of an extinction that has three: coefficients of overlapping media add up. */
@@ -203,9 +199,7 @@ static ty_result add_heterogeneous(maker* m, const volume* density, const volume
         json_t* entry = json_pack("{s:o}", "sigma_t", ty_conversion_colour(sigma_t, 0, 1e9));
         result = set_volume(m, entry, "density", density, e, 1);
         if (result == TY_OK && albedo->components == 0)
-            result = json_object_set_new(entry, "albedo", ty_conversion_colour(constant, 0, 1)) == 0
-                         ? TY_OK
-                         : no_memory(m->scene);
+            result = ty_conversion_set(m->scene->conversion, entry, "albedo", ty_conversion_colour(constant, 0, 1));
         else if (result == TY_OK && (entries == 1 || albedo->components == 1))
             result = set_volume(m, entry, "albedo", albedo, 0, albedo->components);
         else if (result == TY_OK)
@@ -276,7 +270,8 @@ ty_result ty_mitsuba_medium(ty_mitsuba* scene, int32_t node, int32_t* index) {
     maker m = {.scene = scene, .node = node, .medium = {.transform = ty_affine_identity()}, .scale = 1};
     m.medium.name = ty_copy_text(scene->context, id != NULL ? id : "medium");
     m.medium.entries = json_array();
-    ty_result result = m.medium.name == NULL || m.medium.entries == NULL ? no_memory(scene) : TY_OK;
+    ty_result result =
+        m.medium.name == NULL || m.medium.entries == NULL ? ty_conversion_no_memory(scene->conversion) : TY_OK;
     for (char* at = m.medium.name; result == TY_OK && *at != '\0'; ++at)
         if (*at < ' ' || *at > '~') *at = '?';
     if (result == TY_OK) result = ty_mitsuba_float(scene, node, "scale", &m.scale);

@@ -10,10 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-static ty_result no_memory(const ty_mitsuba* scene) {
-    return ty_fail(scene->context, TY_ERROR_MEMORY, "%s: not enough memory", scene->conversion->input);
-}
-
 static json_t* render_of(ty_mitsuba* scene) {
     if (scene->conversion->render == NULL) scene->conversion->render = json_pack("{s:s}", "method", "path");
     return scene->conversion->render;
@@ -72,7 +68,7 @@ static ty_result read_sampler(ty_mitsuba* scene, int32_t node) {
     const ty_result result = ty_mitsuba_float(scene, sampler, "sample_count", &count);
     if (result != TY_OK) return result;
     const json_int_t spp = (json_int_t)fmin(fmax(count, 1), 1 << 24);
-    return json_object_set_new(render_of(scene), "spp", json_integer(spp)) == 0 ? TY_OK : no_memory(scene);
+    return ty_conversion_set(scene->conversion, render_of(scene), "spp", json_integer(spp));
 }
 
 /* Notes about all that a pinhole camera lacks. */
@@ -134,7 +130,7 @@ ty_result ty_mitsuba_sensor(ty_mitsuba* scene, int32_t node) {
         json_pack("{s:o, s:o, s:o, s:o, s:[i, i]}", "position", ty_conversion_vector(position, 3), "target",
                   ty_conversion_vector(target, 3), "up", ty_conversion_vector(up, 3), "fov_y", ty_json_number(fov_y),
                   "resolution", (int)size[0], (int)size[1]);
-    return scene->conversion->camera != NULL ? TY_OK : no_memory(scene);
+    return scene->conversion->camera != NULL ? TY_OK : ty_conversion_no_memory(scene->conversion);
 }
 
 /* Mitsuba's depth of 1 is that of light seen directly, so that it is one more than the number of scatterings. */
@@ -151,5 +147,5 @@ ty_result ty_mitsuba_integrator(ty_mitsuba* scene, int32_t node) {
         ty_conversion_note_down(scene->conversion, "integrator: a max_depth of %g became one scattering", depth);
     const json_int_t limit = depth < 0 ? 0 : depth < 2 ? 1 : (json_int_t)fmin(depth - 1, 1e9);
     json_t* path = json_pack("{s:I}", "max_depth", limit);
-    return json_object_set_new(render_of(scene), "path", path) == 0 ? TY_OK : no_memory(scene);
+    return ty_conversion_set(scene->conversion, render_of(scene), "path", path);
 }

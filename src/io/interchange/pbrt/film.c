@@ -8,10 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-static ty_result no_memory(const ty_pbrt* reader) {
-    return ty_fail(reader->context, TY_ERROR_MEMORY, "%s: not enough memory", reader->conversion->input);
-}
-
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -73,7 +69,7 @@ ty_result ty_pbrt_camera(ty_pbrt* reader, const ty_pbrt_parameters* parameters) 
     if (medium >= 0) reader->conversion->media[medium].outside = reader->conversion->media[medium].camera = true;
     json_t* camera = json_pack("{s:o, s:o, s:o}", "position", ty_conversion_vector(position, 3), "target",
                                ty_conversion_vector(target, 3), "up", ty_conversion_vector(up, 3));
-    if (camera == NULL) return no_memory(reader);
+    if (camera == NULL) return ty_conversion_no_memory(reader->conversion);
     reader->conversion->camera = camera;
     return TY_OK;
 }
@@ -115,7 +111,7 @@ ty_result ty_pbrt_sampler(ty_pbrt* reader, const ty_pbrt_parameters* parameters)
     const double spp = ty_pbrt_int(parameters, "pixelsamples", 16), count = stratified ? x * y : spp;
     if (json_object_set_new(render_of(reader), "spp", json_integer((json_int_t)fmin(fmax(count, 1), 1 << 24))) == 0)
         return TY_OK;
-    return no_memory(reader);
+    return ty_conversion_no_memory(reader->conversion);
 }
 
 ty_result ty_pbrt_integrator(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
@@ -124,7 +120,7 @@ ty_result ty_pbrt_integrator(ty_pbrt* reader, const ty_pbrt_parameters* paramete
     const int32_t depth = ty_pbrt_int(parameters, "maxdepth", 5);
     json_t* path = json_object_get(render_of(reader), "path");
     if (json_object_set_new(path, "max_depth", json_integer(depth < 1 ? 1 : depth)) == 0) return TY_OK;
-    return no_memory(reader);
+    return ty_conversion_no_memory(reader->conversion);
 }
 
 /* Vertical angle of view: fov is that of the shorter axis, or of 1 in units of the screen window. */
@@ -150,5 +146,5 @@ ty_result ty_pbrt_finish_camera(ty_pbrt* reader) {
         const double stops = fmin(fmax(log2(ratio), -100), 100);
         done = json_object_set_new(camera, "exposure", ty_json_number(stops)) == 0 && done;
     }
-    return render_of(reader) != NULL && done ? TY_OK : no_memory(reader);
+    return render_of(reader) != NULL && done ? TY_OK : ty_conversion_no_memory(reader->conversion);
 }

@@ -16,12 +16,8 @@ typedef struct maker {
     ty_conversion_material material;
 } maker;
 
-static ty_result no_memory(const ty_pbrt* reader) {
-    return ty_fail(reader->context, TY_ERROR_MEMORY, "%s: not enough memory", reader->conversion->input);
-}
-
 static ty_result set(maker* m, const char* key, json_t* value) {
-    return json_object_set_new(m->material.keys, key, value) == 0 ? TY_OK : no_memory(m->reader);
+    return ty_conversion_set(m->reader->conversion, m->material.keys, key, value);
 }
 
 static ty_result set_number(maker* m, const char* key, double value) {
@@ -300,7 +296,8 @@ static ty_result make_subsurface(maker* m) {
                                ty_conversion_colour(sigma_s, 0, 1e9), "sigma_a", ty_conversion_colour(sigma_a, 0, 1e9),
                                "g", ty_json_number(fmin(fmax(ty_pbrt_float(m->parameters, "g", 0), -0.999), 0.999)));
     result = ty_conversion_add_medium(m->reader->conversion, &medium, &m->material.medium);
-    if (result == TY_OK && (medium.name == NULL || medium.entries == NULL)) result = no_memory(m->reader);
+    if (result == TY_OK && (medium.name == NULL || medium.entries == NULL))
+        result = ty_conversion_no_memory(m->reader->conversion);
     return result == TY_OK ? make_dielectric(m) : result;
 }
 
@@ -376,7 +373,7 @@ ty_result ty_pbrt_material(ty_pbrt* reader, const ty_pbrt_parameters* parameters
     if (strcmp(type, "interface") == 0 || type[0] == '\0' || strcmp(type, "none") == 0) return TY_OK;
     if (strcmp(type, "mix") == 0) return choose_of_mix(reader, parameters, index);
     maker m = {reader, parameters, {.keys = json_object(), .medium = -1}};
-    ty_result result = m.material.keys == NULL ? no_memory(reader) : TY_OK;
+    ty_result result = m.material.keys == NULL ? ty_conversion_no_memory(reader->conversion) : TY_OK;
     size_t i = 0;
     while (i < sizeof makers / sizeof makers[0] && strcmp(makers[i].type, type) != 0) ++i;
     if (i == sizeof makers / sizeof makers[0])

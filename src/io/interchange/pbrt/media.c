@@ -18,16 +18,12 @@ typedef struct maker {
     double sigma_a[3], sigma_s[3];
 } maker;
 
-static ty_result no_memory(const ty_pbrt* reader) {
-    return ty_fail(reader->context, TY_ERROR_MEMORY, "%s: not enough memory", reader->conversion->input);
-}
-
 /* Adds an entry, which is taken over. */
 static ty_result add_entry(maker* m, json_t* entry) {
     if (json_object_set_new(entry, "name", json_string(m->medium.name)) == 0 &&
         json_array_append_new(m->medium.entries, entry) == 0)
         return TY_OK;
-    return no_memory(m->reader);
+    return ty_conversion_no_memory(m->reader->conversion);
 }
 
 static json_t* asymmetry(const maker* m) {
@@ -130,7 +126,7 @@ static ty_result set_volume(maker* m, json_t* entry, const char* key, const char
     if (result != TY_OK) return result;
     json_t* value = json_pack("{s:s, s:s}", "file", reference != NULL ? reference : "", "grid", grid);
     ty_free_text(m->reader->context, reference);
-    return json_object_set_new(entry, key, value) == 0 ? TY_OK : no_memory(m->reader);
+    return ty_conversion_set(m->reader->conversion, entry, key, value);
 }
 
 /* Emission by temperatures, as black bodies whose largest spectral radiance is Lescale; plane is changed. */
@@ -154,7 +150,7 @@ static ty_result set_temperature(maker* m, json_t* entry, const int32_t size[3],
     json_t* emission = json_pack("{s:{s:s, s:s}, s:o}", "temperature", "file", reference != NULL ? reference : "",
                                  "grid", "temperature", "scale", ty_json_number(fmin(factor, 1e6)));
     ty_free_text(m->reader->context, reference);
-    return json_object_set_new(entry, "emission", emission) == 0 ? TY_OK : no_memory(m->reader);
+    return ty_conversion_set(m->reader->conversion, entry, "emission", emission);
 }
 
 /* The scale of Le, which may be a grid: its mean, if that is not constant. */
@@ -343,7 +339,7 @@ static ty_result add_file(maker* m, const char* path, const char* reference) {
     m->medium.grid = true;
     json_t* entry = make_entry(m, dark);
     json_t* density = json_pack("{s:s, s:s}", "file", reference, "grid", name);
-    result = json_object_set_new(entry, "density", density) == 0 ? TY_OK : no_memory(m->reader);
+    result = ty_conversion_set(m->reader->conversion, entry, "density", density);
     if (result == TY_OK && has_grid(context, path, heat)) result = add_file_temperature(m, path, heat, entry);
     if (result == TY_OK) return add_entry(m, entry);
     json_decref(entry);
@@ -393,7 +389,8 @@ ty_result ty_pbrt_medium(ty_pbrt* reader, const ty_pbrt_parameters* parameters, 
         if (*at < ' ' || *at > '~') *at = '?';
     m.medium.name = ty_copy_text(reader->context, text);
     m.medium.entries = json_array();
-    ty_result result = m.medium.name == NULL || m.medium.entries == NULL ? no_memory(reader) : TY_OK;
+    ty_result result =
+        m.medium.name == NULL || m.medium.entries == NULL ? ty_conversion_no_memory(reader->conversion) : TY_OK;
     size_t i = 0;
     while (i < sizeof readers / sizeof readers[0] && strcmp(readers[i].type, parameters->type) != 0) ++i;
     if (i == sizeof readers / sizeof readers[0])

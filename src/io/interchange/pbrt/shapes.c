@@ -9,22 +9,24 @@
 #include <stdio.h>
 #include <string.h>
 
+/* The edges' cross product of a triangle: along its normal, twice as long as its area. */
+static void find_normal(const ty_model_mesh* mesh, const uint32_t corner[3], double out[3]) {
+    double u[3], v[3];
+    for (int a = 0; a < 3; ++a) {
+        const double origin = (double)mesh->positions[3 * (size_t)corner[0] + (size_t)a];
+        u[a] = (double)mesh->positions[3 * (size_t)corner[1] + (size_t)a] - origin;
+        v[a] = (double)mesh->positions[3 * (size_t)corner[2] + (size_t)a] - origin;
+    }
+    for (int a = 0; a < 3; ++a) out[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+}
+
 /* Area of a mesh's triangles. */
 static double area_of(const ty_model_mesh* mesh) {
     double sum = 0;
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
-        const uint32_t* corner = mesh->indices + 3 * t;
-        double u[3], v[3], square = 0;
-        for (int a = 0; a < 3; ++a) {
-            const double origin = (double)mesh->positions[3 * (size_t)corner[0] + (size_t)a];
-            u[a] = (double)mesh->positions[3 * (size_t)corner[1] + (size_t)a] - origin;
-            v[a] = (double)mesh->positions[3 * (size_t)corner[2] + (size_t)a] - origin;
-        }
-        for (int a = 0; a < 3; ++a) {
-            const double n = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-            square += n * n;
-        }
-        sum += 0.5 * sqrt(square);
+        double n[3];
+        find_normal(mesh, mesh->indices + 3 * t, n);
+        sum += 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     }
     return sum;
 }
@@ -77,16 +79,10 @@ static void map_uv(ty_pbrt* reader, ty_model_mesh* mesh) {
 static void face_normals(ty_model_mesh* mesh) {
     for (size_t t = 0; t < mesh->triangle_count && mesh->normals != NULL; ++t) {
         uint32_t* corner = mesh->indices + 3 * t;
-        double u[3], v[3], side = 0;
-        for (int a = 0; a < 3; ++a) {
-            const double origin = (double)mesh->positions[3 * (size_t)corner[0] + (size_t)a];
-            u[a] = (double)mesh->positions[3 * (size_t)corner[1] + (size_t)a] - origin;
-            v[a] = (double)mesh->positions[3 * (size_t)corner[2] + (size_t)a] - origin;
-        }
-        for (int a = 0; a < 3; ++a) {
-            const double n = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-            for (int k = 0; k < 3; ++k) side += n * (double)mesh->normals[3 * (size_t)corner[k] + (size_t)a];
-        }
+        double n[3], side = 0;
+        find_normal(mesh, corner, n);
+        for (int a = 0; a < 3; ++a)
+            for (int k = 0; k < 3; ++k) side += n[a] * (double)mesh->normals[3 * (size_t)corner[k] + (size_t)a];
         if (side >= 0) continue;
         const uint32_t swapped = corner[1];
         corner[1] = corner[2];

@@ -12,13 +12,8 @@
 
 bool ty_is_dicom_file(const char* path) {
     enum { HEAD_SIZE = 132 };
-    uint64_t length = 0;
     uint8_t head[HEAD_SIZE];
-    FILE* stream = ty_open_regular(path, &length);
-    if (stream == NULL) return false;
-    const size_t got = fread(head, 1, sizeof head, stream);
-    fclose(stream);
-    return ty_is_dicom(head, got);
+    return ty_is_dicom(head, ty_read_head(path, head, sizeof head));
 }
 
 static int compare_paths(const void* a, const void* b) {

@@ -13,13 +13,8 @@
 static const size_t file_size_max = (size_t)1 << 36;
 
 bool ty_is_nifti_file(const char* path) {
-    uint64_t length = 0;
     uint8_t head[TY_NIFTI2_BYTES];
-    FILE* stream = ty_open_regular(path, &length);
-    if (stream == NULL) return false;
-    const size_t got = fread(head, 1, sizeof head, stream);
-    fclose(stream);
-    return ty_is_nifti(head, got);
+    return ty_is_nifti(head, ty_read_head(path, head, sizeof head));
 }
 
 static bool is_packed(const uint8_t* bytes, size_t size) {

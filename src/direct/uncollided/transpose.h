@@ -1,6 +1,6 @@
-/* Memory for transposed cells, for parallel light along rows. */
-#ifndef TY_DIRECT_UNCOLLIDED_TRANSPOSE_SCRATCH_H
-#define TY_DIRECT_UNCOLLIDED_TRANSPOSE_SCRATCH_H
+/* Cells with x and z exchanged, for parallel light along rows, and memory for them. */
+#ifndef TY_DIRECT_UNCOLLIDED_TRANSPOSE_H
+#define TY_DIRECT_UNCOLLIDED_TRANSPOSE_H
 
 #include <tyndall/base.h>
 
@@ -12,5 +12,8 @@ typedef struct ty_transpose_scratch {
 } ty_transpose_scratch;
 
 void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* scratch);
+
+/* Exchanges x and z. size: cells of `from` along x, y and z; adds: to what `to` has. */
+void ty_exchange_axes(ty_context* context, const int32_t size[3], const float* from, float* to, bool adds);
 
 #endif
