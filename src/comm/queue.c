@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Target duration of a task, and the longest wait for ranks at the end of the command, seconds. */
 static const double task_seconds = 0.2, farewell_seconds = 5;
@@ -47,7 +48,7 @@ void ty_buffer_add(ty_buffer* buffer, const void* bytes, size_t size) {
         uint8_t* grown = realloc(buffer->bytes, capacity);
         if (grown == NULL) {
             fputs("tyndall: not enough memory for a message to another rank\n", stderr);
-            abort();
+            _exit(1); /* as where a rank dies: the rest of the job goes on, or resumes */
         }
         buffer->bytes = grown;
         buffer->capacity = capacity;
