@@ -2,6 +2,7 @@
  */
 #include "checks.h"
 #include "comm/domain.h"
+#include "comm/joint.h"
 #include "ranks.h"
 
 /* ---- transfers ---- */
@@ -161,12 +162,61 @@ static void boxes_know_their_neighbours(void** state) {
         for (int32_t ranks = 1; ranks <= RANKS_MAX; ++ranks) run_ranks(ranks, check_boxes, grids[g]);
 }
 
+/* ---- joint solves ---- */
+
+/* The sum of a number of rank 0 and the ranks, which every rank makes. */
+static double add_up(ty_comm* comm, double number) {
+    double sum = number + ty_comm_rank(comm);
+    require(ty_comm_sum(comm, &sum, 1));
+    return sum;
+}
+
+static void take_part(ty_comm* comm, void* user, const uint8_t* bytes, size_t size) {
+    double number, *out = user;
+    require(size == sizeof number);
+    memcpy(&number, bytes, sizeof number);
+    *out += add_up(comm, number);
+}
+
+/* Two solves, and one of a kind that the others do not know. */
+static void solve_twice(ty_comm* comm, void* user) {
+    double sum = 0;
+    bool all = false;
+    char message[128];
+    (void)user;
+    if (ty_comm_rank(comm) > 0) {
+        const ty_joint_solver solvers[TY_JOINT_KINDS] = {[TY_JOINT_DIFFUSION] = take_part};
+        ty_joint_rank rank = {comm, solvers, &sum};
+        const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_JOINT] = ty_joint_job_worker(&rank)};
+        ty_queue_hello(comm, 0, "");
+        require(ty_queue_serve(comm, workers, &all) == 0 && all);
+        require(sum == 3 * (1 + 2) + 2 * (0 + 1 + 2));
+        return;
+    }
+    ty_work_queue* queue = ty_queue_create(comm);
+    require(queue != NULL && ty_queue_greet(queue, "", 10, message, sizeof message));
+    for (int i = 0; i < 2; ++i) {
+        const double number = 1 + i;
+        require(ty_joint_begin(queue, TY_JOINT_DIFFUSION, &number, sizeof number) == comm);
+        require(add_up(comm, number) == 3 * number + 3);
+        require(ty_joint_begin(queue, TY_JOINT_ORDINATES, &number, sizeof number) == NULL);
+    }
+    require(ty_queue_destroy(queue, 0));
+}
+
+static void ranks_solve_together(void** state) {
+    (void)state;
+    assert_null(ty_joint_begin(NULL, TY_JOINT_DIFFUSION, NULL, 0));
+    run_ranks(3, solve_twice, NULL);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(transfers_arrive),
         cmocka_unit_test(a_rank_that_does_not_answer_is_named),
         cmocka_unit_test(grids_are_cut_where_it_costs_least),
         cmocka_unit_test(boxes_know_their_neighbours),
+        cmocka_unit_test(ranks_solve_together),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
