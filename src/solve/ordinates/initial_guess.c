@@ -45,8 +45,8 @@ static bool is_anisotropic(const ty_ordinates_job* job) {
 }
 
 static bool pays(const ty_ordinates_job* job) {
-    return job->cells >= MIN_CELLS && job->def->walls.count == 0 && job->def->bands >= BANDS &&
-           job->def->source_terms > 1 && is_thin(job) && is_anisotropic(job);
+    return job->def->domain == NULL && job->cells >= MIN_CELLS && job->def->walls.count == 0 &&
+           job->def->bands >= BANDS && job->def->source_terms > 1 && is_thin(job) && is_anisotropic(job);
 }
 
 /* ---- memory ---- */
