@@ -158,7 +158,7 @@ static ty_result scale(ty_ordinates_job* job) {
     if (!ty_ordinates_scale(job, reduced, absorption))
         return ty_fail(job->context, TY_ERROR_ARGUMENT,
                        "ordinates: extinction, scattering, g or source of a cell is outside its range or not finite");
-    if (!def->accelerated || !scatters(job) || def->domain != NULL) return TY_OK;
+    if (!def->accelerated || !scatters(job)) return TY_OK;
     const ty_result result = ty_ordinates_diffusive_find(job, reduced, absorption);
     if (result != TY_OK) return result;
     ty_diffusion_def diffusion = ty_default_diffusion_def();
@@ -178,7 +178,7 @@ static ty_result scale(ty_ordinates_job* job) {
         ty_fresnel_faces_diffuse(def, job->dsa_albedo);
         job->dsa_walls.albedo = job->dsa_albedo;
     }
-    return ty_dsa_create(job->context, &diffusion, &job->dsa_walls, &job->dsa);
+    return ty_dsa_create(job->context, &diffusion, &job->dsa_walls, def->domain, &job->dsa);
 }
 
 /* Initial guess: the caller's moments, or the solution on coarser cells, or the diffusion solution. */
