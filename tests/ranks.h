@@ -73,15 +73,26 @@ static bool box_receive(const ty_comm_message* message, void* bytes) {
     return true;
 }
 
+/* Receives of a thread's rank under way, in the order in which they were posted, in which they are matched. */
+static _Thread_local ty_comm_transfer* box_wanted[BOX];
+static _Thread_local int box_wanted_count;
+
 static bool box_post(ty_comm_transfer* t) {
-    if (t->receives) return true;
-    t->done = box_drop(&box_transfers[t->rank], t->tag, t->bytes, t->size);
-    return t->done;
+    if (!t->receives) {
+        t->done = box_drop(&box_transfers[t->rank], t->tag, t->bytes, t->size);
+        return t->done;
+    }
+    if (box_wanted_count == BOX) return false;
+    box_wanted[box_wanted_count++] = t;
+    return true;
 }
 
 static bool box_test(ty_comm_transfer* t) {
     mailbox* box = &box_transfers[own_rank];
     bool good = true;
+    int at = 0;
+    while (box_wanted[at]->rank != t->rank || box_wanted[at]->tag != t->tag) ++at;
+    if (box_wanted[at] != t) return true; /* another one comes first */
     pthread_mutex_lock(&box_lock);
     for (int i = 0; i < box->count && !t->done; ++i) {
         const ty_comm_message* m = &box->letters[i].message;
@@ -91,6 +102,7 @@ static bool box_test(ty_comm_transfer* t) {
         if (good) box_take(box, i, t->bytes);
     }
     pthread_mutex_unlock(&box_lock);
+    if (t->done) memmove(&box_wanted[at], &box_wanted[at + 1], (size_t)(--box_wanted_count - at) * sizeof *box_wanted);
     return good;
 }
 
