@@ -231,6 +231,7 @@ static const problem problems[] = {
     {"accelerated", {14, 13, 11}, 3, 12, 0.85, 0.999, false, false, false, true, false},
     {"accelerated walls", {9, 14, 10}, 2, 6, 0.3, 0.98, true, false, true, true, false},
     {"accelerated isotropic", {12, 9, 8}, 1, 8, 0, 1, false, true, false, true, true},
+    {"divided multigrid", {37, 40, 34}, 1, 25, 0, 0.99, false, false, true, true, false},
     {"a last sweep", {9, 12, 7}, 1, 5, 0, 0.8, false, false, true, false, true},
 };
 

@@ -4,7 +4,7 @@
 #include "base/context.h"
 #include "comm/regroup.h"
 #include "solve/diffusion/cells.k.h"
-#include "solve/diffusion/job.h"
+#include "solve/diffusion/divided.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,6 +25,7 @@ struct ty_dsa {
     ty_diffusion_job* solver;
     ty_diffusion_job whole;
     ty_diffusion_def whole_def;
+    ty_domain whole_domain;
     char* whole_memory;
     size_t whole_bytes;
 };
@@ -180,32 +181,31 @@ static void move(const ty_dsa* dsa, const float* part, const float* whole, bool 
     const ty_halo here = array_of(&dsa->job.cells.box, part), there = array_of(&dsa->whole.cells.box, whole);
     ty_comm* comm = dsa->domain->comm;
     if (back)
-        ty_domain_regroup(comm, NULL, dsa->domain, &there, &here);
+        ty_domain_regroup(comm, dsa->whole_def.domain, dsa->domain, &there, &here);
     else
-        ty_domain_regroup(comm, dsa->domain, NULL, &here, &there);
+        ty_domain_regroup(comm, dsa->domain, dsa->whole_def.domain, &here, &there);
 }
 
 static void lay_out_whole(ty_dsa* dsa, ty_arena* arena) {
     ty_diffusion_job* job = &dsa->whole;
-    const int32_t* size = dsa->whole_def.size;
-    job->cells.box = ty_box_make(size[0], size[1], size[2]);
-    job->sums = ty_arena_take(arena, sizeof *job->sums * (size_t)size[2]);
-    job->direction = ty_solve_take_box(arena, &job->cells.box, sizeof(float));
-    job->change = ty_solve_take_box(arena, &job->cells.box, sizeof(float));
-    ty_multigrid_lay_out(job, arena);
+    ty_solve_lay_out(job, arena);
     for (int axis = 0; axis < 3; ++axis)
         job->levels[0].g[axis] = ty_solve_take_box(arena, &job->cells.box, sizeof(float));
 }
 
-/* The solver of the whole, on rank 0. */
+/* The solver of the whole: divided as multigrid needs it, or on rank 0 where there are too few cells for that. */
 static ty_result create_whole(ty_dsa* dsa) {
-    dsa->whole_def = dsa->def;
-    dsa->whole_def.solver = TY_DIFFUSION_MULTIGRID;
-    memcpy(dsa->whole_def.size, dsa->domain->cells, sizeof dsa->whole_def.size);
+    ty_diffusion_def* def = &dsa->whole_def;
+    *def = dsa->def;
+    def->solver = TY_DIFFUSION_MULTIGRID;
+    memcpy(def->size, dsa->domain->cells, sizeof def->size);
     dsa->whole = dsa->job;
-    dsa->whole.def = &dsa->whole_def;
+    dsa->whole.def = def;
     dsa->solver = &dsa->whole;
-    if (ty_comm_rank(dsa->domain->comm) > 0) return TY_OK;
+    if (ty_diffusion_divide(dsa->domain->comm, def, &dsa->whole_domain)) def->domain = &dsa->whole_domain;
+    for (int axis = 0; axis < 3 && def->domain != NULL; ++axis)
+        def->size[axis] = def->domain->end[axis] - def->domain->first[axis];
+    if (def->domain == NULL && ty_comm_rank(dsa->domain->comm) > 0) return TY_OK;
     ty_arena arena = {0};
     lay_out_whole(dsa, &arena);
     dsa->whole_bytes = arena.used;
@@ -220,7 +220,9 @@ static void set_up_whole(ty_dsa* dsa) {
     const ty_level *part = &dsa->job.levels[0], *whole = &dsa->whole.levels[0];
     for (int axis = 0; axis < 3; ++axis) move(dsa, part->g[axis], whole->g[axis], false);
     move(dsa, part->d, whole->d, false);
-    if (dsa->whole_memory != NULL) ty_multigrid_coarsen(&dsa->whole, 0);
+    if (dsa->whole_memory == NULL) return;
+    ty_divided_exchange(&dsa->whole, &whole->box, &whole->g[1], 2);
+    ty_multigrid_coarsen(&dsa->whole, 0);
 }
 
 static void set_up_operator(ty_dsa* dsa) {
@@ -281,6 +283,7 @@ void ty_dsa_destroy(ty_dsa* dsa) {
     ty_context* context = dsa->job.context;
     if (dsa->memory != NULL) ty_free_array(context, dsa->memory, dsa->bytes, 1);
     if (dsa->whole_memory != NULL) ty_free_array(context, dsa->whole_memory, dsa->whole_bytes, 1);
+    ty_domain_destroy(&dsa->whole_domain);
     ty_free_array(context, dsa, 1, sizeof *dsa);
 }
 
