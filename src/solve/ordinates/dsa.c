@@ -194,7 +194,7 @@ static void lay_out_whole(ty_dsa* dsa, ty_arena* arena) {
 }
 
 /* The solver of the whole: divided as multigrid needs it, or on rank 0 where there are too few cells for that. */
-static ty_result create_whole(ty_dsa* dsa) {
+static void begin_whole(ty_dsa* dsa) {
     ty_diffusion_def* def = &dsa->whole_def;
     *def = dsa->def;
     def->solver = TY_DIFFUSION_MULTIGRID;
@@ -205,13 +205,17 @@ static ty_result create_whole(ty_dsa* dsa) {
     if (ty_diffusion_divide(dsa->domain->comm, def, &dsa->whole_domain)) def->domain = &dsa->whole_domain;
     for (int axis = 0; axis < 3 && def->domain != NULL; ++axis)
         def->size[axis] = def->domain->end[axis] - def->domain->first[axis];
-    if (def->domain == NULL && ty_comm_rank(dsa->domain->comm) > 0) return TY_OK;
+    if (def->domain == NULL && ty_comm_rank(dsa->domain->comm) > 0) return;
     ty_arena arena = {0};
     lay_out_whole(dsa, &arena);
     dsa->whole_bytes = arena.used;
+}
+
+static ty_result create_whole(ty_dsa* dsa) {
+    if (dsa->whole_bytes == 0) return TY_OK;
     dsa->whole_memory = ty_alloc_array(dsa->job.context, dsa->whole_bytes, 1, true);
     if (dsa->whole_memory == NULL) return TY_ERROR_MEMORY;
-    arena = (ty_arena){.base = dsa->whole_memory};
+    ty_arena arena = {.base = dsa->whole_memory};
     lay_out_whole(dsa, &arena);
     return TY_OK;
 }
@@ -242,11 +246,9 @@ static void set_up_operator(ty_dsa* dsa) {
         ty_multigrid_coarsen(job, 0);
 }
 
-ty_result ty_dsa_create(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
-                        ty_domain* domain, ty_dsa** out) {
-    *out = NULL;
-    ty_dsa* dsa = ty_alloc_array(context, 1, sizeof *dsa, true);
-    if (dsa == NULL) return TY_ERROR_MEMORY;
+/* A solve without its memory, whose size it finds. */
+static void begin_dsa(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
+                      ty_domain* domain, ty_dsa* dsa) {
     dsa->def = *def;
     dsa->walls = walls;
     dsa->def.limiter = TY_LIMITER_NONE;
@@ -257,22 +259,36 @@ ty_result ty_dsa_create(ty_context* context, const ty_diffusion_def* def, const 
         if (!ends(dsa, side)) dsa->def.boundary[side].kind = TY_BOUNDARY_REFLECTING;
     dsa->def.source = def->absorption; /* required by the job; the resulting source is unused */
     dsa->job = (ty_diffusion_job){.context = context, .def = &dsa->def, .out = &dsa->out, .stats = &dsa->stats};
+    dsa->solver = &dsa->job;
     ty_arena arena = {0};
     lay_out(dsa, &arena);
     dsa->bytes = arena.used;
+    if (domain != NULL) begin_whole(dsa);
+}
+
+size_t ty_dsa_plan(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
+                   ty_domain* domain) {
+    ty_dsa dsa = {.leakage = 0};
+    begin_dsa(context, def, walls, domain, &dsa);
+    ty_domain_destroy(&dsa.whole_domain);
+    return ty_dsa_bytes(&dsa);
+}
+
+ty_result ty_dsa_create(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
+                        ty_domain* domain, ty_dsa** out) {
+    *out = NULL;
+    ty_dsa* dsa = ty_alloc_array(context, 1, sizeof *dsa, true);
+    if (dsa == NULL) return TY_ERROR_MEMORY;
+    begin_dsa(context, def, walls, domain, dsa);
     dsa->memory = ty_alloc_array(context, dsa->bytes, 1, true);
-    if (dsa->memory == NULL) {
+    if (dsa->memory == NULL || create_whole(dsa) != TY_OK) {
         ty_dsa_destroy(dsa);
         return TY_ERROR_MEMORY;
     }
-    arena = (ty_arena){.base = dsa->memory};
+    ty_arena arena = {.base = dsa->memory};
     ty_solve_choose_kernels(&dsa->job);
+    ty_solve_choose_kernels(dsa->solver);
     lay_out(dsa, &arena);
-    dsa->solver = &dsa->job;
-    if (domain != NULL && create_whole(dsa) != TY_OK) {
-        ty_dsa_destroy(dsa);
-        return TY_ERROR_MEMORY;
-    }
     set_up_operator(dsa);
     *out = dsa;
     return TY_OK;

@@ -16,6 +16,9 @@ ty_result ty_dsa_create(ty_context* context, const ty_diffusion_def* def, const 
                         ty_domain* domain, ty_dsa** out);
 void ty_dsa_destroy(ty_dsa* dsa);
 size_t ty_dsa_bytes(const ty_dsa* dsa);
+/* The bytes that a result would have, without making it. */
+size_t ty_dsa_plan(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
+                   ty_domain* domain);
 
 /* Layout of the arrays; D, with ghosts -D of the cell beside them; the source, to be written before each solve, which
  * overwrites it. */

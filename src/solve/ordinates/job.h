@@ -8,7 +8,7 @@
 #include "solve/ordinates/fresnel_faces.h"
 
 /* Number of iterates in Anderson acceleration; maximum cells along an axis. */
-enum { TY_ANDERSON_DEPTH = 5, TY_ORDINATES_SIDE_MAX = 512 };
+enum { TY_ANDERSON_DEPTH = 5, TY_ORDINATES_SIDE_MAX = 1024 };
 
 /* Sums over a plane of cells: squared change and squared iterate; products of the change with the change of each
  * iterate; emitted, absorbed and removed (sigma* phi) power. */

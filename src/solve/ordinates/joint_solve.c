@@ -43,7 +43,7 @@ typedef struct joint_solve {
 
 /* ---- cuts ---- */
 
-static bool divide(ty_comm* comm, const int32_t size[3], ty_domain* out) {
+bool ty_ordinates_cut(ty_comm* comm, const int32_t size[3], ty_domain* out) {
     static const int32_t unit[3] = {1, 1, 1};
     const int32_t ranks = ty_comm_size(comm);
     const bool in_a_row = ranks <= RANKS_IN_A_ROW && size[1] >= ROWS_MIN * ranks;
@@ -57,7 +57,7 @@ const char* ty_ordinates_why_alone(const ty_context* context, const ty_ordinates
     if (queue == NULL) return "";
     const char* why = ty_ordinates_undivided(def);
     if (why != NULL) return why;
-    if (!divide(ty_queue_comm(queue), def->size, &domain)) return "it has too few cells for so many ranks";
+    if (!ty_ordinates_cut(ty_queue_comm(queue), def->size, &domain)) return "it has too few cells for so many ranks";
     ty_domain_destroy(&domain);
     return NULL;
 }
@@ -246,7 +246,7 @@ static ty_result agree(const joint_solve* s, ty_result result) {
 }
 
 static ty_result begin(joint_solve* s, const float* scattered) {
-    if (!divide(s->comm, s->whole->size, &s->domain)) return TY_ERROR_INTERNAL;
+    if (!ty_ordinates_cut(s->comm, s->whole->size, &s->domain)) return TY_ERROR_INTERNAL;
     s->def = *s->whole;
     for (int a = 0; a < 3; ++a) s->def.size[a] = s->domain.end[a] - s->domain.first[a];
     s->cells = (size_t)s->def.size[0] * (size_t)s->def.size[1] * (size_t)s->def.size[2];

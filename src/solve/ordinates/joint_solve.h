@@ -6,6 +6,8 @@
 #include "comm/joint.h"
 #include "solve/ordinates/ordinates.h"
 
+/* Cuts a box among ranks. False: it has too few cells for so many. */
+bool ty_ordinates_cut(ty_comm* comm, const int32_t size[3], ty_domain* out);
 /* Whether the context's other ranks take part in a solve of the whole: NULL, or why not, in words that follow "because"
  * (an empty text: there are none). */
 const char* ty_ordinates_why_alone(const ty_context* context, const ty_ordinates_def* def);

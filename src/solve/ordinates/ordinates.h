@@ -62,7 +62,7 @@ static inline int32_t ty_boundary_patch(const ty_boundary_radiance* boundary, co
 }
 
 typedef struct ty_ordinates_def {
-    int32_t size[3]; /* cells along x, y, z: 1..512 each */
+    int32_t size[3]; /* cells along x, y, z: 1..1024 each */
     /* The box is this rank's part of a domain, which is cut along x and y alone; all arrays are of the part, but those
      * of boundary_radiance. The solve is then a call of all ranks, and stats are of the whole. NULL (default): the
      * whole. */

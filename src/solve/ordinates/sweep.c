@@ -98,12 +98,10 @@ static void fill(ty_sweep* sweep, const tables* t, const double cell[3], const t
         for (int32_t i = 0; i < box->directions; ++i) fill_direction(sweep, t, set, bands, pair, i);
 }
 
-ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3],
-                          const ty_angular_quadrature* set, int32_t bands, const float* extinction, ty_sweep** out) {
+/* A sweep without its memory. */
+static void begin_sweep(ty_context* context, const int32_t size[3], const ty_angular_quadrature* set, int32_t bands,
+                        const float* extinction, ty_sweep* sweep) {
     const ty_sweep_kernels* kernels = TY_BEST_KERNELS(ty_sweep_kernels);
-    *out = NULL;
-    ty_sweep* sweep = ty_alloc_array(context, 1, sizeof *sweep, true);
-    if (sweep == NULL) return TY_ERROR_MEMORY;
     sweep->context = context;
     sweep->kernels = kernels;
     sweep->box = (ty_sweep_box){.size = {size[0], size[1], size[2]},
@@ -120,6 +118,24 @@ ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const doub
     ty_arena arena = {0};
     lay_out(sweep, &arena);
     sweep->bytes = arena.used;
+}
+
+size_t ty_sweep_plan(ty_context* context, const int32_t size[3], const ty_angular_quadrature* set, int32_t bands,
+                     const ty_domain* domain, ty_sweep_schedule* schedule) {
+    ty_sweep sweep = {0};
+    begin_sweep(context, size, set, bands, NULL, &sweep);
+    if (domain != NULL) ty_sweep_plan_units(&sweep, domain);
+    *schedule = sweep.schedule;
+    return ty_sweep_bytes(&sweep);
+}
+
+ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3],
+                          const ty_angular_quadrature* set, int32_t bands, const float* extinction, ty_sweep** out) {
+    *out = NULL;
+    ty_sweep* sweep = ty_alloc_array(context, 1, sizeof *sweep, true);
+    if (sweep == NULL) return TY_ERROR_MEMORY;
+    begin_sweep(context, size, set, bands, extinction, sweep);
+    ty_arena arena = {0};
     sweep->memory = arena.base = ty_alloc_array(context, sweep->bytes, 1, true);
     if (sweep->memory == NULL) {
         ty_sweep_destroy(sweep);

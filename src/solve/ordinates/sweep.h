@@ -13,6 +13,7 @@
 
 #include "comm/domain.h"
 #include "solve/ordinates/ordinates.h"
+#include "solve/ordinates/sweep_schedule.h"
 
 /* Data shared by all sweeps of one box. Arrays given to it belong to the caller and must outlive it. */
 typedef struct ty_sweep ty_sweep;
@@ -50,6 +51,9 @@ void ty_sweep_destroy(ty_sweep* sweep);
 int32_t ty_sweep_pitch(const ty_sweep* sweep);
 /* Memory in bytes. */
 size_t ty_sweep_bytes(const ty_sweep* sweep);
+/* The memory that a sweep of a box, or of a part, would have, and its blocks, without making it. */
+size_t ty_sweep_plan(ty_context* context, const int32_t size[3], const ty_angular_quadrature* set, int32_t bands,
+                     const ty_domain* domain, ty_sweep_schedule* schedule);
 /* Minimum number of floating-point operations per cell and direction: evaluation of the source from its moments, the
  * diamond difference step and the accumulation of flux moments. */
 double ty_sweep_operations(int32_t bands);

@@ -31,6 +31,8 @@ struct ty_sweep {
 
 /* Sets rows of upwind faces of a block that is the first along y, z to the boundary radiance. */
 void ty_sweep_set_boundary(const ty_sweep_box* box, const ty_sweep_block* block, const bool first[2]);
+/* Blocks and bytes of a part's sweep. */
+void ty_sweep_plan_units(ty_sweep* sweep, const ty_domain* domain);
 /* Frees what ty_sweep_divide made. */
 void ty_sweep_free_division(ty_sweep* sweep);
 /* Sweeps all units of this part in the order of its schedule. Errors: TY_ERROR_INTERNAL: a rank does not answer. */

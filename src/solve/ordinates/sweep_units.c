@@ -43,22 +43,26 @@ static void fill_unpaired(ty_sweep* sweep, int32_t octant) {
         }
 }
 
-ty_result ty_sweep_divide(ty_sweep* sweep, const ty_domain* domain) {
+void ty_sweep_plan_units(ty_sweep* sweep, const ty_domain* domain) {
     ty_sweep_box* box = &sweep->box;
-    if (domain == NULL) return TY_OK;
     sweep->domain = domain;
     memcpy(box->whole, domain->cells, sizeof box->whole);
     memcpy(box->origin, domain->first, sizeof box->origin);
     box->unpaired = (box->terms + box->lanes - 1) / box->lanes * box->lanes;
     sweep->schedule = ty_sweep_choose_blocks(domain->ranks, box->size[2]);
-    ty_result result = ty_sweep_schedule_make(sweep->context, domain->ranks, domain->at, &sweep->schedule);
-    if (result != TY_OK) return result;
     ty_arena arena = {0};
     lay_out(sweep, &arena);
     sweep->division_bytes = arena.used;
-    sweep->division_memory = arena.base = ty_alloc_array(sweep->context, arena.used, 1, true);
+}
+
+ty_result ty_sweep_divide(ty_sweep* sweep, const ty_domain* domain) {
+    if (domain == NULL) return TY_OK;
+    ty_sweep_plan_units(sweep, domain);
+    const ty_result result = ty_sweep_schedule_make(sweep->context, domain->ranks, domain->at, &sweep->schedule);
+    if (result != TY_OK) return result;
+    ty_arena arena = {.base = ty_alloc_array(sweep->context, sweep->division_bytes, 1, true)};
+    sweep->division_memory = arena.base;
     if (arena.base == NULL) return TY_ERROR_MEMORY;
-    arena.used = 0;
     lay_out(sweep, &arena);
     for (int32_t o = 0; o < 8 && is_cut_along_x(sweep); ++o) fill_unpaired(sweep, o);
     return TY_OK;
