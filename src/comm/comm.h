@@ -46,6 +46,8 @@ bool ty_comm_is_done(ty_comm* comm, ty_comm_transfer* transfer);
 /* Sends a copy of bytes, and returns at once; waits for bytes of a rank. Many may be in flight. */
 bool ty_comm_put(ty_comm* comm, int32_t to, int32_t tag, const void* bytes, size_t size);
 bool ty_comm_get(ty_comm* comm, int32_t from, int32_t tag, void* bytes, size_t size);
+/* Sends or receives bytes in any number, and waits for their end. */
+bool ty_comm_move(ty_comm* comm, int32_t rank, bool receives, void* bytes, size_t size);
 
 /* Calls of all ranks, in the same order. Rank r's bytes are [offsets[r], offsets[r + 1]) of `all`.
  * `gather` brings all to rank 0, `gather_all` (at most TY_COMM_TRANSFER_MAX bytes) to every rank, from where they are

@@ -126,12 +126,11 @@ void ty_comm_end_puts(ty_comm* comm, bool wait) {
 
 /* ---- of all ranks ---- */
 
-/* Moves bytes in as many transfers as they need. */
-static bool move(ty_comm* comm, int32_t rank, bool receives, char* bytes, size_t size) {
+bool ty_comm_move(ty_comm* comm, int32_t rank, bool receives, void* bytes, size_t size) {
     for (size_t at = 0; at < size; at += TY_COMM_TRANSFER_MAX) {
         const size_t left = size - at, piece = left < TY_COMM_TRANSFER_MAX ? left : TY_COMM_TRANSFER_MAX;
         ty_comm_transfer t = {
-            .rank = rank, .tag = TAG_OF_ALL, .bytes = bytes + at, .size = piece, .receives = receives};
+            .rank = rank, .tag = TAG_OF_ALL, .bytes = (char*)bytes + at, .size = piece, .receives = receives};
         if (!ty_comm_post(comm, &t, 1) || !ty_comm_finish(comm, &t, 1)) return false;
     }
     return true;
@@ -141,9 +140,9 @@ bool ty_comm_gather(ty_comm* comm, void* all, const size_t* offsets) {
     if (comm == NULL) return true;
     char* bytes = all;
     if (comm->rank > 0)
-        return move(comm, 0, false, bytes + offsets[comm->rank], offsets[comm->rank + 1] - offsets[comm->rank]);
+        return ty_comm_move(comm, 0, false, bytes + offsets[comm->rank], offsets[comm->rank + 1] - offsets[comm->rank]);
     for (int32_t r = 1; r < comm->size; ++r)
-        if (!move(comm, r, true, bytes + offsets[r], offsets[r + 1] - offsets[r])) return false;
+        if (!ty_comm_move(comm, r, true, bytes + offsets[r], offsets[r + 1] - offsets[r])) return false;
     return true;
 }
 
@@ -152,9 +151,9 @@ bool ty_comm_broadcast(ty_comm* comm, void* bytes, size_t size) {
     if (comm == NULL) return true;
     int32_t bit = 1;
     while (bit < comm->size && (comm->rank & bit) == 0) bit <<= 1;
-    if (comm->rank > 0 && !move(comm, comm->rank - bit, true, bytes, size)) return false;
+    if (comm->rank > 0 && !ty_comm_move(comm, comm->rank - bit, true, bytes, size)) return false;
     for (bit >>= 1; bit > 0; bit >>= 1)
-        if (comm->rank + bit < comm->size && !move(comm, comm->rank + bit, false, bytes, size)) return false;
+        if (comm->rank + bit < comm->size && !ty_comm_move(comm, comm->rank + bit, false, bytes, size)) return false;
     return true;
 }
 

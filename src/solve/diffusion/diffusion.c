@@ -358,6 +358,8 @@ ty_result ty_diffusion_solve(ty_context* context, const ty_diffusion_def* def, c
         if (def->memory == NULL) ty_free_array(context, memory, bytes, 1);
         return TY_ERROR_MEMORY;
     }
+    job.stats->ranks = def->domain != NULL ? ty_comm_size(def->domain->comm) : 1;
+    job.stats->bytes = (double)bytes;
     memset(memory, 0, bytes); /* initial ghosts are 0 */
     ty_arena arena = {.base = memory};
     ty_solve_lay_out(&job, &arena);

@@ -111,6 +111,8 @@ typedef struct ty_diffusion_stats {
     double work; /* passes over all cells, in units of one relaxation; coarser grids count by their number of cells */
     double seconds;
     double emitted, absorbed, leaving; /* W: by the source, by the medium, and net through the box's open faces */
+    int32_t ranks;                     /* that solved together, each for its box */
+    double bytes;                      /* memory of the solver on this rank */
     double surfaces_emitted, surfaces_absorbed; /* W: besides what they reflect */
 } ty_diffusion_stats;
 
