@@ -100,7 +100,7 @@ static void free_sides(sides* s) {
 
 static void solve_part(ty_comm* comm, void* user) {
     whole* w = user;
-    static const int32_t unit[3] = {1, 1, 1};
+    const int32_t pairs = w->def.size[0] > 20 ? 2 : 1, unit[3] = {pairs, pairs, 1};
     ty_domain d;
     require(ty_domain_create(comm, w->def.size, w->cuts, unit, 1, &d));
     ty_ordinates_def def = w->def;
@@ -190,7 +190,7 @@ static whole make_whole(ty_context* context, const problem* p) {
                 const double beam = p->point ? 0.01 / (far * far + 1e-3) : exp(-2 * (1 - at[2]));
                 if (p->lit) continue;
                 w.source[0][i] = w.scattering[i] * (float)beam;
-                if (p->bands > 1) w.source[2][i] = -0.4f * w.source[0][i];
+                if (p->bands > 1) w.source[2][i] = -0.6f * w.source[0][i];
             }
     uint64_t seed = 3;
     for (int axis = 0; axis < 3 && p->lit; ++axis)
@@ -232,6 +232,7 @@ static const problem problems[] = {
     {"accelerated walls", {9, 14, 10}, 2, 6, 0.3, 0.98, true, false, true, true, false},
     {"accelerated isotropic", {12, 9, 8}, 1, 8, 0, 1, false, true, false, true, true},
     {"divided multigrid", {37, 40, 34}, 1, 25, 0, 0.99, false, false, true, true, false},
+    {"a start from coarse cells", {28, 27, 25}, 3, 3, 0.6, 0.99, false, false, false, true, false},
     {"a last sweep", {9, 12, 7}, 1, 5, 0, 0.8, false, false, true, false, true},
 };
 

@@ -44,7 +44,7 @@ typedef struct joint_solve {
 /* ---- cuts ---- */
 
 bool ty_ordinates_cut(ty_comm* comm, const int32_t size[3], ty_domain* out) {
-    static const int32_t unit[3] = {1, 1, 1};
+    static const int32_t unit[3] = {2, 2, 1}; /* of the initial guess */
     const int32_t ranks = ty_comm_size(comm);
     const bool in_a_row = ranks <= RANKS_IN_A_ROW && size[1] >= ROWS_MIN * ranks;
     if ((int64_t)size[0] * size[1] * size[2] < (int64_t)CELLS_MIN * ranks) return false;
