@@ -13,7 +13,7 @@ enum { CELLS_MIN = 512 };
  * once. */
 enum { RANKS_IN_A_ROW = 8, ROWS_MIN = 8 };
 
-/* What rank 0 sends first. Of pointers in the def only whether they are NULL has a meaning. */
+/* The first message of rank 0. Of pointers in the def only whether they are NULL has a meaning. */
 typedef struct joint_head {
     ty_ordinates_def def;
     float scattered[TY_SCATTERING_ORDER_MAX];

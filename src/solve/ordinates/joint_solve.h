@@ -8,8 +8,8 @@
 
 /* Cuts a box among ranks. False: it has too few cells for so many. */
 bool ty_ordinates_cut(ty_comm* comm, const int32_t size[3], ty_domain* out);
-/* Whether the context's other ranks take part in a solve of the whole: NULL, or why not, in words that follow "because"
- * (an empty text: there are none). */
+/* NULL where the context's other ranks take part in a solve of the whole; or the reason why not, in words that follow
+ * "because" (an empty text: there are no others). */
 const char* ty_ordinates_why_alone(const ty_context* context, const ty_ordinates_def* def);
 /* On rank 0, as ty_ordinates_solve without a history: with all ranks where they take part. def->memory is for a solve
  * by this rank alone. */

@@ -105,7 +105,7 @@ typedef struct ty_ordinates_def {
 } ty_ordinates_def;
 
 ty_ordinates_def ty_default_ordinates_def(void);
-/* Whether a solve of the whole can be divided among ranks: NULL, or why not, in words that follow "because". */
+/* NULL where a solve of the whole can be divided among ranks; or the reason why not, in words that follow "because". */
 const char* ty_ordinates_undivided(const ty_ordinates_def* whole);
 /* Bytes of the cell arrays of a solve; depends on size, bands, source_terms, walls.count and accelerated. Sweeps and
  * DSA allocate their own memory. */

@@ -1,4 +1,4 @@
-/* What a divided solve by discrete ordinates will need: memory, stages and messages, for any number of ranks. */
+/* Needs of a divided solve by discrete ordinates: memory, stages and messages, for any number of ranks. */
 #ifndef TY_SOLVE_ORDINATES_PLAN_H
 #define TY_SOLVE_ORDINATES_PLAN_H
 
