@@ -132,6 +132,8 @@ class Files(unittest.TestCase):
         merged = tyndall.merge(parts)
         np.testing.assert_allclose(merged.rgb, (parts[0].rgb + parts[1].rgb) / 2, rtol=1e-5)
         self.assertEqual(merged.metadata["tyndall.spp"], 8)
+        with self.assertRaisesRegex(tyndall.ArgumentError, "two or more are merged, not 1"):
+            tyndall.merge(parts[:1])
         with self.assertRaisesRegex(tyndall.InputError, "shares seed 1"):
             tyndall.merge([parts[0], parts[0]])
 
@@ -145,6 +147,17 @@ class Files(unittest.TestCase):
         self.assertEqual(scene["frame"], 1)
         tyndall.run("render", scene, output="plume_##.exr", method="path", spp=4, frames="1-2")
         np.testing.assert_array_equal(tyndall.read("plume_02.exr").rgb, images[2].rgb)
+
+    def test_info_of_scenes(self):
+        self.assertEqual(tyndall.info("builtin:cloud_sun")["media"], 1)
+        with self.assertRaisesRegex(tyndall.ArgumentError, "volumes, meshes, images and scenes"):
+            tyndall.info(__file__)
+
+    def test_figures(self):
+        if os.access(f"{os.path.dirname(tyndall.tool())}/tyndall-figure", os.X_OK):
+            made = tyndall.figure("fld-limiters", "figures", quick=True)
+            self.assertEqual(list(made), ["fld-limiters"])
+            self.assertTrue(made["fld-limiters"])
 
     def test_fields_are_written(self):
         fields = tyndall.Scene(FOG).solve("fld", resolution=8).fields(size=4)

@@ -173,10 +173,12 @@ def bench(*names: str, **options: Any) -> Any:
 def figure(name: str, output: Path, **options: Any) -> dict[str, Any]:
     """Makes a figure or a table of a paper again, as `tyndall figure`, which comes with the build and not with the package.
 
-    Writes NAME.png, .csv and .json to the folder `output`; the content of NAME.json: measured and expected values.
+    name: a figure, all of one paper ("i3rc") or "all". Writes FIGURE.png, .csv and .json to the folder `output`. Returns the
+    contents of the latter by figure: measured and expected values.
     """
     run("figure", name, output=output, **options)
-    return json.loads((pathlib.Path(output) / f"{name}.json").read_text(encoding="utf-8"))
+    made = sorted(pathlib.Path(output).glob("*.json" if name == "all" else f"{name}*.json"))
+    return {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in made}
 
 
 def merge(images: Sequence[Union[Image, Path]], **options: Any) -> Image:
@@ -185,6 +187,8 @@ def merge(images: Sequence[Union[Image, Path]], **options: Any) -> Image:
     images: two or more, or their .exr files. Means are weighted by samples (the channel samples.N, else tyndall.spp), and
     variances are those of that mean, as by `tyndall merge`.
     """
+    if len(images) < 2:
+        raise ArgumentError(f"images: two or more are merged, not {len(images)}")
     with tempfile.TemporaryDirectory(prefix="tyndall.") as folder:
         path = os.path.join(folder, "merged.exr")
         run("merge", *images, output=path, progress=False, **options)

@@ -184,7 +184,8 @@ def _indices(triangles: Any) -> Any:
 
 def info(path: Union[str, os.PathLike[str]], *, context: Optional[_core.Context] = None) -> dict[str, Any]:
     """What a file holds: the grids of an OpenVDB, NanoVDB, VTK or NetCDF file, the volume of another volume file, the
-    content of a mesh file, or size, channels and metadata of an image.
+    content of a mesh file, size, channels and metadata of an image, or counts, bounds and memory of a scene ("builtin:NAME",
+    too).
     """
     name = os.fspath(path)
     kind = os.path.splitext(name)[1].lower()
@@ -200,4 +201,8 @@ def info(path: Union[str, os.PathLike[str]], *, context: Optional[_core.Context]
 
         image = Image.read(name, context=context)
         return {"size": image.size, "channels": image.channels, "metadata": image.metadata}
-    raise ArgumentError(f"{name}: info() reads volumes, meshes and images")
+    if kind == ".json" or name.startswith("builtin:"):
+        from ._scene import Scene
+
+        return Scene(name, context=context).info
+    raise ArgumentError(f"{name}: info() reads volumes, meshes, images and scenes")
