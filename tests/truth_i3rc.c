@@ -114,7 +114,7 @@ static void compare_pixels(const char* name, const double* values, const double*
 static void pixels_are_the_consensus(void** state) {
     char path[1024];
     data_path("i3rc/I3RC_cons_res_case1_exp1_R.txt", path);
-    if (!in_full()) skip();
+    leave_to_full_runs();
     for (int i = 0; i < EXPERIMENTS; ++i) {
         const struct experiment* e = &experiments[i];
         double expected[PIXELS];
@@ -235,7 +235,7 @@ static void a_radar_cloud_is_the_consensus(void** state) {
     static const double lower[3] = {0, 0, 0}, upper[3] = {50 * RADAR_COLUMNS, 1000, 45 * RADAR_LAYERS};
     char path[1024];
     data_path("i3rc/mmcr_tau_32km_020898", path);
-    if (!in_full()) skip();
+    leave_to_full_runs();
     ty_grid* grid = read_radar_cloud(*state);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i)
         assert_field(*state, "radar cloud", grid, lower, upper, &cases[i], 1 << 18, 0.025);
