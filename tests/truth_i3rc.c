@@ -198,7 +198,7 @@ static ty_scene* field_scene(ty_context* context, ty_grid* grid, const double lo
     return scene;
 }
 
-/* What is known of one experiment with a field; 0: no consensus. */
+/* Consensus of one experiment with a field; 0: there is none. */
 typedef struct field_case {
     int number;
     double zenith, albedo, ground, reflectance, transmittance, absorptance, nadir;

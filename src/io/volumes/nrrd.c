@@ -121,7 +121,7 @@ static ty_result read_raw_parts(const source* s, const ty_nrrd* nrrd, uint64_t b
     return result;
 }
 
-/* What a gzip file's end or fault means; TY_OK for data of the right size. */
+/* The error of a gzip file's end or fault; TY_OK for data of the right size. */
 static ty_result check_inflated(const source* s, const ty_nrrd* nrrd, const ty_gzip_file* file, ty_inflated state) {
     switch (state) {
     case TY_INFLATED_MORE: return wrong_size(s, nrrd, true, (size_t)file->size);

@@ -83,11 +83,10 @@ typedef struct ty_netcdf_companion {
 ty_result ty_netcdf_aim(const ty_netcdf_file* file, const ty_netcdf_variable* of, int32_t time,
                         ty_netcdf_companion* companion);
 /* Reads the values from `first` on along z, in the file's order, unless they were read at once before. */
-ty_result ty_netcdf_load_companion(const ty_netcdf_file* file, ty_netcdf_companion* companion, size_t first,
-                                   size_t length);
+ty_result ty_netcdf_load_companion(const ty_netcdf_file* file, ty_netcdf_companion* c, size_t first, size_t length);
 /* Value at a place in the file's order, within the slab that was read. */
-double ty_netcdf_companion_value(const ty_netcdf_companion* companion, const size_t at[3]);
-void ty_netcdf_release_companion(const ty_netcdf_file* file, ty_netcdf_companion* companion);
+double ty_netcdf_companion_value(const ty_netcdf_companion* c, const size_t at[3]);
+void ty_netcdf_release_companion(const ty_netcdf_file* file, ty_netcdf_companion* c);
 
 typedef struct ty_netcdf_droplets {
     ty_netcdf_companion radius, air;

@@ -67,8 +67,8 @@ typedef struct ty_vtk_reader ty_vtk_reader;
 ty_result ty_vtk_open(const ty_vtk_image* image, const ty_vtk_array* array, size_t needed, ty_samples* samples,
                       ty_vtk_reader** out);
 /* Decodes what was not read, and fails if it is damaged. */
-ty_result ty_vtk_finish(ty_vtk_reader* reader);
-void ty_vtk_close_reader(ty_vtk_reader* reader);
+ty_result ty_vtk_finish(ty_vtk_reader* r);
+void ty_vtk_close_reader(ty_vtk_reader* r);
 
 /* As ty_volume_read and so on, of a .vti or .vtk file. component is -1 if only arrays of one value are accepted. */
 ty_result ty_vtk_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
