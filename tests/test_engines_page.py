@@ -4,7 +4,7 @@ dom, and the sample in examples/three against dom and path.
 usage: test_engines_page.py TYNDALL EXAMPLES (works in the current folder). TYNDALL_THREE names a folder of three.js, as npm
 installs it; without one, and without EXAMPLES/three/node_modules/three, the sample is left out.
 --picture FILE: writes a picture of the sample instead."""
-import base64, copy, functools, http.server, json, os, shutil, subprocess, sys, threading
+import base64, copy, functools, http.server, json, os, re, shutil, subprocess, sys, threading
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from chromium import Browser, find_browser
@@ -94,6 +94,22 @@ window.fog = async (file, box, camera, steps, light, bands) => {
     gl.uniform3fv(at('fogLower'), box.lower);
     gl.uniform3fv(at('fogUpper'), box.upper);
     for (const name of ['eye', 'right', 'up', 'ahead']) gl.uniform3fv(at(name), camera[name]);
+    gl.uniform2fv(at('size'), camera.size);
+    return draw(...camera.size);
+};
+window.godotFog = async (shader, file, values, camera) => { // shader: of Godot, translated
+    await volume(0, file);
+    gl.activeTexture(gl.TEXTURE6);
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // the far plane
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    const at = compile(shader);
+    gl.uniform1i(at('fog'), 0);
+    gl.uniform1i(at('depth_texture'), 6);
+    gl.uniform1i(at('steps'), 64);
+    gl.uniform1f(at('gain'), 1);
+    for (const name of ['lower', 'upper']) gl.uniform3fv(at(name), values[name]);
+    for (const name of ['INV_PROJECTION_MATRIX', 'INV_VIEW_MATRIX']) gl.uniformMatrix4fv(at(name), false, values[name]);
     gl.uniform2fv(at('size'), camera.size);
     return draw(...camera.size);
 };
@@ -232,6 +248,37 @@ def check_fog(browser):
                 check(f"g = {g}, {name}, bands {bands}", draw_fog(browser, scene, at, bands), ratio, error)
 
 
+def translate_godot(text):
+    """A shader of Godot in GLSL ES 3.00: built-in values as globals, uniforms without hints and defaults, fragment() alone."""
+    text = re.sub(r"^(shader_type|render_mode) .*;$", "", text, flags=re.M)
+    text = re.sub(r"^(uniform \w+ \w+) [:=].*;", r"\1;", text, flags=re.M)
+    text = re.sub(r"^void vertex\(\) \{.*?^\}$", "", text, flags=re.M | re.S)
+    return f"""#version 300 es
+        precision highp float;
+        precision highp sampler3D;
+        uniform mat4 INV_PROJECTION_MATRIX, INV_VIEW_MATRIX;
+        uniform vec2 size;
+        vec2 SCREEN_UV;
+        vec3 ALBEDO;
+        float ALPHA;
+        out vec4 color;
+        {text}
+        void main() {{ SCREEN_UV = gl_FragCoord.xy / size; fragment(); color = vec4(ALBEDO * ALPHA, ALPHA); }}"""
+
+
+def check_godot_fog(browser):
+    """fog.gdshader with the values that Godot 4.3 gives: depth is 1 at the near plane and 0 at the far one."""
+    camera, box, near, far = camera_of(FOG_SCENE), json.load(open("fog.json")), 0.05, 4000
+    half = sum(v * v for v in camera["right"])**0.5
+    values = {"lower": box["lower"], "upper": box["upper"],
+              "INV_PROJECTION_MATRIX": [half, 0, 0, 0, 0, half, 0, 0, 0, 0, 0, (far - near) / (near * far), 0, 0, -1, 1 / far],
+              "INV_VIEW_MATRIX": [*unit(camera["right"]), 0, *unit(camera["up"]), 0, *(-v for v in camera["ahead"]), 0, *camera["eye"], 1]}
+    shader = translate_godot(open(os.path.join(EXAMPLES, "godot/addons/tyndall/fog.gdshader")).read())
+    pixels = browser.run(f"window.godotFog({json.dumps(shader)}, 'fog.ktx2', {json.dumps(values)}, {json.dumps(camera)})")
+    width, height, expected = read_floats(TYNDALL, "fog.exr")
+    check("Godot's fog.gdshader against dom", compare(rotated(pixels, width, height), expected, width, height, 4), 0.01, 0.02)
+
+
 def check_grid(browser):
     """The shader at the middle of cells against bands 0 and 1 of the probes there; half floats have 11 bits."""
     import random
@@ -306,6 +353,7 @@ def main():
         browser.open(address + "page.html")
         browser.wait_for("window.ready")
         check_bc6h(browser)
+        check_godot_fog(browser)
         check_fog(browser)
         check_grid(browser)
         if os.path.isdir(THREE):
