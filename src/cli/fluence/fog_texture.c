@@ -141,7 +141,31 @@ typedef struct sidecar {
     const cli_fog_texture* fog;
     char textures[PARTS][PATH_SIZE];
     bool z_up;
+    bool colored;     /* the extinction of channels differs */
+    bool anisotropic; /* some of the media do not scatter evenly */
 } sidecar;
+
+static void look_at_medium(const ty_grid_medium* medium, sidecar* s) {
+    for (size_t i = 0; i < medium->cells; ++i)
+        for (int c = 0; c < 3; ++c) {
+            s->colored = s->colored || medium->extinction[c][i] != medium->extinction[0][i];
+            s->anisotropic = s->anisotropic || medium->g[c][i] != 0;
+        }
+}
+
+/* In the form of the notes of tyndall convert. */
+static void print_notes(json_writer* json, const sidecar* s) {
+    const cli_fog_quantity quantity = s->fog->quantity;
+    json_open_array(json, "comment");
+    if (s->anisotropic && quantity == CLI_FOG_SCATTER)
+        json_text(json, NULL, "approximated: phase function: light is scattered evenly");
+    if (quantity == CLI_FOG_PHASE) {
+        json_text(json, NULL, "approximated: phase function: that of Henyey and Greenstein of the same mean cosine");
+        json_text(json, NULL, "approximated: directions: those of luminance, for all channels");
+    }
+    if (s->colored) json_text(json, NULL, "approximated: extinction: the mean of its channels");
+    json_close_array(json);
+}
 
 static void print_texture(json_writer* json, const sidecar* s, fog_part part, const char* rgb, const char* alpha) {
     const char* slash = strrchr(s->textures[part], '/');
@@ -168,6 +192,7 @@ static ty_result print_sidecar(ty_context* context, FILE* file, const void* user
               quantity == CLI_FOG_PHASE ? "all but unscattered light of lamps"
               : s->fog->scattered       ? "all but uncollided"
                                         : "all");
+    print_notes(&json, s);
     print_texture(&json, s, PART_LIGHT,
                   quantity == CLI_FOG_FLUENCE ? "fluence, W m^-2"
                                               : "radiance scattered and emitted per metre, W m^-3 sr^-1",
@@ -225,6 +250,7 @@ ty_result cli_write_fog_texture(ty_context* context, const ty_scene* scene, cons
         result = name_file(context, path, suffixes[part], NULL, s.textures[part]);
         if (result == TY_OK) result = write_part(context, medium, fog, (fog_part)part, s.textures[part]);
     }
+    if (result == TY_OK) look_at_medium(medium, &s);
     if (medium != NULL) ty_grid_medium_destroy(medium);
     if (result == TY_OK) result = name_file(context, path, "", ".json", name);
     return result == TY_OK ? cli_write_text_file(context, name, print_sidecar, &s) : result;

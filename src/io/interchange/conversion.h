@@ -87,8 +87,12 @@ typedef struct ty_conversion {
 ty_result ty_conversion_open(ty_conversion* conversion, ty_context* context, const char* input, const char* folder,
                              const char* output);
 void ty_conversion_close(ty_conversion* conversion);
-/* Keeps a note; the same text again is counted. */
-void ty_conversion_note_down(ty_conversion* conversion, const char* format, ...) __attribute__((format(printf, 2, 3)));
+/* Keep a note of a part that the scene file has not, or has only nearly; the same text again is counted. */
+void ty_conversion_leave_out(ty_conversion* conversion, const char* format, ...) __attribute__((format(printf, 2, 3)));
+void ty_conversion_approximate(ty_conversion* conversion, const char* format, ...)
+    __attribute__((format(printf, 2, 3)));
+/* A note as one line: "left out: shape "curve" (2 times)". */
+void ty_conversion_print_note(const ty_conversion_note* note, char* line, size_t size);
 
 /* Fails for want of memory. */
 ty_result ty_conversion_no_memory(ty_conversion* conversion);
