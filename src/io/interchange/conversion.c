@@ -121,7 +121,10 @@ ty_result ty_conversion_add_light(ty_conversion* conversion, json_t* light) {
 
 ty_result ty_conversion_find_part(ty_conversion* conversion, int32_t material, int32_t medium, const double emission[3],
                                   int32_t* index) {
-    for (size_t i = conversion->part_count; i-- > 0;) {
+    /* A medium fills a solid dielectric whose mesh bounds it, and that is one mesh. */
+    const bool filled =
+        medium >= 0 && material >= 0 && json_object_get(conversion->materials[material].keys, "volume") != NULL;
+    for (size_t i = conversion->part_count; i-- > 0 && !filled;) {
         const ty_conversion_part* part = &conversion->parts[i];
         if (part->material != material || part->medium != medium ||
             memcmp(part->emission, emission, sizeof part->emission) != 0)

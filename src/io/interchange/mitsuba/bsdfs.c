@@ -107,7 +107,9 @@ static ty_result read_ior(maker* m, const char* name, double* out) {
     return ty_mitsuba_float(m->scene, m->node, name, out);
 }
 
-/* Ours is the square root of alpha; anisotropic ones become the geometric mean. */
+/* Ours is the square root of alpha; anisotropic ones become the geometric mean. Of microfacets a part 1 - exp(-t^2 /
+ * a^2) is flatter than the slope t by Beckmann's distribution, and t^2 / (a^2 + t^2) by GGX: their medians are equal if
+ * the alpha of GGX is that of Beckmann times the root of ln 2. */
 static ty_result set_roughness(maker* m, const char* key, bool rough) {
     double alpha = 0.1, u = -1, v = -1;
     if (!rough) return set_number(m, key, 0);
@@ -118,8 +120,11 @@ static ty_result set_roughness(maker* m, const char* key, bool rough) {
         ty_conversion_approximate(m->scene->conversion, "anisotropic roughness became its geometric mean");
     if (u >= 0 && v >= 0) alpha = sqrt(u * v);
     const char* distribution = ty_mitsuba_string(m->scene, m->node, "distribution");
-    if (distribution == NULL || strcmp(distribution, "ggx") != 0)
-        ty_conversion_approximate(m->scene->conversion, "microfacets of Beckmann's distribution have that of GGX");
+    if (distribution == NULL || strcmp(distribution, "ggx") != 0) {
+        alpha *= sqrt(log(2));
+        ty_conversion_approximate(m->scene->conversion,
+                                  "microfacets of Beckmann's distribution have that of GGX with the same median slope");
+    }
     return result == TY_OK ? set_number(m, key, sqrt(fmin(fmax(alpha, 0), 1))) : result;
 }
 
