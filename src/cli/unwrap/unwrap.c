@@ -104,9 +104,9 @@ static void report(unwrap_run* run, const ty_mesh_def* mesh, const ty_unwrap* un
         json_number(&run->json, "mean_stretch", unwrap->mean_stretch);
         json_close_object(&run->json);
     } else if (!run->session->common.quiet) {
-        printf("%s: %" PRId64 " triangles in %d charts, %d x %d texels, %.0f %% filled, stretch %.2f (L2 %.3f)\n",
-               name, unwrap->triangle_count, (int)unwrap->charts, (int)unwrap->width, (int)unwrap->height,
-               100 * unwrap->fill, unwrap->stretch, unwrap->mean_stretch);
+        printf("%s: %" PRId64 " triangles in %d charts, %d x %d texels, %.0f %% filled, stretch %.2f (L2 %.3f)\n", name,
+               unwrap->triangle_count, (int)unwrap->charts, (int)unwrap->width, (int)unwrap->height, 100 * unwrap->fill,
+               unwrap->stretch, unwrap->mean_stretch);
     }
 }
 
