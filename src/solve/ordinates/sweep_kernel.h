@@ -30,7 +30,11 @@ typedef struct ty_sweep_box {
     /* Upwind radiance of the next cells along y and z: per group, planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];
     const ty_sweep_faces* walls; /* NULL: no boundary faces */
+    const uint16_t* closed;      /* as of ty_sweep_set_closed */
 } ty_sweep_box;
+
+/* The tables of a sweep. */
+const ty_sweep_box* ty_sweep_tables(const ty_sweep* sweep);
 
 /* Block of rows for a pair of octants that differ in x only: 2 * pair and 2 * pair + 1. */
 typedef struct ty_sweep_block {
