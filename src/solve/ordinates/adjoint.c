@@ -72,8 +72,8 @@ static ty_result allocate(adjoint_job* job) {
     job->closed_count = 6 * (size_t)job->passes * job->cells;
     job->closed = ty_alloc_array(job->context, job->closed_count, sizeof *job->closed, false);
     job->sums = ty_alloc_array(job->context, job->cells * (size_t)job->passes, sizeof(float), false);
-    job->work = ty_alloc_array(job->context, job->work_floats, sizeof(float) * (size_t)ty_context_threads(job->context),
-                               false);
+    job->work =
+        ty_alloc_array(job->context, job->work_floats, sizeof(float) * (size_t)ty_context_threads(job->context), false);
     return job->closed != NULL && job->sums != NULL && job->work != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
@@ -113,10 +113,9 @@ static double imbalance_of(const adjoint_job* job, const float* fluence) {
 static ty_result sweep_solution(adjoint_job* job, const float* const* moments) {
     job->own_def = *job->def;
     ty_result result = begin(job, &job->own_def, moments, &job->own);
-    if (result == TY_OK && (job->own.diffusive.count > 0 || job->own.displaced != NULL))
-        result = ty_fail(job->context, TY_ERROR_ARGUMENT,
-                         "ordinates: diffusive cells and displaced sources have no adjoint");
-    if (result == TY_OK) result = allocate(job);
+    job->stats->diffusive = job->own.diffusive.count > 0 || job->own.displaced != NULL;
+    if (result != TY_OK || job->stats->diffusive) return result;
+    result = allocate(job);
     if (result != TY_OK) return result;
     run_passes(job, note_closed);
     job->stats->imbalance = imbalance_of(job, moments[0]);
@@ -187,7 +186,7 @@ ty_result ty_ordinates_adjoint(ty_context* context, const ty_ordinates_def* def,
     ty_result result = sweep_solution(&job, moments);
     const bool dark = is_dark(weight, job.cells);
     if (result == TY_OK && dark) set_dark(&job, out);
-    if (result == TY_OK && !dark) {
+    if (result == TY_OK && !dark && !stats->diffusive) {
         result = solve_adjoint(&job, &weight, tolerance, out);
         if (result == TY_OK) run_passes(&job, multiply);
         if (result == TY_OK) store(&job, moments, out);

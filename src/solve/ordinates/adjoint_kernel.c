@@ -73,7 +73,8 @@ static void forward(const ty_sweep_box* box, const float* emission, const ty_adj
     const pass_scratch scratch = lay_out(box, pass->scratch);
     const ty_lanes weights = weights_of(box, pass->pair, pass->group);
     ty_lanes two_mu_over_h[3];
-    for (int a = 0; a < 3; ++a) two_mu_over_h[a] = ty_lanes_load_aligned(box->two_mu_over_h[a] + pass->group * TY_LANES);
+    for (int a = 0; a < 3; ++a)
+        two_mu_over_h[a] = ty_lanes_load_aligned(box->two_mu_over_h[a] + pass->group * TY_LANES);
     for (ptrdiff_t k = 0; k < nz; ++k) {
         memset(scratch.faces_y[0], 0, 2 * sizeof(float) * row_floats(box));
         for (ptrdiff_t j = 0; j < ny; ++j) {
@@ -84,7 +85,8 @@ static void forward(const ty_sweep_box* box, const float* emission, const ty_adj
             uint16_t* closed[2] = {NULL, NULL};
             emit_row(box, emission, pass->pair, pass->group, row, psi);
             for (int o = 0; o < 2; ++o) {
-                streams[o] = (stream){.psi = psi[o], .psi_y = scratch.faces_y[o], .psi_z = scratch.faces_z[o] + y * step};
+                streams[o] =
+                    (stream){.psi = psi[o], .psi_y = scratch.faces_y[o], .psi_z = scratch.faces_z[o] + y * step};
                 if (pass->closed != NULL)
                     closed[o] = pass->closed + closed_index(box, 2 * pass->pair + o, pass->group, row);
             }

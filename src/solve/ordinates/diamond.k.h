@@ -137,8 +137,8 @@ TY_INLINE ty_lane_mask mask_of_bits(uint32_t bits) {
 TY_INLINE uint32_t closed_lanes(ty_lanes out, ty_lanes two_psi_less_in) {
     const ty_lanes none = {0};
     const uint32_t lit = ty_mask_bits((ty_lane_mask)(ty_lanes_greater(out, none) | ty_lanes_greater(none, out)));
-    const uint32_t moves = ty_mask_bits(
-        (ty_lane_mask)(ty_lanes_greater(two_psi_less_in, none) | ty_lanes_greater(none, two_psi_less_in)));
+    const uint32_t moves =
+        ty_mask_bits((ty_lane_mask)(ty_lanes_greater(two_psi_less_in, none) | ty_lanes_greater(none, two_psi_less_in)));
     return moves & ~lit;
 }
 
