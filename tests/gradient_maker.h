@@ -31,6 +31,7 @@ static inline parameters gray(void) {
     p.dom.directions = 48;
     p.dom.environment_beams = 12;
     p.dom.tolerance = 2e-7;
+    p.dom.differentiable = true;
     return p;
 }
 

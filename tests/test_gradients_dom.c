@@ -27,7 +27,6 @@ static void narrow_phase_functions(void** state) {
 
 static void thick_media(void** state) {
     parameters p = by_dom(gray(), 4);
-    p.dom.differentiable = true;
     for (int c = 0; c < 3; ++c) {
         p.sigma_s[c] = 29.97;
         p.sigma_a[c] = 0.03;

@@ -84,9 +84,9 @@ typedef struct ty_dom_def {
                           ///< reflect, of lamps and of media, and one another by the light of media. False: the media
                           ///< light such surfaces alone, once.
 
-    bool differentiable; ///< True: ordinates go through thick cells, too, which count as diffusive otherwise, and
-                         ///< sources are at the centres of cells: the equations that ty_dom_gradient() differentiates.
-                         ///< They differ where cells are thicker than a mean free path. Default false.
+    bool differentiable; ///< True: the light has a gradient (ty_dom_gradient()). Ordinates go through thick cells, too,
+                         ///< which count as diffusive otherwise, and sources are at the centres of cells: so light
+                         ///< differs where cells are thicker than a mean free path. Default false.
 } ty_dom_def;
 
 /// Sets the `bytes` bytes of a ty_dom_def to the defaults, as ty_init_context_def() does.

@@ -57,11 +57,11 @@ TY_API ty_result ty_fld_gradient(const ty_fld* light, const ty_scene* scene, con
 /// The gradient of a loss on the fluence of discrete ordinates, exact for the discrete equations, the set-to-zero
 /// fix-ups of the sweeps included.
 ///
-/// light: ty_dom_solve() of this scene with this def. A tolerance of 1e-5 gives the gradient four digits. Scenes whose
-/// cells are so thick that they are diffusive need `differentiable`. Parameters as of ty_fld_gradient().
+/// light: ty_dom_solve() of this scene with this def, which is `differentiable`. A tolerance of 1e-5 gives the gradient
+/// four digits. Parameters as of ty_fld_gradient().
 /// Errors: TY_ERROR_ARGUMENT (scenes with surfaces, lights that are neither directional nor environments, media that
-/// emit, dom.last_directions, thick cells, light of another scene or that did not converge), TY_ERROR_MEMORY;
-/// TY_CANCELLED.
+/// emit, dom.last_directions, light that is not differentiable, that did not converge or is of another scene),
+/// TY_ERROR_MEMORY; TY_CANCELLED.
 TY_API ty_result ty_dom_gradient(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def,
                                  const double lower[3], const double upper[3], const int32_t size[3],
                                  const double* weights, ty_gradient** out, ty_gradient_stats* stats);

@@ -16,7 +16,7 @@
 #include <string.h>
 
 /* Tubes beyond either end of a row of cells that overlap it; rows of scratch per worker. */
-enum { BORDER = 2, SCRATCH_ROWS = 3 };
+enum { BORDER = 2, SCRATCH_ROWS = 2 };
 
 /* Smaller slabs are passed by one thread: waking others takes longer. */
 enum { TUBES_FOR_THREADS = 1 << 12 };
@@ -24,7 +24,7 @@ enum { TUBES_FOR_THREADS = 1 << 12 };
 /* Planes of cells in the order in which rows are along u: the medium's own, or with x and z exchanged. */
 typedef struct cell_planes {
     const float *extinction, *weight[3];
-    float* gradient;
+    float *gradient, *transmittance; /* transmittance: NULL: not asked for */
 } cell_planes;
 
 typedef struct adjoint_job {
@@ -39,6 +39,7 @@ typedef struct adjoint_job {
     float *before, *depth; /* of each slab, row and tube: transmittance before the slab, optical depth within it */
     float* through;        /* transmittance of each tube, and then the loss's derivative by it */
     float* by_depth;       /* of the slab's tubes: the loss's derivative by depth */
+    float* mean;           /* of the slab's tubes: mean transmittance */
     float* scratch;        /* of each worker */
     double (*sums)[3];     /* of each row of tubes: the loss per channel */
 } adjoint_job;
@@ -79,7 +80,7 @@ static ty_adjoint_tubes tubes_of(const adjoint_job* job, int64_t row, const ty_a
                               .depth = job->depth + at,
                               .through = job->through + (ptrdiff_t)across * beam->tubes[0] + along,
                               .by_mean = rows->blend + scratch_row(job),
-                              .mean = rows->blend + 2 * scratch_row(job),
+                              .mean = job->mean + in_slab,
                               .by_depth = job->by_depth + in_slab};
 }
 
@@ -102,12 +103,15 @@ static void return_row(void* user, int64_t row, int32_t worker) {
     job->kernels->back(&rows, &tubes);
 }
 
-/* Adds the derivatives by depth of the nine tubes that overlap each cell of a row. */
+/* Adds the derivatives by depth of the nine tubes that overlap each cell of a row, and the means of these. */
 static void gather_row(void* user, int64_t v, int32_t worker) {
     const adjoint_job* job = user;
     ty_adjoint_rows rows = rows_of(job, job->planes->extinction, v, worker);
     for (int64_t b = 0; b < 3; ++b) rows.cells[b] = job->by_depth + (v + BORDER - b) * job->width;
     job->kernels->gather(&rows, job->beam->length, (float*)cell_row(job, job->planes->gradient, v));
+    if (job->planes->transmittance == NULL) return;
+    for (int64_t b = 0; b < 3; ++b) rows.cells[b] = job->mean + (v + BORDER - b) * job->width;
+    job->kernels->gather(&rows, 1, (float*)cell_row(job, job->planes->transmittance, v));
 }
 
 static void pass_all(adjoint_job* job) {
@@ -133,6 +137,7 @@ static ty_result pass_direction(adjoint_job* job, double strength[3]) {
     job->depth = ty_alloc_array(context, all, sizeof(float), false);
     job->through = ty_alloc_array(context, ty_collimated_tubes(job->beam), sizeof(float), false);
     job->by_depth = ty_alloc_array(context, tubes, sizeof(float), false);
+    job->mean = ty_alloc_array(context, tubes, sizeof(float), false);
     job->scratch = ty_alloc_array(context, scratch, sizeof(float), false);
     job->sums = ty_alloc_array(context, rows, sizeof *job->sums, true);
     const bool whole = job->before != NULL && job->depth != NULL && job->through != NULL && job->by_depth != NULL &&
@@ -144,6 +149,7 @@ static ty_result pass_direction(adjoint_job* job, double strength[3]) {
     ty_free_array(context, job->depth, all, sizeof(float));
     ty_free_array(context, job->through, ty_collimated_tubes(job->beam), sizeof(float));
     ty_free_array(context, job->by_depth, tubes, sizeof(float));
+    ty_free_array(context, job->mean, tubes, sizeof(float));
     ty_free_array(context, job->scratch, scratch, sizeof(float));
     ty_free_array(context, job->sums, rows, sizeof *job->sums);
     return whole ? TY_OK : TY_ERROR_MEMORY;
@@ -151,7 +157,7 @@ static ty_result pass_direction(adjoint_job* job, double strength[3]) {
 
 /* ---- cells with x and z exchanged ---- */
 
-/* Copies of all planes; the gradient's is one of zeros. */
+/* Copies of all planes; those of results are zeros. */
 static ty_result exchange_all(const adjoint_job* job, const cell_planes* planes, cell_planes* out) {
     const ty_grid_medium* medium = job->medium;
     float* copies[4] = {NULL};
@@ -164,7 +170,11 @@ static ty_result exchange_all(const adjoint_job* job, const cell_planes* planes,
     out->extinction = copies[0];
     for (int32_t c = 0; c < 3; ++c) out->weight[c] = copies[c + 1];
     out->gradient = ty_alloc_array(medium->context, medium->cells, sizeof *out->gradient, true);
-    return copies[job->loss->channels] != NULL && out->gradient != NULL ? TY_OK : TY_ERROR_MEMORY;
+    out->transmittance = planes->transmittance != NULL
+                             ? ty_alloc_array(medium->context, medium->cells, sizeof *out->transmittance, true)
+                             : NULL;
+    const bool whole = copies[job->loss->channels] != NULL && out->gradient != NULL;
+    return whole && (out->transmittance != NULL) == (planes->transmittance != NULL) ? TY_OK : TY_ERROR_MEMORY;
 }
 
 static void free_exchanged(const ty_grid_medium* medium, const cell_planes* planes) {
@@ -172,6 +182,7 @@ static void free_exchanged(const ty_grid_medium* medium, const cell_planes* plan
     for (int32_t c = 0; c < 3; ++c)
         ty_free_array(medium->context, (float*)planes->weight[c], medium->cells, sizeof(float));
     ty_free_array(medium->context, planes->gradient, medium->cells, sizeof(float));
+    ty_free_array(medium->context, planes->transmittance, medium->cells, sizeof(float));
 }
 
 /* ---- all directions ---- */
@@ -205,9 +216,11 @@ ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_collimate
                                 double (*strength)[3]) {
     const cell_planes own = {.extinction = loss->extinction,
                              .weight = {loss->weight[0], loss->weight[1], loss->weight[2]},
-                             .gradient = gradient};
+                             .gradient = gradient,
+                             .transmittance = loss->transmittance};
     adjoint_job job = {
         .medium = medium, .loss = loss, .kernels = TY_BEST_KERNELS(ty_collimated_adjoint_kernels), .planes = &own};
+    if (loss->transmittance != NULL) memset(loss->transmittance, 0, sizeof(float) * medium->cells);
     ty_result result = pass_directions(&job, false, strength);
     if (result != TY_OK || !has_along_x(&job)) return result;
     cell_planes exchanged;
@@ -218,6 +231,8 @@ ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_collimate
         const int32_t* size = medium->box.size;
         const int32_t exchanged_size[3] = {size[2], size[1], size[0]};
         ty_exchange_axes(medium->context, exchanged_size, exchanged.gradient, gradient, true);
+        if (loss->transmittance != NULL)
+            ty_exchange_axes(medium->context, exchanged_size, exchanged.transmittance, loss->transmittance, true);
     }
     free_exchanged(medium, &exchanged);
     return result;

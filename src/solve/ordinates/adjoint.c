@@ -113,9 +113,10 @@ static double imbalance_of(const adjoint_job* job, const float* fluence) {
 static ty_result sweep_solution(adjoint_job* job, const float* const* moments) {
     job->own_def = *job->def;
     ty_result result = begin(job, &job->own_def, moments, &job->own);
-    job->stats->diffusive = job->own.diffusive.count > 0 || job->own.displaced != NULL;
-    if (result != TY_OK || job->stats->diffusive) return result;
-    result = allocate(job);
+    if (result == TY_OK && (job->own.diffusive.count > 0 || job->own.displaced != NULL))
+        result = ty_fail(job->context, TY_ERROR_ARGUMENT,
+                         "ordinates: diffusive cells and displaced sources have no adjoint");
+    if (result == TY_OK) result = allocate(job);
     if (result != TY_OK) return result;
     run_passes(job, note_closed);
     job->stats->imbalance = imbalance_of(job, moments[0]);
@@ -186,7 +187,7 @@ ty_result ty_ordinates_adjoint(ty_context* context, const ty_ordinates_def* def,
     ty_result result = sweep_solution(&job, moments);
     const bool dark = is_dark(weight, job.cells);
     if (result == TY_OK && dark) set_dark(&job, out);
-    if (result == TY_OK && !dark && !stats->diffusive) {
+    if (result == TY_OK && !dark) {
         result = solve_adjoint(&job, &weight, tolerance, out);
         if (result == TY_OK) run_passes(&job, multiply);
         if (result == TY_OK) store(&job, moments, out);

@@ -17,7 +17,6 @@
 
 typedef struct ty_ordinates_adjoint_stats {
     bool converged;
-    bool diffusive; /* cells are diffusive, or sources displaced, which has no adjoint: nothing else is set */
     int32_t sweeps;
     double change;    /* as of ty_ordinates_stats */
     double imbalance; /* rms of the change of the solution's fluence by one more sweep, relative to its rms */
@@ -32,7 +31,8 @@ typedef struct ty_ordinates_adjoint_out {
 
 /* def: of the solve, without walls, boundary radiance and a final set; its progress is that of the adjoint. moments:
  * its result, bands^2 planes. weight: dL/dphi_00 of each cell, of any sign. tolerance: bound of stats->change. Errors:
- * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED. */
+ * TY_ERROR_ARGUMENT (also where
+ * cells are diffusive, or sources displaced), TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_ordinates_adjoint(ty_context* context, const ty_ordinates_def* def, const float* const* moments,
                                const float* weight, double tolerance, const ty_ordinates_adjoint_out* out,
                                ty_ordinates_adjoint_stats* stats);

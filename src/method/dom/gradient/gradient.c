@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-/* Progress after the sources of the solve are found again, and after the adjoint of ordinates. */
-static const double SOURCES_UNTIL = 0.15, ORDINATES_UNTIL = 0.7;
+/* Progress after the lights of the solve are found again, and after the adjoint of ordinates. */
+static const double LIGHTS_UNTIL = 0.02, ORDINATES_UNTIL = 0.7;
 
 static ty_result allocate(ty_dom_gradient_job* job) {
     for (int c = 0; c < 3; ++c) {
@@ -22,14 +22,11 @@ static ty_result allocate(ty_dom_gradient_job* job) {
 
 static void free_all(ty_dom_gradient_job* job) {
     ty_dom_job* dom = &job->dom;
-    const size_t terms = (size_t)dom->light->bands * (size_t)dom->light->bands;
     if (dom->fine != NULL && dom->coarse != NULL) {
         ty_dom_gradient_free_channels(job);
         for (int c = 0; c < 3; ++c) {
             ty_free_array(dom->context, job->weight[c], dom->fine->cells, sizeof(float));
             ty_free_array(dom->context, job->source_weight[c], dom->coarse->cells, sizeof(float));
-            ty_free_array(dom->context, dom->source[c], dom->light->cells, terms * sizeof(float));
-            ty_free_array(dom->context, dom->centers[c], dom->light->cells, 4 * sizeof(float));
         }
     }
     ty_medium_gradient_free(&job->coarse);
@@ -68,12 +65,11 @@ static ty_result find_g(ty_dom_gradient_job* job) {
     return result;
 }
 
-/* The lights and sources of the solve. */
+/* The lights of the solve. */
 static ty_result repeat_solve(ty_dom_gradient_job* job) {
-    ty_result result = ty_part_next(&job->dom.progress, "adjoint", SOURCES_UNTIL);
+    ty_result result = ty_part_next(&job->dom.progress, "adjoint", LIGHTS_UNTIL);
     if (result == TY_OK) result = ty_dom_collect_lights(&job->dom);
     if (result == TY_OK) result = check(job);
-    if (result == TY_OK) result = ty_dom_find_uncollided(&job->dom);
     return result == TY_OK ? find_g(job) : result;
 }
 
@@ -131,6 +127,9 @@ ty_result ty_dom_gradient(const ty_dom* light, const ty_scene* scene, const ty_d
     if (result != TY_OK) return result;
     ty_dom_gradient_job job = {
         .dom = {.context = context, .scene = scene, .def = (const ty_dom_def*)own}, .light = light, .stats = &totals};
+    if (!job.dom.def->differentiable || light->source[0] == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "gradient: dom.differentiable: light has a gradient where it was solved with true");
     if (job.dom.def->last_directions > 0)
         return ty_fail(context, TY_ERROR_ARGUMENT, "gradient: dom.last_directions: dom is differentiated without them");
     job.dom.light = ty_alloc_array(context, 1, sizeof *job.dom.light, true);

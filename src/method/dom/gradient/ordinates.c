@@ -101,12 +101,6 @@ static ty_ordinates_def define(ty_dom_gradient_job* job, int32_t plane) {
     return def;
 }
 
-static ty_result refuse_thick_cells(const ty_dom_gradient_job* job) {
-    return ty_fail(job->dom.context, TY_ERROR_ARGUMENT,
-                   "gradient: dom.differentiable: these cells are so thick that light is differentiated only where it "
-                   "was solved with true");
-}
-
 static ty_result note_solve(const ty_dom_gradient_job* job, const ty_ordinates_adjoint_stats* solved) {
     ty_gradient_stats* stats = job->stats;
     stats->converged = stats->converged && solved->converged;
@@ -130,7 +124,7 @@ static ty_result solve_channel(ty_dom_gradient_job* job, int32_t c) {
     ty_result result = allocate(job, channel);
     if (result != TY_OK) return result;
     for (size_t t = 0; t < terms; ++t) {
-        source[t] = job->dom.source[solved] + cells * t;
+        source[t] = job->light->source[solved] + cells * t;
         moments[t] = job->light->moments[solved] + cells * t;
         by_source[t] = channel->source + cells * t;
     }
@@ -140,7 +134,7 @@ static ty_result solve_channel(ty_dom_gradient_job* job, int32_t c) {
     for (size_t i = 0; i < cells; ++i) job->source_weight[c][i] *= (float)TY_SQRT_4PI_F64;
     result = ty_ordinates_adjoint(job->dom.context, &def, moments, job->source_weight[c], TOLERANCE, &out, &stats);
     if (result != TY_OK) return result;
-    return stats.diffusive ? refuse_thick_cells(job) : note_solve(job, &stats);
+    return note_solve(job, &stats);
 }
 
 /* Adds a channel's derivatives by sigma* and s_l of coarse cells to those by their media. */
@@ -167,10 +161,7 @@ static void add_media(ty_dom_gradient_job* job, int32_t c) {
 ty_result ty_dom_gradient_solve(ty_dom_gradient_job* job) {
     ty_result result = TY_OK;
     job->stats->converged = true;
-    for (int32_t c = 0; c < 3; ++c) {
-        if (job->dom.centers[c] != NULL && job->dom.tells_positions) return refuse_thick_cells(job);
-        choose_adjoint(job, c);
-    }
+    for (int32_t c = 0; c < 3; ++c) choose_adjoint(job, c);
     for (int32_t c = 0; c < 3 && result == TY_OK; ++c)
         if (job->channels[c].of == c) result = solve_channel(job, c);
     for (int32_t c = 0; c < 3 && result == TY_OK; ++c) add_media(job, c);
