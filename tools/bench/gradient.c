@@ -151,6 +151,7 @@ static ty_result time_method(const bench_session* bench, const ty_scene* scene, 
     json_open_object(bench->json, name);
     bench_numbers(bench->json, {"solve_cpu_seconds", t->solve}, {"gradient_cpu_seconds", t->gradient},
                   {"solves", t->ratio}, {"solve_iterations", t->sweeps}, {"gradient_iterations", t->stats.iterations},
+                  {"direct_seconds", t->stats.direct_seconds}, {"diffuse_seconds", t->stats.solve_seconds},
                   {"residual", t->stats.residual}, {"imbalance", t->stats.imbalance});
     json_close_object(bench->json);
     return TY_OK;

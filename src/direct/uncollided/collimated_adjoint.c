@@ -91,6 +91,13 @@ static void pass_row(void* user, int64_t row, int32_t worker) {
     job->kernels->pass(&rows, &tubes);
 }
 
+/* The color that a channel's weights are of. */
+static float color_of(const adjoint_job* job, int32_t channel) {
+    const float *color = job->source->color, *multiples = job->loss->multiples;
+    if (multiples == NULL) return color[job->loss->first + channel];
+    return multiples[0] * color[0] + multiples[1] * color[1] + multiples[2] * color[2];
+}
+
 static void return_row(void* user, int64_t row, int32_t worker) {
     const adjoint_job* job = user;
     ty_adjoint_rows rows = rows_of(job, job->planes->extinction, row, worker);
@@ -98,7 +105,7 @@ static void return_row(void* user, int64_t row, int32_t worker) {
     job->kernels->begin(&rows, &tubes);
     for (int32_t c = 0; c < job->loss->channels; ++c) {
         rows = rows_of(job, job->planes->weight[c], row, worker);
-        job->sums[row][c] += job->kernels->weigh(&rows, &tubes, job->source->color[job->loss->first + c]);
+        job->sums[row][c] += job->kernels->weigh(&rows, &tubes, color_of(job, c));
     }
     job->kernels->back(&rows, &tubes);
 }
@@ -127,6 +134,14 @@ static void pass_all(adjoint_job* job) {
     }
 }
 
+/* Adds a channel's part of the loss to the light's, divided among the channels that share its weights. */
+static void add_strength(const adjoint_job* job, int32_t channel, double part, double strength[3]) {
+    const float *multiples = job->loss->multiples, all = color_of(job, channel);
+    if (multiples == NULL) strength[job->loss->first + channel] += part;
+    for (int c = 0; c < 3 && multiples != NULL && all != 0; ++c)
+        strength[c] += part * (double)(multiples[c] * job->source->color[c] / all);
+}
+
 static ty_result pass_direction(adjoint_job* job, double strength[3]) {
     ty_context* context = job->beam->context;
     job->width = job->beam->size[0] + BORDER;
@@ -144,7 +159,7 @@ static ty_result pass_direction(adjoint_job* job, double strength[3]) {
                        job->scratch != NULL && job->sums != NULL;
     if (whole) pass_all(job);
     for (size_t r = 0; r < rows && whole; ++r)
-        for (int32_t c = 0; c < job->loss->channels; ++c) strength[job->loss->first + c] += job->sums[r][c];
+        for (int32_t c = 0; c < job->loss->channels; ++c) add_strength(job, c, job->sums[r][c], strength);
     ty_free_array(context, job->before, all, sizeof(float));
     ty_free_array(context, job->depth, all, sizeof(float));
     ty_free_array(context, job->through, ty_collimated_tubes(job->beam), sizeof(float));

@@ -15,6 +15,7 @@ typedef struct ty_collimated_loss {
     const float* extinction; /* 1/m */
     int32_t first, channels; /* channels [first, first + channels) of the colors */
     const float* weight[3];  /* of each of these channels, one per cell */
+    const float* multiples;  /* of all three channels over weight[0], which is then the only one; NULL: none */
     float* transmittance;    /* of each cell: receives the sum of T over the directions; NULL: not asked for */
     ty_part_progress* progress;
 } ty_collimated_loss;

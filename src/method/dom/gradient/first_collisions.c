@@ -151,42 +151,33 @@ static void find_harmonics(source_job* job) {
         for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) job->y[t] = power * (float)y[t];
 }
 
-/* Adds the derivatives by a light's factor in each channel that has this adjoint, from that by all of them. */
-static void add_strength(const source_job* job, double strength) {
-    for (int32_t c = 0; c < 3; ++c) {
-        const ty_dom_channel_adjoint* channel = &job->all->channels[c];
-        if (channel->of != job->channel || job->color == 0) continue;
-        job->all->gradient->lights[job->source->light][c] +=
-            strength * (double)(channel->factor * job->source->color[c] / job->color);
-    }
-}
-
 static ty_result return_direction(source_job* job) {
     ty_dom_gradient_job* all = job->all;
     ty_discrete_light one = *job->source;
-    double strength[1][3] = {{0}};
+    float multiples[3];
     job->color = 0;
-    for (int32_t c = 0; c < 3; ++c)
-        if (all->channels[c].of == job->channel) job->color += all->channels[c].factor * one.color[c];
+    for (int32_t c = 0; c < 3; ++c) {
+        multiples[c] = all->channels[c].of == job->channel ? all->channels[c].factor : 0;
+        job->color += multiples[c] * one.color[c];
+    }
     find_harmonics(job);
     if (is_uniform(job))
         find_uniform(job);
     else
         find_varying(job);
     ty_parallel_for(all->dom.context, chunks_of(job->medium.cells), weigh_chunk, job);
-    one.color[0] = job->color;
-    one.light = 0;
     one.direction = direction_of(job, job->source);
     const ty_collimated_loss loss = {.sources = &one,
                                      .count = 1,
                                      .extinction = job->fine[EXTINCTION],
                                      .channels = 1,
                                      .weight = {job->fine[WEIGHT]},
+                                     .multiples = multiples,
                                      .transmittance = job->fine[TRANSMITTANCE],
                                      .progress = &all->dom.progress};
-    const ty_result result = ty_collimated_adjoint(&job->medium, &loss, job->fine[BY_EXTINCTION], strength);
+    const ty_result result =
+        ty_collimated_adjoint(&job->medium, &loss, job->fine[BY_EXTINCTION], all->gradient->lights);
     ty_parallel_for(all->dom.context, chunks_of(job->medium.cells), scatter_chunk, job);
-    add_strength(job, strength[0][0]);
     return result;
 }
 

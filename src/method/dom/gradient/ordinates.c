@@ -11,8 +11,6 @@
  * solution.
  */
 static const double TOLERANCE = 2e-5, MAX_IMBALANCE = 0.1;
-/* Relative difference of weights up to which one channel's count as a multiple of another's. */
-static const float MAX_DIFFERENCE = 1e-6f;
 
 static size_t terms_of(const ty_dom_gradient_job* job) {
     return (size_t)job->dom.light->bands * (size_t)job->dom.light->bands;
@@ -44,19 +42,6 @@ void ty_dom_gradient_free_channels(ty_dom_gradient_job* job) {
     }
 }
 
-/* True if `a` is `factor` times `b`. */
-static bool is_multiple(const float* a, const float* b, size_t count, float* factor) {
-    double product = 0, square = 0;
-    for (size_t i = 0; i < count; ++i) {
-        product += (double)a[i] * (double)b[i];
-        square += (double)b[i] * (double)b[i];
-    }
-    *factor = square > 0 ? (float)(product / square) : 0;
-    for (size_t i = 0; i < count; ++i)
-        if (fabsf(a[i] - *factor * b[i]) > MAX_DIFFERENCE * ty_maxf(fabsf(a[i]), fabsf(*factor * b[i]))) return false;
-    return true;
-}
-
 /* The channel whose adjoint is a multiple of this one's. */
 static void choose_adjoint(ty_dom_gradient_job* job, int32_t c) {
     ty_dom_channel_adjoint* channel = &job->channels[c];
@@ -64,8 +49,8 @@ static void choose_adjoint(ty_dom_gradient_job* job, int32_t c) {
     for (int32_t other = 0; other < c && job->light->shared; ++other) {
         float factor, fine_factor;
         if (job->channels[other].of != other) continue;
-        if (!is_multiple(job->source_weight[c], job->source_weight[other], job->dom.coarse->cells, &factor) ||
-            !is_multiple(job->weight[c], job->weight[other], job->dom.fine->cells, &fine_factor))
+        if (!ty_is_multiple(job->source_weight[c], job->source_weight[other], job->dom.coarse->cells, &factor) ||
+            !ty_is_multiple(job->weight[c], job->weight[other], job->dom.fine->cells, &fine_factor))
             continue;
         channel->of = other;
         channel->factor = factor;
