@@ -41,7 +41,8 @@ typedef struct adjoint_job {
     float* by_depth;       /* of the slab's tubes: the loss's derivative by depth */
     float* mean;           /* of the slab's tubes: mean transmittance */
     float* scratch;        /* of each worker */
-    double (*sums)[3];     /* of each row of tubes: the loss per channel */
+    ty_collimated_scratch* memory; /* of all of these */
+    double (*sums)[3];             /* of each row of tubes: the loss per channel */
 } adjoint_job;
 
 static size_t tubes_of_slab(const adjoint_job* job) {
@@ -142,32 +143,43 @@ static void add_strength(const adjoint_job* job, int32_t channel, double part, d
         strength[c] += part * (double)(multiples[c] * job->source->color[c] / all);
 }
 
+/* Room for so many floats. */
+static ty_result reserve(ty_context* context, ty_collimated_scratch* scratch, size_t count) {
+    if (scratch->count >= count) return TY_OK;
+    ty_collimated_scratch_free(context, scratch);
+    scratch->floats = ty_alloc_array(context, count, sizeof *scratch->floats, false);
+    if (scratch->floats == NULL) return TY_ERROR_MEMORY;
+    scratch->count = count;
+    return TY_OK;
+}
+
+void ty_collimated_scratch_free(ty_context* context, ty_collimated_scratch* scratch) {
+    ty_free_array(context, scratch->floats, scratch->count, sizeof *scratch->floats);
+    *scratch = (ty_collimated_scratch){.floats = NULL};
+}
+
 static ty_result pass_direction(adjoint_job* job, double strength[3]) {
     ty_context* context = job->beam->context;
     job->width = job->beam->size[0] + BORDER;
     job->rows = job->beam->size[1] + BORDER;
     const size_t tubes = tubes_of_slab(job), all = tubes * (size_t)job->beam->size[2], rows = (size_t)job->rows;
-    const size_t scratch = SCRATCH_ROWS * scratch_row(job) * (size_t)ty_context_threads(context);
-    job->before = ty_alloc_array(context, all, sizeof(float), false);
-    job->depth = ty_alloc_array(context, all, sizeof(float), false);
-    job->through = ty_alloc_array(context, ty_collimated_tubes(job->beam), sizeof(float), false);
-    job->by_depth = ty_alloc_array(context, tubes, sizeof(float), false);
-    job->mean = ty_alloc_array(context, tubes, sizeof(float), false);
-    job->scratch = ty_alloc_array(context, scratch, sizeof(float), false);
+    const size_t through = ty_collimated_tubes(job->beam);
+    const size_t work = SCRATCH_ROWS * scratch_row(job) * (size_t)ty_context_threads(context);
+    const ty_result result = reserve(context, job->memory, 2 * all + through + 2 * tubes + work);
+    if (result != TY_OK) return result;
     job->sums = ty_alloc_array(context, rows, sizeof *job->sums, true);
-    const bool whole = job->before != NULL && job->depth != NULL && job->through != NULL && job->by_depth != NULL &&
-                       job->scratch != NULL && job->sums != NULL;
-    if (whole) pass_all(job);
-    for (size_t r = 0; r < rows && whole; ++r)
+    if (job->sums == NULL) return TY_ERROR_MEMORY;
+    job->before = job->memory->floats;
+    job->depth = job->before + all;
+    job->through = job->depth + all;
+    job->by_depth = job->through + through;
+    job->mean = job->by_depth + tubes;
+    job->scratch = job->mean + tubes;
+    pass_all(job);
+    for (size_t r = 0; r < rows; ++r)
         for (int32_t c = 0; c < job->loss->channels; ++c) add_strength(job, c, job->sums[r][c], strength);
-    ty_free_array(context, job->before, all, sizeof(float));
-    ty_free_array(context, job->depth, all, sizeof(float));
-    ty_free_array(context, job->through, ty_collimated_tubes(job->beam), sizeof(float));
-    ty_free_array(context, job->by_depth, tubes, sizeof(float));
-    ty_free_array(context, job->mean, tubes, sizeof(float));
-    ty_free_array(context, job->scratch, scratch, sizeof(float));
     ty_free_array(context, job->sums, rows, sizeof *job->sums);
-    return whole ? TY_OK : TY_ERROR_MEMORY;
+    return TY_OK;
 }
 
 /* ---- cells with x and z exchanged ---- */
@@ -227,28 +239,39 @@ static bool has_along_x(const adjoint_job* job) {
     return false;
 }
 
+static ty_result pass_both(adjoint_job* job, const cell_planes* own, double (*strength)[3]) {
+    const ty_grid_medium* medium = job->medium;
+    ty_result result = pass_directions(job, false, strength);
+    if (result != TY_OK || !has_along_x(job)) return result;
+    cell_planes exchanged;
+    result = exchange_all(job, own, &exchanged);
+    job->planes = &exchanged;
+    if (result == TY_OK) result = pass_directions(job, true, strength);
+    if (result == TY_OK) {
+        const int32_t* size = medium->box.size;
+        const int32_t exchanged_size[3] = {size[2], size[1], size[0]};
+        ty_exchange_axes(medium->context, exchanged_size, exchanged.gradient, own->gradient, true);
+        if (own->transmittance != NULL)
+            ty_exchange_axes(medium->context, exchanged_size, exchanged.transmittance, own->transmittance, true);
+    }
+    free_exchanged(medium, &exchanged);
+    return result;
+}
+
 ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_collimated_loss* loss, float* gradient,
                                 double (*strength)[3]) {
     const cell_planes own = {.extinction = loss->extinction,
                              .weight = {loss->weight[0], loss->weight[1], loss->weight[2]},
                              .gradient = gradient,
                              .transmittance = loss->transmittance};
-    adjoint_job job = {
-        .medium = medium, .loss = loss, .kernels = TY_BEST_KERNELS(ty_collimated_adjoint_kernels), .planes = &own};
+    ty_collimated_scratch temporary = {.floats = NULL};
+    adjoint_job job = {.medium = medium,
+                       .loss = loss,
+                       .kernels = TY_BEST_KERNELS(ty_collimated_adjoint_kernels),
+                       .memory = loss->scratch != NULL ? loss->scratch : &temporary,
+                       .planes = &own};
     if (loss->transmittance != NULL) memset(loss->transmittance, 0, sizeof(float) * medium->cells);
-    ty_result result = pass_directions(&job, false, strength);
-    if (result != TY_OK || !has_along_x(&job)) return result;
-    cell_planes exchanged;
-    result = exchange_all(&job, &own, &exchanged);
-    job.planes = &exchanged;
-    if (result == TY_OK) result = pass_directions(&job, true, strength);
-    if (result == TY_OK) {
-        const int32_t* size = medium->box.size;
-        const int32_t exchanged_size[3] = {size[2], size[1], size[0]};
-        ty_exchange_axes(medium->context, exchanged_size, exchanged.gradient, gradient, true);
-        if (loss->transmittance != NULL)
-            ty_exchange_axes(medium->context, exchanged_size, exchanged.transmittance, loss->transmittance, true);
-    }
-    free_exchanged(medium, &exchanged);
+    const ty_result result = pass_both(&job, &own, strength);
+    ty_collimated_scratch_free(medium->context, &temporary);
     return result;
 }

@@ -9,8 +9,10 @@
 #include <string.h>
 
 /* Krylov vectors until a restart, largest number of linear solves, and their tolerance. */
-enum { KRYLOV = 30, SOLVES_MAX = 150 };
+enum { KRYLOV = 40, SOLVES_MAX = 150 };
 static const double SOLVE_TOLERANCE = 0.1;
+/* The adjoint need not be more exact than this part of the error of the light. */
+static const double PART_OF_IMBALANCE = 0.3;
 /* Smaller boxes run on one thread: waking the others takes longer. */
 enum { CELLS_FOR_THREADS = 1 << 14 };
 
@@ -565,7 +567,7 @@ ty_result ty_diffusion_adjoint(ty_context* context, const ty_diffusion_def* def,
     ty_result result = allocate(&job);
     if (result == TY_OK) {
         begin(&job);
-        result = solve(&job, weight, tolerance);
+        result = solve(&job, weight, fmax(tolerance, PART_OF_IMBALANCE * stats->imbalance));
     }
     if (result == TY_OK) store(&job, out);
     free_all(&job);

@@ -34,6 +34,7 @@ typedef struct source_job {
     ty_dom_phase_slope slope;        /* of the plane, where g is uniform */
     float *coarse[2], *swapped;      /* of coarse cells: the sum of A and that by g; one with exchanged axes */
     float* fine[ARRAYS];
+    ty_collimated_scratch scratch;
 } source_job;
 
 static int64_t chunks_of(size_t cells) {
@@ -174,6 +175,7 @@ static ty_result return_direction(source_job* job) {
                                      .weight = {job->fine[WEIGHT]},
                                      .multiples = multiples,
                                      .transmittance = job->fine[TRANSMITTANCE],
+                                     .scratch = &job->scratch,
                                      .progress = &all->dom.progress};
     const ty_result result =
         ty_collimated_adjoint(&job->medium, &loss, job->fine[BY_EXTINCTION], all->gradient->lights);
@@ -312,5 +314,6 @@ ty_result ty_dom_gradient_return_sources(ty_dom_gradient_job* all) {
         if (all->channels[c].of == c) result = return_channel(&job, extinction, g);
     }
     free_all(&job, extinction, g);
+    ty_collimated_scratch_free(all->dom.context, &job.scratch);
     return result;
 }

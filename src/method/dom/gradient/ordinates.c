@@ -7,10 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Bound of the estimated remaining error of adjoint light; change of the light by a sweep above which it is no
- * solution.
+/* Bound of the estimated remaining error of adjoint light, or this part of the light's own; change of the light by a
+ * sweep above which it is no solution.
  */
-static const double TOLERANCE = 2e-5, MAX_IMBALANCE = 0.1;
+static const double TOLERANCE = 2e-5, PART_OF_ERROR = 0.1, MAX_IMBALANCE = 0.1;
 
 static size_t terms_of(const ty_dom_gradient_job* job) {
     return (size_t)job->dom.light->bands * (size_t)job->dom.light->bands;
@@ -117,7 +117,8 @@ static ty_result solve_channel(ty_dom_gradient_job* job, int32_t c) {
     def.source = source;
     const ty_ordinates_adjoint_out out = {by_source, channel->extinction, channel->scattered};
     for (size_t i = 0; i < cells; ++i) job->source_weight[c][i] *= (float)TY_SQRT_4PI_F64;
-    result = ty_ordinates_adjoint(job->dom.context, &def, moments, job->source_weight[c], TOLERANCE, &out, &stats);
+    const double tolerance = fmax(TOLERANCE, PART_OF_ERROR * job->dom.def->tolerance);
+    result = ty_ordinates_adjoint(job->dom.context, &def, moments, job->source_weight[c], tolerance, &out, &stats);
     if (result != TY_OK) return result;
     return note_solve(job, &stats);
 }
