@@ -546,7 +546,7 @@ static const char every_key[] =
     "\"block_side\":2,\"shadow_side\":128,\"shadow_rays\":false,\"half\":false,\"step\":0.75,\"spp\":5},"
     "\"dom\":{\"resolution\":20,\"direct\":60,\"directions\":48,\"last_directions\":80,\"bands\":4,\"acceleration\":"
     "\"none\","
-    "\"tolerance\":1e-4,\"iterations\":50,\"environment_beams\":9,\"surface_points\":6,\"spp\":4,\"step\":2,\"ray_"
+    "\"tolerance\":1e-4,\"iterations\":50,\"environment_beams\":9,\"surface_points\":6,\"differentiable\":true,\"spp\":4,\"step\":2,\"ray_"
     "spacing\":4},"
     "\"octaves\":{\"count\":3,\"scattering\":0.4,\"extinction\":0.6,\"anisotropy\":0.3,\"view_extinction\":\"scaled\","
     "\"resolution\":30,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5,\"ray_spacing\":2,"
