@@ -31,7 +31,9 @@ typedef struct adjoint_job {
     double* by_extinction;                     /* dD/dsigma */
     double *basis[KRYLOV + 1], *steps[KRYLOV]; /* Krylov vectors, and these preconditioned */
     double *adjoint, *by_diffusivity;          /* lambda, C^T lambda */
-    double* plane_sums;
+    double *plane_sums, *products;             /* products: KRYLOV numbers per plane */
+    double* parts;                             /* of a vector along the first `count` of the basis */
+    int32_t count;
     const double *a, *b; /* operands of a loop over planes */
     double *to, factor;
     ty_linear_diffusion* linear;
@@ -365,6 +367,60 @@ static void add(adjoint_job* job, double factor, const double* a, double* to) {
     run_planes(job, add_plane);
 }
 
+/* Cells whose part of a vector stays in the cache. */
+enum { CELLS_AT_ONCE = 1024 };
+
+/* Inner products of the vector at hand with the first basis vectors, per plane. */
+static void project_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    adjoint_job* job = user;
+    double* sums = job->products + z * KRYLOV;
+    const int64_t last = (z + 1) * plane_cells(job);
+    for (int32_t k = 0; k < job->count; ++k) sums[k] = 0;
+    for (int64_t begin = z * plane_cells(job); begin < last; begin += CELLS_AT_ONCE) {
+        const int64_t end = begin + CELLS_AT_ONCE < last ? begin + CELLS_AT_ONCE : last;
+        for (int32_t k = 0; k < job->count; ++k) {
+            double sum = 0;
+#pragma omp simd reduction(+ : sum)
+            for (int64_t i = begin; i < end; ++i) sum += job->to[i] * job->basis[k][i];
+            sums[k] += sum;
+        }
+    }
+    job->plane_sums[z] = 0;
+}
+
+/* Subtracts these parts, and sums the squares of the rest. */
+static void remove_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    adjoint_job* job = user;
+    const int64_t last = (z + 1) * plane_cells(job);
+    double square = 0;
+    for (int64_t begin = z * plane_cells(job); begin < last; begin += CELLS_AT_ONCE) {
+        const int64_t end = begin + CELLS_AT_ONCE < last ? begin + CELLS_AT_ONCE : last;
+        for (int32_t k = 0; k < job->count; ++k) {
+            const double part = job->parts[k];
+#pragma omp simd
+            for (int64_t i = begin; i < end; ++i) job->to[i] -= part * job->basis[k][i];
+        }
+#pragma omp simd reduction(+ : square)
+        for (int64_t i = begin; i < end; ++i) square += job->to[i] * job->to[i];
+    }
+    job->plane_sums[z] = square;
+}
+
+/* Makes a vector orthogonal to the first `count` basis vectors, of which it had `parts`. Returns its length. */
+static double orthogonalise(adjoint_job* job, double* vector, int32_t count, double* parts) {
+    job->to = vector;
+    job->count = count;
+    job->parts = parts;
+    run_planes(job, project_plane);
+    for (int32_t k = 0; k < count; ++k) {
+        parts[k] = 0;
+        for (int32_t z = 0; z < job->def->size[2]; ++z) parts[k] += job->products[(int64_t)z * KRYLOV + k];
+    }
+    return sqrt(run_planes(job, remove_plane));
+}
+
 static void scale(const adjoint_job* job, double factor, double* v) {
     for (int64_t i = 0; i < job->cells; ++i) v[i] *= factor;
 }
@@ -441,11 +497,7 @@ static ty_result iterate(adjoint_job* job, double norm, double tolerance, double
         precondition(job, job->basis[j], job->steps[j]);
         double* next = job->basis[j + 1];
         apply_adjoint(job, job->steps[j], next);
-        for (int32_t i = 0; i <= j; ++i) {
-            h.column[j][i] = dot(job, next, job->basis[i]);
-            add(job, -h.column[j][i], job->basis[i], next);
-        }
-        h.column[j][j + 1] = sqrt(dot(job, next, next));
+        h.column[j][j + 1] = orthogonalise(job, next, j + 1, h.column[j]);
         if (h.column[j][j + 1] > 0) scale(job, 1 / h.column[j][j + 1], next);
         rotate_column(&h, j++);
         result = report(job, fabs(h.right[j]) / whole, tolerance);
@@ -495,7 +547,8 @@ static ty_result allocate(adjoint_job* job) {
         whole = job->steps[i] != NULL;
     }
     if (whole) job->plane_sums = ty_alloc_array(job->context, (size_t)job->def->size[2], sizeof(double), false);
-    return whole && job->plane_sums != NULL ? TY_OK : TY_ERROR_MEMORY;
+    if (whole) job->products = ty_alloc_array(job->context, (size_t)job->def->size[2], KRYLOV * sizeof(double), false);
+    return whole && job->products != NULL && job->plane_sums != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
 static void free_all(adjoint_job* job) {
@@ -507,6 +560,7 @@ static void free_all(adjoint_job* job) {
     for (int i = 0; i <= KRYLOV; ++i) ty_free_array(job->context, job->basis[i], cells, sizeof(double));
     for (int i = 0; i < KRYLOV; ++i) ty_free_array(job->context, job->steps[i], cells, sizeof(double));
     ty_linear_diffusion_destroy(job->linear);
+    ty_free_array(job->context, job->products, (size_t)job->def->size[2], KRYLOV * sizeof(double));
     ty_free_array(job->context, job->plane_sums, (size_t)job->def->size[2], sizeof(double));
 }
 
