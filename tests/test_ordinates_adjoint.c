@@ -8,7 +8,7 @@
 
 enum { BANDS = 4, TERMS = BANDS * BANDS, CELLS = 14 * 11 * 9 };
 
-/* Relative error; at most 2.5e-5 is measured, of the single precision of the moments that are subtracted. */
+/* Relative error; at most 2.8e-5 is measured, of the single precision of the moments that are subtracted. */
 static const double TOLERANCE = 1e-4;
 
 static ty_angular_quadrature directions;
@@ -147,7 +147,7 @@ static void check(ty_context* context, double thickness, double albedo, double g
     compare("linear", whole, loss, fabs(loss));
     compare("source", by[2], difference(context, &p, 2, 0.02), fabs(by[2]));
     compare("media", by[0], difference(context, &p, 0, 0.01), scale);
-    compare("scattering", by[1], difference(context, &p, 1, 0.2 * (1 - albedo)), fabs(by[1]));
+    compare("scattering", by[1], difference(context, &p, 1, (thickness < 10 ? 0.2 : 0.08) * (1 - albedo)), fabs(by[1]));
 }
 
 static void thin_clouds(void** state) {

@@ -9,23 +9,23 @@
  * single precision of the phase function does not matter. */
 static const double FIT_STEP = 0.01;
 
-static void add_fit(const ty_forward_fit* fit, double weight, ty_dom_phase_slope* out) {
-    for (int32_t l = 0; l < fit->bands; ++l) out->scattered_by_g[l] += weight * (double)fit->moments[l];
-    out->forward_by_g += weight * (double)fit->forward_fraction;
+static void add_fit(const ty_dom* light, double weight, ty_dom_phase_slope* out) {
+    for (int32_t l = 0; l < light->fit.bands; ++l) out->scattered_by_g[l] += weight * (double)light->fit.moments[l];
+    out->forward_by_g += weight * (double)light->fit.forward_fraction;
 }
 
 void ty_dom_gradient_find_fit(ty_dom_gradient_job* job) {
     static const double weights[5] = {1, -8, 0, 8, -1};
-    const ty_forward_fit* fit = &job->dom.light->fit;
+    const ty_dom* light = job->dom.light;
     ty_dom_phase_slope* out = &job->fit;
     const double step = fmin(FIT_STEP, 0.1 * (1 - (double)job->g[0]));
     memset(out, 0, sizeof *out);
-    for (int32_t l = 0; l < fit->bands; ++l) out->scattered[l] = (double)fit->moments[l];
-    out->forward = (double)fit->forward_fraction;
-    for (int move = -2; move <= 2 && fit->bands > 0; ++move) {
-        ty_forward_fit moved;
+    for (int32_t l = 0; l < light->fit.bands; ++l) out->scattered[l] = (double)light->fit.moments[l];
+    out->forward = (double)light->fit.forward_fraction;
+    for (int move = -2; move <= 2 && light->fit.bands > 0; ++move) {
+        ty_dom moved = {.bands = light->fit.bands};
         if (move == 0) continue;
-        ty_dom_fit_phase((double)job->g[0] + move * step, fit->bands, &moved);
+        ty_dom_fit_phase((double)job->g[0] + move * step, moved.bands, &moved.fit);
         add_fit(&moved, weights[move + 2] / (12 * step), out);
     }
 }
