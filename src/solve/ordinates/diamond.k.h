@@ -3,6 +3,7 @@
 #ifndef TY_SOLVE_ORDINATES_DIAMOND_K_H
 #define TY_SOLVE_ORDINATES_DIAMOND_K_H
 
+#include "base/kernel.h"
 #include "base/simd.h"
 #include "solve/ordinates/sweep_kernel.h"
 
@@ -175,7 +176,8 @@ TY_INLINE ptrdiff_t closed_index(const ty_sweep_box* box, int32_t octant, int32_
 
 /* Sweeps a row by the transpose, towards +x and -x; its directions are the opposite ones of those that the faces were
  * closed for. */
-TY_INLINE void transpose_row(const ty_sweep_box* box, int32_t octant, int32_t group, ptrdiff_t row, stream streams[2]) {
+TY_FN_CALLED void transpose_row(const ty_sweep_box* box, int32_t octant, int32_t group, ptrdiff_t row,
+                                stream streams[2]) {
     const float* extinction = box->extinction + row;
     const int32_t nx = box->size[0];
     ty_lanes two_mu_over_h[3];
