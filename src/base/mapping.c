@@ -14,8 +14,8 @@
 #include <unistd.h>
 
 enum { PATH_SIZE = 4096, LOOK_NS = 2000000, NS = 1000000000 };
-/* Bytes that are unloaded between two looks at what is in memory. */
-enum { UNLOADED_AT_ONCE = 1 << 22 };
+/* Bytes of a mapping that are unloaded between two looks at what is in memory, at least. */
+enum { UNLOADED_LEAST = 1 << 22 };
 
 static void take_change(const struct stat* status, int64_t changed[2]) {
     changed[0] = status->st_mtim.tv_sec;
@@ -163,6 +163,23 @@ void ty_mapping_close(ty_mapping* mapping) {
     free_mapping(mapping);
 }
 
+/* Bytes from the begin of a mapping to the first page that may be unloaded. */
+static size_t kept_pages(const ty_mapping* mapping) {
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    return (mapping->kept + page - 1) / page * page;
+}
+
+void ty_mapping_expect_random(ty_mapping* mapping) {
+    const size_t kept = kept_pages(mapping);
+    if (kept < mapping->size) madvise(mapping->bytes + kept, mapping->size - kept, MADV_RANDOM);
+}
+
+void ty_mapping_prefetch(const ty_mapping* mapping, const void* from, size_t bytes) {
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    const size_t offset = (size_t)((const uint8_t*)from - mapping->bytes), first = offset / page * page;
+    madvise(mapping->bytes + first, offset - first + bytes, MADV_WILLNEED);
+}
+
 /* ---- all mappings of a context ---- */
 
 bool ty_mappings_are_bounded(ty_context* context) {
@@ -175,30 +192,32 @@ static size_t resident_in(const ty_mapping_ring* ring) {
     return all > ring->others ? all - ring->others : 0;
 }
 
-/* Unloads the next pages. Returns how many bytes of the ring were passed. */
-static size_t advance(ty_mapping_ring* ring) {
+/* Unloads the next pages, up to `wanted` bytes or the end of a mapping. Returns how many bytes of the ring were passed.
+ */
+static size_t advance(ty_mapping_ring* ring, size_t wanted) {
     ty_mapping* mapping = ring->hand;
-    const size_t page = (size_t)sysconf(_SC_PAGESIZE), kept = (mapping->kept + page - 1) / page * page;
-    if (ring->offset < kept) ring->offset = kept;
-    const size_t left = ring->offset < mapping->size ? mapping->size - ring->offset : 0;
-    const size_t bytes = left < UNLOADED_AT_ONCE ? left : UNLOADED_AT_ONCE;
-    if (bytes > 0) madvise(mapping->bytes + ring->offset, bytes, MADV_DONTNEED);
-    ring->offset += bytes;
-    if (bytes == left) {
-        ring->hand = mapping->next;
-        ring->offset = 0;
-    }
-    return bytes;
+    const size_t kept = kept_pages(mapping), from = ring->offset > kept ? ring->offset : kept;
+    const size_t left = from < mapping->size ? mapping->size - from : 0, bytes = left < wanted ? left : wanted;
+    if (bytes > 0) madvise(mapping->bytes + from, bytes, MADV_DONTNEED);
+    const size_t passed = from + bytes - ring->offset;
+    ring->offset = from + bytes;
+    if (bytes < left) return passed;
+    ring->hand = mapping->next;
+    ring->offset = 0;
+    return passed;
 }
 
-/* Unloads until a quarter of the limit is free, once around the ring at most. */
+/* Unloads until a quarter of the limit is free, once around the ring at most. Pages in memory are taken to be spread
+ * evenly. */
 static void unload(ty_mapping_ring* ring) {
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE), target = ring->limit - ring->limit / 4;
     const ty_mapping* first = ring->hand;
-    size_t total = first->size, passed = 0;
+    size_t total = first->size, passed = 0, resident;
     for (const ty_mapping* m = first->next; m != first; m = m->next) total += m->size;
-    while (passed < total && resident_in(ring) > ring->limit - ring->limit / 4) {
-        const size_t bytes = advance(ring);
-        passed += bytes > 0 ? bytes : 1;
+    while (passed < total && (resident = resident_in(ring)) > target) {
+        const double part = (double)(resident - target) / (double)resident;
+        const size_t bytes = (size_t)(part * (double)total) / page * page;
+        passed += advance(ring, bytes > UNLOADED_LEAST ? bytes : UNLOADED_LEAST);
     }
 }
 

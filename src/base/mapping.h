@@ -40,6 +40,11 @@ ty_result ty_mapping_create(ty_context* context, size_t size, ty_mapping** out);
 /* Maps a regular file for reading. A file that becomes shorter meanwhile raises SIGBUS where it is read.
  * Errors: TY_ERROR_FILE, TY_ERROR_INPUT (an empty file), TY_ERROR_MEMORY. */
 ty_result ty_mapping_open(ty_context* context, const char* path, ty_mapping** out);
+/* From here on its pages, but for the kept ones, are read in no order: none is read with those behind it, which would
+ * push out others. */
+void ty_mapping_expect_random(ty_mapping* mapping);
+/* Has pages read that are needed soon. */
+void ty_mapping_prefetch(const ty_mapping* mapping, const void* from, size_t bytes);
 /* NULL is allowed. */
 void ty_mapping_close(ty_mapping* mapping);
 

@@ -105,6 +105,7 @@ static ty_result create_grid(ty_context* context, const ty_grid_def* def, ty_gri
         ty_grid_release(grid);
         return TY_ERROR_MEMORY;
     }
+    if (grid->blocks.mapping != NULL) ty_mapping_expect_random(grid->blocks.mapping);
     *out = grid;
     return TY_OK;
 }
@@ -149,6 +150,7 @@ ty_result ty_grid_adopt_mapping(ty_context* context, const ty_grid_def* def, con
     grid->max = measured->max;
     grid->mean = measured->mean;
     grid->active = measured->active;
+    ty_mapping_expect_random(blocks->mapping);
     *out = grid;
     return TY_OK;
 }

@@ -205,13 +205,17 @@ static bricks_head make_head(const ty_grid* grid) {
 }
 
 /* Writes an array at its offset, and extends the hash by it. */
-static void put(ty_output* output, uint64_t offset, const void* from, uint64_t bytes, uint64_t* hash) {
+static void put(const ty_grid* grid, ty_output* output, uint64_t offset, const void* from, uint64_t bytes,
+                uint64_t* hash) {
     const uint8_t* at = from;
     for (uint64_t done = 0; done < bytes && output->error == 0; done += WRITTEN_AT_ONCE) {
         const uint64_t left = bytes - done;
         const size_t part = (size_t)(left < WRITTEN_AT_ONCE ? left : WRITTEN_AT_ONCE);
+        if (grid->blocks.mapping != NULL && from == grid->values)
+            ty_mapping_prefetch(grid->blocks.mapping, at + done, part);
         ty_output_write_at(output, at + done, part, offset + done);
         *hash = ty_hash_bytes(*hash, at + done, part);
+        if (ty_mappings_are_bounded(grid->context)) ty_mappings_trim(grid->context);
     }
 }
 
@@ -220,9 +224,9 @@ static ty_result write_blocks(ty_context* context, const ty_grid* grid, const ch
     ty_output output;
     const ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    put(&output, head.extremes, grid->extremes, brick_count(&head) * 2 * sizeof(float), &head.hash);
-    put(&output, head.table, grid->blocks.table, table_count(&head) * sizeof(uint32_t), &head.hash);
-    put(&output, head.values, grid->values, values_bytes(&head), &head.hash);
+    put(grid, &output, head.extremes, grid->extremes, brick_count(&head) * 2 * sizeof(float), &head.hash);
+    put(grid, &output, head.table, grid->blocks.table, table_count(&head) * sizeof(uint32_t), &head.hash);
+    put(grid, &output, head.values, grid->values, values_bytes(&head), &head.hash);
     ty_output_write_at(&output, &head, sizeof head, 0);
     return ty_output_commit(context, &output);
 }
