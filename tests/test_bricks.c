@@ -70,6 +70,42 @@ static void grids_come_back(void** state) {
     }
 }
 
+/* Files of other formats, also those that are read without the dense array. */
+static void other_formats_become_paged(void** state) {
+    static const char* const names[] = {"a.vdb", "a.nvdb", "a.nrrd", "a.nii", "a.vol", "a.vti", "a.bricks"};
+    (void)state;
+    ty_grid* grid = make_grid(TY_GRID_F32);
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        const char* codec = strcmp(names[i], "a.nrrd") == 0 ? "none" : NULL;
+        const ty_volume_field field = {.name = "density", .components = 1, .grids = {grid}};
+        ty_volume_def def = ty_default_volume_def();
+        ty_grid *dense = NULL, *paged = NULL;
+        const ty_result written = ty_volume_write(context, &field, 1, codec, names[i]);
+        if (written == TY_ERROR_UNSUPPORTED) { /* a build without the format */
+            ty_take_error(context);
+            continue;
+        }
+        assert_int_equal(written, TY_OK);
+        def.storage = TY_GRID_DENSE;
+        assert_int_equal(ty_volume_read(context, names[i], &def, &dense), TY_OK);
+        def.storage = TY_GRID_PAGED;
+        assert_int_equal(ty_volume_read(context, names[i], &def, &paged), TY_OK);
+        const ty_grid_info a = ty_grid_get_info(dense), b = ty_grid_get_info(paged);
+        assert_int_equal(a.storage, TY_GRID_DENSE);
+        assert_int_equal(b.storage, TY_GRID_PAGED);
+        assert_true(a.background == b.background && a.min == b.min && a.max == b.max && a.active == b.active);
+        assert_memory_equal(a.size, b.size, sizeof a.size);
+        assert_memory_equal(dense->extremes, paged->extremes, ty_grid_brick_count(dense) * 2 * sizeof(float));
+        for (int32_t k = 0; k < a.size[2]; ++k)
+            for (int32_t j = 0; j < a.size[1]; ++j)
+                for (int32_t x = 0; x < a.size[0]; ++x)
+                    assert_true(ty_grid_voxel(dense, x, j, k) == ty_grid_voxel(paged, x, j, k));
+        ty_grid_release(dense);
+        ty_grid_release(paged);
+    }
+    ty_grid_release(grid);
+}
+
 static uint8_t* get_bytes(const char* path, size_t* size) {
     uint8_t* bytes = NULL;
     assert_int_equal(ty_bytes_read(context, path, (size_t)1 << 24, &bytes, size), TY_OK);
@@ -247,6 +283,7 @@ static void a_full_folder_is_an_error(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(grids_come_back, start, stop),
+        cmocka_unit_test_setup_teardown(other_formats_become_paged, start, stop),
         cmocka_unit_test_setup_teardown(damaged_files_are_refused, start, stop),
         cmocka_unit_test_setup_teardown(a_file_that_changes_is_noticed, start, stop),
         cmocka_unit_test_setup_teardown(a_bound_is_kept, start, stop),
