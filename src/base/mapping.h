@@ -48,7 +48,7 @@ void ty_mapping_prefetch(const ty_mapping* mapping, const void* from, size_t byt
 /* NULL is allowed. */
 void ty_mapping_close(ty_mapping* mapping);
 
-/* Whether ty_mappings_trim has something to do. */
+/* True if ty_mappings_trim has mappings and a limit to look at. */
 bool ty_mappings_are_bounded(ty_context* context);
 /* Unloads pages in turn, from the place where the last call ended, where those in memory exceed the limit. It looks
  * every two milliseconds, in one thread. */

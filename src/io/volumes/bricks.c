@@ -134,8 +134,8 @@ static ty_result check_tables(ty_context* context, const char* path, const brick
                       .bricks = brick_count(head),
                       .blocks = head->count};
     atomic_init(&job.bad, false);
-    const uint64_t most = job.entries > job.bricks ? job.entries : job.bricks;
-    ty_parallel_for(context, (int64_t)((most + CHECKED_AT_ONCE - 1) / CHECKED_AT_ONCE), check_tables_part, &job);
+    const uint64_t count = job.entries > job.bricks ? job.entries : job.bricks;
+    ty_parallel_for(context, (int64_t)((count + CHECKED_AT_ONCE - 1) / CHECKED_AT_ONCE), check_tables_part, &job);
     return atomic_load(&job.bad) ? damaged(context, path, "table") : TY_OK;
 }
 
