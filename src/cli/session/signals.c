@@ -119,14 +119,15 @@ static const char* mapped_file(uintptr_t address, char line[LINE_SIZE]) {
 }
 
 static void on_lost_file(int number, siginfo_t* info, void* context) {
-    static char line[LINE_SIZE];
+    char line[LINE_SIZE]; /* several threads may be here */
     const struct sigaction usual = {.sa_handler = SIG_DFL};
     const char* name = mapped_file((uintptr_t)info->si_addr, line);
     (void)context;
-    if (name == NULL || atomic_exchange(&ending, true)) {
+    if (name == NULL) {
         sigaction(number, &usual, NULL); /* the access is repeated, and ends the program */
         return;
     }
+    while (atomic_exchange(&ending, true)) pause(); /* another thread ends the program */
     const char* const parts[] = {"tyndall: ", name, ": it became shorter while it was read, or its disk failed\n"};
     const char* path = atomic_load(&remove_path);
     if (path != NULL) unlink(path);
