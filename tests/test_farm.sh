@@ -101,6 +101,28 @@ END
 END
 }
 
+# A volume of bricks, of which every rank has one page in memory, or as few as the system leaves it.
+test_bricks() {
+  python3 -c 'import sys; sys.stdout.buffer.write(bytes(i * i % 251 for i in range(48 ** 3)))' > noise.raw
+  expect 0 convert noise.raw noise.bricks --raw-size 48,48,48
+  for file in raw bricks; do
+    raw=
+    [ $file = bricks ] || raw=', "raw": {"size": [48, 48, 48]}'
+    cat > $file.json << END
+{"tyndall": 1,
+ "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "fov_y": 40, "resolution": [32, 24]},
+ "media": [{"density": {"file": "noise.$file"$raw}, "bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 0.02, "sigma_a": 0.001}],
+ "lights": [{"type": "directional", "direction": [1, -1, 0], "irradiance": [3, 3, 3]}],
+ "render": {"method": "path", "spp": 8}}
+END
+  done
+  expect 0 render raw.json -o one.exr
+  ranks 0 2 render bricks.json -o two.exr --resident 1
+  same one.exr two.exr
+  ranks 0 4 render bricks.json -o four.exr
+  same one.exr four.exr
+}
+
 test_parts() {
   scene="builtin:cornell_fog --method path --spp 8 --size 40x31 --aov variance -q"
   # shellcheck disable=SC2086
@@ -350,6 +372,7 @@ if ! command -v mpirun > /dev/null || [ ! -e "$module" ]; then
   exit 77
 fi
 test_image
+test_bricks
 test_killed
 test_recovery
 test_shared_sequence
