@@ -187,8 +187,13 @@ test_recovery() {
   find_rank 1
   wait_for test -s lost.exr.state
   kill_victim
+  wait_for test -s lost.exr
+  written=$(date +%s)
   wait "$process"
   status=$?
+  # Nobody waits for the dead: measured 0.1 s, with time for a machine under load.
+  checks=$((checks + 1))
+  [ $(($(date +%s) - written)) -lt 5 ] || fail "it ended $(($(date +%s) - written)) s after its image"
   checks=$((checks + 1))
   [ $status -eq 0 ] || fail "exit status $status: $(head -c 500 err.txt)"
   same whole.exr lost.exr
