@@ -76,7 +76,8 @@ static ty_result make_cache(bake_run* run) {
     const ty_result result = ty_bake_cache_create(run->scene, &def, &run->cache);
     if (result != TY_OK) return result;
     run->def.cache = run->cache;
-    run->cache_seconds = ty_bake_cache_get_info(run->cache).seconds;
+    run->cached = true;
+    run->cache_info = ty_bake_cache_get_info(run->cache);
     return TY_OK;
 }
 
@@ -118,7 +119,7 @@ static void print_closing_lines(const bake_run* run) {
     if (resumed > 0) printf(", %d of them before", (int)resumed);
     printf(", %.1f s", cli_wall_seconds() - run->started);
     if (run->tables != NULL) printf(" (tables %.1f s)", run->table_seconds);
-    if (run->cache != NULL) printf(" (light in media %.1f s)", run->cache_seconds);
+    if (run->cached) printf(" (light in media %.1f s)", run->cache_info.seconds);
     printf("%s\nwrote %s/bake.json and what it lists\n", run->complete ? "" : ", interrupted", run->options->folder);
 }
 

@@ -95,7 +95,9 @@ typedef struct bake_run {
     ty_bake_def def;
     ty_impulse* tables;
     ty_bake_cache* cache;
-    double table_seconds, cache_seconds, started;
+    bool cached; /* there was a cache; its properties outlive it, for --stats */
+    ty_bake_cache_info cache_info;
+    double table_seconds, started;
     double receivers_done, receivers_skipped; /* skipped: units that an earlier run finished */
     bool complete;
     cli_lock lock; /* of the state, so that two bakes do not mix in one folder */
