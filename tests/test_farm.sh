@@ -275,6 +275,16 @@ test_shared_bake() {
   same_bake bake4
   said bake4.json '"ranks": 4'
   said bake4.json '"messages": [1-9][0-9]'
+  # Each rank finds the virtual emitters of impulse responses, from all receivers.
+  impulse="fog.json --lightmaps --vertices --size 24x16 --spp 8 --method impulse -q"
+  # shellcheck disable=SC2086
+  expect 0 bake $impulse -o impulse1 --threads 1
+  # shellcheck disable=SC2086
+  ranks 0 3 bake $impulse -o impulse3
+  for file in the_room_1.exr sign.exr; do
+    checks=$((checks + 1))
+    cmp impulse1/$file impulse3/$file || fail "the bakes differ"
+  done
 }
 
 test_compare() {
@@ -366,6 +376,7 @@ if ! command -v python3 > /dev/null; then
   finish 9
   exit
 fi
+export XDG_CACHE_HOME=$PWD/cache # of impulse responses' tables
 make_smoke
 test_sequence_options
 test_sequence

@@ -292,11 +292,10 @@ static bool end_receivers(ty_bake_run* run) {
 ty_result ty_bake_sample(ty_bake_run* run) {
     const double begun = ty_wall_seconds();
     const uint32_t spp = (uint32_t)run->def->spp;
-    const bool fog = run->def->method == TY_BAKE_IMPULSE && run->path.view.medium_count > 0;
     ty_bake_shared shared;
-    ty_result result = fog ? ty_bake_impulse_begin(run) : TY_OK;
-    if (result == TY_OK) result = ty_bake_shared_open(&shared, run);
+    ty_result result = ty_bake_shared_open(&shared, run);
     if (result != TY_OK) return result;
+    if (ty_bake_impulse_emits(run)) result = ty_bake_impulse_begin(run); /* while the other ranks do the same */
     for (uint32_t done = 0; done < spp && result == TY_OK;) {
         const uint32_t max_count = done > 0 ? done : PASS_FIRST,
                        count = spp - done < max_count ? spp - done : max_count;

@@ -189,12 +189,14 @@ static int help_baking(cli_session* session, const bake_options* options) {
     if (result == TY_OK) {
         run.def = make_def(&run);
         run.def.progress = NULL;
-        if (make_cache(&run) != TY_OK) ty_take_error(session->context); /* and refuses jobs with a cache */
+        if (make_cache(&run) != TY_OK || make_tables(&run) != TY_OK)
+            ty_take_error(session->context); /* and refuses jobs with a cache */
     }
-    ty_bake_helper helper = {run.scene, run.cache};
+    ty_bake_helper helper = {run.scene, run.cache, run.tables};
     const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_BAKE] = ty_bake_job_worker(&helper)};
     const int status = cli_ranks_serve(session, workers);
     ty_bake_cache_destroy(run.cache);
+    ty_impulse_destroy(run.tables);
     ty_scene_destroy(run.scene);
     return cli_session_close(session, status);
 }
