@@ -254,11 +254,11 @@ static int32_t count_silent(ty_work_queue* queue, double seconds, int32_t* busy)
  * launcher would have ended this rank had they died, they are slow, and have some time more. */
 static int32_t wait_for_busy(ty_work_queue* queue) {
     const double begun = ty_wall_seconds(), patience = ty_queue_patience(queue);
-    const double least = outlives_ranks() ? 0 : farewell_seconds;
+    const double grace = outlives_ranks() ? 0 : farewell_seconds;
     for (;;) {
         int32_t busy;
         const double waited = ty_wall_seconds() - begun;
-        const int32_t silent = count_silent(queue, waited < least ? HUGE_VAL : patience, &busy);
+        const int32_t silent = count_silent(queue, waited < grace ? HUGE_VAL : patience, &busy);
         if (busy == 0 || waited > farewell_seconds) return silent + busy;
         ty_comm_message found;
         ty_message_head answer;

@@ -18,7 +18,7 @@ double scaling_tasks_seconds(const scaling_tasks* tasks, const scaling_network* 
 
 /* ---- sweeps ---- */
 
-static int32_t least(int32_t a, int32_t b) {
+static int32_t min_int(int32_t a, int32_t b) {
     return a < b ? a : b;
 }
 
@@ -30,8 +30,8 @@ static int32_t part(int32_t cells, int32_t count) {
 void scaling_divide(const int32_t cells[3], int32_t ranks, int32_t counts[2]) {
     int32_t best = 0, best_faces = 0;
     counts[0] = counts[1] = 1;
-    for (int32_t x = 1; x <= least(ranks, cells[0]); ++x) {
-        const int32_t y = least(ranks / x, cells[1]), faces = part(cells[0], x) + part(cells[1], y);
+    for (int32_t x = 1; x <= min_int(ranks, cells[0]); ++x) {
+        const int32_t y = min_int(ranks / x, cells[1]), faces = part(cells[0], x) + part(cells[1], y);
         if (x * y < best || (x * y == best && faces >= best_faces)) continue;
         best = x * y;
         best_faces = faces;
@@ -45,7 +45,7 @@ static double octant_group(const scaling_sweep* sweep) {
 }
 
 double scaling_sweep_blocks(const scaling_sweep* sweep) {
-    const double planes = least(sweep->planes, sweep->cells[2]);
+    const double planes = min_int(sweep->planes, sweep->cells[2]);
     return sweep->directions / octant_group(sweep) * (sweep->cells[2] / planes);
 }
 
@@ -58,7 +58,7 @@ double scaling_sweep_idle(const scaling_sweep* sweep, const int32_t counts[2]) {
 /* Seconds of a block's cells, and of the messages to its two neighbours downstream. */
 static void time_block(const scaling_sweep* sweep, const scaling_network* network, const int32_t counts[2],
                        double* compute, double* messages) {
-    const double planes = least(sweep->planes, sweep->cells[2]), group = octant_group(sweep);
+    const double planes = min_int(sweep->planes, sweep->cells[2]), group = octant_group(sweep);
     const double nx = part(sweep->cells[0], counts[0]), ny = part(sweep->cells[1], counts[1]);
     const double faces = planes * group * sweep->face_bytes;
     *compute = sweep->cell_seconds * nx * ny * planes * group;
@@ -78,11 +78,11 @@ double scaling_sweep_seconds(const scaling_sweep* sweep, const scaling_network* 
 int32_t scaling_best_planes(const scaling_sweep* sweep, const scaling_network* network, int32_t ranks) {
     scaling_sweep tried = *sweep;
     int32_t best = 1;
-    double least_seconds = INFINITY;
+    double min_seconds = INFINITY;
     for (tried.planes = 1; tried.planes <= sweep->cells[2]; tried.planes *= 2) {
         const double seconds = scaling_sweep_seconds(&tried, network, ranks);
-        if (seconds >= least_seconds) continue;
-        least_seconds = seconds;
+        if (seconds >= min_seconds) continue;
+        min_seconds = seconds;
         best = tried.planes;
     }
     return best;
@@ -121,7 +121,7 @@ double scaling_multigrid_cells(const scaling_multigrid* grid) {
 static double time_level(const scaling_multigrid* grid, const scaling_network* network, const int32_t cells[3],
                          const int32_t counts[2]) {
     const double nx = part(cells[0], counts[0]), ny = part(cells[1], counts[1]), nz = cells[2];
-    const int sides[2] = {least(counts[0] - 1, 2), least(counts[1] - 1, 2)};
+    const int sides[2] = {min_int(counts[0] - 1, 2), min_int(counts[1] - 1, 2)};
     const double halo = sides[0] * scaling_message(network, ny * nz * grid->face_bytes) +
                         sides[1] * scaling_message(network, nx * nz * grid->face_bytes);
     return grid->cell_seconds * nx * ny * nz + grid->exchanges * halo;

@@ -22,8 +22,7 @@ typedef enum case_model { BY_TASKS, BY_SWEEPS, BY_MULTIGRID } case_model;
 typedef struct scaling_case {
     const char* name;
     case_model model;
-    bool divided;                       /* among ranks; otherwise one rank is measured, for the model */
-    int32_t strong, weak, least, quick; /* numbers of the command; weak: of one rank; quick: of both, with --quick */
+    int32_t strong, weak, smallest, quick; /* numbers of the command; weak: of one rank; quick: of both, with --quick */
     double power;                       /* work goes with the number to this power */
     int64_t items, block;               /* tasks: items of the command, and of a block */
     int64_t plan_items;                 /* and of the planned one, with plan_number */
@@ -37,10 +36,9 @@ typedef struct scaling_case {
 static const scaling_case cases[] = {
     {.name = "path",
      .model = BY_TASKS,
-     .divided = true,
      .strong = 64,
      .weak = 16,
-     .least = 1,
+     .smallest = 1,
      .quick = 4,
      .power = 1,
      .items = 160 * 120,
@@ -51,10 +49,9 @@ static const scaling_case cases[] = {
                   "@/path.exr"}}},
     {.name = "bake",
      .model = BY_TASKS,
-     .divided = true,
      .strong = 512,
      .weak = 128,
-     .least = 1,
+     .smallest = 1,
      .quick = 32,
      .power = 1,
      .items = 512,
@@ -67,7 +64,7 @@ static const scaling_case cases[] = {
      .model = BY_SWEEPS,
      .strong = 96,
      .weak = 64,
-     .least = 4,
+     .smallest = 4,
      .quick = 24,
      .power = 3,
      .command = {{"render", "builtin:cloud_sun", "--method", "dom", "--size", "8x6", "-o", "@/dom.exr", "-D", COLOURED,
@@ -76,7 +73,7 @@ static const scaling_case cases[] = {
      .model = BY_MULTIGRID,
      .strong = 192,
      .weak = 120,
-     .least = 4,
+     .smallest = 4,
      .quick = 48,
      .power = 3,
      .command = {{"render", "builtin:cloud_sun", "--method", "fld", "--size", "8x6", "-o", "@/fld.exr", "-D", COLOURED,
@@ -133,7 +130,7 @@ static void note_run(figure_run* run, const scaling_case* c, const char* problem
 static ty_result measure_all(figure_run* run, const char* folder, const scaling_case* c, bool weak,
                              double seconds[MEASURED], case_result* out, json_t** stats) {
     ty_result result = TY_OK;
-    for (int i = 0; i < (c->divided ? MEASURED : 1) && result == TY_OK; ++i) {
+    for (int i = 0; i < MEASURED && result == TY_OK; ++i) {
         scaling_run measured;
         const int32_t ranks = ranks_measured[i], number = weak ? weak_number(run, c, ranks) : strong_number(run, c);
         result = measure(run, folder, c, number, ranks, &measured);
@@ -149,19 +146,18 @@ static ty_result measure_all(figure_run* run, const char* folder, const scaling_
     return result;
 }
 
-/* The parts of the time of one rank and more that ranks do not share, from a problem of least work. */
+/* The parts of the time of one rank and more that ranks do not share, from a problem of smallest work. */
 static ty_result measure_start(figure_run* run, const char* folder, const scaling_case* c, case_result* out) {
-    const double share = pow((double)c->least / strong_number(run, c), c->power);
-    for (int i = 0; i < (c->divided ? 2 : 1); ++i) {
+    const double share = pow((double)c->smallest / strong_number(run, c), c->power);
+    for (int i = 0; i < 2; ++i) {
         scaling_run measured;
         const int32_t ranks = i == 0 ? 1 : SCALING_RANKS_MAX;
-        const ty_result result = measure(run, folder, c, c->least, ranks, &measured);
+        const ty_result result = measure(run, folder, c, c->smallest, ranks, &measured);
         if (result != TY_OK) return result;
         json_decref(measured.stats);
         if (i == 0) out->work = fmax((out->strong[0] - measured.sum) / (1 - share), 1e-6);
         out->start[i] = fmax(seconds_of(c, &measured) - out->work * share / ranks, 0);
     }
-    if (!c->divided) out->start[1] = out->start[0];
     return TY_OK;
 }
 
@@ -240,7 +236,7 @@ static ty_result measure_case(figure_run* run, const char* folder, const scaling
     *out = (case_result){.of = c};
     ty_result result = measure_all(run, folder, c, false, out->strong, out, &stats);
     if (result == TY_OK) result = measure_start(run, folder, c, out);
-    if (result == TY_OK && c->divided) result = measure_all(run, folder, c, true, out->weak, out, NULL);
+    if (result == TY_OK) result = measure_all(run, folder, c, true, out->weak, out, NULL);
     if (result == TY_OK) fit(out, stats);
     json_decref(stats);
     return result;
@@ -300,7 +296,6 @@ static plot_series* add_series(plot_chart* chart, plot_style style, int color, c
 }
 
 static void draw_measured(plot_chart charts[CHARTS], const case_result* r, int color) {
-    if (!r->of->divided) return;
     plot_series* strong = add_series(&charts[0], PLOT_LINE_AND_DOTS, color, "%s", r->of->name);
     plot_series* weak = add_series(&charts[1], PLOT_LINE_AND_DOTS, color, "%s", r->of->name);
     plot_series* work = add_series(&charts[0], PLOT_DASHES, color, "%s without start", r->of->name);
@@ -317,7 +312,7 @@ static void draw_model(plot_chart charts[CHARTS], const case_result* r, const sc
     plot_series* dots = add_series(&charts[2], PLOT_DOTS, color, "", "");
     for (int32_t ranks = 1; ranks <= RANKS_END; ranks *= 2)
         plot_add_point(model, ranks, model_seconds(r, network, ranks), 0);
-    for (int i = 0; i < (r->of->divided ? MEASURED : 1); ++i) plot_add_point(dots, ranks_measured[i], r->strong[i], 0);
+    for (int i = 0; i < MEASURED; ++i) plot_add_point(dots, ranks_measured[i], r->strong[i], 0);
 }
 
 /* Efficiency of the planned problem; sweeps also by the published schedule. */

@@ -113,7 +113,7 @@ ty_result bake_write_part(bake_run* run) {
     return result;
 }
 
-/* What ty_bytes_read gave and what append did are freed alike but for the context's count of them. */
+/* Bytes of ty_bytes_read are the context's, those of append are not. */
 void bake_close_parts(bake_run* run) {
     bake_parts* parts = &run->parts;
     for (int32_t i = 0; parts->files != NULL && i < parts->count; ++i) {
