@@ -10,7 +10,7 @@ build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopen
   libjansson-dev libdraco-dev libmeshoptimizer-dev
   libtiff-dev libgdcm-dev libcharls-dev libopenjp2-7-dev libzstd-dev
   libcairo2-dev fonts-dejavu-core libcmocka-dev libcivetweb-dev libturbojpeg0-dev
-  libopenmpi-dev openmpi-bin) # the last two are optional, and CMake says so where they are missing
+  libopenmpi-dev openmpi-bin libhypre-dev) # the last three are optional, and CMake says so where they are missing
 fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)
 tidy=(clang-tidy python3)

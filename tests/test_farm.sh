@@ -298,6 +298,31 @@ test_compare() {
   same compare1/reference.exr compare3/reference.exr
 }
 
+# Grids are divided, and images do not depend on that; what is not divided rank 0 solves, and a line says so.
+test_divided() {
+  fld="builtin:nebulae --method fld --size 32x24 -D render.fld.ratio=1 -D render.fld.resolution=40 -q"
+  # shellcheck disable=SC2086
+  expect 0 render $fld -o fld1.exr --threads 1 --stats fld1.json
+  said fld1.json '"solve_ranks": 1'
+  for count in 2 4; do
+    # shellcheck disable=SC2086
+    ranks 0 $count render $fld -o fld$count.exr --stats fld$count.json
+    said fld$count.json "\"solve_ranks\": $count"
+    same fld1.exr fld$count.exr
+  done
+  fluence="builtin:nebulae --method fld --size 16,16,16 -D render.fld.ratio=1 -D render.fld.resolution=40 -q"
+  # shellcheck disable=SC2086
+  expect 0 fluence $fluence -o fluence1.vti
+  # shellcheck disable=SC2086
+  ranks 0 3 fluence $fluence -o fluence3.vti
+  checks=$((checks + 1))
+  cmp fluence1.vti fluence3.vti || fail "the fluences differ"
+  ranks 0 2 render builtin:nebulae --method fld --size 16x12 -D render.fld.resolution=24 -o small.exr
+  said err.txt 'rank 0 solves for diffusion on .* alone: there are too few cells'
+  ranks 0 2 render builtin:cornell_fog --method fld --size 16x12 -o walls.exr
+  said err.txt 'rank 0 solves for diffusion on .* alone: surfaces'
+}
+
 # A command without shares runs once; so does one that is not there.
 test_alone() {
   ranks 0 3 info builtin:cornell_fog
@@ -402,6 +427,7 @@ test_shared_sequence
 test_killed_sequence
 test_shared_bake
 test_compare
+test_divided
 test_alone
 test_bad_input
 test_without_module

@@ -12,7 +12,9 @@ static const scaling_sweep sweep = {.cells = {64, 48, 40},
                                     .group = 6,
                                     .cell_seconds = 5e-9,
                                     .face_bytes = 4,
-                                    .schedule = SCALING_KBA};
+                                    .schedule = SCALING_KBA,
+                                    .in_a_row = 1,
+                                    .alone = 1};
 
 static void ranks_are_divided_into_the_squarest_columns(void** state) {
     (void)state;
@@ -57,6 +59,17 @@ static void efficiency_is_the_published_one(void** state) {
     /* Where columns are equal it is the time of one rank over that of all. */
     const double alone = scaling_sweep_seconds(&sweep, &network, 1), all = scaling_sweep_seconds(&sweep, &network, 64);
     assert_close(alone / (64 * all), scaling_sweep_efficiency(&sweep, &network, 64), 1e-12);
+}
+
+static void octants_apart_take_longer(void** state) {
+    (void)state;
+    scaling_sweep apart = sweep;
+    apart.in_a_row = 8;
+    apart.alone = 1.6;
+    /* In a row of eight there are no cuts along x: 1 x 8 columns of 64 x 6 cells, 4 x 7 idle stages. */
+    assert_close(scaling_sweep_seconds(&apart, &no_network, 8), (80 + 28) * 5e-9 * 64 * 6 * 8 * 6, 1e-9);
+    assert_close(scaling_sweep_seconds(&apart, &no_network, 64), 1.6 * scaling_sweep_seconds(&sweep, &no_network, 64),
+                 1e-9);
 }
 
 /* ---- a schedule played through ---- */
@@ -170,6 +183,7 @@ int main(void) {
         cmocka_unit_test(ranks_are_divided_into_the_squarest_columns),
         cmocka_unit_test(one_rank_takes_what_was_measured),
         cmocka_unit_test(efficiency_is_the_published_one),
+        cmocka_unit_test(octants_apart_take_longer),
         cmocka_unit_test(idle_stages_are_those_of_a_schedule),
         cmocka_unit_test(more_ranks_than_columns_gain_nothing),
         cmocka_unit_test(messages_bound_what_ranks_gain),

@@ -102,6 +102,16 @@ int32_t ty_queue_ranks(const ty_work_queue* queue) {
     return ty_comm_size(queue->comm);
 }
 
+ty_comm* ty_queue_comm(const ty_work_queue* queue) {
+    return queue->comm;
+}
+
+bool ty_queue_is_whole(const ty_work_queue* queue) {
+    for (int32_t i = 1; i < ty_comm_size(queue->comm); ++i)
+        if (queue->others[i].state == GONE) return false;
+    return true;
+}
+
 double ty_queue_patience(ty_work_queue* queue) {
     const double seconds = patience_factor * atomic_load(&queue->longest);
     return seconds > patience_shortest ? seconds : patience_shortest;

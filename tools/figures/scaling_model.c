@@ -44,6 +44,12 @@ static double octant_group(const scaling_sweep* sweep) {
     return fmin(sweep->group, sweep->directions / 8.0);
 }
 
+void scaling_sweep_divide(const scaling_sweep* sweep, int32_t ranks, int32_t counts[2]) {
+    counts[0] = 1;
+    counts[1] = ranks;
+    if (ranks > sweep->in_a_row || ranks > sweep->cells[1]) scaling_divide(sweep->cells, ranks, counts);
+}
+
 double scaling_sweep_blocks(const scaling_sweep* sweep) {
     const double planes = min_int(sweep->planes, sweep->cells[2]);
     return sweep->directions / octant_group(sweep) * (sweep->cells[2] / planes);
@@ -61,7 +67,7 @@ static void time_block(const scaling_sweep* sweep, const scaling_network* networ
     const double planes = min_int(sweep->planes, sweep->cells[2]), group = octant_group(sweep);
     const double nx = part(sweep->cells[0], counts[0]), ny = part(sweep->cells[1], counts[1]);
     const double faces = planes * group * sweep->face_bytes;
-    *compute = sweep->cell_seconds * nx * ny * planes * group;
+    *compute = sweep->cell_seconds * nx * ny * planes * group * (counts[0] > 1 ? sweep->alone : 1);
     *messages = 0;
     if (counts[0] > 1) *messages += scaling_message(network, ny * faces);
     if (counts[1] > 1) *messages += scaling_message(network, nx * faces);
@@ -70,7 +76,7 @@ static void time_block(const scaling_sweep* sweep, const scaling_network* networ
 double scaling_sweep_seconds(const scaling_sweep* sweep, const scaling_network* network, int32_t ranks) {
     int32_t counts[2];
     double compute, messages;
-    scaling_divide(sweep->cells, ranks, counts);
+    scaling_sweep_divide(sweep, ranks, counts);
     time_block(sweep, network, counts, &compute, &messages);
     return (scaling_sweep_blocks(sweep) + scaling_sweep_idle(sweep, counts)) * (compute + messages);
 }
@@ -91,7 +97,7 @@ int32_t scaling_best_planes(const scaling_sweep* sweep, const scaling_network* n
 double scaling_sweep_efficiency(const scaling_sweep* sweep, const scaling_network* network, int32_t ranks) {
     int32_t counts[2];
     double compute, messages;
-    scaling_divide(sweep->cells, ranks, counts);
+    scaling_sweep_divide(sweep, ranks, counts);
     time_block(sweep, network, counts, &compute, &messages);
     return 1 / ((1 + scaling_sweep_idle(sweep, counts) / scaling_sweep_blocks(sweep)) * (1 + messages / compute));
 }

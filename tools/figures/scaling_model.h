@@ -40,11 +40,16 @@ typedef struct scaling_sweep {
     double cell_seconds; /* of one cell and direction */
     double face_bytes;   /* of one face and direction */
     scaling_schedule schedule;
+    int32_t in_a_row; /* up to so many ranks are cut along j alone */
+    double alone;     /* times as long for a cell where the box is cut along i: octants that differ in x alone are then
+                         swept apart */
 } scaling_sweep;
 
 /* The division into columns whose faces are smallest, at most one column of cells each; their number is at most
  * `ranks`. */
 void scaling_divide(const int32_t cells[3], int32_t ranks, int32_t counts[2]);
+/* The division of a sweep. */
+void scaling_sweep_divide(const scaling_sweep* sweep, int32_t ranks, int32_t counts[2]);
 /* Blocks of one rank, and the stages in which it has none. */
 double scaling_sweep_blocks(const scaling_sweep* sweep);
 double scaling_sweep_idle(const scaling_sweep* sweep, const int32_t counts[2]);

@@ -13,6 +13,10 @@ static const int32_t ranks_measured[MEASURED] = {1, 2, SCALING_RANKS_MAX};
 static const double pixel_bytes = 112;
 /* Seconds of a task, and items of a block of path and bake. */
 static const double task_seconds = 0.2;
+/* Of dom's sweeps, as docs/farm.md tells: up to eight ranks stand in a row along y, and an octant by itself takes 1.6
+ * times as long for a cell and direction. */
+static const int32_t ranks_in_a_row = 8;
+static const double octant_alone = 1.6;
 enum { PATH_BLOCK = 64, BAKE_BLOCK = 8 };
 
 /* ---- cases ---- */
@@ -23,9 +27,9 @@ typedef struct scaling_case {
     const char* name;
     case_model model;
     int32_t strong, weak, smallest, quick; /* numbers of the command; weak: of one rank; quick: of both, with --quick */
-    double power;                       /* work goes with the number to this power */
-    int64_t items, block;               /* tasks: items of the command, and of a block */
-    int64_t plan_items;                 /* and of the planned one, with plan_number */
+    double power;                          /* work goes with the number to this power */
+    int64_t items, block;                  /* tasks: items of the command, and of a block */
+    int64_t plan_items;                    /* and of the planned one, with plan_number */
     int32_t plan_number;
     scaling_command command;
 } scaling_case;
@@ -198,7 +202,10 @@ static void fit_sweeps(case_result* r, const json_t* stats) {
     int32_t cells[3];
     sum(dom, "size", cells);
     r->sweeps = sum(dom, "sweeps", NULL);
-    r->sweep = (scaling_sweep){.directions = (int32_t)number_of(dom, "directions"), .face_bytes = 4};
+    r->sweep = (scaling_sweep){.directions = (int32_t)number_of(dom, "directions"),
+                               .face_bytes = 4,
+                               .in_a_row = ranks_in_a_row,
+                               .alone = octant_alone};
     memcpy(r->sweep.cells, cells, sizeof cells);
     r->sweep.group = r->sweep.directions / 8;
     r->sweep.cell_seconds = sweeping / (r->sweeps * (double)cells[0] * cells[1] * cells[2] * r->sweep.directions);

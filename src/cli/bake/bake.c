@@ -5,6 +5,7 @@
 #include "cli/bake/mesh_scene.h"
 #include "cli/commands.h"
 #include "cli/session/ranks.h"
+#include "method/joint.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -193,7 +194,10 @@ static int help_baking(cli_session* session, const bake_options* options) {
             ty_take_error(session->context); /* and refuses jobs with a cache */
     }
     ty_bake_helper helper = {run.scene, run.cache, run.tables};
-    const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_BAKE] = ty_bake_job_worker(&helper)};
+    ty_joint_helper joint;
+    ty_job_worker workers[TY_JOB_KINDS] = {0};
+    if (result == TY_OK) workers[TY_JOB_JOINT] = ty_joint_worker(&joint, session->comm, run.scene);
+    workers[TY_JOB_BAKE] = ty_bake_job_worker(&helper);
     const int status = cli_ranks_serve(session, workers);
     ty_bake_cache_destroy(run.cache);
     ty_impulse_destroy(run.tables);

@@ -3,7 +3,9 @@
 #include "cli/commands.h"
 #include "cli/convert/convert.h"
 #include "cli/fluence/fog_texture.h"
+#include "cli/methods/help_paths.h"
 #include "cli/methods/methods.h"
+#include "cli/session/ranks.h"
 #include "grid/grid.h"
 #include "io/textures/textures.h"
 #include "scene/media/medium.h"
@@ -214,8 +216,8 @@ static int run(cli_session* session, const char* scene_path, fluence_options* op
     cli_end_on_interrupt(true);
     ty_result result = ty_scene_load(context, scene_path, options->overrides.items, options->overrides.count, &scene);
     cli_end_on_interrupt(false);
-    if (result != TY_OK) return cli_fail_reading(session, result);
-    int status = complete_options(scene, options);
+    int status = result != TY_OK ? cli_fail_reading(session, result) : cli_ranks_greet(session, scene);
+    if (status == CLI_GO) status = complete_options(scene, options);
     fluence_cells cells = {.cells = (size_t)options->size[0] * (size_t)options->size[1] * (size_t)options->size[2]};
     for (int part = 0; part < PARTS && status == CLI_GO; ++part) {
         cells.values[part] = ty_alloc_array(context, 3 * cells.cells, sizeof(double), true);
@@ -283,7 +285,9 @@ int cli_fluence(int count, char** arguments) {
     if (status == CLI_GO) status = check_options(&options);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "fluence", &given.common);
+    if (status == CLI_GO) status = cli_ranks_open(&session);
     if (status != CLI_GO) return status;
     options.method = methods[method];
+    if (cli_ranks_helps(&session)) return cli_help_paths(&session, given.positional[0], &options.overrides);
     return cli_session_close(&session, run(&session, given.positional[0], &options));
 }

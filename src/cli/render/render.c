@@ -173,7 +173,7 @@ int render_scene(cli_session* session, const ty_scene* scene, render_options* op
     if (options->denoise && cli_check_denoiser(session, options->denoiser) != CLI_GO) return CLI_USAGE;
     const int possible = cli_check_request(session, scene, method, &request);
     if (possible != CLI_GO) return possible;
-    if (options->key == NULL && method != &cli_method_auto && strcmp(method->name, "path") != 0)
+    if (options->key == NULL && method != &cli_method_auto && strcmp(method->name, "path") != 0 && !method->divides)
         cli_ranks_tell_alone(session, method->name);
     report->method = method->name;
     report->seed = request.seed;

@@ -163,6 +163,21 @@ static void sweep_cells(const ty_sweep_box* box, int32_t group, const float* ext
     streams[1].psi_x = down.psi_x;
 }
 
+/* The same towards one side alone: o is 0 towards +x. */
+static void sweep_cells_alone(const ty_sweep_box* box, int32_t group, const float* extinction, int32_t begin,
+                              int32_t end, int o, stream* light, ty_sweep_sums* sums) {
+    ty_lanes two_mu_over_h[3];
+    for (int a = 0; a < 3; ++a) two_mu_over_h[a] = ty_lanes_load_aligned(box->two_mu_over_h[a] + group * TY_LANES);
+    const ty_lanes faces = two_mu_over_h[0] + two_mu_over_h[1] + two_mu_over_h[2];
+    stream s = *light;
+    for (int32_t i = begin; i < end; ++i) {
+        const int32_t x = o == 0 ? i : begin + end - 1 - i;
+        diamond_difference_step(&s, two_mu_over_h, extinction[x], ty_lanes_invert(extinction[x] + faces), x,
+                                &sums->fixups);
+    }
+    light->psi_x = s.psi_x;
+}
+
 TY_INLINE void add_leakage(const ty_sweep_box* box, int32_t group, ty_lanes along, ty_sweep_sums* sums) {
     const ty_lanes leaving = ty_lanes_load_aligned(box->partial_current_weight[0] + group * TY_LANES) * along;
     for (int i = 0; i < TY_LANES; ++i) sums->leaving += (double)leaving[i];
@@ -170,11 +185,12 @@ TY_INLINE void add_leakage(const ty_sweep_box* box, int32_t group, ty_lanes alon
 
 /* ---- boundary faces ---- */
 
-/* The boundary faces of a row, for one group of directions in two octants. */
+/* The boundary faces of a row, for one group of directions in two octants, or in one of them. */
 typedef struct row_faces {
     const ty_sweep_box* box;
     int32_t group, octant;
-    int32_t first, end; /* range of sides */
+    int32_t first, end;             /* range of sides */
+    int octants_begin, octants_end; /* of 0 and 1 */
 } row_faces;
 
 /* The value in all lanes. */
@@ -218,7 +234,7 @@ static void exchange_face_radiance(const row_faces* row, const stream streams[2]
         const int32_t axis = walls->face[side] / 2, upper = walls->face[side] & 1;
         const bool comes = (row->octant >> axis & 1) != upper;
         if (axis == 0 || comes != after) continue;
-        for (int o = 0; o < 2; ++o) {
+        for (int o = row->octants_begin; o < row->octants_end; ++o) {
             float* face = (axis == 1 ? streams[o].psi_y : streams[o].psi_z) + walls->x[side] * TY_LANES;
             if (after) add_incident_power(row, row->octant + o, side, ty_lanes_load_aligned(face));
             ty_lanes_store_aligned(face, after ? broadcast(0) : emitted_radiance(row, row->octant + o, side));
@@ -262,8 +278,35 @@ static void sweep_row_segments(const row_faces* row, const float* extinction, co
     exchange_face_radiance(row, streams, true);
 }
 
-static row_faces faces_of_row(const ty_sweep_box* box, int32_t group, int32_t octant, ptrdiff_t row) {
-    row_faces walls = {.box = box, .group = group, .octant = octant};
+/* The same of one octant; light->psi_x is what enters at one end of the row, and becomes what leaves at the other. */
+static void sweep_row_segments_alone(const row_faces* row, const float* extinction, stream streams[2],
+                                     ty_sweep_sums* sums) {
+    const ty_sweep_box* box = row->box;
+    const ty_sweep_faces* walls = box->walls;
+    const int o = row->octants_begin;
+    const int32_t octant = row->octant + o, nx = box->size[0];
+    const ty_lanes upwind = streams[o].psi_x;
+    ty_lanes leaving = broadcast(0);
+    exchange_face_radiance(row, streams, false);
+    for (int32_t begin = 0, end; begin < nx; begin = end) {
+        const int32_t low = find_face(row, begin, 0), high = find_face(row, begin, 1);
+        const bool has_low = low < row->end && walls->x[low] == begin, has_high = high < row->end;
+        end = has_high ? walls->x[high] + 1 : nx;
+        const bool lit = o == 0 ? has_low : has_high, stops = o == 0 ? has_high : has_low;
+        const int32_t source = o == 0 ? low : high, target = o == 0 ? high : low;
+        streams[o].psi_x = lit ? emitted_radiance(row, octant, source) : upwind;
+        sweep_cells_alone(box, row->group, extinction, begin, end, o, &streams[o], sums);
+        if (stops) add_incident_power(row, octant, target, streams[o].psi_x);
+        if (!stops) leaving = streams[o].psi_x;
+    }
+    streams[o].psi_x = leaving;
+    exchange_face_radiance(row, streams, true);
+}
+
+static row_faces faces_of_row(const ty_sweep_box* box, int32_t group, int32_t octant, ptrdiff_t row, int32_t alone) {
+    row_faces walls = {.box = box, .group = group, .octant = octant, .octants_end = 2};
+    if (alone >= 0) walls.octants_begin = alone;
+    if (alone >= 0) walls.octants_end = alone + 1;
     if (box->walls == NULL) return walls;
     walls.first = box->walls->first[row];
     walls.end = box->walls->first[row + 1];
@@ -302,6 +345,27 @@ TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, co
         }
 }
 
+/* Moments of one octant alone: terms of both parities in one sequence. */
+TY_INLINE void gather_alone(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
+                            const ptrdiff_t terms) {
+    const int32_t first = group * TY_LANES, left = box->directions - first,
+                  directions = left < TY_LANES ? left : TY_LANES;
+    const ptrdiff_t padded = padded_terms(terms);
+    const float* weighted = box->unpaired_y_lm[octant] + first * padded;
+    for (ptrdiff_t x = 0; x < box->size[0]; x += TY_SWEEP_CELLS)
+        for (ptrdiff_t t = 0; t < padded; t += TY_LANES) {
+            const float* light = scratch->psi[octant & 1] + x * TY_LANES;
+            float* to = scratch->sum + x * padded + t;
+            ty_lanes sum[TY_SWEEP_CELLS] = {{0}};
+            for (int i = 0; i < TY_SWEEP_CELLS && group > 0; ++i) sum[i] = ty_lanes_load_aligned(to + i * padded);
+            for (int32_t d = 0; d < directions; ++d) {
+                const ty_lanes w = ty_lanes_load_aligned(weighted + d * padded + t);
+                for (int i = 0; i < TY_SWEEP_CELLS; ++i) sum[i] += light[i * TY_LANES + d] * w;
+            }
+            for (int i = 0; i < TY_SWEEP_CELLS; ++i) ty_lanes_store_aligned(to + i * padded, sum[i]);
+        }
+}
+
 /* Compacts the sums of a row in place by removing the padding between parities. */
 TY_INLINE void remove_padding(float* sum, ptrdiff_t cells, const ptrdiff_t bands) {
     const ptrdiff_t even = even_terms(bands), odd = even_terms(bands - 1);
@@ -312,6 +376,13 @@ TY_INLINE void remove_padding(float* sum, ptrdiff_t cells, const ptrdiff_t bands
         for (ptrdiff_t t = 0; t < odd; t += TY_LANES)
             ty_lanes_store(to + even + t, ty_lanes_load_aligned(from + padded_terms(even) + t));
     }
+}
+
+/* The same of one octant's sums. */
+TY_INLINE void remove_padding_alone(float* sum, ptrdiff_t cells, const ptrdiff_t terms) {
+    for (ptrdiff_t x = 1; x < cells && padded_terms(terms) != terms; ++x)
+        for (ptrdiff_t t = 0; t < terms; t += TY_LANES)
+            ty_lanes_store(sum + x * terms + t, ty_lanes_load_aligned(sum + x * padded_terms(terms) + t));
 }
 
 /* Moments of a cell from parity order to (l, m) order. */
@@ -335,7 +406,10 @@ TY_INLINE void reorder_cell(const ty_sweep_box* box, const float* sum, float* mo
 TY_INLINE void store_moments(const ty_sweep_box* box, const ty_sweep_block* block, float* sum, float* moments,
                              const ptrdiff_t bands) {
     const ptrdiff_t cells = box->size[0], terms = bands * bands, items = terms * cells;
-    remove_padding(sum, cells, bands);
+    if (block->alone < 0)
+        remove_padding(sum, cells, bands);
+    else
+        remove_padding_alone(sum, cells, terms);
     if (block->first) {
         memcpy(moments, sum, sizeof *moments * (size_t)items);
     } else if (block->last) {
@@ -360,13 +434,29 @@ typedef struct row_work {
     const ty_sweep_block* block;
 } row_work;
 
+/* One group of directions of the octant of a block that is swept alone; streams, walls: of the row. */
+TY_INLINE void sweep_alone(const row_work* work, const row_faces* walls, const float* extinction, float* across,
+                           stream streams[2], const int32_t bands) {
+    const ty_sweep_box* box = work->box;
+    const int o = work->block->alone;
+    streams[o].psi_x = ty_lanes_load_aligned(across);
+    if (walls->first < walls->end)
+        sweep_row_segments_alone(walls, extinction, streams, work->sums);
+    else
+        sweep_cells_alone(box, walls->group, extinction, 0, box->size[0], o, &streams[o], work->sums);
+    if (work->block->leaves) add_leakage(box, walls->group, streams[o].psi_x, work->sums);
+    ty_lanes_store_aligned(across, streams[o].psi_x);
+    gather_alone(box, walls->group, walls->octant + o, &work->scratch, bands * bands);
+}
+
 TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_t z, const int32_t bands) {
     const ty_sweep_box* box = work->box;
     const row_scratch* scratch = &work->scratch;
     const ptrdiff_t nx = box->size[0], ny = box->size[1], nz = box->size[2], row = (z * ny + y) * nx;
     const ptrdiff_t pitch = (ptrdiff_t)box->groups * TY_LANES;
-    const int32_t terms = bands * bands, at[3] = {0, y, z};
-    const ptrdiff_t patch = ty_boundary_patch(&box->patches, box->size, 0, at);
+    const int32_t terms = bands * bands, at[3] = {0, y + box->origin[1], z + box->origin[2]};
+    const int32_t alone = work->block->alone;
+    const ptrdiff_t patch = ty_boundary_patch(&box->patches, box->whole, 0, at);
     for (int32_t g = 0; g < box->groups; ++g) {
         const emission_view view = {box, box->y_lm[octant / 2] + g * TY_LANES, pitch};
         emit(&view, work->emission + row * terms, scratch->psi[0], scratch->psi[1], bands);
@@ -377,7 +467,12 @@ TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_
                 .psi = scratch->psi[o],
                 .psi_y = box->faces_y[octant + o] + (g * nz + z) * nx * TY_LANES,
                 .psi_z = box->faces_z[octant + o] + (g * ny + y) * nx * TY_LANES};
-        const row_faces walls = faces_of_row(box, g, octant, z * ny + y);
+        const row_faces walls = faces_of_row(box, g, octant, z * ny + y, alone);
+        if (alone >= 0) {
+            float* across = box->faces_x[octant + alone] + ((g * nz + z) * ny + y) * TY_LANES;
+            sweep_alone(work, &walls, box->extinction + row, across, streams, bands);
+            continue;
+        }
         if (walls.first < walls.end) {
             sweep_row_segments(&walls, box->extinction + row, scratch, streams, work->sums);
         } else {
