@@ -14,7 +14,7 @@ static const scaling_sweep sweep = {.cells = {64, 48, 40},
                                     .face_bytes = 4,
                                     .schedule = SCALING_KBA,
                                     .in_a_row = 1,
-                                    .alone = 1};
+                                    .octant_factor = 1};
 
 static void ranks_are_divided_into_the_squarest_columns(void** state) {
     (void)state;
@@ -57,15 +57,15 @@ static void efficiency_is_the_published_one(void** state) {
     assert_close(scaling_sweep_efficiency(&sweep, &network, 64), 1 / ((1 + idle) * (1 + messages / block)), 1e-12);
     assert_close(scaling_sweep_efficiency(&sweep, &no_network, 64), 1 / (1 + idle), 1e-12);
     /* Where columns are equal it is the time of one rank over that of all. */
-    const double alone = scaling_sweep_seconds(&sweep, &network, 1), all = scaling_sweep_seconds(&sweep, &network, 64);
-    assert_close(alone / (64 * all), scaling_sweep_efficiency(&sweep, &network, 64), 1e-12);
+    const double one = scaling_sweep_seconds(&sweep, &network, 1), all = scaling_sweep_seconds(&sweep, &network, 64);
+    assert_close(one / (64 * all), scaling_sweep_efficiency(&sweep, &network, 64), 1e-12);
 }
 
 static void octants_apart_take_longer(void** state) {
     (void)state;
     scaling_sweep apart = sweep;
     apart.in_a_row = 8;
-    apart.alone = 1.6;
+    apart.octant_factor = 1.6;
     /* In a row of eight there are no cuts along x: 1 x 8 columns of 64 x 6 cells, 4 x 7 idle stages. */
     assert_close(scaling_sweep_seconds(&apart, &no_network, 8), (80 + 28) * 5e-9 * 64 * 6 * 8 * 6, 1e-9);
     assert_close(scaling_sweep_seconds(&apart, &no_network, 64), 1.6 * scaling_sweep_seconds(&sweep, &no_network, 64),

@@ -44,7 +44,7 @@ static ty_result take_times(figure_run* run, const char* folder, scaling_run* ou
         if (!read_seconds(folder, rank, &seconds))
             return ty_fail(run->session->context, TY_ERROR_FILE, "%s/times.%d cannot be read", folder, (int)rank);
         out->sum += seconds;
-        out->most = seconds > out->most ? seconds : out->most;
+        out->max = seconds > out->max ? seconds : out->max;
     }
     return TY_OK;
 }

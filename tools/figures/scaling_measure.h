@@ -16,7 +16,7 @@ typedef struct scaling_command {
 
 typedef struct scaling_run {
     int32_t ranks;
-    double sum, most;       /* processor s of all ranks, and of the one with the most */
+    double sum, max;        /* processor s of all ranks, and of the one with the most */
     double messages, bytes; /* of rank 0 */
     json_t* stats;          /* of --stats; the caller frees it */
 } scaling_run;

@@ -10,10 +10,10 @@ double scaling_message(const scaling_network* network, double bytes) {
 
 double scaling_tasks_seconds(const scaling_tasks* tasks, const scaling_network* network, int32_t ranks) {
     const double blocks = (double)tasks->blocks, share = ceil(blocks / ranks) / blocks;
-    const double alone = tasks->start + tasks->work * share;
-    if (ranks < 2) return alone;
+    const double own = tasks->start + tasks->work * share;
+    if (ranks < 2) return octant_factor;
     const double messages = 2 * (tasks->work / tasks->task + ranks);
-    return alone + 0.5 * tasks->task + messages * network->latency + tasks->bytes / network->bandwidth;
+    return own + 0.5 * tasks->task + messages * network->latency + tasks->bytes / network->bandwidth;
 }
 
 /* ---- sweeps ---- */
@@ -67,7 +67,7 @@ static void time_block(const scaling_sweep* sweep, const scaling_network* networ
     const double planes = min_int(sweep->planes, sweep->cells[2]), group = octant_group(sweep);
     const double nx = part(sweep->cells[0], counts[0]), ny = part(sweep->cells[1], counts[1]);
     const double faces = planes * group * sweep->face_bytes;
-    *compute = sweep->cell_seconds * nx * ny * planes * group * (counts[0] > 1 ? sweep->alone : 1);
+    *compute = sweep->cell_seconds * nx * ny * planes * group * (counts[0] > 1 ? sweep->octant_factor : 1);
     *messages = 0;
     if (counts[0] > 1) *messages += scaling_message(network, ny * faces);
     if (counts[1] > 1) *messages += scaling_message(network, nx * faces);

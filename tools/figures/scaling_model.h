@@ -40,9 +40,9 @@ typedef struct scaling_sweep {
     double cell_seconds; /* of one cell and direction */
     double face_bytes;   /* of one face and direction */
     scaling_schedule schedule;
-    int32_t in_a_row; /* up to so many ranks are cut along j alone */
-    double alone;     /* times as long for a cell where the box is cut along i: octants that differ in x alone are then
-                         swept apart */
+    int32_t in_a_row;     /* up to so many ranks are cut along j alone */
+    double octant_factor; /* times as long for a cell where the box is cut along i: octants that differ in x alone are
+                     then swept apart */
 } scaling_sweep;
 
 /* The division into columns whose faces are smallest, at most one column of cells each; their number is at most

@@ -16,7 +16,7 @@ static const double task_seconds = 0.2;
 /* Of dom's sweeps, as docs/farm.md tells: up to eight ranks stand in a row along y, and an octant by itself takes 1.6
  * times as long for a cell and direction. */
 static const int32_t ranks_in_a_row = 8;
-static const double octant_alone = 1.6;
+static const double octant_factor = 1.6;
 enum { PATH_BLOCK = 64, BAKE_BLOCK = 8 };
 
 /* ---- cases ---- */
@@ -88,7 +88,7 @@ enum { CASES = sizeof cases / sizeof cases[0] };
 /* Processor seconds that count: tasks go to who is free by the clock, so that ranks of a busy machine do unequal
  * shares, and their mean counts; of divided grids the rank with the most. */
 static double seconds_of(const scaling_case* c, const scaling_run* run) {
-    return c->model == BY_TASKS ? run->sum / run->ranks : run->most;
+    return c->model == BY_TASKS ? run->sum / run->ranks : run->max;
 }
 
 static int32_t strong_number(const figure_run* run, const scaling_case* c) {
@@ -126,7 +126,7 @@ static ty_result measure(figure_run* run, const char* folder, const scaling_case
 static void note_run(figure_run* run, const scaling_case* c, const char* problem, const scaling_run* measured) {
     char item[FIGURE_NAME_SIZE];
     snprintf(item, sizeof item, "%s, %s, %d ranks", c->name, problem, (int)measured->ranks);
-    figure_notes(run, item, {"processor time", "s", measured->sum}, {"of the rank with most", "s", measured->most},
+    figure_notes(run, item, {"processor time", "s", measured->sum}, {"of the rank with most", "s", measured->max},
                  {"messages of rank 0", "1", measured->messages}, {"their bytes", "B", measured->bytes});
 }
 
@@ -205,7 +205,7 @@ static void fit_sweeps(case_result* r, const json_t* stats) {
     r->sweep = (scaling_sweep){.directions = (int32_t)number_of(dom, "directions"),
                                .face_bytes = 4,
                                .in_a_row = ranks_in_a_row,
-                               .alone = octant_alone};
+                               .octant_factor = octant_factor};
     memcpy(r->sweep.cells, cells, sizeof cells);
     r->sweep.group = r->sweep.directions / 8;
     r->sweep.cell_seconds = sweeping / (r->sweeps * (double)cells[0] * cells[1] * cells[2] * r->sweep.directions);
