@@ -51,7 +51,7 @@ bool ty_ordinates_cut(ty_comm* comm, const int32_t size[3], ty_domain* out) {
     return ty_domain_create(comm, size, in_a_row ? TY_CUT_Y : TY_CUT_X | TY_CUT_Y, unit, 2, out);
 }
 
-const char* ty_ordinates_why_alone(const ty_context* context, const ty_ordinates_def* def) {
+const char* ty_ordinates_why_undivided(const ty_context* context, const ty_ordinates_def* def) {
     ty_work_queue* queue = ty_context_queue(context);
     ty_domain domain;
     if (queue == NULL) return "";
@@ -293,7 +293,7 @@ ty_result ty_ordinates_solve_jointly(ty_context* context, const ty_ordinates_def
     joint_head head = {.def = *def};
     if (def->scattered != NULL) memcpy(head.scattered, def->scattered, sizeof(float) * (size_t)def->bands);
     ty_comm* comm = NULL;
-    if (ty_ordinates_why_alone(context, def) == NULL)
+    if (ty_ordinates_why_undivided(context, def) == NULL)
         comm = ty_joint_begin(ty_context_queue(context), TY_JOINT_ORDINATES, &head, sizeof head);
     if (comm == NULL) return ty_ordinates_solve(context, def, moments, NULL, 0, stats);
     joint_solve s = {.context = context, .comm = comm, .whole = def, .gives = true};

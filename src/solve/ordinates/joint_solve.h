@@ -10,7 +10,7 @@
 bool ty_ordinates_cut(ty_comm* comm, const int32_t size[3], ty_domain* out);
 /* NULL where the context's other ranks take part in a solve of the whole; or the reason why not, in words that follow
  * "because" (an empty text: there are no others). */
-const char* ty_ordinates_why_alone(const ty_context* context, const ty_ordinates_def* def);
+const char* ty_ordinates_why_undivided(const ty_context* context, const ty_ordinates_def* def);
 /* On rank 0, as ty_ordinates_solve without a history: with all ranks where they take part. def->memory is for a solve
  * by this rank alone. */
 ty_result ty_ordinates_solve_jointly(ty_context* context, const ty_ordinates_def* def, float* const* moments,

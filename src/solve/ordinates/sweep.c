@@ -220,8 +220,8 @@ static void set_boundary_row(const ty_sweep_box* box, int axis, int32_t octant, 
 
 void ty_sweep_set_boundary(const ty_sweep_box* box, const ty_sweep_block* block, const bool first[2]) {
     const ptrdiff_t row = (ptrdiff_t)box->size[0] * box->lanes;
-    const int32_t begin = 2 * block->pair + (block->alone > 0 ? 1 : 0),
-                  end = 2 * block->pair + (block->alone == 0 ? 1 : 2);
+    const int32_t begin = 2 * block->pair + (block->unpaired > 0 ? 1 : 0),
+                  end = 2 * block->pair + (block->unpaired == 0 ? 1 : 2);
     for (int32_t o = begin; o < end; ++o)
         for (ptrdiff_t g = 0; g < box->groups; ++g) {
             for (int32_t z = block->begin[1]; z < block->end[1] && first[0]; ++z)
@@ -240,7 +240,7 @@ static void sweep_block(void* user, int64_t index, int32_t worker) {
     ty_sweep* sweep = job->sweep;
     const int32_t* blocks = sweep->blocks;
     const int32_t at[2] = {(int32_t)(index % blocks[0]), (int32_t)(index / blocks[0])};
-    ty_sweep_block block = {.alone = -1};
+    ty_sweep_block block = {.unpaired = -1};
     for (int a = 0; a < 2; ++a) {
         const int32_t end = (at[a] + 1) * TY_SWEEP_BLOCK_ROWS, size = sweep->box.size[a + 1];
         block.begin[a] = at[a] * TY_SWEEP_BLOCK_ROWS;

@@ -164,8 +164,8 @@ static void sweep_cells(const ty_sweep_box* box, int32_t group, const float* ext
 }
 
 /* The same towards one side alone: o is 0 towards +x. */
-static void sweep_cells_alone(const ty_sweep_box* box, int32_t group, const float* extinction, int32_t begin,
-                              int32_t end, int o, stream* light, ty_sweep_sums* sums) {
+static void sweep_cells_unpaired(const ty_sweep_box* box, int32_t group, const float* extinction, int32_t begin,
+                                 int32_t end, int o, stream* light, ty_sweep_sums* sums) {
     ty_lanes two_mu_over_h[3];
     for (int a = 0; a < 3; ++a) two_mu_over_h[a] = ty_lanes_load_aligned(box->two_mu_over_h[a] + group * TY_LANES);
     const ty_lanes faces = two_mu_over_h[0] + two_mu_over_h[1] + two_mu_over_h[2];
@@ -279,8 +279,8 @@ static void sweep_row_segments(const row_faces* row, const float* extinction, co
 }
 
 /* The same of one octant; light->psi_x is what enters at one end of the row, and becomes what leaves at the other. */
-static void sweep_row_segments_alone(const row_faces* row, const float* extinction, stream streams[2],
-                                     ty_sweep_sums* sums) {
+static void sweep_row_segments_unpaired(const row_faces* row, const float* extinction, stream streams[2],
+                                        ty_sweep_sums* sums) {
     const ty_sweep_box* box = row->box;
     const ty_sweep_faces* walls = box->walls;
     const int o = row->octants_begin;
@@ -295,7 +295,7 @@ static void sweep_row_segments_alone(const row_faces* row, const float* extincti
         const bool lit = o == 0 ? has_low : has_high, stops = o == 0 ? has_high : has_low;
         const int32_t source = o == 0 ? low : high, target = o == 0 ? high : low;
         streams[o].psi_x = lit ? emitted_radiance(row, octant, source) : upwind;
-        sweep_cells_alone(box, row->group, extinction, begin, end, o, &streams[o], sums);
+        sweep_cells_unpaired(box, row->group, extinction, begin, end, o, &streams[o], sums);
         if (stops) add_incident_power(row, octant, target, streams[o].psi_x);
         if (!stops) leaving = streams[o].psi_x;
     }
@@ -303,10 +303,10 @@ static void sweep_row_segments_alone(const row_faces* row, const float* extincti
     exchange_face_radiance(row, streams, true);
 }
 
-static row_faces faces_of_row(const ty_sweep_box* box, int32_t group, int32_t octant, ptrdiff_t row, int32_t alone) {
+static row_faces faces_of_row(const ty_sweep_box* box, int32_t group, int32_t octant, ptrdiff_t row, int32_t unpaired) {
     row_faces walls = {.box = box, .group = group, .octant = octant, .octants_end = 2};
-    if (alone >= 0) walls.octants_begin = alone;
-    if (alone >= 0) walls.octants_end = alone + 1;
+    if (unpaired >= 0) walls.octants_begin = unpaired;
+    if (unpaired >= 0) walls.octants_end = unpaired + 1;
     if (box->walls == NULL) return walls;
     walls.first = box->walls->first[row];
     walls.end = box->walls->first[row + 1];
@@ -346,8 +346,8 @@ TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, co
 }
 
 /* Moments of one octant alone: terms of both parities in one sequence. */
-TY_INLINE void gather_alone(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
-                            const ptrdiff_t terms) {
+TY_INLINE void gather_unpaired(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
+                               const ptrdiff_t terms) {
     const int32_t first = group * TY_LANES, left = box->directions - first,
                   directions = left < TY_LANES ? left : TY_LANES;
     const ptrdiff_t padded = padded_terms(terms);
@@ -379,7 +379,7 @@ TY_INLINE void remove_padding(float* sum, ptrdiff_t cells, const ptrdiff_t bands
 }
 
 /* The same of one octant's sums. */
-TY_INLINE void remove_padding_alone(float* sum, ptrdiff_t cells, const ptrdiff_t terms) {
+TY_INLINE void remove_padding_unpaired(float* sum, ptrdiff_t cells, const ptrdiff_t terms) {
     for (ptrdiff_t x = 1; x < cells && padded_terms(terms) != terms; ++x)
         for (ptrdiff_t t = 0; t < terms; t += TY_LANES)
             ty_lanes_store(sum + x * terms + t, ty_lanes_load_aligned(sum + x * padded_terms(terms) + t));
@@ -406,10 +406,10 @@ TY_INLINE void reorder_cell(const ty_sweep_box* box, const float* sum, float* mo
 TY_INLINE void store_moments(const ty_sweep_box* box, const ty_sweep_block* block, float* sum, float* moments,
                              const ptrdiff_t bands) {
     const ptrdiff_t cells = box->size[0], terms = bands * bands, items = terms * cells;
-    if (block->alone < 0)
+    if (block->unpaired < 0)
         remove_padding(sum, cells, bands);
     else
-        remove_padding_alone(sum, cells, terms);
+        remove_padding_unpaired(sum, cells, terms);
     if (block->first) {
         memcpy(moments, sum, sizeof *moments * (size_t)items);
     } else if (block->last) {
@@ -435,18 +435,18 @@ typedef struct row_work {
 } row_work;
 
 /* One group of directions of the octant of a block that is swept alone; streams, walls: of the row. */
-TY_INLINE void sweep_alone(const row_work* work, const row_faces* walls, const float* extinction, float* across,
-                           stream streams[2], const int32_t bands) {
+TY_INLINE void sweep_unpaired(const row_work* work, const row_faces* walls, const float* extinction, float* across,
+                              stream streams[2], const int32_t bands) {
     const ty_sweep_box* box = work->box;
-    const int o = work->block->alone;
+    const int o = work->block->unpaired;
     streams[o].psi_x = ty_lanes_load_aligned(across);
     if (walls->first < walls->end)
-        sweep_row_segments_alone(walls, extinction, streams, work->sums);
+        sweep_row_segments_unpaired(walls, extinction, streams, work->sums);
     else
-        sweep_cells_alone(box, walls->group, extinction, 0, box->size[0], o, &streams[o], work->sums);
+        sweep_cells_unpaired(box, walls->group, extinction, 0, box->size[0], o, &streams[o], work->sums);
     if (work->block->leaves) add_leakage(box, walls->group, streams[o].psi_x, work->sums);
     ty_lanes_store_aligned(across, streams[o].psi_x);
-    gather_alone(box, walls->group, walls->octant + o, &work->scratch, bands * bands);
+    gather_unpaired(box, walls->group, walls->octant + o, &work->scratch, bands * bands);
 }
 
 TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_t z, const int32_t bands) {
@@ -455,7 +455,7 @@ TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_
     const ptrdiff_t nx = box->size[0], ny = box->size[1], nz = box->size[2], row = (z * ny + y) * nx;
     const ptrdiff_t pitch = (ptrdiff_t)box->groups * TY_LANES;
     const int32_t terms = bands * bands, at[3] = {0, y + box->origin[1], z + box->origin[2]};
-    const int32_t alone = work->block->alone;
+    const int32_t unpaired = work->block->unpaired;
     const ptrdiff_t patch = ty_boundary_patch(&box->patches, box->whole, 0, at);
     for (int32_t g = 0; g < box->groups; ++g) {
         const emission_view view = {box, box->y_lm[octant / 2] + g * TY_LANES, pitch};
@@ -467,10 +467,10 @@ TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_
                 .psi = scratch->psi[o],
                 .psi_y = box->faces_y[octant + o] + (g * nz + z) * nx * TY_LANES,
                 .psi_z = box->faces_z[octant + o] + (g * ny + y) * nx * TY_LANES};
-        const row_faces walls = faces_of_row(box, g, octant, z * ny + y, alone);
-        if (alone >= 0) {
-            float* across = box->faces_x[octant + alone] + ((g * nz + z) * ny + y) * TY_LANES;
-            sweep_alone(work, &walls, box->extinction + row, across, streams, bands);
+        const row_faces walls = faces_of_row(box, g, octant, z * ny + y, unpaired);
+        if (unpaired >= 0) {
+            float* across = box->faces_x[octant + unpaired] + ((g * nz + z) * ny + y) * TY_LANES;
+            sweep_unpaired(work, &walls, box->extinction + row, across, streams, bands);
             continue;
         }
         if (walls.first < walls.end) {

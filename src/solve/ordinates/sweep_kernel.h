@@ -29,7 +29,7 @@ typedef struct ty_sweep_box {
     const float* weighted_y_lm[4]; /* octant 2 i: weighted harmonics of each direction, `padded` in `order` */
     const float* unpaired_y_lm[8]; /* weighted harmonics of each direction of an octant that is swept alone,
                                       `unpaired` in `order`; NULL: none is */
-    int32_t unpaired;              /* terms, padded to whole lanes */
+    int32_t unpaired_terms;        /* terms, padded to whole lanes */
     /* Upwind radiance of the next cells along y and z: per group, planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];
     /* Of octants that are swept alone, radiance across x at the ends of rows: what enters, and then what leaves; per
@@ -42,7 +42,7 @@ typedef struct ty_sweep_box {
 /* Block of rows for a pair of octants that differ in x only: 2 * pair and 2 * pair + 1. */
 typedef struct ty_sweep_block {
     int32_t pair;
-    int32_t alone;            /* bit 0 of the octant that is swept alone, and no pair; negative: both are */
+    int32_t unpaired;         /* bit 0 of the octant that is swept alone, and no pair; negative: both are */
     bool leaves;              /* alone: the ends of its rows are faces of the whole box */
     int32_t begin[2], end[2]; /* y, z */
     bool first, last;         /* this pair is the first, the last of four to sweep the block */

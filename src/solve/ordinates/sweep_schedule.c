@@ -63,12 +63,12 @@ static int32_t ranks_downwind(const simulation* sim, const int32_t at[2], int32_
 
 /* The stream that a rank goes on with; negative: none is ready. */
 static int32_t choose_stream(const simulation* sim, const int32_t at[2]) {
-    int32_t best = -1, most = -1;
+    int32_t best = -1, max_downwind = -1;
     for (int32_t s = 0; s < sim->streams; ++s) {
         const int32_t downwind = ranks_downwind(sim, at, s);
-        if (downwind <= most || !is_ready(sim, at, s)) continue;
+        if (downwind <= max_downwind || !is_ready(sim, at, s)) continue;
         best = s;
-        most = downwind;
+        max_downwind = downwind;
     }
     return best;
 }

@@ -26,7 +26,7 @@ static void lay_out(ty_sweep* sweep, ty_arena* arena) {
     if (!is_cut_along_x(sweep)) return;
     for (int o = 0; o < 8; ++o) {
         box->faces_x[o] = ty_arena_take(arena, sizeof(float) * ny * (size_t)box->size[2] * lanes);
-        box->unpaired_y_lm[o] = ty_arena_take(arena, sizeof(float) * (size_t)box->unpaired * lanes);
+        box->unpaired_y_lm[o] = ty_arena_take(arena, sizeof(float) * (size_t)box->unpaired_terms * lanes);
     }
 }
 
@@ -39,7 +39,7 @@ static void fill_unpaired(ty_sweep* sweep, int32_t octant) {
         for (int32_t t = 0; t < box->terms; ++t) {
             const int32_t at = t < box->even ? t : odd_begin + t - box->even;
             const float value = box->weighted_y_lm[octant / 2][d * box->padded + at];
-            to[d * box->unpaired + t] = t >= box->even && (octant & 1) != 0 ? -value : value;
+            to[d * box->unpaired_terms + t] = t >= box->even && (octant & 1) != 0 ? -value : value;
         }
 }
 
@@ -48,7 +48,7 @@ void ty_sweep_plan_units(ty_sweep* sweep, const ty_domain* domain) {
     sweep->domain = domain;
     memcpy(box->whole, domain->cells, sizeof box->whole);
     memcpy(box->origin, domain->first, sizeof box->origin);
-    box->unpaired = (box->terms + box->lanes - 1) / box->lanes * box->lanes;
+    box->unpaired_terms = (box->terms + box->lanes - 1) / box->lanes * box->lanes;
     sweep->schedule = ty_sweep_choose_blocks(domain->ranks, box->size[2]);
     ty_arena arena = {0};
     lay_out(sweep, &arena);
@@ -85,10 +85,10 @@ typedef struct unit_range {
 
 static unit_range range_of(const ty_sweep* sweep, const ty_sweep_unit* unit) {
     const int32_t nz = sweep->box.size[2], begin = unit->block * sweep->schedule.planes;
-    const bool alone = is_cut_along_x(sweep);
-    unit_range r = {.octants = alone ? 1 : 2, .planes = {begin, begin + sweep->schedule.planes}};
+    const bool unpaired = is_cut_along_x(sweep);
+    unit_range r = {.octants = unpaired ? 1 : 2, .planes = {begin, begin + sweep->schedule.planes}};
     if (r.planes[1] > nz) r.planes[1] = nz;
-    r.begin = alone ? unit->stream : 2 * unit->stream;
+    r.begin = unpaired ? unit->stream : 2 * unit->stream;
     r.end = r.begin + r.octants;
     r.down[0] = (r.begin & 1) != 0;
     r.down[1] = (r.begin & 2) != 0;
@@ -185,7 +185,7 @@ static void sweep_block(void* user, int64_t index, int32_t worker) {
     const int32_t origin[2] = {0, r->planes[0]}, limit[2] = {sweep->box.size[1], r->planes[1]};
     const int32_t pair = r->begin / 2;
     ty_sweep_block block = {.pair = pair,
-                            .alone = r->octants == 1 ? r->begin & 1 : -1,
+                            .unpaired = r->octants == 1 ? r->begin & 1 : -1,
                             .leaves = neighbour(sweep, r, 0, false) < 0,
                             .first = job->unit->first,
                             .last = job->unit->last};

@@ -137,8 +137,8 @@ static ty_ordinates_def define_solve(const ty_dom_job* job) {
 }
 
 /* Tells why other ranks do not take part. */
-static void tell_if_alone(const channel_solve* solve, const ty_ordinates_def* def) {
-    const char* why = ty_ordinates_why_alone(solve->all->job->context, def);
+static void tell_if_undivided(const channel_solve* solve, const ty_ordinates_def* def) {
+    const char* why = ty_ordinates_why_undivided(solve->all->job->context, def);
     if (why == NULL || why[0] == 0 || solve != solve->all->solves) return;
     ty_log(solve->all->job->context, TY_LOG_WARNING, "dom: rank 0 solves alone, because %s", why);
 }
@@ -172,7 +172,7 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     float* zeros = NULL;
     ty_result result = ty_dom_solve_boundary_light(solve->all->job, channel, &def, &solve->boundary);
     if (result == TY_OK) result = ty_dom_set_reflection(solve->all->job, channel, &def, &zeros);
-    tell_if_alone(solve, &def);
+    tell_if_undivided(solve, &def);
     if (result == TY_OK) result = ty_ordinates_solve_jointly(job->context, &def, moments, &solve->stats);
     if (zeros != NULL) ty_free_array(job->context, zeros, (size_t)job->boundary->count, sizeof *zeros);
     return result;
