@@ -384,9 +384,9 @@ test_bad_input() {
   # A rank whose disk takes no more: as for one process, the work failed, and the input was right.
   mkdir full
   # shellcheck disable=SC2016
-  unlike 1 render smoke.json -o full/f_####.exr --frames 1-$frames --chain 1 -D render.dom.resolution=8 -- \
+  unlike 1 render smoke.json -o full/f_####.exr --frames 1-$frames --chain 1 -D render.dom.resolution=16 -- \
     sh -c 'ulimit -f 1; exec "$0" "$@"' "$tyndall" render smoke.json -o full/f_####.exr --frames 1-$frames --chain 1 \
-    -D render.dom.resolution=8
+    -D render.dom.resolution=16
   one_line 'rank 1: .*full/f_'
   absent x.exr
 }

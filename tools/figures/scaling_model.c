@@ -11,7 +11,7 @@ double scaling_message(const scaling_network* network, double bytes) {
 double scaling_tasks_seconds(const scaling_tasks* tasks, const scaling_network* network, int32_t ranks) {
     const double blocks = (double)tasks->blocks, share = ceil(blocks / ranks) / blocks;
     const double own = tasks->start + tasks->work * share;
-    if (ranks < 2) return octant_factor;
+    if (ranks < 2) return own;
     const double messages = 2 * (tasks->work / tasks->task + ranks);
     return own + 0.5 * tasks->task + messages * network->latency + tasks->bytes / network->bandwidth;
 }
