@@ -31,13 +31,13 @@ static void combine_all(ty_comm* comm, void* user) {
     (void)user;
     const int32_t size = ty_comm_size(comm), rank = ty_comm_rank(comm);
     static const double terms[RANKS_MAX] = {1, 1e-16, 1e-16, -1, 1e16, 3, -1e16, 0.5};
-    double sum = 0, max = terms[0], values[2] = {terms[rank], rank}, most[1] = {terms[rank]};
+    double sum = 0, max = terms[0], values[2] = {terms[rank], rank}, maxima[1] = {terms[rank]};
     for (int32_t r = 0; r < size; ++r) {
         sum = r == 0 ? terms[0] : sum + terms[r];
         max = terms[r] > max ? terms[r] : max;
     }
     require(ty_comm_sum(comm, values, 2) && values[0] == sum && values[1] == 0.5 * size * (size - 1));
-    require(ty_comm_max(comm, most, 1) && most[0] == max);
+    require(ty_comm_max(comm, maxima, 1) && maxima[0] == max);
     size_t offsets[RANKS_MAX + 1] = {0};
     for (int32_t r = 0; r < size; ++r) offsets[r + 1] = offsets[r] + (size_t)(3 * r); /* nothing of rank 0 */
     uint8_t all[3 * RANKS_MAX * RANKS_MAX] = {0}, gathered[sizeof all] = {0}, told[5] = {0};

@@ -9,7 +9,7 @@ if [ -z "$program" ] || [ ! -x "$program" ]; then
 fi
 failed=0
 for ranks in 1 2 4; do
-  timeout 120 mpirun --allow-run-as-root --oversubscribe -q -n $ranks "$program" "${2:-48}" 1e-6 "${3:-2}" || {
+  timeout 120 mpirun --allow-run-as-root --oversubscribe -q -n $ranks "$program" "${2:-40}" 1e-6 "${3:-1}" || {
     echo "FAILED with $ranks ranks" >&2
     failed=1
   }

@@ -18,36 +18,36 @@ static int32_t first_cell(int32_t cells, int32_t unit, int32_t ranks, int32_t p)
     return unit * (units / ranks * p + (p < rest ? p : rest));
 }
 
-/* Cells of the largest box along an axis, with the layers beyond its cuts; 0: some box has fewer than `min_size`. */
-static int32_t largest(int32_t cells, int32_t unit, int32_t ranks, int32_t min_size) {
+/* Cells of the largest box along an axis, with the layers beyond its cuts; 0: some box has fewer than `min_cells`. */
+static int32_t largest(int32_t cells, int32_t unit, int32_t ranks, int32_t min_cells) {
     if (ranks == 1) return cells;
     int32_t max_size = 0;
     for (int32_t p = 0; p < ranks; ++p) {
         const int32_t size = first_cell(cells, unit, ranks, p + 1) - first_cell(cells, unit, ranks, p);
         const int32_t all = size + (p > 0 ? 1 : 0) + (p + 1 < ranks ? 1 : 0);
-        if (size < min_size || size < 1) return 0;
+        if (size < min_cells || size < 1) return 0;
         if (all > max_size) max_size = all;
     }
     return max_size;
 }
 
 /* Cells of the largest box of a way to share the ranks; 0: that way is not open. */
-static int64_t cost(const ty_domain* domain, const int32_t ranks[3], unsigned cuts, int32_t min_size) {
+static int64_t cost(const ty_domain* domain, const int32_t ranks[3], unsigned cuts, int32_t min_cells) {
     int64_t cells = 1;
     for (int axis = 0; axis < 3; ++axis) {
         if (ranks[axis] > 1 && (cuts >> axis & 1) == 0) return 0;
-        cells *= largest(domain->cells[axis], domain->unit[axis], ranks[axis], min_size);
+        cells *= largest(domain->cells[axis], domain->unit[axis], ranks[axis], min_cells);
     }
     return cells;
 }
 
-static bool share_ranks(ty_domain* domain, int32_t size, unsigned cuts, int32_t min_size) {
+static bool share_ranks(ty_domain* domain, int32_t size, unsigned cuts, int32_t min_cells) {
     int64_t best = 0;
     for (int32_t x = 1; x <= size; ++x)
         for (int32_t y = 1; y <= size / x; ++y) {
             const int32_t ranks[3] = {x, y, size / x / y};
             if (ranks[0] * ranks[1] * ranks[2] != size) continue;
-            const int64_t now = cost(domain, ranks, cuts, min_size);
+            const int64_t now = cost(domain, ranks, cuts, min_cells);
             if (now == 0 || (best > 0 && now >= best)) continue;
             best = now;
             memcpy(domain->ranks, ranks, sizeof ranks);
@@ -55,12 +55,12 @@ static bool share_ranks(ty_domain* domain, int32_t size, unsigned cuts, int32_t 
     return best > 0;
 }
 
-bool ty_domain_create(ty_comm* comm, const int32_t cells[3], unsigned cuts, const int32_t unit[3], int32_t min_size,
+bool ty_domain_create(ty_comm* comm, const int32_t cells[3], unsigned cuts, const int32_t unit[3], int32_t min_cells,
                       ty_domain* out) {
     *out = (ty_domain){.comm = comm};
     memcpy(out->cells, cells, sizeof out->cells);
     memcpy(out->unit, unit, sizeof out->unit);
-    if (!share_ranks(out, ty_comm_size(comm), cuts, min_size)) return false;
+    if (!share_ranks(out, ty_comm_size(comm), cuts, min_cells)) return false;
     ty_domain_place(out, ty_comm_rank(comm), out->at);
     for (int axis = 0; axis < 3; ++axis) {
         out->first[axis] = ty_domain_first(out, axis, out->at[axis]);

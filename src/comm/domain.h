@@ -21,8 +21,9 @@ typedef struct ty_domain {
 
 /* Cuts a grid among all ranks: of all ways to share the ranks among the axes of `cuts` (TY_CUT_*) the one whose largest
  * box is smallest, its cells beyond the cuts included; of equal ones that with more cuts along z, then y. Boxes begin
- * at multiples of `unit` cells, and have at least `min_size` along an axis that is cut. False: there is no such way. */
-bool ty_domain_create(ty_comm* comm, const int32_t cells[3], unsigned cuts, const int32_t unit[3], int32_t min_size,
+ * at multiples of `unit` cells, and have at least `min_cells` along an axis that is cut. False: there is no such way.
+ */
+bool ty_domain_create(ty_comm* comm, const int32_t cells[3], unsigned cuts, const int32_t unit[3], int32_t min_cells,
                       ty_domain* out);
 void ty_domain_destroy(ty_domain* domain);
 

@@ -88,12 +88,12 @@ static ty_result begin_work(solve_work* work) {
 static ty_result allocate_memory(solve_work* work) {
     ty_diffusion_def def = work->def;
     const ty_diffusion_faces faces = {.count = 0};
-    const char* why = NULL;
+    const char* reason = NULL;
     if (work->surfaces != NULL) def.faces = &faces;
-    work->joint = ty_diffusion_is_joint(work->context, &def, &why);
-    if (why != NULL)
+    work->joint = ty_diffusion_is_joint(work->context, &def, &reason);
+    if (reason != NULL)
         ty_log(work->context, TY_LOG_WARNING, "rank 0 solves for diffusion on %d x %d x %d cells alone: %s",
-               (int)def.size[0], (int)def.size[1], (int)def.size[2], why);
+               (int)def.size[0], (int)def.size[1], (int)def.size[2], reason);
     work->concurrent = count_concurrent(work);
     if (work->concurrent > work->count) work->concurrent = work->count;
     if (work->joint) return TY_OK; /* each rank has that of its box */

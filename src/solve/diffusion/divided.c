@@ -27,8 +27,8 @@ bool ty_diffusion_divide(ty_comm* comm, const ty_diffusion_def* def, ty_domain* 
     int32_t unit[3] = {1, 1, 1};
     int32_t levels = plan_levels(def->size, def->cell, TY_LEVELS_MAX, unit);
     for (; levels > 0; levels = plan_levels(def->size, def->cell, levels - 1, unit)) {
-        const int32_t min_size = 2 * (unit[1] > unit[2] ? unit[1] : unit[2]), units[3] = {1, unit[1], unit[2]};
-        if (ty_domain_create(comm, def->size, TY_CUT_Y | TY_CUT_Z, units, min_size, out)) return true;
+        const int32_t min_cells = 2 * (unit[1] > unit[2] ? unit[1] : unit[2]), units[3] = {1, unit[1], unit[2]};
+        if (ty_domain_create(comm, def->size, TY_CUT_Y | TY_CUT_Z, units, min_cells, out)) return true;
     }
     return false;
 }

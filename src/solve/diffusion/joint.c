@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Contents of a box: coefficients, what the solve starts from, values of the sides, and results. */
+/* Arrays of a box: coefficients, what the solve starts from, values of the sides, and results. */
 enum {
     EXTINCTION,
     ABSORPTION,

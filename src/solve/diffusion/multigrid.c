@@ -139,9 +139,9 @@ static void relax_beside_cuts(void* user, int64_t index, int32_t worker) {
     int32_t inner[2];
     inner_rows(box, inner);
     for (int32_t z = begin; z < begin + SLAB && z < box->size[2]; ++z) {
-        const bool all = is_at_cut(box, z), isolated = !is_at_seam(box, z);
-        kernels->relax(p->fine, 1 - p->color, (int32_t[]){0, all ? rows : inner[0]}, z, isolated);
-        if (!all) kernels->relax(p->fine, 1 - p->color, (int32_t[]){inner[1], rows}, z, isolated);
+        const bool all = is_at_cut(box, z), seam = is_at_seam(box, z);
+        kernels->relax(p->fine, 1 - p->color, (int32_t[]){0, all ? rows : inner[0]}, z, !seam);
+        if (!all) kernels->relax(p->fine, 1 - p->color, (int32_t[]){inner[1], rows}, z, !seam);
     }
 }
 
