@@ -83,6 +83,10 @@ typedef struct ty_dom_def {
     bool interreflection; ///< True (default): surfaces outside of the media's box light the media by all that they
                           ///< reflect, of lamps and of media, and one another by the light of media. False: the media
                           ///< light such surfaces alone, once.
+
+    bool differentiable; ///< True: the light has a gradient (ty_dom_gradient()). Ordinates go through thick cells, too,
+                         ///< which count as diffusive otherwise, and sources are at the centres of cells: so light
+                         ///< differs where cells are thicker than a mean free path. Default false.
 } ty_dom_def;
 
 /// Sets the `bytes` bytes of a ty_dom_def to the defaults, as ty_init_context_def() does.

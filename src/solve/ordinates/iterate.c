@@ -129,6 +129,7 @@ static void select_slot(const iteration* it) {
 /* Relative loss of energy by rounding, uniform over most cells: negligible per sweep, but it accumulates over ten
  * thousand scattering orders. emitted, removed: sums over cells, W/m^3 / sqrt(4 pi); incident: on faces, W. */
 static void measure_energy_deficit(ty_ordinates_job* job, double emitted, double incident, double removed) {
+    if (job->def->closed != NULL) return; /* an adjoint has no energy */
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2];
     const double outgoing = (job->leaving[job->latest] + incident) / (volume * TY_SQRT_4PI_F64);
     job->energy_deficit = removed > 0 ? (emitted - outgoing) / removed - 1 : 0;

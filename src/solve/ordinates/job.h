@@ -79,6 +79,12 @@ typedef struct ty_ordinates_job {
     bool from_guess;       /* the only iterate is an initial guess, whose change by a sweep is unknown */
 } ty_ordinates_job;
 
+/* A call's state, of which the caller sets context, stats and start; its memory, coefficients, sweep and first iterate;
+ * its end, which frees all of that, also after errors. Errors: those of ty_ordinates_solve. */
+ty_ordinates_job ty_ordinates_begin_job(const ty_ordinates_def* def);
+ty_result ty_ordinates_prepare(ty_ordinates_job* job);
+void ty_ordinates_end_job(ty_ordinates_job* job);
+
 /* Loop over planes of cells, parallel for large boxes, and the total of the planes' sums, in plane order. */
 void ty_ordinates_planes(const ty_ordinates_job* job, ty_parallel_fn body, void* user);
 ty_ordinates_sums ty_ordinates_total(const ty_ordinates_job* job);

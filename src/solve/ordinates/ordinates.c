@@ -98,7 +98,7 @@ static void lay_out(ty_ordinates_job* job, ty_arena* arena) {
     ty_ordinates_faces_lay_out(job, arena);
 }
 
-static ty_ordinates_job begin_job(const ty_ordinates_def* def) {
+ty_ordinates_job ty_ordinates_begin_job(const ty_ordinates_def* def) {
     return (ty_ordinates_job){.def = def,
                               .cells = (int64_t)def->size[0] * def->size[1] * def->size[2],
                               .terms = def->bands * def->bands,
@@ -107,7 +107,7 @@ static ty_ordinates_job begin_job(const ty_ordinates_def* def) {
 }
 
 size_t ty_ordinates_memory(const ty_ordinates_def* def) {
-    ty_ordinates_job job = begin_job(def);
+    ty_ordinates_job job = ty_ordinates_begin_job(def);
     ty_arena arena = {0};
     lay_out(&job, &arena);
     return arena.used;
@@ -128,7 +128,7 @@ static ty_result allocate(ty_ordinates_job* job) {
     return TY_OK;
 }
 
-static void free_all(ty_ordinates_job* job) {
+void ty_ordinates_end_job(ty_ordinates_job* job) {
     if (job->memory != NULL) ty_free_array(job->context, job->memory, job->bytes, 1);
     ty_sweep_destroy(job->sweep);
     ty_dsa_destroy(job->dsa);
@@ -202,7 +202,7 @@ static ty_result begin(ty_ordinates_job* job) {
     return TY_OK;
 }
 
-static ty_result prepare(ty_ordinates_job* job) {
+ty_result ty_ordinates_prepare(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
     ty_result result = allocate(job);
     if (result == TY_OK) result = ty_ordinates_parts_create(job);
@@ -213,6 +213,7 @@ static ty_result prepare(ty_ordinates_job* job) {
     if (result == TY_OK) result = ty_sweep_divide(job->sweep, def->domain);
     if (result == TY_OK) result = ty_sweep_set_boundary_radiance(job->sweep, &def->boundary_radiance);
     if (result != TY_OK) return result;
+    ty_sweep_set_closed(job->sweep, def->closed);
     job->stats->entering = ty_ordinates_entering(def);
     if (job->source_lm != NULL) ty_ordinates_gather(job, def->source, job->terms, job->source_lm);
     result = ty_ordinates_displace(job, job->dsa != NULL ? job->changes[0] : NULL);
@@ -303,7 +304,7 @@ static void store(ty_ordinates_job* job, float* const* moments) {
 }
 
 static ty_result solve(ty_ordinates_job* job, float* const* moments) {
-    ty_result result = prepare(job);
+    ty_result result = ty_ordinates_prepare(job);
     if (result != TY_OK) return result;
     result = ty_ordinates_iterate(job);
     if (job->dsa != NULL) job->stats->cycles += ty_dsa_cycles(job->dsa);
@@ -320,7 +321,7 @@ ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, f
     ty_result result = check(context, def, moments);
     if (result != TY_OK) return result;
     ty_ordinates_stats ignored;
-    ty_ordinates_job job = begin_job(def);
+    ty_ordinates_job job = ty_ordinates_begin_job(def);
     job.context = context;
     job.stats = stats != NULL ? stats : &ignored;
     job.history = history;
@@ -329,7 +330,7 @@ ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, f
     job.start = job.reported = ty_wall_seconds();
     result = solve(&job, moments);
     ty_ordinates_undo_displaced_flux(&job, moments);
-    free_all(&job);
+    ty_ordinates_end_job(&job);
     job.stats->seconds = ty_wall_seconds() - job.start;
     return result;
 }

@@ -98,6 +98,8 @@ typedef struct ty_ordinates_def {
                        diffusive cell that faces a transport cell: 4 J_out / sqrt(4 pi), i.e. the fluence a viewer in front
                        of that face would see. Negative elsewhere. NULL (default): no output */
     float* face_incident; /* out, with face_fluence: 4 J_in / sqrt(4 pi) at the same faces. NULL (default): no output */
+    const uint16_t*
+        closed; /* of the solution whose adjoint this is (solve/ordinates/adjoint.h); NULL (default): none */
     const float* const* start; /* initial moments, bands^2 planes; NULL (default): 0, or diffusion if accelerated */
     void* memory;              /* ty_ordinates_memory bytes, aligned to 64; NULL (default): from the context */
     ty_progress_fn progress;   /* default NULL */

@@ -177,6 +177,14 @@ void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls) {
     sweep->box.walls = walls;
 }
 
+void ty_sweep_set_closed(ty_sweep* sweep, const uint16_t* closed) {
+    sweep->box.closed = closed;
+}
+
+const ty_sweep_box* ty_sweep_tables(const ty_sweep* sweep) {
+    return &sweep->box;
+}
+
 void ty_sweep_destroy(ty_sweep* sweep) {
     if (sweep == NULL) return;
     ty_free_array(sweep->context, sweep->boundary, sweep->boundary_floats, sizeof(float));

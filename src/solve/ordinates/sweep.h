@@ -46,6 +46,9 @@ typedef struct ty_sweep_faces {
 
 /* The struct and its arrays belong to the caller, who may change `emitted` between sweeps. NULL (initially): none. */
 void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls);
+/* Makes the sweep the transpose of one whose set-to-zero fix-ups closed these faces (solve/ordinates/adjoint.h), along
+ * the opposite directions; without boundary faces. NULL (initially): no transpose. The caller keeps the array. */
+void ty_sweep_set_closed(ty_sweep* sweep, const uint16_t* closed);
 void ty_sweep_destroy(ty_sweep* sweep);
 /* Directions of an octant, padded to whole vectors; a multiple of 16 bytes. */
 int32_t ty_sweep_pitch(const ty_sweep* sweep);

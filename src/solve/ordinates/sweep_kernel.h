@@ -37,7 +37,11 @@ typedef struct ty_sweep_box {
     float* faces_x[8];
     int32_t whole[3], origin[3]; /* cells of the box of which this one is a part, and the place of its first cell */
     const ty_sweep_faces* walls; /* NULL: no boundary faces */
+    const uint16_t* closed;      /* as of ty_sweep_set_closed */
 } ty_sweep_box;
+
+/* The tables of a sweep. */
+const ty_sweep_box* ty_sweep_tables(const ty_sweep* sweep);
 
 /* Block of rows for a pair of octants that differ in x only: 2 * pair and 2 * pair + 1. */
 typedef struct ty_sweep_block {
