@@ -102,6 +102,9 @@ int cli_find_choice(const char* choices, const char* text);
 /* Prints a usage error of a command (printf-like) and returns CLI_USAGE. */
 int cli_usage_error(const char* command, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
+/* Parses a part I of N, like 3/8, of an option --part: CLI_GO, or CLI_USAGE after a message of the command. */
+int cli_parse_part(const char* command, const char* text, int32_t part[2]);
+
 /* Number parsing of options: decimal, finite, without leading or trailing characters. */
 bool cli_parse_real(const char* text, double* out);
 bool cli_parse_seed(const char* text, uint64_t* out);

@@ -236,7 +236,8 @@ static int check_options(render_options* options) {
     if (options->png != NULL && !cli_has_extension(options->png, ".png"))
         return cli_usage_error("render", "%s: the extension is not .png", options->png);
     int status = options->frames_text != NULL || options->chain_given ? render_check_sequence(options) : CLI_GO;
-    if (status == CLI_GO && options->part_text != NULL) status = render_parse_part(options);
+    if (status == CLI_GO && options->part_text != NULL)
+        status = cli_parse_part("render", options->part_text, options->part);
     if (status != CLI_GO) return status;
     if (options->aov != NULL && png)
         return cli_usage_error("render", "--aov is for .exr images, and %s is none", options->output);
