@@ -89,7 +89,7 @@ int32_t ty_linear_diffusion_solve(ty_linear_diffusion* linear, const double* sou
     linear->source = source;
     linear->fluence = fluence;
     ty_solve_planes(job, &job->cells.box, set_source_plane, linear);
-    const double squares = ty_solve_sum(job, job->cells.box.size[2]).a;
+    const double squares = ty_solve_sum(job, &job->cells.box).a;
     job->levels[0].diffusivity = job->diffusivity;
     linear->solution = ty_multigrid_solve(job, 0, squares, squares * reduction * reduction, cycles);
     ty_solve_planes(job, &job->cells.box, store_plane, linear);
