@@ -12,9 +12,9 @@
 /* Intervals of media that a ray marches through, and lights that are looked up together. On devices a thread's memory
  * is scarce: scenes with more than TY_MARCH_DEVICE_MEDIA media march on the processor, and of a ray's further intervals
  * in closed meshes none is seen. */
-enum { TY_MARCH_DEVICE_MEDIA = 6 };
+enum { TY_MARCH_DEVICE_MEDIA = 5 };
 #if defined(TY_DEVICE)
-enum { TY_MARCH_TRACKS_MAX = TY_MARCH_DEVICE_MEDIA, TY_MARCH_LIGHTS_GROUP = 2 };
+enum { TY_MARCH_TRACKS_MAX = TY_MARCH_DEVICE_MEDIA, TY_MARCH_LIGHTS_GROUP = 1 };
 #else
 enum { TY_MARCH_TRACKS_MAX = TY_SPANS_MAX, TY_MARCH_LIGHTS_GROUP = TY_MARCH_LIGHTS_MAX };
 #endif

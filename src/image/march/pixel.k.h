@@ -108,10 +108,11 @@ TY_FN void ty_pixel_add_ray(TY_GLOBAL const ty_march_request* request, ty_march_
                             ty_vec direction, const ty_hit* hit, float x, float y, float offset,
                             ty_march_pixel* pixel) {
     ty_march_follow(ray, request, origin, direction, hit != NULL ? hit->distance : TY_FLOAT_MAX, offset, 1.0f);
-    const ty_march_light light = ray->light;
-    ty_pixel_add_light(request, &light, direction, hit, pixel);
+    const float transmittance[3] = {ray->light.transmittance[0], ray->light.transmittance[1],
+                                    ray->light.transmittance[2]};
+    ty_pixel_add_light(request, &ray->light, direction, hit, pixel);
     if (hit != NULL && request->has_field != 0)
-        ty_reflect_media(request, ray, direction, hit, x, y, offset, light.transmittance, pixel->multiple);
+        ty_reflect_media(request, ray, direction, hit, x, y, offset, transmittance, pixel->multiple);
 }
 
 /* All rays of a pixel. sampled: nonzero for a lens or a moving camera, each of whose rays has a camera of its own.

@@ -37,15 +37,15 @@ TY_FN uint32_t ty_spaced_follow(TY_GLOBAL const ty_march_request* request, ty_ma
     out->distance = hits ? hit.distance : TY_FLOAT_MAX;
     ty_march_follow(ray, request, origin, direction, out->distance, offset, 1.0f);
     uint32_t steps = ray->steps;
-    const ty_march_light light = ray->light;
+    const ty_march_light* light = &ray->light;
     for (int c = 0; c < 3; ++c) {
-        out->transmittance[c] = light.transmittance[c];
-        out->emission[c] = light.emission[c];
-        out->single[c] = light.single[c];
-        out->multiple[c] = light.multiple[c];
+        out->transmittance[c] = light->transmittance[c];
+        out->emission[c] = light->emission[c];
+        out->single[c] = light->single[c];
+        out->multiple[c] = light->multiple[c];
     }
     if (!hits) {
-        if (request->blurred != NULL) ty_pixel_add_blurred(request, direction, &light, out->multiple);
+        if (request->blurred != NULL) ty_pixel_add_blurred(request, direction, light, out->multiple);
         return steps;
     }
     const ty_vec cells = ty_cell_coordinates(&request->surface_field.lattice, hit.position);
