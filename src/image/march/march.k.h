@@ -19,12 +19,6 @@ enum { TY_MARCH_TRACKS_MAX = TY_MARCH_DEVICE_MEDIA, TY_MARCH_LIGHTS_GROUP = 1 };
 enum { TY_MARCH_TRACKS_MAX = TY_SPANS_MAX, TY_MARCH_LIGHTS_GROUP = TY_MARCH_LIGHTS_MAX };
 #endif
 
-/* Lights [first, end) of the request, at one point. */
-typedef struct ty_march_lights {
-    int32_t first, end;
-    ty_near_light at[TY_MARCH_LIGHTS_GROUP];
-} ty_march_lights;
-
 /* Result of a ray. */
 typedef struct ty_march_light {
     float transmittance[3], emission[3], single[3], multiple[3];
@@ -67,18 +61,19 @@ typedef struct ty_march_visibility {
 
 /* Adds the radiance scattered and emitted by one medium at a point, times its visibility: that of a group of lights,
  * and with the first group what the medium emits. Adds to scattering the coefficients for the field's light. */
-TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_march_lights* lights,
-                                const ty_march_visibility* visibility, ty_march_scattering* scattering) {
+TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_near_light* lights,
+                                int32_t first, int32_t end, const ty_march_visibility* visibility,
+                                ty_march_scattering* scattering) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     float sigma_s[3], g[3];
     ty_medium_sigma_s(track->medium, point, sigma_s);
     ty_medium_g(track->medium, point, g);
-    for (int32_t c = 0; lights->first == 0 && c < 3; ++c) {
+    for (int32_t c = 0; first == 0 && c < 3; ++c) {
         scattering->amount[c] += sigma_s[c] * track->column;
         scattering->forward[c] += g[c] * sigma_s[c] * track->column;
         scattering->third[c] += g[c] * g[c] * g[c] * sigma_s[c] * track->column;
     }
-    if (track->medium->emits != 0 && lights->first == 0) {
+    if (track->medium->emits != 0 && first == 0) {
         float emission[3];
         ty_medium_emission(track->medium, point, emission);
         for (int32_t c = 0; c < 3; ++c)
@@ -89,8 +84,8 @@ TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec
     const ty_vec wo = ty_scale(ray->direction, -1.0f);
     ty_single_radiance scattered;
     memset(&scattered, 0, sizeof scattered);
-    for (int32_t i = lights->first; i < lights->end; ++i) {
-        const ty_near_light* near = &lights->at[i - lights->first];
+    for (int32_t i = first; i < end; ++i) {
+        const ty_near_light* near = &lights[i - first];
         ty_single_scattered(&request->lights[i], point, &near->at, wo, near->transmittance, g, track->medium->phase,
                             &request->fit, &scattered);
     }
@@ -105,7 +100,7 @@ TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec
 /* Adds the light of octaves 1 and above that one medium scatters at a point. Never inlined: compilers would contract
  * the products of its callers in another way, and other methods' images would differ in the last bit. */
 static __attribute__((noinline)) void ty_march_add_octaves(ty_march_ray* ray, const ty_track* track, ty_vec point,
-                                                           const ty_march_lights* lights,
+                                                           const ty_near_light* lights, int32_t first, int32_t end,
                                                            const ty_march_visibility* visibility) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     const ty_vec omega = ty_scale(ray->direction, -1.0f);
@@ -115,7 +110,7 @@ static __attribute__((noinline)) void ty_march_add_octaves(ty_march_ray* ray, co
     for (int32_t i = 1; i < request->octaves.count; ++i) {
         const float* passed = request->octaves.scales_view ? visibility->octaves[i] : visibility->transmitted;
         float radiance[3];
-        ty_octave_scattered(request, i, point, lights->at, lights->first, lights->end, omega, g, radiance);
+        ty_octave_scattered(request, i, point, lights, first, end, omega, g, radiance);
         for (int32_t c = 0; c < 3; ++c) ray->light.multiple[c] += passed[c] * track->column * sigma_s[c] * radiance[c];
     }
 }
@@ -163,22 +158,22 @@ TY_FN void ty_march_add_field_light(ty_march_ray* ray, ty_vec point, float extin
 TY_FN void ty_march_add_light(ty_march_ray* ray, float at, const ty_march_visibility* visibility) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
-    ty_march_lights lights;
+    ty_near_light lights[TY_MARCH_LIGHTS_GROUP];
     const ty_vec point = ty_mad(ray->origin, ray->direction, at);
     const float extinction = ty_march_extinction(ray, at);
-    lights.first = 0;
+    int32_t first = 0;
     do {
-        lights.end = lights.first + TY_MARCH_LIGHTS_GROUP;
-        if (lights.end > request->light_count) lights.end = request->light_count;
-        ty_near_lookup(request, point, extinction, lights.first, lights.end, lights.at);
+        const int32_t after = first + TY_MARCH_LIGHTS_GROUP;
+        const int32_t end = after < TY_MARCH_LIGHTS_MAX && after < request->light_count ? after : request->light_count;
+        ty_near_lookup(request, point, extinction, first, end, lights);
         for (int32_t i = 0; i < ray->active_count; ++i) {
             const ty_track* track = &ray->tracks[ray->active[i]];
             if (!(track->column > 0.0f)) continue;
-            ty_march_add_sources(ray, track, point, &lights, visibility, &scattering);
-            if (request->octaves.count > 1) ty_march_add_octaves(ray, track, point, &lights, visibility);
+            ty_march_add_sources(ray, track, point, lights, first, end, visibility, &scattering);
+            if (request->octaves.count > 1) ty_march_add_octaves(ray, track, point, lights, first, end, visibility);
         }
-        lights.first = lights.end;
-    } while (lights.first < request->light_count);
+        first = after;
+    } while (first < TY_MARCH_LIGHTS_MAX && first < request->light_count);
     if (request->has_field != 0) ty_march_add_field_light(ray, point, extinction, visibility->scaled, &scattering);
     ++ray->steps;
 }
