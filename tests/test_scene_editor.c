@@ -333,6 +333,7 @@ static void a_cloud_from_a_file_is_edited(void** state) {
 }
 
 static void an_atrium_from_a_file_is_edited(void** state) {
+    skip_under_sanitizers();
     (void)state;
     static const edit edits[] = {
         {"media[0].g", "0.7", TY_EDIT_LIGHT},

@@ -79,6 +79,7 @@ static void an_atrium(void** state) {
 }
 
 static void sponza(void** state) {
+    leave_to_full_runs();
     const scene_case c = {
         "scenes/sponza_lamps.json", "scenes/sponza_atrium.glb", {"geometry[0].file=\"%s\""}, 96, 54, 256, 0, 0, 0};
     static const nearness measured[] = {{0.898, 0.186}, {1.012, 0.113}};

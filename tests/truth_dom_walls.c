@@ -69,7 +69,7 @@ static void a_box_in_the_sun_and_a_sky(void** state) {
 /* Path tracing takes many samples about the lamp. */
 static void a_box_with_a_spot(void** state) {
     const scene_case c = {BOX, NULL, {NULL}, 60, 60, 2048, 0.03, 0, 0.985};
-    if (!in_full()) skip();
+    leave_to_full_runs();
     assert_true(is_near(*state, &c, "box in fog, spot"));
 }
 
@@ -80,7 +80,7 @@ static void narrow_lobes_in_a_box(void** state) {
     static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.3,0.8,-0.5],\"irradiance\":5}";
     static const char more[] = "render.dom.directions=400";
     const scene_case c = {BOX, NULL, {NULL, fog, sun, more}, 60, 60, 2048, 0.05, 0, 0.993};
-    if (!in_full()) skip();
+    leave_to_full_runs();
     assert_true(is_near(*state, &c, "box in fog, g = 0.9, sun through the opening, 400 directions"));
 }
 

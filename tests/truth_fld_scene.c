@@ -91,11 +91,13 @@ static void cloud_under_a_sky(void** state) {
 }
 
 static void measured_cloud(void** state) {
+    leave_to_full_runs();
     static const char data[] = "volumes/wdas_cloud_sixteenth.vdb";
     check_case(*state, &(scene_case){"scenes/disney_cloud_sun.json", data, {DENSITY}, 48, 36, 128, 0.09, 0.075, 0});
 }
 
 static void smoke(void** state) {
+    leave_to_full_runs();
     static const char data[] = "volumes/plume/plume_0042.vdb";
     check_case(*state, &(scene_case){"scenes/plume.json", data, {DENSITY}, 36, 48, 128, 0.14, 0, 0});
 }

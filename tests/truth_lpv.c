@@ -116,6 +116,7 @@ static void smoke_in_a_box(void** state) {
 }
 
 static void sponza(void** state) {
+    leave_to_full_runs();
     const scene_case c = {
         "scenes/sponza_lamps.json", "scenes/sponza_atrium.glb", {"geometry[0].file=\"%s\""}, 96, 54, 256, 0, 0, 0};
     check_scene(*state, &c, &measured[SPONZA]);

@@ -124,7 +124,7 @@ static void cloud_under_a_sky(void** state) {
 
 /* Of the clouds' kind, and half of all the time. */
 static void nebulae(void** state) {
-    if (!in_full()) skip();
+    leave_to_full_runs();
     check_case(*state,
                &(octaves_case){{"builtin:nebulae", NULL, {NULL}, 48, 48, fewer(128, 2), 0.43, 0, 0}, 1.15, 1.25, 0.07});
 }

@@ -175,6 +175,7 @@ static void check_lights(ty_context* context, const char* path, const char* data
 }
 
 static void measured_cloud(void** state) {
+    leave_to_full_runs();
     static const measured expected[2][2] = {
         {{{0.994, 0.045}, {0.994, 0.045}}, {{1.016, 0.045}, {1.019, 0.073}}},
         {{{1.088, 0.143}, {1.088, 0.143}}, {{1.037, 0.062}, {1.055, 0.105}}},

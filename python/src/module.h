@@ -114,14 +114,14 @@ typedef struct call {
 
 /* The ty_progress_fn of a call; user: the call. */
 bool call_progress(void* user, const ty_progress* progress);
-/* Runs call->work: call->result, message and exception tell the outcome. */
-void call_run(call* call);
+/* Runs running->work: its result, message and exception tell the outcome. */
+void call_run(call* running);
 /* Raises the exception of a call that failed or was interrupted; returns -1, or 0 if it succeeded. A call that was
  * stopped by its progress function has succeeded if it has a partial result. An exception of an interrupted call
  * receives the partial result, which may be NULL, as its attribute `image`. */
-int call_raise(call* call, PyObject* partial);
-/* work(user) in a thread of its own, without progress: 0, or -1 after an exception. */
-int call_simple(context_object* context, ty_result (*work)(void* user), void* user);
+int call_raise(call* running, PyObject* partial);
+/* function(user) in a thread of its own, without progress: 0, or -1 after an exception. */
+int call_simple(context_object* context, ty_result (*function)(void* user), void* user);
 
 /* ---- arrays from Python (input.c) ---- */
 
@@ -137,7 +137,7 @@ typedef struct input {
 
 /* Opens an object with the buffer protocol, or with __dlpack__ on the host. `what` names it in messages. The input must
  * stay where it is. 0, or -1 after an exception. */
-int input_open(PyObject* object, const char* what, input* out);
+int input_open(PyObject* object, const char* what, input* in);
 void input_close(input* in);
 bool input_is_contiguous(const input* in);
 /* Writes all values in C order. */

@@ -140,7 +140,7 @@ static uint8_t* encode_jpeg(const view_frame* frame, size_t* size) {
     unsigned long packed = room;
     uint8_t* shown = malloc(3 * pixels_of(frame));
     uint8_t* bytes = malloc(VIEW_HEADER_BYTES + room);
-    const tjhandle encoder = tjInitCompress();
+    tjhandle encoder = tjInitCompress();
     bool done = shown != NULL && bytes != NULL && encoder != NULL;
     if (done) {
         unsigned char* to = bytes + VIEW_HEADER_BYTES;

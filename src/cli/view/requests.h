@@ -27,9 +27,9 @@ typedef struct view_request {
     struct view_request* next;
 } view_request;
 
-/* Parses a message. Returns NULL after one line in `text` that refuses it; *id is the message's if it has one, else -1.
- * meters_per_unit: the unit of lengths in the document, m, by which camera positions are divided. */
-view_request* view_request_parse(const char* message, size_t length, double meters_per_unit, json_int_t* id, char* text,
+/* Parses a message. Returns NULL after one line in `reason` that refuses it; *id is the message's if it has one, else
+ * -1. meters_per_unit: the unit of lengths in the document, m, by which camera positions are divided. */
+view_request* view_request_parse(const char* text, size_t length, double meters_per_unit, json_int_t* id, char* reason,
                                  size_t size);
 void view_request_free(view_request* request);
 

@@ -88,9 +88,9 @@ ty_march_def ty_default_march_def(void);
 /* Defaults with the given options, and the scene's camera where they do not override it. */
 ty_march_def ty_march_def_of(const ty_scene* scene, const ty_image_options* options);
 
-/* Renders the view of the scene's camera: R, G, B and def->aovs, as in ty_path_def.aovs; single holds the
- * once-scattered light of def->lights, multiple that of the field and all reflections. stats may be NULL. Errors:
+/* Renders the view of the scene's camera: R, G, B and given->aovs, as in ty_path_def.aovs; single holds the
+ * once-scattered light of given->lights, multiple that of the field and all reflections. stats may be NULL. Errors:
  * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; on TY_CANCELLED *out is NULL. */
-ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** out, ty_march_stats* stats);
+ty_result ty_march(const ty_scene* scene, const ty_march_def* given, ty_image** out, ty_march_stats* stats);
 
 #endif

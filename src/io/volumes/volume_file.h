@@ -31,7 +31,7 @@ ty_result ty_volume_read_droplets(ty_context* context, const char* path, const t
                                   ty_grid** out);
 ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
 
-ty_result ty_dicom_read(ty_context* context, const char* path, const char* series, int32_t component, ty_grid** out);
+ty_result ty_dicom_read(ty_context* context, const char* path, const char* name, int32_t component, ty_grid** out);
 ty_result ty_dicom_components(ty_context* context, const char* path, const char* series, int32_t* out);
 ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
 ty_result ty_nifti_components(ty_context* context, const char* path, int32_t* out);
@@ -54,7 +54,7 @@ typedef struct ty_volume_notes {
 void ty_note(ty_volume_notes* notes, const char* name, const char* format, ...) __attribute__((format(printf, 3, 4)));
 /* Notes about the volume that ty_volume_read reads; none for formats without, and for files that cannot be read. */
 void ty_volume_describe(ty_context* context, const char* path, const ty_volume_def* def, ty_volume_notes* notes);
-void ty_dicom_describe(ty_context* context, const char* path, const char* series, ty_volume_notes* notes);
+void ty_dicom_describe(ty_context* context, const char* path, const char* name, ty_volume_notes* notes);
 void ty_nifti_describe(ty_context* context, const char* path, ty_volume_notes* notes);
 void ty_tiff_describe(ty_context* context, const char* path, ty_volume_notes* notes);
 void ty_mitsuba_describe(ty_context* context, const char* path, ty_volume_notes* notes);

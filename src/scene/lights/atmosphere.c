@@ -19,8 +19,9 @@ ty_air_densities ty_air_densities_at(const ty_atmosphere* atmosphere, double rad
                               atmosphere->ozone * fmax(0, 1 - fabs(height - ozone_height) / ozone_width)};
 }
 
-double ty_air_extinction(ty_air_densities m, int channel) {
-    return m.air * ty_air_scattering[channel] + m.haze * ty_haze_extinction + m.ozone * ozone_absorption[channel];
+double ty_air_extinction(ty_air_densities densities, int channel) {
+    return densities.air * ty_air_scattering[channel] + densities.haze * ty_haze_extinction +
+           densities.ozone * ozone_absorption[channel];
 }
 
 void ty_air_transmittance(const ty_atmosphere* atmosphere, double radius, double up, double out[3]) {

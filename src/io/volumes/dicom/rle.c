@@ -15,7 +15,8 @@ static uint32_t word_at(const uint8_t* bytes) {
 static bool unpack(const uint8_t* from, const uint8_t* end, uint8_t* to, size_t step, size_t count) {
     size_t done = 0;
     while (done < count && end - from >= 2) {
-        const int code = (int8_t)*from++;
+        const int code = *from < 128 ? *from : *from - 256; /* a signed byte */
+        ++from;
         if (code == -128) continue;
         const size_t wanted = (size_t)(code >= 0 ? code + 1 : 1 - code), left = count - done;
         const size_t length = wanted < left ? wanted : left;

@@ -26,6 +26,6 @@ void ty_dom_set_march(const ty_dom* light, ty_march_def* march);
 /* The radiance that surfaces receive, as a source field: its terms are the arrays in incident, which the caller frees,
  * also after an error. hidden: as in ty_hidden_cells_fill. Errors: TY_ERROR_MEMORY. */
 ty_result ty_dom_make_incident(const ty_dom* light, const uint8_t* hidden, float* incident[3][TY_FIELD_TERMS],
-                               ty_source_field* out);
+                               ty_source_field* surfaces);
 
 #endif
