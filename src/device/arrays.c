@@ -69,9 +69,9 @@ void ty_device_free(ty_device_arrays* arrays) {
     arrays->count = arrays->capacity = arrays->bytes = 0;
 }
 
-uint32_t ty_device_next_launch(uint32_t items, double seconds, uint32_t least) {
+uint32_t ty_device_next_launch(uint32_t items, double seconds, uint32_t min_items) {
     if (seconds < 0.5 * TY_DEVICE_LAUNCH_SECONDS) return items < 1 << 30 ? 2 * items : items;
     if (seconds < 2 * TY_DEVICE_LAUNCH_SECONDS) return items;
     const uint32_t fewer = (uint32_t)(items * fmax(TY_DEVICE_LAUNCH_SECONDS / seconds, 0.0625));
-    return fewer > least ? fewer : least;
+    return fewer > min_items ? fewer : min_items;
 }

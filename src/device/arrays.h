@@ -37,8 +37,8 @@ void ty_device_free(ty_device_arrays* arrays);
 /* Target duration of one launch, seconds: short enough to cancel, and for the watchdogs of drivers. */
 #define TY_DEVICE_LAUNCH_SECONDS 0.03
 
-/* Items of the next launch after one of `items` that took some seconds: `least` at least, and more by steps of two, as
- * the time of items varies. */
-uint32_t ty_device_next_launch(uint32_t items, double seconds, uint32_t least);
+/* Items of the next launch after one of `items` that took some seconds: at least `min_items`, and more by steps of two,
+ * as the time of items varies. */
+uint32_t ty_device_next_launch(uint32_t items, double seconds, uint32_t min_items);
 
 #endif

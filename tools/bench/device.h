@@ -1,4 +1,4 @@
-/* What the parts of bench device share. */
+/* Contexts and calls that the parts of bench device share. */
 #ifndef TY_BENCH_DEVICE_H
 #define TY_BENCH_DEVICE_H
 

@@ -12,7 +12,7 @@
 #include "scene/packed/packed.h"
 
 /* Items of the first launch of a program whose items march rays, and of one whose items march many. */
-enum { FIRST_RAYS = 1 << 16, FIRST_BUNDLES = 1 << 12, LEAST = 64 };
+enum { FIRST_RAYS = 1 << 16, FIRST_BUNDLES = 1 << 12, ITEMS_MIN = 64 };
 
 typedef struct march_device {
     ty_device_arrays arrays;
@@ -154,7 +154,7 @@ static void run(march_device* on, const ty_program* program, int64_t count, uint
         ty_device_write(arrays, on->arguments, launch, sizeof *launch);
         ty_device_launch(arrays, program, on->arguments, many);
         ty_device_wait(arrays);
-        items = ty_device_next_launch(items, ty_wall_seconds() - begun, LEAST);
+        items = ty_device_next_launch(items, ty_wall_seconds() - begun, ITEMS_MIN);
         count_steps(on, (size_t)many);
         launch->begin += many;
         on->done += (double)many;

@@ -14,7 +14,7 @@ typedef struct ty_screen_device_level {
     ty_screen_down_fraction down_fraction[3]; /* passed to the next level, per channel */
 } ty_screen_device_level;
 
-/* What one thread of screen_split counts. */
+/* Counts of one thread of screen_split. */
 typedef struct ty_screen_device_counts {
     int32_t nonfinite_fixed, missing_depth, oversized; /* as in ty_screen_counts */
     float largest[3];
