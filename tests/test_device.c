@@ -411,11 +411,11 @@ static void ptx_is_complete(void** state) {
         int frames, stack;
     } programs[] = {
         {&ty_program_path_diffuse, 4608, 6144},  {&ty_program_path_glossy, 5376, 6144},
-        {&ty_program_march_pixels, 4096, 4352},  {&ty_program_march_gathered, 4096, 4352},
+        {&ty_program_march_pixels, 4096, 4096},  {&ty_program_march_gathered, 4096, 4096},
         {&ty_program_march_smoothed, 256, 512},  {&ty_program_march_faces, 1024, 1280},
-        {&ty_program_march_edges, 256, 512},     {&ty_program_march_rays, 4096, 4352},
-        {&ty_program_march_between, 4096, 4352}, {&ty_program_march_ranges, 1024, 1280},
-        {&ty_program_march_columns, 4096, 4352}, {&ty_program_march_froxels, 1024, 1280},
+        {&ty_program_march_edges, 256, 512},     {&ty_program_march_rays, 4096, 4096},
+        {&ty_program_march_between, 4096, 4096}, {&ty_program_march_ranges, 1024, 1280},
+        {&ty_program_march_columns, 4096, 4096}, {&ty_program_march_froxels, 1024, 1280},
         {&ty_program_screen_split, 256, 512},    {&ty_program_screen_pass, 256, 512},
         {&ty_program_screen_down, 256, 512},     {&ty_program_screen_up, 256, 512},
         {&ty_program_screen_finish, 256, 512},

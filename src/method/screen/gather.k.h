@@ -48,6 +48,10 @@ typedef struct ty_screen_texels {
     TY_GLOBAL float* texels; /* 4 * width floats per row */
 } ty_screen_texels;
 
+TY_FN int32_t ty_screen_clamp_index(int32_t i, int32_t count) {
+    return i < 0 ? 0 : i >= count ? count - 1 : i;
+}
+
 /* Interpolates a level at the center of pixel (x, y) of level 0; scale: 2^-level. */
 TY_FN void ty_screen_fetch_cubic(ty_screen_texels level, float scale, int32_t x, int32_t y, float out[4]) {
     const float u = ((float)x + 0.5f) * scale - 0.5f, v = ((float)y + 0.5f) * scale - 0.5f;

@@ -83,12 +83,18 @@ TY_FN float ty_screen_up_weight(ty_screen_taps taps, int32_t fine, int32_t coars
            (coarse == third ? taps.up[2] : 0.0f);
 }
 
+/* The texel of `count` that is nearest to i; min and max, by which compilers contract the sums of the callers alike. */
+TY_FN int32_t ty_screen_nearest(int32_t i, int32_t count) {
+    const int32_t low = i < count - 1 ? i : count - 1;
+    return low > 0 ? low : 0;
+}
+
 /* A texel of a row that is upsampled from one of `width` texels of the next level. */
 TY_FN float ty_screen_upsample(TY_GLOBAL const ty_screen_taps* taps, TY_GLOBAL const float* row, int32_t width,
                                int32_t x) {
     const int32_t nearest = x / 2, offset = (x & 1) != 0 ? 1 : -1;
-    return taps->up[0] * row[nearest] + taps->up[1] * row[ty_screen_clamp_index(nearest + offset, width)] +
-           taps->up[2] * row[ty_screen_clamp_index(nearest - offset, width)];
+    return taps->up[0] * row[nearest] + taps->up[1] * row[ty_screen_nearest(nearest + offset, width)] +
+           taps->up[2] * row[ty_screen_nearest(nearest - offset, width)];
 }
 
 #define TY_SCREEN_DOWN_WEIGHTS 6
@@ -135,8 +141,8 @@ TY_FN float ty_screen_taps_variance(ty_screen_taps taps) {
 TY_FN float ty_screen_upsample_plane(TY_GLOBAL const ty_screen_taps* taps, TY_GLOBAL const float* plane, int32_t width,
                                      int32_t height, int32_t x, int32_t y) {
     const int32_t offset = (y & 1) != 0 ? 1 : -1;
-    const int32_t rows[3] = {y / 2, ty_screen_clamp_index(y / 2 + offset, height),
-                             ty_screen_clamp_index(y / 2 - offset, height)};
+    const int32_t rows[3] = {y / 2, ty_screen_nearest(y / 2 + offset, height),
+                             ty_screen_nearest(y / 2 - offset, height)};
     float sum = 0.0f;
     for (int32_t i = 0; i < taps->reach_up; ++i)
         sum += taps->up[i] * ty_screen_upsample(taps, plane + (ptrdiff_t)rows[i] * width, width, x);

@@ -78,8 +78,4 @@ TY_FN ty_screen_light_split ty_screen_split_light(float sigma_s, float sigma_a, 
     return split;
 }
 
-TY_FN int32_t ty_screen_clamp_index(int32_t i, int32_t count) {
-    return i < 0 ? 0 : i >= count ? count - 1 : i;
-}
-
 #endif
