@@ -1,8 +1,10 @@
-"""Builds the extension module by the project's CMake build, for pip, wheels (cp311-abi3) and source distributions.
+"""Builds the extension module and the program by the project's CMake build, for pip, wheels (cp311-abi3) and source
+distributions.
 
-The library is linked into the module. What it needs of the system (docs/dependencies.md) stays shared. Environment:
-TYNDALL_CMAKE_ARGUMENTS: more arguments of cmake, such as -DTYNDALL_KERNELS=native. TYNDALL_PYTHON_MODULE: a module that was
-built before, which is taken in place of a build.
+The library is linked into both; the program is for tyndall.run(), view() and their like. What they need of the system
+(docs/dependencies.md) stays shared. Environment: TYNDALL_CMAKE_ARGUMENTS: more arguments of cmake, such as
+-DTYNDALL_KERNELS=native. TYNDALL_PYTHON_MODULE and TYNDALL: a module and a program that were built before, which are taken
+in place of a build.
 """
 import os
 import pathlib
@@ -38,24 +40,29 @@ class CMakeBuild(build_ext):
     """cmake and one target."""
 
     def build_extension(self, ext: Extension) -> None:
-        built = os.environ.get("TYNDALL_PYTHON_MODULE") or self.run_cmake()
+        module, tool = os.environ.get("TYNDALL_PYTHON_MODULE"), os.environ.get("TYNDALL")
+        if not module:
+            build = self.run_cmake()
+            module, tool = build / "python" / "tyndall" / "_core.abi3.so", build / "bin" / "tyndall"
         target = pathlib.Path(self.get_ext_fullpath(ext.name)).resolve()
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(built, target)
+        (target.parent / "bin").mkdir(parents=True, exist_ok=True)
+        shutil.copy2(module, target)
+        if tool:
+            shutil.copy2(tool, target.parent / "bin" / "tyndall")
 
     def run_cmake(self) -> pathlib.Path:
         build = pathlib.Path(self.build_temp).resolve() / "cmake"
         jobs = self.parallel or os.cpu_count() or 1
-        options = {"CMAKE_BUILD_TYPE": "Release", "TYNDALL_PYTHON": "ON", "TYNDALL_CLI": "OFF", "TYNDALL_TOOLS": "OFF",
+        options = {"CMAKE_BUILD_TYPE": "Release", "TYNDALL_PYTHON": "ON", "TYNDALL_CLI": "ON", "TYNDALL_TOOLS": "OFF",
                    "TYNDALL_TESTS": "OFF", "TYNDALL_EXAMPLES": "OFF", "TYNDALL_PYTHON_EXECUTABLE": sys.executable,
                    "TYNDALL_PYTHON_SOURCES": str(HERE)}
         generator = ["-G", "Ninja"] if shutil.which("ninja") else []
         subprocess.run(["cmake", "-S", str(project()), "-B", str(build), *generator,
                         *(f"-D{key}={value}" for key, value in options.items()),
                         *shlex.split(os.environ.get("TYNDALL_CMAKE_ARGUMENTS", ""))], check=True)
-        subprocess.run(["cmake", "--build", str(build), "--target", "tyndall_python", "--parallel", str(jobs)],
-                       check=True)
-        return build / "python" / "tyndall" / "_core.abi3.so"
+        subprocess.run(["cmake", "--build", str(build), "--target", "tyndall_python", "tyndall_cli", "--parallel",
+                        str(jobs)], check=True)
+        return build
 
 
 class SourceDistribution(sdist):

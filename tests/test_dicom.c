@@ -651,6 +651,33 @@ static ty_result read_ct(ty_context* own, void* user) {
     return result;
 }
 
+/* Slices are decoded slab by slab: a series that is nearly empty takes memory for what is in it. */
+static void large_series_are_never_dense(void** state) {
+    (void)state;
+    enum { SIDE = 200, SLICES = 160, BRIGHT = 60 * SIDE + 50 };
+    static int64_t samples[SIDE * SIDE];
+    dicom_form form = dicom_default_form();
+    form.columns = form.rows = SIDE;
+    fresh_folder("large");
+    for (int k = 0; k < SLICES; ++k) {
+        char position[32], path[32];
+        snprintf(position, sizeof position, "0\\0\\%d", k);
+        snprintf(path, sizeof path, "large/%03d", (k * 37) % SLICES);
+        samples[BRIGHT] = 1000 + k;
+        dicom_slice(&writer, &form, position);
+        dicom_pixels(&writer, &form, samples);
+        put_slice(path);
+    }
+    memory.limit = (size_t)8 << 20; /* the dense array has 24.4 MiB */
+    ty_grid* grid = read_series("large", "");
+    memory.limit = (size_t)1 << 30;
+    assert_int_equal(ty_grid_get_info(grid).storage, TY_GRID_SPARSE);
+    assert_int_equal(ty_grid_get_info(grid).active, SLICES);
+    for (int k = 0; k < SLICES; ++k) assert_true(ty_grid_voxel(grid, 50, 60, k) == (float)(1000 + k));
+    ty_grid_release(grid);
+    fresh_folder("large");
+}
+
 static void memory_may_run_out(void** state) {
     (void)state;
     dicom_form form = dicom_default_form();
@@ -680,6 +707,7 @@ int main(void) {
         cmocka_unit_test(compressed_frames_are_decoded),
         cmocka_unit_test(fragments_belong_to_frames),
         cmocka_unit_test(broken_files_are_refused),
+        cmocka_unit_test(large_series_are_never_dense),
         cmocka_unit_test(memory_may_run_out),
     };
     return cmocka_run_group_tests(tests, start, stop);

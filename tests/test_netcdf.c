@@ -368,6 +368,86 @@ static ty_result read_again(ty_context* own, void* user) {
     return result;
 }
 
+/* ---- large files ---- */
+
+enum { FIELD_SIDE = 200, FIELD_LEVELS = 160, FIELD_LAYER = FIELD_SIDE * FIELD_SIDE };
+
+/* A field of liquid water in one column, with a radius for each cell, behind a head of the maker's. */
+static void make_field(const char* path, bool descending, bool uneven) {
+    static double axis[FIELD_SIDE], levels[FIELD_LEVELS];
+    static made_bytes head;
+    static uint8_t layer[4 * FIELD_LAYER];
+    const made_file file = {{"z", "y", "x"},
+                            {FIELD_LEVELS, FIELD_SIDE, FIELD_SIDE},
+                            {{"x", {2}, 1, {{"units", "m"}}, MADE_DOUBLE, axis},
+                             {"y", {1}, 1, {{"units", "m"}}, MADE_DOUBLE, axis},
+                             {"z", {0}, 1, {{"units", "m"}}, MADE_DOUBLE, levels},
+                             {"lwc", {0, 1, 2}, 3, {{"units", "g m-3"}}, MADE_FLOAT, NULL},
+                             {"reff", {0, 1, 2}, 3, {{"units", "um"}}, MADE_FLOAT, NULL}}};
+    made_file lines = file;
+    double level = 0, width = 10;
+    for (int i = 0; i < FIELD_SIDE; ++i) axis[i] = 10.0 * i;
+    for (int k = 0; k < FIELD_LEVELS; ++k) {
+        const double next = uneven && k >= FIELD_LEVELS / 2 ? 20 : 10;
+        level += k == 0 ? 0 : (width + next) / 2;
+        width = next;
+        levels[descending ? FIELD_LEVELS - 1 - k : k] = level;
+    }
+    lines.variables[3].name = NULL;
+    made_head(&head, &file, made_head(&head, &file, 0));
+    made_data(&head, &lines);
+    FILE* stream = fopen(path, "wb");
+    assert_non_null(stream);
+    assert_int_equal(fwrite(head.bytes, 1, head.size, stream), head.size);
+    for (int v = 0; v < 2; ++v)
+        for (int k = 0; k < FIELD_LEVELS; ++k) {
+            const int height = descending ? FIELD_LEVELS - 1 - k : k;
+            const float value = v == 0 ? 0.01f * (float)(1 + height) : 10;
+            uint32_t bits;
+            memset(layer, 0, sizeof layer);
+            memcpy(&bits, &value, sizeof bits);
+            for (int b = 0; b < 4; ++b) layer[4 * (60 * FIELD_SIDE + 50) + b] = (uint8_t)(bits >> (24 - 8 * b));
+            assert_int_equal(fwrite(layer, 1, sizeof layer, stream), sizeof layer);
+        }
+    assert_int_equal(fclose(stream), 0);
+}
+
+/* Water and radii are read slab by slab: a field that is nearly empty takes memory for what is in it. */
+static void large_fields_are_never_dense(void** state) {
+    if (is_skipped(state)) skip();
+    for (int kind = 0; kind < 2; ++kind) {
+        const bool uneven = kind == 1;
+        ty_volume_def def = ty_default_volume_def();
+        def.grid = "lwc";
+        def.effective_radius = "reff";
+        make_field("field.nc", uneven, uneven);
+        memory.limit =
+            (size_t)18 << 20; /* the head takes 16 MiB; the dense array has 24.4, and 36.6 with even levels */
+        ty_grid* grid = read_def("field.nc", &def);
+        memory.limit = (size_t)1 << 30;
+        const ty_grid_info info = ty_grid_get_info(grid);
+        assert_int_equal(info.storage, TY_GRID_SPARSE);
+        assert_int_equal(info.size[2], uneven ? FIELD_LEVELS * 3 / 2 : FIELD_LEVELS);
+        assert_int_equal(info.active, info.size[2]);
+        assert_float_equal(info.index_to_local.m[10], 10, 1e-9);
+        double found = 0, integral = 0;
+        for (int k = 0; k < info.size[2]; ++k) {
+            const double value = (double)ty_grid_voxel(grid, 50, 60, k);
+            if (!uneven) assert_float_equal(value, 0.0015 * (1 + k), 1e-7);
+            found += 10 * value;
+        }
+        /* Edges are halfway between levels: 2.5 m are of the last narrow one. */
+        for (int k = 0; k < FIELD_LEVELS; ++k) {
+            const double width = !uneven || k < FIELD_LEVELS / 2 ? 10 : 20;
+            const double moved = !uneven ? 0 : k == FIELD_LEVELS / 2 - 1 ? 2.5 : k == FIELD_LEVELS / 2 ? -2.5 : 0;
+            integral += 0.0015 * (1 + k) * (width + moved);
+        }
+        assert_float_equal(found, integral, 1e-5 * integral);
+        ty_grid_release(grid);
+    }
+    remove("field.nc");
+}
+
 static void short_memory_is_told(void** state) {
     if (is_skipped(state)) skip();
     make_netcdf("memory.nc", &cloud);
@@ -389,6 +469,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(times_are_components, start_with_library, stop),
         cmocka_unit_test_setup_teardown(droplets_have_their_extinction, start_with_library, stop),
         cmocka_unit_test_setup_teardown(broken_files_are_refused, start_with_library, stop),
+        cmocka_unit_test_setup_teardown(large_fields_are_never_dense, start_with_library, stop),
         cmocka_unit_test_setup_teardown(short_memory_is_told, start_with_library, stop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

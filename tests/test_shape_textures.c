@@ -249,6 +249,46 @@ static void metal_and_roughness_share_a_texture(void** state) {
     }
 }
 
+/* A quad as the program gives it, with a texture of its own: as the file's. */
+static void textures_in_memory_are_those_of_files(void** state) {
+    const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0}, uv[] = {0, 1, 1, 1, 1, 0, 0, 0};
+    const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    ty_mesh_def mesh = ty_default_mesh_def();
+    mesh.vertex_count = 4;
+    mesh.triangle_count = 2;
+    mesh.positions = positions;
+    mesh.indices = indices;
+    mesh.uv[0] = uv;
+    ty_image* image = NULL;
+    assert_int_equal(ty_image_read(*state, "quarters.png", &image), TY_OK);
+    ty_scene_editor* editor = NULL;
+    const char text[] = "{\"tyndall\":1,\"lights\":[{\"type\":\"environment\",\"radiance\":1}],\"render\":{\"path\":{"
+                        "\"max_depth\":2}}}";
+    assert_int_equal(ty_scene_editor_open_text(*state, text, strlen(text), "s", NULL, NULL, 0, &editor), TY_OK);
+    assert_int_equal(ty_scene_editor_set_mesh(editor, "quad", &mesh), TY_OK);
+    assert_int_equal(ty_scene_editor_set_image(editor, "quarters", image), TY_OK);
+    ty_scene_change change = {
+        "geometry", "[{\"file\":\"memory:quad\",\"material\":{\"base_color\":{\"file\":\"memory:quarters\"}}}]"};
+    assert_int_equal(ty_scene_editor_apply(editor, &change, 1, NULL), TY_OK);
+    expect_quarters(ty_scene_editor_scene(editor), V(0, 0, 0), V(0, 0, 1), V(1, 0, 0), V(0, 1, 0));
+    change.value = "[{\"file\":\"memory:quad\",\"material\":{\"base_color\":{\"file\":\"memory:quad\"}}}]";
+    assert_int_equal(ty_scene_editor_apply(editor, &change, 1, NULL), TY_ERROR_INPUT);
+    assert_non_null(strstr(ty_take_error(*state), "geometry[0].material.base_color.file: memory:quad is a mesh"));
+    ty_scene_editor_close(editor);
+    ty_image_destroy(image);
+}
+
+/* Under no light but its own; a texture of the scene file is that of meshes, and refused for shapes. */
+static void meshes_glow_by_textures(void** state) {
+    const char format[] = "{'tyndall':1,%s,'material':{%s}}],'render':{'path':{'max_depth':2}}}";
+    const char glow[] = "'base_color':0,'emission':{'file':'quarters.png','factor':[1,1,1]}";
+    ty_scene* scene = load(*state, format, "'geometry':[{'file':'square.obj'", glow);
+    expect_quarters(scene, V(0, 0, 0), V(0, 0, 1), V(1, 0, 0), V(0, 1, 0));
+    ty_scene_destroy(scene);
+    refuse(*state, glow, TY_ERROR_INPUT,
+           "s.json:3: geometry[0].material.emission: shapes have no textures of emission");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quads_show_textures_upright),
@@ -260,6 +300,8 @@ int main(void) {
         cmocka_unit_test(coats_have_their_own_normals),
         cmocka_unit_test(wrong_textures_are_refused),
         cmocka_unit_test(metal_and_roughness_share_a_texture),
+        cmocka_unit_test(textures_in_memory_are_those_of_files),
+        cmocka_unit_test(meshes_glow_by_textures),
     };
     return cmocka_run_group_tests(tests, start, stop_context);
 }

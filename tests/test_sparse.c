@@ -208,6 +208,37 @@ static void raw_files_are_read_in_parts(void** state) {
     }
 }
 
+/* Packed files are inflated in parts, and again for the voxels that are stored. */
+static void packed_files_are_read_in_parts(void** state) {
+    (void)state;
+    static const char* const paths[] = {"large_packed.nrrd", "large_packed.nii.gz", "large_packed.vti"};
+    static const char* const codecs[] = {"gzip", "gzip", "zip"};
+    ty_grid_def def = ty_default_grid_def();
+    float* values = large_values();
+    def.size[0] = LARGE_X;
+    def.size[1] = LARGE_Y;
+    def.size[2] = LARGE_Z;
+    def.values = values;
+    def.placed = true;
+    ty_volume_field field = {.name = "density", .components = 1};
+    ty_grid* grid = NULL;
+    assert_int_equal(ty_grid_create(context, &def, &grid), TY_OK);
+    free(values);
+    field.grids[0] = grid;
+    for (int i = 0; i < 3; ++i) assert_int_equal(ty_volume_write(context, &field, 1, codecs[i], paths[i]), TY_OK);
+    ty_grid_release(grid);
+    memory.limit = (size_t)12 << 20; /* the dense array has 24.4 MiB */
+    const ty_volume_def file = ty_default_volume_def();
+    for (int i = 0; i < 3; ++i) {
+        grid = NULL;
+        if (ty_volume_read(context, paths[i], &file, &grid) != TY_OK)
+            fail_msg("%s: %s", paths[i], ty_take_error(context));
+        assert_int_equal(ty_grid_get_info(grid).storage, TY_GRID_SPARSE);
+        assert_large(grid, 0, 0, 0);
+        ty_grid_release(grid);
+    }
+}
+
 /* ---- images ---- */
 
 static ty_scene* make_smoke(ty_grid* grid, bool transfer) {
@@ -316,6 +347,7 @@ int main(int argc, char** argv) {
         cmocka_unit_test_setup_teardown(storage_changes_nothing_else, start, stop),
         cmocka_unit_test_setup_teardown(memory_is_for_what_is_active, start_small, stop),
         cmocka_unit_test_setup_teardown(raw_files_are_read_in_parts, start_small, stop),
+        cmocka_unit_test_setup_teardown(packed_files_are_read_in_parts, start_small, stop),
         cmocka_unit_test_setup_teardown(images_are_the_same, start, stop),
         cmocka_unit_test_setup_teardown(images_of_devices_are_the_same, start_on_host, stop),
         cmocka_unit_test_setup_teardown(wrong_calls_are_refused, start, stop),

@@ -366,6 +366,36 @@ static void broken_files_are_refused(void** state) {
     assert_failed(context, ty_volume_read(context, "huge.tif", &def, &grid), TY_ERROR_INPUT, "huge.tif", NULL);
 }
 
+/* Pages are read slab by slab: a stack that is nearly empty takes memory for what is in it. */
+static void large_stacks_are_never_dense(void** state) {
+    (void)state;
+    enum { SIDE = 200, PAGES = 160 };
+    static uint16_t row[SIDE];
+    remove("large.tif");
+    TIFF* tiff = TIFFOpen("large.tif", "wl");
+    assert_non_null(tiff);
+    for (int k = 0; k < PAGES; ++k) {
+        TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, SIDE);
+        TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, SIDE);
+        TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 16);
+        TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_PACKBITS);
+        TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+        for (int j = 0; j < SIDE; ++j) {
+            row[50] = (uint16_t)(j == 60 ? 1000 + k : 0);
+            assert_int_equal(TIFFWriteScanline(tiff, row, (uint32_t)j, 0), 1);
+        }
+        assert_int_equal(TIFFWriteDirectory(tiff), 1);
+    }
+    TIFFClose(tiff);
+    memory.limit = (size_t)8 << 20; /* the dense array has 24.4 MiB */
+    ty_grid* grid = read_component("large.tif", 0);
+    assert_int_equal(ty_grid_get_info(grid).storage, TY_GRID_SPARSE);
+    assert_int_equal(ty_grid_get_info(grid).active, PAGES);
+    for (int k = 0; k < PAGES; ++k) assert_true(ty_grid_voxel(grid, 50, 60, k) == (float)(1000 + k));
+    ty_grid_release(grid);
+    memory.limit = (size_t)1 << 30;
+}
+
 static void memory_may_run_out(void** state) {
     (void)state;
     const stack_form form = {
@@ -379,7 +409,8 @@ int main(void) {
         cmocka_unit_test(every_kind_of_page_is_read), cmocka_unit_test(imagej_tells_spacing_and_channels),
         cmocka_unit_test(planes_may_follow_one_page), cmocka_unit_test(ome_tells_order_and_spacing),
         cmocka_unit_test(descriptions_are_parsed),    cmocka_unit_test(impossible_planes_are_refused),
-        cmocka_unit_test(broken_files_are_refused),   cmocka_unit_test(memory_may_run_out),
+        cmocka_unit_test(broken_files_are_refused),   cmocka_unit_test(large_stacks_are_never_dense),
+        cmocka_unit_test(memory_may_run_out),
     };
     TIFFSetErrorHandler(NULL);
     TIFFSetWarningHandler(NULL);

@@ -1,6 +1,6 @@
 /* The step cloud of the intercomparison of 3D radiation codes (I3RC phase I, case 1; Cahalan et al. 2005) against the
  * consensus of the participating codes: domain means here, and pixel by pixel where its files are in the folder of
- * third-party data, i3rc/I3RC_cons_res_case1_exp*.txt; and the radar cloud of case 2, whose field is there. */
+ * third-party data, i3rc/I3RC_cons_res_case1_exp*.txt; and the clouds of cases 2 and 3, whose fields are there. */
 #include "truth.h"
 
 enum { PIXELS = 32, EXPERIMENTS = 3 };
@@ -168,54 +168,130 @@ static ty_grid* read_radar_cloud(ty_context* context) {
     return grid;
 }
 
-static ty_scene* radar_scene(ty_context* context, ty_grid* grid, double zenith, double albedo) {
+/* A field that repeats across its box, over a Lambertian ground at height 0. */
+static ty_scene* field_scene(ty_context* context, ty_grid* grid, const double lower[3], const double upper[3],
+                             double zenith, double albedo, double ground) {
     ty_medium_def cloud = medium_of(albedo, 1 - albedo, 0.85);
     ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 1 / cos(zenith * pi / 180));
     ty_periodic_def periodic = ty_default_periodic_def();
     ty_scene* scene = NULL;
     must(context, ty_scene_create(context, TY_AXIS_Z, &scene));
     cloud.bounds = TY_BOUNDS_BOX;
-    set3(cloud.box_max, 50 * RADAR_COLUMNS, 1000, 45 * RADAR_LAYERS);
+    memcpy(cloud.box_min, lower, sizeof cloud.box_min);
+    memcpy(cloud.box_max, upper, sizeof cloud.box_max);
     cloud.density_grid = grid;
     set3(sun.direction, sin(zenith * pi / 180), 0, -cos(zenith * pi / 180));
     periodic.axes[0] = periodic.axes[1] = true;
     must(context, ty_scene_set_periodic(scene, &periodic));
     add_medium(scene, &cloud);
     add_light(scene, &sun);
+    if (ground > 0) {
+        ty_shape_def plane = ty_default_shape_def();
+        plane.kind = TY_SHAPE_QUAD;
+        set3(plane.origin, -upper[0], -upper[1], 0);
+        set3(plane.u, 3 * upper[0], 0, 0);
+        set3(plane.v, 0, 3 * upper[1], 0);
+        for (int c = 0; c < 3; ++c) plane.albedo[c] = (float)ground;
+        must(context, ty_scene_add_shape(scene, &plane));
+    }
     commit(scene);
     return scene;
 }
 
-static void a_radar_cloud_is_the_consensus(void** state) {
-    static const struct {
-        double zenith, albedo, reflectance, transmittance, absorptance, nadir;
-    } cases[] = {{0, 1, 0.559548, 0.441245, 0, 0.566647}, {60, 0.99, 0.551782, 0.200599, 0.247517, 0.412455}};
-    static const double levels[2] = {0, 45 * RADAR_LAYERS};
+/* Consensus of one experiment with a field; 0: there is none. */
+typedef struct field_case {
+    int number;
+    double zenith, albedo, ground, reflectance, transmittance, absorptance, nadir;
+} field_case;
+
+static void assert_field(ty_context* context, const char* name, ty_grid* grid, const double lower[3],
+                         const double upper[3], const field_case* c, int32_t spp, double noise) {
+    const double levels[2] = {0, upper[2]};
     static const ty_flux_view nadir = {0, 0};
+    ty_scene* scene = field_scene(context, grid, lower, upper, c->zenith, c->albedo, c->ground);
+    ty_path_def def = ty_default_path_def();
+    ty_flux_def places = ty_default_flux_def();
+    ty_flux* flux = NULL;
+    def.spp = spp;
+    places.levels = levels;
+    places.level_count = 2;
+    places.views = &nadir;
+    places.view_count = 1;
+    must(context, ty_path_flux(scene, &def, &places, &flux, NULL));
+    printf("%s, experiment %d: sun at %g degrees, albedo %g, ground %g\n", name, c->number, c->zenith, c->albedo,
+           c->ground);
+    if (c->reflectance > 0) assert_agrees("reflectance", flux_mean(flux, TY_FLUX_UP, 1), c->reflectance, noise);
+    if (c->transmittance > 0) assert_agrees("transmittance", transmitted(flux), c->transmittance, noise);
+    if (c->absorptance > 0) assert_agrees("absorptance", flux_mean(flux, TY_FLUX_ABSORBED, 0), c->absorptance, noise);
+    if (c->nadir > 0) assert_agrees("nadir reflectivity", reflectivity(flux, 0), c->nadir, noise);
+    ty_flux_destroy(flux);
+    ty_scene_destroy(scene);
+}
+
+static void a_radar_cloud_is_the_consensus(void** state) {
+    static const field_case cases[] = {{1, 0, 1, 0, 0.559548, 0.441245, 0, 0.566647},
+                                       {4, 60, 0.99, 0, 0.551782, 0.200599, 0.247517, 0.412455},
+                                       {5, 60, 1, 0.4, 0.757418, 0.405080, 0, 0.637617}};
+    static const double lower[3] = {0, 0, 0}, upper[3] = {50 * RADAR_COLUMNS, 1000, 45 * RADAR_LAYERS};
     char path[1024];
     data_path("i3rc/mmcr_tau_32km_020898", path);
     leave_to_full_runs();
     ty_grid* grid = read_radar_cloud(*state);
-    for (int i = 0; i < 2; ++i) {
-        ty_scene* scene = radar_scene(*state, grid, cases[i].zenith, cases[i].albedo);
-        ty_path_def def = ty_default_path_def();
-        ty_flux_def places = ty_default_flux_def();
-        ty_flux* flux = NULL;
-        def.spp = 1 << 18;
-        places.levels = levels;
-        places.level_count = 2;
-        places.views = &nadir;
-        places.view_count = 1;
-        must(*state, ty_path_flux(scene, &def, &places, &flux, NULL));
-        printf("radar cloud: sun at %g degrees, albedo %g\n", cases[i].zenith, cases[i].albedo);
-        assert_agrees("reflectance", flux_mean(flux, TY_FLUX_UP, 1), cases[i].reflectance, 0.025);
-        assert_agrees("transmittance", transmitted(flux), cases[i].transmittance, 0.025);
-        if (cases[i].absorptance > 0)
-            assert_agrees("absorptance", flux_mean(flux, TY_FLUX_ABSORBED, 0), cases[i].absorptance, 0.025);
-        assert_agrees("nadir reflectivity", reflectivity(flux, 0), cases[i].nadir, 0.025);
-        ty_flux_destroy(flux);
-        ty_scene_destroy(scene);
-    }
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i)
+        assert_field(*state, "radar cloud", grid, lower, upper, &cases[i], 1 << 18, 0.025);
+    ty_grid_release(grid);
+}
+
+/* ---- case 3: a field of Landsat, 128 x 128 columns of 30 m, each of one extinction from 200 m up to its top ---- */
+
+enum { LANDSAT_SIDE = 128, LANDSAT_LAYERS = 119, LANDSAT_FINE = 2 };
+static const double landsat_layer = 20;
+
+/* Extinction, 1/m, in layers of 20 m, the nearest number of which makes a column's thickness; LANDSAT_FINE voxels per
+ * cell and axis. Lines of the file follow one another along y. */
+static ty_grid* read_landsat_cloud(ty_context* context) {
+    enum { SIDE = LANDSAT_FINE * LANDSAT_SIDE, NZ = LANDSAT_FINE * LANDSAT_LAYERS };
+    char path[1024];
+    FILE* depths = fopen(data_path("i3rc/scene43.tau.128x128", path), "r");
+    FILE* heights = fopen(data_path("i3rc/scene43.dz.128x128", path), "r");
+    float* values = calloc((size_t)SIDE * SIDE * NZ, sizeof *values);
+    assert_true(depths != NULL && heights != NULL && values != NULL);
+    for (int y = 0; y < LANDSAT_SIDE; ++y)
+        for (int x = 0; x < LANDSAT_SIDE; ++x) {
+            double tau, thickness; /* km */
+            assert_int_equal(fscanf(depths, "%lf", &tau), 1);
+            assert_int_equal(fscanf(heights, "%lf", &thickness), 1);
+            const int layers = (int)lround(1000 * thickness / landsat_layer);
+            for (int k = 0; k < LANDSAT_FINE * layers; ++k)
+                for (int j = 0; j < LANDSAT_FINE; ++j)
+                    for (int i = 0; i < LANDSAT_FINE; ++i)
+                        values[((size_t)k * SIDE + (size_t)(LANDSAT_FINE * y + j)) * SIDE +
+                               (size_t)(LANDSAT_FINE * x + i)] = (float)(tau / (layers * landsat_layer));
+        }
+    fclose(depths);
+    fclose(heights);
+    ty_grid_def def = ty_default_grid_def();
+    def.size[0] = def.size[1] = SIDE;
+    def.size[2] = NZ;
+    def.values = values;
+    ty_grid* grid = NULL;
+    must(context, ty_grid_create(context, &def, &grid));
+    free(values);
+    return grid;
+}
+
+static void a_landsat_cloud_is_the_consensus(void** state) {
+    static const field_case cases[] = {{1, 0, 1, 0, 0.304493, 0.695526, 0, 0.215210},
+                                       {2, 60, 1, 0, 0, 0, 0, 0.330714},
+                                       {3, 0, 0.99, 0, 0.242403, 0.627893, 0, 0.169844},
+                                       {4, 60, 0.99, 0, 0.424553, 0.404369, 0.171110, 0}};
+    const double lower[3] = {0, 0, 200}, upper[3] = {3840, 3840, 200 + LANDSAT_LAYERS * landsat_layer};
+    char path[1024];
+    data_path("i3rc/scene43.tau.128x128", path);
+    if (!in_full()) skip();
+    ty_grid* grid = read_landsat_cloud(*state);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i)
+        assert_field(*state, "Landsat cloud", grid, lower, upper, &cases[i], 1 << 17, 0.025);
     ty_grid_release(grid);
 }
 
@@ -224,6 +300,7 @@ int main(void) {
         cmocka_unit_test(domain_means_are_the_consensus),
         cmocka_unit_test(pixels_are_the_consensus),
         cmocka_unit_test(a_radar_cloud_is_the_consensus),
+        cmocka_unit_test(a_landsat_cloud_is_the_consensus),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

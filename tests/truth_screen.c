@@ -1,5 +1,6 @@
 /* Screen-space scattering of a small bright emitter in fog, held against path tracing: how much of the scattered light
  * seems to come from rings around it. */
+#include "effort.h"
 #include "truth.h"
 
 enum { RINGS = 4, PER_RING = 6, RADIUS_COUNT = RINGS * PER_RING, AZIMUTHS = 24, RAY_COUNT = RADIUS_COUNT * AZIMUTHS };
@@ -100,14 +101,14 @@ static void check(ty_context* context, double thickness, double g, double tolera
 
 static void strongly_forward_fog_is_met(void** state) {
     check(*state, 1, 0.97, 0.01, 15);
-    check(*state, 2, 0.97, 0.02, 8);
+    if (in_full()) check(*state, 2, 0.97, 0.02, 8);
     check(*state, 4, 0.97, 0.03, 4);
 }
 
 /* In thick fog that scatters by larger angles, much light arrives that no small angle explains. */
 static void forward_fog_is_met_while_thin(void** state) {
     check(*state, 1, 0.9, 0.025, 4);
-    check(*state, 2, 0.9, 0.04, 2.5);
+    if (in_full()) check(*state, 2, 0.9, 0.04, 2.5);
     check(*state, 4, 0.9, 0.1, 0.5);
 }
 

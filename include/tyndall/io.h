@@ -139,9 +139,9 @@ static inline ty_volume_def ty_default_volume_def(void) {
 /// is 1. Axis mins and maxs, thicknesses, centerings and the name of the space are ignored. Raw data must be exactly as
 /// long as the header or raw_size tells.
 ///
-/// Values are stored as they are, as float, or as half for half, int8 and uint8, which half holds exactly. OpenVDB,
-/// NanoVDB, plain NRRD, NIfTI, raw and Mitsuba's files become sparse grids without a dense array on the way; of others
-/// the dense one is in memory while they are read. Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY,
+/// Values are stored as they are, as float, or as half for half, int8 and uint8, which half holds exactly. Files
+/// become sparse grids without a dense array on the way, except for numbers in text, VTK files in pieces and NetCDF
+/// variables whose z is behind x or y. Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY,
 /// TY_ERROR_ARGUMENT, TY_ERROR_UNSUPPORTED (NetCDF without its library).
 TY_API ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
 /// Stores the path with the `#` characters of the file's name replaced by a frame number. They must stand next to each

@@ -110,19 +110,44 @@ static PyObject* run_screen(context_object* context, screen_work* w, const input
 
 enum { VARIANT_NAIVE = 3, VARIANT_PUBLISHED = 4 }; /* after those of ty_screen_variant */
 
+/* Options of TY_SCREEN_GATHER and TY_SCREEN_REFERENCE that a dict has: 0, or -1 after an exception. */
+static int read_gathering(PyObject* given, ty_screen_def* def) {
+    const struct {
+        const char* key;
+        float* number;
+        bool* choice;
+    } keys[] = {{"mask_width", &def->mask_width, NULL},
+                {"level_scale", &def->level_scale, NULL},
+                {"luminance_weights", NULL, &def->luminance_weights},
+                {"blurred_distance", NULL, &def->blurred_distance},
+                {"normalise", NULL, &def->normalise}};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        PyObject* value = PyDict_GetItemString(given, keys[i].key);
+        if (value == NULL) continue;
+        if (keys[i].number != NULL)
+            *keys[i].number = (float)PyFloat_AsDouble(value);
+        else
+            *keys[i].choice = PyObject_IsTrue(value) != 0;
+    }
+    PyObject *mask = PyDict_GetItemString(given, "mask"), *window = PyDict_GetItemString(given, "window");
+    if (mask != NULL) def->mask = (ty_screen_mask)PyLong_AsLong(mask);
+    if (window != NULL) def->window = (int32_t)PyLong_AsLong(window);
+    return PyErr_Occurred() != NULL ? -1 : 0;
+}
+
 /* (context, image, distance, medium, (focal x, focal y), (centre x, centre y), axis, environment, balance, variant,
- * spread, filter, levels, missing depth, fill, progress) */
+ * spread, filter, levels, missing depth, fill, options of gathering, progress) */
 static PyObject* screen(PyObject* module, PyObject* arguments) {
     context_object* context;
-    PyObject *image, *depth, *focal, *center, *environment, *progress, *answer = NULL;
+    PyObject *image, *depth, *focal, *center, *environment, *gathering, *progress, *answer = NULL;
     screen_work w = {.def = ty_default_screen_def(), .planes = ty_default_screen_image()};
     double radiance[3];
     int axis, balance, variant, spread, filter, levels, fill;
     input color, distance;
     (void)module;
-    if (!PyArg_ParseTuple(arguments, "O!OOsOOpOpiiiifpO", context_type, &context, &image, &depth, &w.medium, &focal,
+    if (!PyArg_ParseTuple(arguments, "O!OOsOOpOpiiiifpO!O", context_type, &context, &image, &depth, &w.medium, &focal,
                           &center, &axis, &environment, &balance, &variant, &spread, &filter, &levels,
-                          &w.def.missing_depth, &fill, &progress))
+                          &w.def.missing_depth, &fill, &PyDict_Type, &gathering, &progress))
         return NULL;
     w.context = context->context;
     if (doubles_of(focal, "focal", 2, w.def.focal) != 0 || doubles_of(center, "center", 2, w.def.center) != 0 ||
@@ -137,6 +162,7 @@ static PyObject* screen(PyObject* module, PyObject* arguments) {
         w.def.variant = (ty_screen_variant)variant;
     w.def.spread = (ty_screen_spread)spread;
     w.def.filter = filter;
+    if (read_gathering(gathering, &w.def) != 0) return NULL;
     w.def.levels = levels;
     w.balance = balance != 0;
     w.fill = fill != 0;
@@ -165,13 +191,13 @@ static ty_result remove_noise(void* user) {
     return ty_denoise_image(w->context, w->image, &w->def, &w->out, &w->stats);
 }
 
-/* (image, features, previous, denoiser, progress) -> (image, measurements) */
+/* (image, features, previous, denoiser, parts, progress) -> (image, measurements) */
 static PyObject* denoise(PyObject* module, PyObject* arguments) {
     PyObject *object, *features, *previous, *progress;
-    int denoiser;
+    int denoiser, parts;
     (void)module;
-    if (!PyArg_ParseTuple(arguments, "O!O!OiO", image_type, &object, &PyTuple_Type, &features, &previous, &denoiser,
-                          &progress))
+    if (!PyArg_ParseTuple(arguments, "O!O!OipO", image_type, &object, &PyTuple_Type, &features, &previous, &denoiser,
+                          &parts, &progress))
         return NULL;
     context_object* context = ((image_object*)object)->context;
     denoise_work w = {.context = context->context,
@@ -188,6 +214,7 @@ static PyObject* denoise(PyObject* module, PyObject* arguments) {
     }
     if (PyObject_TypeCheck(previous, image_type)) w.def.previous = ((image_object*)previous)->image;
     w.def.denoiser = (ty_denoiser)denoiser;
+    w.def.parts = parts != 0;
     w.def.progress = call_progress;
     w.def.progress_user = &running;
     call_run(&running);

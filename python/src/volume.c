@@ -160,33 +160,14 @@ typedef struct file_work {
     ty_context* context;
     const char *path, *name, *codec; /* codec: NULL: the format's first */
     ty_volume_def def;
-    const ty_grid* grid;
     ty_grid* out;
     void* entries; /* ty_vdb_entry or ty_mesh_file_entry */
     int32_t capacity, count;
     ty_scene_info info;
 } file_work;
 
-static ty_result write_volume(void* user) {
-    file_work* w = user;
-    const ty_volume_field field = {.name = w->name, .components = 1, .grids = {w->grid}};
-    return ty_volume_write(w->context, &field, 1, w->codec, w->path);
-}
-
-static PyObject* grid_write(PyObject* self, PyObject* arguments) {
-    grid_object* grid = (grid_object*)self;
-    file_work w = {.context = grid->context->context, .grid = grid->grid};
-    if (!PyArg_ParseTuple(arguments, "ssz", &w.path, &w.name, &w.codec)) return NULL;
-    if (call_simple(grid->context, write_volume, &w) != 0) return NULL;
-    Py_RETURN_NONE;
-}
-
-static PyMethodDef methods[] = {{"write", grid_write, METH_VARARGS, "write(path, name, codec)\n--\n\nWrites a file."},
-                                {NULL, NULL, 0, NULL}};
-
 static PyType_Slot slots[] = {{Py_tp_doc, "Values on a regular grid of voxels."},
                               {Py_tp_dealloc, destroy},
-                              {Py_tp_methods, methods},
                               {Py_tp_getset, properties},
                               {0, NULL}};
 
@@ -195,6 +176,52 @@ static PyType_Spec spec = {"tyndall._core.Grid", sizeof(grid_object), 0,
 
 int add_grid_type(PyObject* module) {
     return add_type(module, &spec, &grid_type);
+}
+
+enum { FIELDS_MAX = 16 };
+
+typedef struct write_work {
+    ty_context* context;
+    const char *path, *codec; /* codec: NULL: the format's first */
+    ty_volume_field fields[FIELDS_MAX];
+    int32_t count;
+} write_work;
+
+static ty_result write_volume(void* user) {
+    write_work* w = user;
+    return ty_volume_write(w->context, w->fields, w->count, w->codec, w->path);
+}
+
+/* One field of a tuple (name, (grid, ...)): 0, or -1 after an exception. */
+static int read_field(PyObject* pair, ty_volume_field* field) {
+    PyObject* grids;
+    if (!PyArg_ParseTuple(pair, "sO!", &field->name, &PyTuple_Type, &grids)) return -1;
+    field->components = (int32_t)PyTuple_Size(grids);
+    for (int32_t c = 0; c < field->components && c < 3; ++c) {
+        PyObject* grid = PyTuple_GetItem(grids, c);
+        if (!PyObject_TypeCheck(grid, grid_type)) {
+            raise_argument("%s: expected grids", field->name);
+            return -1;
+        }
+        field->grids[c] = ((grid_object*)grid)->grid;
+    }
+    return 0;
+}
+
+static PyObject* volume_write(PyObject* module, PyObject* arguments) {
+    context_object* context;
+    PyObject* fields;
+    write_work w = {.count = 0};
+    (void)module;
+    if (!PyArg_ParseTuple(arguments, "O!szO!", context_type, &context, &w.path, &w.codec, &PyTuple_Type, &fields))
+        return NULL;
+    w.context = context->context;
+    w.count = (int32_t)PyTuple_Size(fields);
+    if (w.count > FIELDS_MAX) return raise_argument("%s: more than %d fields", w.path, (int)FIELDS_MAX);
+    for (int32_t i = 0; i < w.count; ++i)
+        if (read_field(PyTuple_GetItem(fields, i), &w.fields[i]) != 0) return NULL;
+    if (call_simple(context, write_volume, &w) != 0) return NULL;
+    Py_RETURN_NONE;
 }
 
 static ty_result read_volume(void* user) {
@@ -222,20 +249,29 @@ static int read_raw(PyObject* raw, ty_volume_def* def) {
     return 0;
 }
 
+/* more: (series, (effective radius, its value), (air density, its value), metres per unit). */
+static int read_more(PyObject* more, ty_volume_def* def) {
+    return PyArg_ParseTuple(more, "s(zd)(zd)d", &def->series, &def->effective_radius, &def->droplet_radius,
+                            &def->air_density, &def->air_density_value, &def->meters_per_unit)
+               ? 0
+               : -1;
+}
+
 static PyObject* volume_read(PyObject* module, PyObject* arguments) {
     context_object* context;
-    PyObject* raw;
+    PyObject *raw, *more;
     file_work w = {.def = ty_default_volume_def()};
     int component, frame;
     (void)module;
-    if (!PyArg_ParseTuple(arguments, "O!sziiO", context_type, &context, &w.path, &w.name, &component, &frame, &raw))
+    if (!PyArg_ParseTuple(arguments, "O!sziiOO", context_type, &context, &w.path, &w.name, &component, &frame, &raw,
+                          &more))
         return NULL;
     w.context = context->context;
     if (w.name != NULL) w.def.grid = w.name;
     w.def.exact_grid = w.name != NULL;
     w.def.component = component;
     w.def.frame = frame;
-    if (read_raw(raw, &w.def) != 0) return NULL;
+    if (read_raw(raw, &w.def) != 0 || read_more(more, &w.def) != 0) return NULL;
     if (call_simple(context, read_volume, &w) == 0) return wrap_grid(context, w.out);
     ty_grid_release(w.out);
     return NULL;
@@ -329,7 +365,9 @@ PyMethodDef volume_functions[] = {
      "it is "
      "float32 in C order and all finite. placement: 12 numbers of a map from voxel indices to metres, or None."},
     {"volume_read", volume_read, METH_VARARGS,
-     "volume_read(context, path, grid, component, frame, raw)\n--\n\nReads a volume file."},
+     "volume_read(context, path, grid, component, frame, raw, more)\n--\n\nReads a volume file."},
+    {"volume_write", volume_write, METH_VARARGS,
+     "volume_write(context, path, codec, fields)\n--\n\nWrites fields, (name, (grid, ...)), to a volume file."},
     {"volume_list", volume_list, METH_VARARGS, "volume_list(context, path)\n--\n\nThe grids of a file."},
     {"mesh_list", mesh_list, METH_VARARGS, "mesh_list(context, path)\n--\n\nThe content of a mesh file."},
     {NULL, NULL, 0, NULL}};

@@ -19,11 +19,13 @@ from ._gradient import Gradient
 from ._image import Image, denoise, diff, read
 from ._progress import Progress
 from ._scene import CHANNELS, DENOISE_CHANNELS, Scene, method_options, methods, schema
-from ._volume import Mesh, Volume, info
+from ._tool import View, bench, convert, export, figure, merge, run, tool, unwrap, view
+from ._volume import Mesh, Volume, info, write_volumes
 
 __all__ = [
     "ArgumentError", "Box", "CHANNELS", "Cancelled", "Comparison", "Context", "DENOISE_CHANNELS", "Error", "Field",
     "Fields", "FileError", "Flux", "Gradient", "Image", "InputError", "Light", "Mesh", "OutOfMemory", "Progress", "Scene",
-    "Unsupported", "Volume", "blackbody", "compare", "default_context", "denoise", "diff", "info", "medium", "method_options", "methods",
-    "presets", "read", "schema", "screen", "set_default",
+    "Unsupported", "View", "Volume", "bench", "blackbody", "compare", "convert", "default_context", "denoise", "diff",
+    "export", "figure", "info", "medium", "merge", "method_options", "methods", "presets", "read", "run", "schema",
+    "screen", "set_default", "tool", "unwrap", "view", "write_volumes",
 ]

@@ -1,12 +1,14 @@
 """Light in a scene's media: solved once, read as fields and rendered from any camera."""
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Optional, Sequence, Tuple, Union
 
 from . import _arrays
 from ._errors import ArgumentError
 from ._image import Image
 from ._progress import ProgressChoice, Reporter
+from ._volume import Volume, write_volumes
 
 if TYPE_CHECKING:
     from ._gradient import Gradient
@@ -116,6 +118,19 @@ class Fields:
             raise ImportError("to_xarray() needs xarray")
         parts = (self.fluence, self.uncollided, self.flux, self.variance)
         return xarray.Dataset({part.name: part.to_xarray() for part in parts if part is not None})
+
+    def save(self, path: Union[str, os.PathLike[str]], *, codec: Optional[str] = None) -> None:
+        """Writes fluence and uncollided as vectors of red, green and blue, placed in metres, as `tyndall fluence`.
+
+        path: .vti (ParaView) or .vdb. codec: "zip" or "none", of .vdb also "blosc". Needs NumPy.
+        """
+        spacing = [(high - low) / count for low, high, count in zip(*self.box)]
+        if min(spacing) <= 0:
+            raise ArgumentError("cells without extent are no voxels")
+        origin = [low + step / 2 for low, step in zip(self.box.lower, spacing)]
+        parts = (self.fluence, self.uncollided)
+        write_volumes(path, {part.name: Volume(part.values, spacing=spacing, origin=origin)
+                             for part in parts if part is not None}, codec=codec)
 
     def __repr__(self) -> str:
         parts = (self.fluence, self.uncollided, self.flux, self.variance)

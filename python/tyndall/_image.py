@@ -168,17 +168,18 @@ class Image:
         return self._core.compare(reference._core, block)
 
     def denoise(self, *, features: Iterable["Image"] = (), previous: Optional["Image"] = None,
-                denoiser: str = "regression", progress: ProgressChoice = None) -> "Image":
+                denoiser: str = "regression", parts: bool = True, progress: ProgressChoice = None) -> "Image":
         """The image without noise: R, G, B, with their estimated standard error in the layer "error".
 
         It needs the channels of `render(channels=tyndall.DENOISE_CHANNELS)`. features: images without noise of the same
         scene and size, four at most, such as those of dom. previous: the image before it in a sequence, as this method
-        gave it. denoiser: "regression", or "oidn" where Open Image Denoise is installed.
+        gave it. denoiser: "regression", or "oidn" where Open Image Denoise is installed. parts: light that scattered once,
+        light that did otherwise and the rest are denoised apart; False: all at once.
         """
         before = _for_sequence(previous) if previous is not None else None
         with Reporter(progress) as report:
             core, stats = _core.denoise(self._core, tuple(f._core for f in features), before,
-                                        word(denoiser, _DENOISERS, "denoiser"), report)
+                                        word(denoiser, _DENOISERS, "denoiser"), parts, report)
         return Image(_renamed(core, {"denoised": "", "denoised_error": "error"}), stats, self.complete, self.exposure)
 
     def tonemapped(self, exposure: Optional[float] = None, curve: str = "filmic") -> Any:
@@ -194,15 +195,7 @@ class Image:
     def to_png(self, exposure: Optional[float] = None, curve: str = "filmic") -> bytes:
         """An 8-bit sRGB PNG file as bytes."""
         data = self._core.tonemap(self._exposure(exposure), word(curve, _CURVES, "curve"))
-        row = 3 * self.width
-        rows = b"".join(b"\0" + data[i:i + row] for i in range(0, len(data), row))
-
-        def chunk(kind: bytes, body: bytes) -> bytes:
-            return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-
-        header = struct.pack(">IIBBBBB", self.width, self.height, 8, 2, 0, 0, 0)
-        return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"sRGB", b"\0") +
-                chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+        return png_file(self.width, self.height, 3, data)
 
     def _repr_png_(self) -> bytes:
         return self.to_png()
@@ -249,6 +242,19 @@ class Image:
     def __repr__(self) -> str:
         note = "" if self.complete else ", partial"
         return f"<tyndall.Image {self.width}x{self.height}, {', '.join(self.layers[1:]) or 'R, G, B'}{note}>"
+
+
+def png_file(width: int, height: int, channels: int, data: bytes) -> bytes:
+    """A PNG file of 8-bit pixels of 3 or 4 channels."""
+    row = channels * width
+    rows = b"".join(b"\0" + data[i:i + row] for i in range(0, len(data), row))
+
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 6, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"sRGB", b"\0") +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 def _in_order(names: list[str]) -> list[str]:

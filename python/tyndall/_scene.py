@@ -15,6 +15,7 @@ from ._fields import Box, Light
 from ._flux import Flux
 from ._image import Image, word
 from ._progress import ProgressChoice, Reporter
+from ._saved import save_scene, texture_key, texture_of
 from ._volume import Mesh, Volume
 
 CHANNELS = {"variance": 1, "transmittance": 2, "depth": 4, "normal": 8, "albedo": 16, "single": 32, "multiple": 64,
@@ -163,12 +164,13 @@ class Scene:
         else:
             self._core.set_image(name, value._core)
 
-    def _give(self, value: Any, given: dict[str, Any]) -> Optional[str]:
+    def _give(self, value: Any, path: str, given: dict[str, Any]) -> Optional[str]:
         """Hands arrays, volumes, meshes and images over; "memory:NAME", or None for other values."""
         if not isinstance(value, (Volume, Mesh, Image)):
-            if not (_arrays.is_array(value) and _arrays.axes_of(value) >= 3):
+            texture = texture_key(path)
+            if not (_arrays.is_array(value) and _arrays.axes_of(value) >= (2 if texture else 3)):
                 return None
-            value = Volume(value, context=self.context)
+            value = texture_of(value, texture) if texture else Volume(value, context=self.context)
         name = f"array{next(_numbers)}"
         self._set_memory(name, value)
         given[name] = value
@@ -176,7 +178,7 @@ class Scene:
 
     def _plain(self, value: Any, path: str, given: dict[str, Any]) -> Any:
         """The value as JSON has it."""
-        name = self._give(value, given)
+        name = self._give(value, path, given)
         if name is not None:
             return name if path.endswith("file") else {"file": name}
         if isinstance(value, Mapping):
@@ -227,23 +229,10 @@ class Scene:
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
         """Writes the document as a scene file, completely or not at all.
 
-        Arrays in memory are not in it: save them, and name their files.
+        Arrays in memory are written to the folder NAME.files beside it: volumes as .vdb, or .raw without spacing, meshes
+        as .glb, textures as .png and maps of environments as .exr. Relative paths are turned to hold from there.
         """
-        named = _MEMORY.findall(self._core.text)
-        if named:
-            raise ArgumentError("the scene has arrays in memory, which a scene file cannot hold; save them and name "
-                                "the files")
-        name = os.fspath(path)
-        temporary = f"{name}.{os.getpid()}.tmp"
-        try:
-            with open(temporary, "w", encoding="utf-8") as file:
-                json.dump(self.document, file, indent=2)
-                file.write("\n")
-            os.replace(temporary, name)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                os.unlink(temporary)
-            raise
+        save_scene(self, path)
 
     # ---- facts ----
 
@@ -294,7 +283,7 @@ class Scene:
     def render(self, method: Optional[str] = None, *, size: Optional[Tuple[int, int]] = None, spp: Optional[int] = None,
                seed: Optional[int] = None, seconds: float = 0.0, error: float = 0.0,
                crop: Optional[Sequence[int]] = None, channels: Union[str, Iterable[str]] = (),
-               camera: Optional[Mapping[str, Any]] = None, state: Union[None, str, os.PathLike[str]] = None,
+               camera: Optional[Mapping[str, Any]] = None, frame: Optional[int] = None, state: Union[None, str, os.PathLike[str]] = None,
                partial: Optional[Callable[[Image], Any]] = None, progress: ProgressChoice = None,
                on_interrupt: str = "raise", **options: Any) -> Image:
         """Renders the scene through its camera: radiance, W m^-2 sr^-1, and the channels that are asked for.
@@ -303,7 +292,8 @@ class Scene:
         the document. size: (width, height), pixels. spp: samples per pixel (of methods other than path: of surfaces).
         seed: of random numbers. seconds, error: path stops at this time, s, or relative error. crop: (x, y, width,
         height). channels: layers such as "depth" and "variance" (tyndall.CHANNELS). camera: keys of the camera for this
-        call alone, such as {"position": (0, 1, 5)}. options: those of the method, as docs/method lists them, for this
+        call alone, such as {"position": (0, 1, 5)}. frame: the number that stands for #s in the names of volumes, for this
+        call alone. options: those of the method, as docs/method lists them, for this
         call alone: render("dom", directions=48).
 
         state: a file of path to go on from, if it is there, and to keep up to date: the same call goes on where the last
@@ -325,6 +315,8 @@ class Scene:
         given = int(settings["seed"] if seed is None else seed)
         flags = self._flags(channels) | (CHANNELS["samples"] if state is not None else 0)
         changes = {f"camera.{key}": value for key, value in (camera or {}).items()}
+        if frame is not None:
+            changes["frame"] = int(frame)
         if options and name == "auto":
             raise ArgumentError(f"{next(iter(options))}: options are those of one method: name it")
         changes.update({f"render.{options_of(name)}.{key}": value for key, value in options.items()})
@@ -365,6 +357,18 @@ class Scene:
                 if interrupted and on_interrupt == "return" and image is not None:
                     return image
                 raise
+
+    def frames(self, numbers: Iterable[int], method: Optional[str] = None,
+               **keywords: Any) -> Iterator[Tuple[int, Image]]:
+        """Renders a sequence: pairs of a frame's number and its image, one after the other.
+
+        The scene's volumes have #s in the names of their files, which the number takes the place of. keywords: those of
+        render(). Each frame is solved from nothing; `tyndall render --frames` (tyndall.run("render", scene,
+        output="plume_####.exr", frames="1-240")) starts dom from the frame before, keeps what is finished, and divides
+        the frames among machines.
+        """
+        for number in numbers:
+            yield number, self.render(method, frame=number, **keywords)
 
     def _image(self, method: str, seed: int, choice: Mapping[str, Any], made: Tuple[Any, dict[str, Any], int]) -> Image:
         """The image of a call, with the metadata of `tyndall render`."""
@@ -480,6 +484,26 @@ class Scene:
                 stop.image = None  # type: ignore[attr-defined]
             raise
         return Image(core, {}, complete)
+
+
+    def bake_files(self, folder: Union[str, os.PathLike[str]], *, progress: ProgressChoice = None,
+                   **options: Any) -> dict[str, Any]:
+        """Bakes all meshes, and probes, to a folder of files, as `tyndall bake` (docs/bake.md); the content of bake.json.
+
+        Lightmaps are .exr and .png, light at vertices a .glb of the level, and bake.json says what is where and in which
+        units. options: those of the command: quality="high", spp=, error=, lightmaps=True, vertices=True, grid=(16, 4,
+        16), probes=FILE, denoise=True, method=. resume=True goes on from what an interrupted call into the folder
+        finished. The scene is written to it, too, as scene.json.
+        """
+        from ._tool import bake_files
+
+        return bake_files(self, folder, progress=progress, **options)
+
+    def view(self, **options: Any) -> Any:
+        """Shows the scene in the browser, live; tyndall.view()."""
+        from ._tool import view
+
+        return view(self, **options)
 
 
 def _probe_points(positions: Any, grid: Optional[Box]) -> Tuple[Any, Tuple[int, int, int]]:

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Optional, Sequence, Tuple, Union
+from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _arrays, _core
 from ._context import default_context
@@ -51,13 +51,19 @@ class Volume:
 
     @classmethod
     def read(cls, path: Union[str, os.PathLike[str]], grid: Optional[str] = None, *, component: int = 0, frame: int = 0,
-             raw: Optional[dict[str, Any]] = None, context: Optional[_core.Context] = None) -> "Volume":
+             raw: Optional[dict[str, Any]] = None, series: str = "",
+             effective_radius: Union[None, str, float] = None, air_density: Union[None, str, float] = None,
+             meters_per_unit: float = 1.0, context: Optional[_core.Context] = None) -> "Volume":
         """Reads a file of one of the formats of docs/formats.md, or a raw file.
 
         grid: name of the grid in OpenVDB, NanoVDB, VTK and NetCDF files; default "density", or, in VTK and NetCDF files
         without it, the active or the only one. component: of files with several values per voxel. frame: replaces # in
         the file's name. raw: layout of a raw file, {"size": (nx, ny, nz), "type": "uint8", "big_endian": False,
-        "offset": 0, "spacing": (dx, dy, dz)}.
+        "offset": 0, "spacing": (dx, dy, dz)}. series: of a folder of DICOM files, its number, description or UID.
+
+        effective_radius: of a NetCDF file of liquid water, which becomes the extinction of its droplets, 1/m: the name of a
+        variable, or micrometres. air_density: of water per mass of air, the name of a variable, or kg m^-3. A scene's key
+        `droplets` does the same and lets the medium scatter as such droplets. meters_per_unit: of NetCDF's placement.
         """
         name = os.fspath(path)
         layout = None
@@ -67,15 +73,16 @@ class Volume:
                 raise ArgumentError(f"raw: {'unknown ' + sorted(unknown)[0] if unknown else 'size is missing'}")
             layout = (tuple(raw["size"]), raw.get("type", "uint8"), bool(raw.get("big_endian", False)),
                       int(raw.get("offset", 0)), tuple(raw.get("spacing", (0.0, 0.0, 0.0))))
-        return cls._of((_core.volume_read(context or default_context(), name, grid, component, frame, layout),))
+        more = (series, _companion(effective_radius), _companion(air_density), float(meters_per_unit))
+        return cls._of((_core.volume_read(context or default_context(), name, grid, component, frame, layout, more),))
 
     def save(self, path: Union[str, os.PathLike[str]], grid: str = "density", *, codec: Optional[str] = None) -> None:
-        """Writes .vdb, .nvdb, .nrrd, .vti or .vol. grid: name of the grid. codec: "none", "zip" (.vdb, .nvdb, .vti),
-        "blosc" (.vdb) or "gzip" (.nrrd); default: the format's compression.
+        """Writes .vdb, .nvdb, .nrrd, .vti, .vol, .nii or .nii.gz; of three values per voxel .vdb, .vti or .nii.
+
+        grid: name of the grid. codec: "none", "zip" (.vdb, .nvdb, .vti), "blosc" (.vdb) or "gzip" (.nrrd); default: the
+        format's compression.
         """
-        if len(self._grids) != 1:
-            raise ArgumentError("a volume of three values per voxel is not written; write its parts")
-        self._grids[0].write(os.fspath(path), grid, codec)
+        write_volumes(path, {grid: self}, codec=codec)
 
     @property
     def info(self) -> dict[str, Any]:
@@ -97,6 +104,18 @@ class Volume:
         info = self.info
         size = "x".join(str(side) for side in info["size"])
         return f"<tyndall.Volume {size}, {info['min']:g}..{info['max']:g}{', placed' if info['placed'] else ''}>"
+
+
+def write_volumes(path: Union[str, os.PathLike[str]], volumes: Mapping[str, Volume], *,
+                  codec: Optional[str] = None, context: Optional[_core.Context] = None) -> None:
+    """Writes volumes by their names to one file: .vdb any, .vti those of one size and placement, other formats one."""
+    fields = tuple((name, volume._grids) for name, volume in volumes.items())
+    _core.volume_write(context or default_context(), os.fspath(path), codec, fields)
+
+
+def _companion(value: Union[None, str, float]) -> Tuple[Optional[str], float]:
+    """The name of a variable, or a number in its place."""
+    return (value, 0.0) if value is None or isinstance(value, str) else (None, float(value))
 
 
 def _step(coordinate: Any, name: str) -> float:
@@ -165,7 +184,8 @@ def _indices(triangles: Any) -> Any:
 
 def info(path: Union[str, os.PathLike[str]], *, context: Optional[_core.Context] = None) -> dict[str, Any]:
     """What a file holds: the grids of an OpenVDB, NanoVDB, VTK or NetCDF file, the volume of another volume file, the
-    content of a mesh file, or size, channels and metadata of an image.
+    content of a mesh file, size, channels and metadata of an image, or counts, bounds and memory of a scene ("builtin:NAME",
+    too).
     """
     name = os.fspath(path)
     kind = os.path.splitext(name)[1].lower()
@@ -181,4 +201,8 @@ def info(path: Union[str, os.PathLike[str]], *, context: Optional[_core.Context]
 
         image = Image.read(name, context=context)
         return {"size": image.size, "channels": image.channels, "metadata": image.metadata}
-    raise ArgumentError(f"{name}: info() reads volumes, meshes and images")
+    if kind == ".json" or name.startswith("builtin:"):
+        from ._scene import Scene
+
+        return Scene(name, context=context).info
+    raise ArgumentError(f"{name}: info() reads volumes, meshes, images and scenes")

@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "grid/grid.h"
+#include "image/image.h"
 #include "io/file.h"
 #include "io/schema_text.h"
 
@@ -167,15 +168,19 @@ ty_result ty_memory_set_mesh(ty_asset_cache* cache, const char* name, const ty_m
     return finish(cache, memory, result, replaced);
 }
 
-/* A copy of the colour channels. */
-static ty_result copy_colors(ty_context* context, const ty_image* image, ty_image** out) {
-    const float* planes[3];
+/* A copy of the colour channels, and with `alpha` of A where the image has one. */
+static ty_result copy_colors(ty_context* context, const ty_image* image, bool alpha, ty_image** out) {
+    static const char* const names[] = {"R", "G", "B", "A"};
+    const float* planes[4];
     if (image == NULL || !ty_image_rgb_planes(image, planes))
         return ty_fail(context, TY_ERROR_ARGUMENT, "an image in memory has no R, G, B");
     const int32_t width = ty_image_width(image), height = ty_image_height(image);
-    const ty_result result = ty_image_create_rgb(context, width, height, out);
+    const int32_t a = alpha ? ty_image_find_channel(image, names[3]) : -1;
+    if (a >= 0) planes[3] = ty_image_plane_const(image, a);
+    const int32_t count = a >= 0 ? 4 : 3;
+    const ty_result result = ty_image_create(context, width, height, count, names, out);
     if (result != TY_OK) return result;
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < count; ++c)
         memcpy(ty_image_plane(*out, c), planes[c], (size_t)width * (size_t)height * sizeof(float));
     return TY_OK;
 }
@@ -184,11 +189,11 @@ ty_result ty_memory_set_image(ty_asset_cache* cache, const char* name, const ty_
     ty_memory_file* memory = NULL;
     ty_result result = start(cache, name, &memory);
     if (result != TY_OK) return result;
-    result = copy_colors(cache->context, image, &memory->image);
+    result = copy_colors(cache->context, image, true, &memory->image);
     if (result == TY_OK) {
         const int32_t size[] = {ty_image_width(image), ty_image_height(image)};
         hash(memory, size, sizeof size);
-        for (int c = 0; c < 3; ++c)
+        for (int c = 0; c < ty_image_channel_count(memory->image); ++c)
             hash(memory, ty_image_plane_const(memory->image, c), (size_t)size[0] * (size_t)size[1] * sizeof(float));
     }
     return finish(cache, memory, result, replaced);
@@ -219,7 +224,32 @@ ty_result ty_memory_grid(const ty_asset_cache* cache, const ty_asset_file* file,
 
 ty_result ty_memory_image(const ty_asset_cache* cache, const ty_asset_file* file, ty_image** out) {
     if (file->memory->image == NULL) return fail_kind(cache, file, "an image");
-    return copy_colors(cache->context, file->memory->image, out);
+    return copy_colors(cache->context, file->memory->image, false, out);
+}
+
+/* A number of 0..1 in a byte; NaN: 0. */
+static uint8_t byte_of(float value) {
+    return value > 0 ? (uint8_t)(255 * (value < 1 ? value : 1) + 0.5f) : 0;
+}
+
+ty_result ty_memory_texels(const ty_asset_cache* cache, const ty_asset_file* file, bool colors, int32_t* width,
+                           int32_t* height, uint8_t** rgba8) {
+    const ty_image* image = file->memory->image;
+    if (image == NULL) return fail_kind(cache, file, "an image");
+    *width = ty_image_width(image);
+    *height = ty_image_height(image);
+    const size_t pixels = (size_t)*width * (size_t)*height;
+    *rgba8 = ty_alloc_array(cache->context, pixels, 4, false);
+    if (*rgba8 == NULL) return TY_ERROR_MEMORY;
+    const bool alpha = ty_image_channel_count(image) == 4;
+    for (int c = 0; c < 4; ++c) {
+        const float* plane = c < 3 || alpha ? ty_image_plane_const(image, c) : NULL;
+        for (size_t i = 0; i < pixels; ++i)
+            (*rgba8)[4 * i + (size_t)c] = plane == NULL     ? 255
+                                          : colors && c < 3 ? ty_tone_byte(plane[i], 1, TY_TONE_CLIP)
+                                                            : byte_of(plane[i]);
+    }
+    return TY_OK;
 }
 
 ty_result ty_memory_add_mesh(const ty_asset_cache* cache, const ty_asset_file* file, const ty_mesh_file_def* def,

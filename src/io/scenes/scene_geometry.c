@@ -25,6 +25,12 @@ static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const t
     if (result == TY_OK) result = ty_read_transform(reader, item, path, 1, 1, &def.transform);
     ty_material_def material = ty_default_material_def();
     if (result == TY_OK) result = ty_read_material(reader, item, path, &material);
+    if (result == TY_OK && material.emission_texture != NULL) {
+        const ty_json_path json_path = ty_json_path_key(path, "material");
+        const ty_json_path emission = ty_json_path_key(&json_path, "emission");
+        result = ty_reader_fail(reader, &emission, TY_ERROR_INPUT,
+                                "shapes have no textures of emission; the meshes of a \"file\" have");
+    }
     memcpy(def.albedo, material.albedo, sizeof def.albedo);
     memcpy(def.emission, material.emission, sizeof def.emission);
     memcpy(def.albedo_texture.map, material.albedo_map, sizeof material.albedo_map);

@@ -1,6 +1,7 @@
 /* Materials of a scene file, and their textures. */
 #include "base/context.h"
 #include "io/images/image_file.h"
+#include "io/scenes/memory_files.h"
 #include "io/scenes/scene_reader.h"
 
 #include <string.h>
@@ -25,9 +26,12 @@ static void free_texels(ty_context* context, texels* image) {
 
 /* Texels of the image that a texture object at path names. */
 static ty_result read_texels(const ty_scene_reader* reader, const ty_json_path* json_path, const ty_asset_file* file,
-                             texels* out) {
+                             bool colors, texels* out) {
     uint8_t* bytes = NULL;
     size_t size = 0;
+    if (file->memory != NULL)
+        return ty_reader_prefix_error(
+            reader, json_path, ty_memory_texels(reader->assets, file, colors, &out->width, &out->height, &out->rgba8));
     ty_result result =
         ty_read_inspected_file(reader->context, file->path, IMAGE_FILE_MAX, ty_inspect_image, &bytes, &size);
     if (result == TY_OK) {
@@ -63,10 +67,7 @@ static void keep_channel(texels* image, int kept) {
 static ty_result find_image(ty_scene_reader* reader, const json_t* object, const ty_json_path* path,
                             const ty_asset_file** file) {
     const ty_json_path json_path = ty_json_path_key(path, "file");
-    const char* name = json_string_value(json_object_get(object, "file"));
-    const ty_result result = ty_find_file(reader, &json_path, name, file);
-    if (result != TY_OK || (*file)->memory == NULL) return result;
-    return ty_reader_fail(reader, &json_path, TY_ERROR_INPUT, "textures are PNG, JPEG or WebP files");
+    return ty_find_file(reader, &json_path, json_string_value(json_object_get(object, "file")), file);
 }
 
 /* The texture of an object at path; the caller has a reference. */
@@ -82,7 +83,7 @@ static ty_result read_texture(ty_scene_reader* reader, const json_t* object, con
         return TY_OK;
     }
     texels image = {.rgba8 = NULL};
-    result = read_texels(reader, &json_path, texture.file, &image);
+    result = read_texels(reader, &json_path, texture.file, content == TY_TEXTURE_COLORS, &image);
     if (result == TY_OK && content == TY_TEXTURE_ROUGHNESS) keep_channel(&image, 1);
     if (result == TY_OK && content == TY_TEXTURE_METALLIC) keep_channel(&image, 2);
     if (result == TY_OK)
@@ -136,8 +137,8 @@ static ty_result join_images(ty_scene_reader* reader, const json_t* roughness, c
     texels green = {.rgba8 = NULL}, blue = {.rgba8 = NULL};
     ty_result result = find_image(reader, roughness, &green_path, &green_file);
     if (result == TY_OK) result = find_image(reader, metallic, &blue_path, &blue_file);
-    if (result == TY_OK) result = read_texels(reader, &file_path, green_file, &green);
-    if (result == TY_OK) result = read_texels(reader, &file_path, blue_file, &blue);
+    if (result == TY_OK) result = read_texels(reader, &file_path, green_file, false, &green);
+    if (result == TY_OK) result = read_texels(reader, &file_path, blue_file, false, &blue);
     if (result == TY_OK && (green.width != blue.width || green.height != blue.height))
         result = ty_reader_fail(reader, &file_path, TY_ERROR_INPUT,
                                 "%d x %d texels beside %d x %d of metallic: both images need the same size",
@@ -201,6 +202,20 @@ static ty_result read_base_color(ty_scene_reader* reader, const json_t* material
     return read_texture(reader, color, &json_path, TY_TEXTURE_COLORS, &out->albedo_texture);
 }
 
+static ty_result read_emission(ty_scene_reader* reader, const json_t* material, const ty_json_path* path,
+                               ty_material_def* out) {
+    const json_t* emission = json_object_get(material, "emission");
+    const ty_json_path json_path = ty_json_path_key(path, "emission");
+    if (!json_is_object(emission)) {
+        ty_read_rgb(material, "emission", out->emission);
+        return TY_OK;
+    }
+    for (int c = 0; c < 3; ++c) out->emission[c] = 1;
+    ty_read_rgb(emission, "factor", out->emission);
+    read_repeat(emission, out->emission_map);
+    return read_texture(reader, emission, &json_path, TY_TEXTURE_COLORS, &out->emission_texture);
+}
+
 static ty_result read_gloss(ty_scene_reader* reader, const json_t* material, const ty_json_path* path,
                             ty_gloss_def* gloss) {
     bool glossy = false;
@@ -247,8 +262,8 @@ ty_result ty_read_material(ty_scene_reader* reader, const json_t* item, const ty
     const json_t* material = json_object_get(item, "material");
     const ty_json_path json_path = ty_json_path_key(path, "material");
     ty_gloss_def* gloss = &out->gloss;
-    ty_read_rgb(material, "emission", out->emission);
-    ty_result result = read_base_color(reader, material, &json_path, out);
+    ty_result result = read_emission(reader, material, &json_path, out);
+    if (result == TY_OK) result = read_base_color(reader, material, &json_path, out);
     if (result == TY_OK) result = read_gloss(reader, material, &json_path, gloss);
     if (result == TY_OK) result = read_volume(reader, material, &json_path, gloss);
     if (result == TY_OK)
@@ -262,5 +277,6 @@ ty_result ty_read_material(ty_scene_reader* reader, const json_t* item, const ty
 
 void ty_release_material(const ty_material_def* material) {
     ty_texture_release(material->albedo_texture);
+    ty_texture_release(material->emission_texture);
     for (int i = 0; i < TY_GLOSS_TEXTURES; ++i) ty_texture_release(material->gloss.textures[i].texture);
 }

@@ -5,7 +5,7 @@
 #include "grid/grid.h"
 #include "io/file.h"
 #include "base/number.h"
-#include "io/volumes/inflate.h"
+#include "io/volumes/gzip_file.h"
 #include "io/volumes/sample_file.h"
 #include "io/volumes/volume_file.h"
 
@@ -121,26 +121,41 @@ static ty_result read_raw_parts(const source* s, const ty_nrrd* nrrd, uint64_t b
     return result;
 }
 
-static ty_result read_gzip(source* s, const ty_nrrd* nrrd, size_t size, ty_samples* samples, const ty_grid_def* def,
-                           ty_grid** out) {
-    const size_t packed = s->size - s->at;
+/* The error of a gzip file's end or fault; TY_OK for data of the right size. */
+static ty_result check_inflated(const source* s, const ty_nrrd* nrrd, const ty_gzip_file* file, ty_inflated state) {
+    switch (state) {
+    case TY_INFLATED_MORE: return wrong_size(s, nrrd, true, (size_t)file->size);
+    case TY_INFLATED_SHORT: return wrong_size(s, nrrd, false, (size_t)file->at);
+    case TY_INFLATED_DAMAGED:
+        return ty_fail(s->context, TY_ERROR_INPUT, "%s: the gzip data is damaged or cut short", s->path);
+    default: return TY_OK;
+    }
+}
+
+/* Reads gzip data in parts from a file, in which it begins after `begin` bytes. */
+static ty_result read_gzip(const source* s, const ty_nrrd* nrrd, uint64_t begin, ty_samples* samples,
+                           const ty_grid_def* def, ty_grid** out) {
+    const size_t size = nrrd->voxels * (size_t)nrrd->components * ty_sample_size(nrrd->type);
     const uint64_t skip = (uint64_t)nrrd->byte_skip;
-    if (skip > SIZE_MAX / 2 || size + skip > packed * TY_INFLATE_RATIO_MAX) return wrong_size(s, nrrd, false, packed);
-    uint8_t* plain = ty_alloc_array(s->context, size, 1, false);
-    if (plain == NULL) return TY_ERROR_MEMORY;
-    uint64_t got = 0;
-    const ty_inflated inflated = ty_inflate_gzip(s->bytes + s->at, packed, skip, plain, size, &got);
-    samples->bytes = plain;
-    ty_result result = TY_OK;
-    if (inflated == TY_INFLATED_MORE)
-        result = wrong_size(s, nrrd, true, size);
-    else if (inflated == TY_INFLATED_SHORT)
-        result = wrong_size(s, nrrd, false, (size_t)got);
-    else if (inflated == TY_INFLATED_DAMAGED)
-        result = ty_fail(s->context, TY_ERROR_INPUT, "%s: the gzip data is damaged or cut short", s->path);
-    else
+    ty_gzip_file file;
+    ty_result result = ty_gzip_file_open(s->context, s->path, begin, skip, size, &file);
+    if (result != TY_OK) return result;
+    if (skip > SIZE_MAX / 2 || size + skip > file.packed * TY_INFLATE_RATIO_MAX) {
+        result = wrong_size(s, nrrd, false, (size_t)file.packed);
+    } else {
+        samples->read = ty_gzip_file_read;
+        samples->user = &file;
         result = ty_samples_make_grid(s->context, samples, def, out);
-    ty_free_array(s->context, plain, size, 1);
+        if (result == TY_ERROR_INPUT) check_inflated(s, nrrd, &file, file.fault);
+    }
+    if (result == TY_OK) {
+        result = check_inflated(s, nrrd, &file, ty_gzip_file_finish(&file));
+        if (result != TY_OK) {
+            ty_grid_release(*out);
+            *out = NULL;
+        }
+    }
+    ty_gzip_file_close(&file);
     return result;
 }
 
@@ -209,14 +224,14 @@ static ty_result read_samples(source* s, const ty_nrrd* nrrd, int32_t component,
         if (result != TY_OK) return result;
         samples.bytes = s->bytes + start;
         return ty_samples_make_grid(s->context, &samples, &def, out);
-    case TY_NRRD_GZIP: return read_gzip(s, nrrd, size, &samples, &def, out);
+    case TY_NRRD_GZIP: return read_gzip(s, nrrd, s->at, &samples, &def, out);
     case TY_NRRD_TEXT: return read_text(s, nrrd, &samples, &def, out);
     }
     return TY_ERROR_INTERNAL;
 }
 
 static bool in_parts(const ty_nrrd* nrrd) {
-    return nrrd->encoding == TY_NRRD_RAW && nrrd->line_skip == 0;
+    return nrrd->encoding != TY_NRRD_TEXT && nrrd->line_skip == 0;
 }
 
 /* Reads what a header tells of the data behind it, or in a file of their own. */
@@ -232,7 +247,9 @@ static ty_result read_data(const source* file, const ty_nrrd* nrrd, int32_t comp
     }
     if (result != TY_OK) return result;
     if (in_parts(nrrd)) {
-        result = read_raw_parts(&data, nrrd, path == NULL ? nrrd->data : 0, &samples, &def, out);
+        const uint64_t begin = path == NULL ? nrrd->data : 0;
+        result = nrrd->encoding == TY_NRRD_GZIP ? read_gzip(&data, nrrd, begin, &samples, &def, out)
+                                                : read_raw_parts(&data, nrrd, begin, &samples, &def, out);
     } else if (path == NULL) {
         data.at = nrrd->data;
         result = read_samples(&data, nrrd, component, out);

@@ -249,12 +249,14 @@ static void close_stack(stack* s) {
 
 /* ---- pixels ---- */
 
-/* A plane of the grid being filled, and the sample of each pixel that goes into it. */
+/* Slices of the grid being filled, and the sample of each pixel that goes into them. */
 typedef struct target {
     stack* s;
     ty_grid_type type;
-    void* values;
-    size_t first; /* voxel */
+    void* values;      /* of TY_GRID_BLOCK slices */
+    uint64_t* offsets; /* of each slice: where its page's directory, or its plane, begins; 0: none */
+    int32_t slice;     /* of the plane that was aimed at */
+    size_t first;      /* voxel among the values */
     int32_t sample;
 } target;
 
@@ -344,50 +346,73 @@ static void find_plane(const ty_stack_layout* l, int32_t plane, int32_t* slice, 
     }
 }
 
-/* True if a plane belongs to the component; t->first is then its first voxel. */
+/* True if a plane belongs to the component; t->slice is then its slice. */
 static bool aim(target* t, int32_t plane, int32_t component) {
     const stack* s = t->s;
     int32_t slice = 0, channel = 0, time = 0;
     find_plane(&s->layout, plane, &slice, &channel, &time);
     const int32_t rest = component / s->form.samples;
     t->sample = component % s->form.samples;
-    t->first = (size_t)slice * s->form.width * s->form.height;
+    t->slice = slice;
     return channel == rest % s->layout.channels && time == rest / s->layout.channels;
 }
 
-static ty_result read_pages(target* t, int32_t component) {
+/* Notes where each page of the component begins: its directory. */
+static ty_result find_pages(target* t, int32_t component) {
     stack* s = t->s;
     if (TIFFSetDirectory(s->tiff, 0) != 1) return damaged(s);
     int32_t plane = 0;
-    ty_result result = TY_OK;
     do {
-        if (!is_slice(s->tiff)) continue;
-        if (aim(t, plane++, component)) result = read_page(t);
-    } while (result == TY_OK && plane < s->pages && TIFFReadDirectory(s->tiff) == 1);
-    return result;
+        if (is_slice(s->tiff) && aim(t, plane++, component)) t->offsets[t->slice] = TIFFCurrentDirOffset(s->tiff);
+    } while (plane < s->pages && TIFFReadDirectory(s->tiff) == 1);
+    return s->message[0] == '\0' ? TY_OK : damaged(s);
 }
 
-static ty_result read_contiguous(target* t, int32_t component) {
+/* Notes where each plane of the component begins behind the first one. */
+static ty_result find_contiguous(target* t, int32_t component) {
     const stack* s = t->s;
     const uint64_t* offsets = NULL;
-    const size_t bytes = plane_bytes(s);
     const int32_t planes = s->layout.slices * s->layout.channels * s->layout.times;
-    TIFFSetDirectory(s->tiff, 0);
-    if (TIFFGetField(s->tiff, TIFFTAG_STRIPOFFSETS, &offsets) != 1 || offsets == NULL) return damaged(s);
+    if (TIFFSetDirectory(s->tiff, 0) != 1 || TIFFGetField(s->tiff, TIFFTAG_STRIPOFFSETS, &offsets) != 1 ||
+        offsets == NULL)
+        return damaged(s);
     const uint64_t start = offsets[0];
+    for (int32_t plane = 0; plane < planes; ++plane)
+        if (aim(t, plane, component)) t->offsets[t->slice] = start + (uint64_t)plane * plane_bytes(s);
+    return TY_OK;
+}
+
+static ty_result read_contiguous(const target* t, uint64_t offset) {
+    const stack* s = t->s;
+    const size_t bytes = plane_bytes(s);
     uint8_t* room = NULL;
     ty_result result = make_room(s, bytes, &room);
     if (result != TY_OK) return result;
-    for (int32_t plane = 0; plane < planes && result == TY_OK; ++plane) {
-        if (!aim(t, plane, component)) continue;
-        const uint64_t offset = start + (uint64_t)plane * bytes;
-        if (offset > (uint64_t)INT64_MAX || fseeko(s->stream, (off_t)offset, SEEK_SET) != 0 ||
-            fread(room, 1, bytes, s->stream) != bytes)
-            result = damaged(s);
-        else
-            store_part(t, room, 0, 0, s->form.width, s->form.height, 1, 0, TIFFIsBigEndian(s->tiff) != 0);
-    }
+    if (offset > (uint64_t)INT64_MAX || fseeko(s->stream, (off_t)offset, SEEK_SET) != 0 ||
+        fread(room, 1, bytes, s->stream) != bytes)
+        result = damaged(s);
+    else
+        store_part(t, room, 0, 0, s->form.width, s->form.height, 1, 0, TIFFIsBigEndian(s->tiff) != 0);
     ty_free_array(s->context, room, bytes, 1);
+    return result;
+}
+
+/* As ty_slice_source. */
+static ty_result read_slices(void* user, int32_t first, int32_t count, const void** values) {
+    target* t = user;
+    const size_t pixels = (size_t)t->s->form.width * t->s->form.height;
+    ty_result result = TY_OK;
+    memset(t->values, 0, pixels * (size_t)count * ty_grid_value_size(t->type));
+    for (int32_t k = 0; k < count && result == TY_OK; ++k) {
+        const uint64_t offset = t->offsets[first + k];
+        t->first = pixels * (size_t)k;
+        if (offset == 0) continue;
+        if (t->s->contiguous)
+            result = read_contiguous(t, offset);
+        else
+            result = TIFFSetSubDirectory(t->s->tiff, offset) == 1 ? read_page(t) : damaged(t->s);
+    }
+    *values = t->values;
     return result;
 }
 
@@ -406,6 +431,22 @@ static void place(const stack* s, ty_grid_def* def) {
     }
 }
 
+static ty_result make_grid(stack* s, int32_t component, const ty_grid_def* def, ty_grid** out) {
+    const size_t slices = (size_t)def->size[2], slab = slices < TY_GRID_BLOCK ? slices : (size_t)TY_GRID_BLOCK;
+    const size_t count = slab * s->form.width * s->form.height, value = ty_grid_value_size(def->type);
+    target t = {.s = s, .type = def->type};
+    t.offsets = ty_alloc_array(s->context, slices, sizeof *t.offsets, true);
+    t.values = t.offsets == NULL ? NULL : ty_alloc_array(s->context, count, value, false);
+    ty_result result = t.values == NULL ? TY_ERROR_MEMORY
+                       : s->contiguous  ? find_contiguous(&t, component)
+                                        : find_pages(&t, component);
+    const ty_slice_source source = {read_slices, &t};
+    if (result == TY_OK) result = ty_grid_create_from_slices(s->context, def, TY_GRID_AUTO, &source, def->placed, out);
+    ty_free_array(s->context, t.values, count, value);
+    ty_free_array(s->context, t.offsets, slices, sizeof *t.offsets);
+    return result;
+}
+
 ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
     stack s;
     size_t voxels = 0;
@@ -419,16 +460,7 @@ ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component,
         def.size[2] = s.layout.slices;
         def.type = ty_sample_grid_type(s.type);
         place(&s, &def);
-        target t = {.s = &s, .type = def.type};
-        t.values = ty_alloc_array(context, voxels, ty_grid_value_size(def.type), true);
-        result = t.values == NULL ? TY_ERROR_MEMORY
-                 : s.contiguous   ? read_contiguous(&t, component)
-                                  : read_pages(&t, component);
-        if (result == TY_OK && def.placed) def.background = ty_value_outside(def.type, t.values, voxels);
-        if (result == TY_OK)
-            result = ty_grid_adopt(context, &def, t.values, out);
-        else if (t.values != NULL)
-            ty_free_array(context, t.values, voxels, ty_grid_value_size(def.type));
+        result = make_grid(&s, component, &def, out);
     }
     close_stack(&s);
     return result;

@@ -369,37 +369,65 @@ static ty_grid_def place_grid(const series* s, const double step[3]) {
     return def;
 }
 
-/* Decodes the slices of one file. */
-static ty_result decode_file(const series* s, size_t index, float* values) {
-    const series_file* file = &s->files[index];
-    const size_t pixels = (size_t)file->columns * (size_t)file->rows;
+/* Frames in the making: the file that is open, and slices of it. */
+typedef struct frame_decoder {
+    const series* s;
     ty_dicom d;
-    ty_result result = ty_dicom_open(s->context, file->path, true, &d);
-    if (result == TY_OK && (d.columns != file->columns || d.rows != file->rows || d.frames != file->frames))
+    size_t file;   /* index; file_count: none */
+    float* values; /* of TY_GRID_BLOCK slices */
+} frame_decoder;
+
+static void close_file(frame_decoder* decoder) {
+    if (decoder->file < decoder->s->file_count) ty_dicom_close(decoder->s->context, &decoder->d);
+    decoder->file = decoder->s->file_count;
+}
+
+static ty_result open_file(frame_decoder* decoder, size_t index) {
+    const series* s = decoder->s;
+    const series_file* file = &s->files[index];
+    if (decoder->file == index) return TY_OK;
+    close_file(decoder);
+    decoder->file = index;
+    const ty_dicom* d = &decoder->d;
+    ty_result result = ty_dicom_open(s->context, file->path, true, &decoder->d);
+    if (result == TY_OK && (d->columns != file->columns || d->rows != file->rows || d->frames != file->frames))
         result = ty_fail(s->context, TY_ERROR_FILE, "cannot read %s: it changed meanwhile", file->path);
-    if (result == TY_OK) result = ty_dicom_check_pixels(s->context, file->path, &d, d.size);
-    for (size_t k = 0; k < s->slice_count && result == TY_OK; ++k)
-        if (s->slices[k].file == index)
-            result = ty_dicom_decode(s->context, file->path, &d, s->slices[k].frame, values + pixels * k);
-    ty_dicom_close(s->context, &d);
+    return result == TY_OK ? ty_dicom_check_pixels(s->context, file->path, d, d->size) : result;
+}
+
+/* As ty_slice_source. */
+static ty_result decode_slices(void* user, int32_t first, int32_t count, const void** values) {
+    frame_decoder* decoder = user;
+    const series* s = decoder->s;
+    ty_result result = TY_OK;
+    for (int32_t k = 0; k < count && result == TY_OK; ++k) {
+        const slice* one = &s->slices[first + k];
+        const series_file* file = &s->files[one->file];
+        const size_t pixels = (size_t)file->columns * (size_t)file->rows;
+        result = open_file(decoder, one->file);
+        if (result == TY_OK)
+            result =
+                ty_dicom_decode(s->context, file->path, &decoder->d, one->frame, decoder->values + pixels * (size_t)k);
+    }
+    *values = decoder->values;
     return result;
 }
 
 static ty_result read_grid(const series* s, const double step[3], ty_grid** out) {
-    ty_grid_def def = place_grid(s, step);
+    const ty_grid_def def = place_grid(s, step);
     size_t voxels = 0;
     ty_result result = ty_check_volume_size(
         s->context, s->path, (const int64_t[]){def.size[0], def.size[1], (int64_t)s->slice_count}, &voxels);
     if (result != TY_OK) return result;
-    float* values = ty_alloc_array(s->context, voxels, sizeof *values, false);
-    if (values == NULL) return TY_ERROR_MEMORY;
-    for (size_t i = 0; i < s->file_count && result == TY_OK; ++i)
-        if (strcmp(s->files[i].series, s->chosen) == 0) result = decode_file(s, i, values);
-    if (result == TY_OK) {
-        def.background = ty_value_outside(def.type, values, voxels);
-        return ty_grid_adopt(s->context, &def, values, out);
-    }
-    ty_free_array(s->context, values, voxels, sizeof *values);
+    const size_t slab = s->slice_count < TY_GRID_BLOCK ? s->slice_count : (size_t)TY_GRID_BLOCK;
+    const size_t count = voxels / s->slice_count * slab;
+    frame_decoder decoder = {.s = s, .file = s->file_count};
+    decoder.values = ty_alloc_array(s->context, count, sizeof *decoder.values, false);
+    if (decoder.values == NULL) return TY_ERROR_MEMORY;
+    const ty_slice_source source = {decode_slices, &decoder};
+    result = ty_grid_create_from_slices(s->context, &def, TY_GRID_AUTO, &source, true, out);
+    close_file(&decoder);
+    ty_free_array(s->context, decoder.values, count, sizeof *decoder.values);
     return result;
 }
 

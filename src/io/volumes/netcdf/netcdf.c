@@ -13,9 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Even cells along an axis; even voxels for each uneven one, or up to a million of them. */
-enum { LEVELS_MAX = 2048, ENLARGEMENT_MAX = 32, ENLARGED_MIN = 1 << 20 };
-
 /* ---- choice of a variable ---- */
 
 static bool is_volume(const ty_netcdf_file* file, int id, ty_netcdf_variable* variable) {
@@ -72,120 +69,6 @@ static bool wants_droplets(const ty_volume_def* def) {
     return def->effective_radius != NULL || def->droplet_radius > 0;
 }
 
-/* Sorts values into x, y, z order, ascending; by the droplets' extinction if there are some. */
-static void arrange(const ty_netcdf_variable* variable, const float* from, ty_netcdf_droplets* d, float* to) {
-    const ty_netcdf_axis* axes = variable->axes;
-    ty_netcdf_companion own = {.unit = 1};
-    ty_netcdf_strides(variable, variable, own.strides);
-    size_t at[3], out = 0;
-    for (size_t k = 0; k < axes[2].length; ++k)
-        for (size_t j = 0; j < axes[1].length; ++j)
-            for (size_t i = 0; i < axes[0].length; ++i, ++out) {
-                const size_t index[3] = {i, j, k};
-                for (int a = 0; a < 3; ++a) at[a] = axes[a].descending ? axes[a].length - 1 - index[a] : index[a];
-                const float value = from[at[0] * own.strides[0] + at[1] * own.strides[1] + at[2] * own.strides[2]];
-                to[out] = d != NULL ? (float)ty_netcdf_extinction(d, (double)value, at) : value;
-            }
-}
-
-/* Number of even cells for an uneven axis: as wide as its narrowest one, if they are not too many. `others`: cells
- * across it; `largest`: cells of a grid. */
-static size_t even_count(const ty_netcdf_axis* axis, double others, double largest) {
-    double narrowest = INFINITY;
-    for (size_t i = 0; i < axis->length; ++i) narrowest = fmin(narrowest, axis->edges[i + 1] - axis->edges[i]);
-    const double count = round((axis->edges[axis->length] - axis->edges[0]) / narrowest);
-    const double max = fmax((double)axis->length, fmin(LEVELS_MAX, largest / others));
-    return (size_t)fmin(count, floor(max));
-}
-
-/* Averages of one line of cells over `count` even ones: the integral stays. */
-static void resample_line(const ty_netcdf_axis* axis, size_t count, const float* from, size_t stride, float* to) {
-    const double low = axis->edges[0], step = (axis->edges[axis->length] - low) / (double)count;
-    size_t i = 0;
-    for (size_t o = 0; o < count; ++o) {
-        const double begin = low + step * (double)o, end = begin + step;
-        double sum = 0;
-        for (; i < axis->length; ++i) {
-            const double overlap = fmin(end, axis->edges[i + 1]) - fmax(begin, axis->edges[i]);
-            if (overlap > 0) sum += overlap * (double)from[i * stride];
-            if (axis->edges[i + 1] > end) break;
-        }
-        to[o * stride] = (float)(sum / step);
-    }
-}
-
-/* Makes an uneven axis even; *values and *size change. */
-static ty_result resample_axis(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int a, double largest,
-                               int64_t size[3], float** values) {
-    const ty_netcdf_axis* axis = &variable->axes[a];
-    const size_t before = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
-    const size_t count = even_count(axis, (double)(before / axis->length), largest);
-    int64_t sides[3] = {size[0], size[1], size[2]};
-    size_t voxels = 0, inner = 1, outer = 1;
-    sides[a] = (int64_t)count;
-    ty_result result = ty_check_volume_size(file->context, file->path, sides, &voxels);
-    if (result != TY_OK) return result;
-    float* made = ty_alloc_array(file->context, voxels, sizeof *made, false);
-    if (made == NULL) return TY_ERROR_MEMORY;
-    for (int b = 0; b < a; ++b) inner *= (size_t)size[b];
-    for (int b = a + 1; b < 3; ++b) outer *= (size_t)size[b];
-    for (size_t o = 0; o < outer; ++o)
-        for (size_t i = 0; i < inner; ++i)
-            resample_line(axis, count, *values + o * inner * axis->length + i, inner, made + o * inner * count + i);
-    ty_free_array(file->context, *values, before, sizeof **values);
-    *values = made;
-    size[a] = (int64_t)count;
-    ty_log(file->context, TY_LOG_WARNING,
-           "%s: \"%s\" has uneven cells along %c; its %zu became %zu even ones with the same integral", file->path,
-           variable->name, "xyz"[a], axis -> length, count);
-    return TY_OK;
-}
-
-static ty_result make_grid(const ty_netcdf_file* file, const ty_netcdf_variable* variable, float* values,
-                           ty_grid** out) {
-    int64_t size[3];
-    ty_result result = TY_OK;
-    double voxels = 1;
-    for (int a = 0; a < 3; ++a) {
-        size[a] = (int64_t)variable->axes[a].length;
-        voxels *= (double)size[a];
-    }
-    const double largest = fmax(ENLARGEMENT_MAX * voxels, ENLARGED_MIN);
-    for (int a = 0; a < 3 && result == TY_OK; ++a)
-        if (variable->axes[a].placed && !variable->axes[a].even)
-            result = resample_axis(file, variable, a, largest, size, &values);
-    if (result != TY_OK) {
-        ty_free_array(file->context, values, (size_t)size[0] * (size_t)size[1] * (size_t)size[2], sizeof *values);
-        return result;
-    }
-    ty_grid_def def = ty_default_grid_def();
-    def.placed = variable->axes[0].placed;
-    for (int a = 0; a < 3; ++a) {
-        const ty_netcdf_axis* axis = &variable->axes[a];
-        def.size[a] = (int32_t)size[a];
-        if (!def.placed) continue;
-        const double step = (axis->edges[axis->length] - axis->edges[0]) / (double)size[a];
-        def.index_to_local.m[5 * a] = step;
-        def.index_to_local.m[4 * a + 3] = axis->edges[0] + step / 2;
-    }
-    return ty_grid_adopt(file->context, &def, values, out);
-}
-
-static ty_result read_values(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time,
-                             ty_netcdf_droplets* d, ty_grid** out) {
-    float *raw = NULL, *values = NULL;
-    size_t count = 0;
-    ty_result result = ty_netcdf_load(file, variable, time, &raw, &count);
-    if (result != TY_OK) return result;
-    values = ty_alloc_array(file->context, count, sizeof *values, false);
-    if (values == NULL)
-        result = TY_ERROR_MEMORY;
-    else
-        arrange(variable, raw, d, values);
-    ty_free_array(file->context, raw, count, sizeof *raw);
-    return result == TY_OK ? make_grid(file, variable, values, out) : result;
-}
-
 static ty_result read_variable(const ty_netcdf_file* file, const ty_volume_def* def, ty_netcdf_variable* variable,
                                double* radius, ty_grid** out) {
     ty_netcdf_droplets d = {.sum = 0};
@@ -198,7 +81,7 @@ static ty_result read_variable(const ty_netcdf_file* file, const ty_volume_def* 
         result = ty_check_component(file->context, file->path, variable->name, def->component, times_of(variable));
     if (result == TY_OK) result = ty_netcdf_place(file, variable, def->meters_per_unit);
     if (result == TY_OK && wanted) result = ty_netcdf_open_droplets(file, def, variable, &d);
-    if (result == TY_OK) result = read_values(file, variable, def->component, wanted ? &d : NULL, out);
+    if (result == TY_OK) result = ty_netcdf_make_grid(file, variable, def->component, wanted ? &d : NULL, out);
     ty_netcdf_release_droplets(file, &d);
     if (result != TY_OK || !wanted) return result;
     *radius = d.sum > 0 ? d.sum_radius / d.sum : 0;

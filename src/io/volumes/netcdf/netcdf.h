@@ -1,6 +1,6 @@
 /* NetCDF files: library.c loads the library, classic.c finds files that are cut short, axes.c finds the axes of a
  * variable and the placement of its values, values.c reads values and their units, droplets.c makes extinction of
- * liquid water, and netcdf.c makes grids. */
+ * liquid water, slabs.c makes grids, and netcdf.c chooses among variables. */
 #ifndef TY_IO_NETCDF_H
 #define TY_IO_NETCDF_H
 
@@ -63,36 +63,51 @@ double ty_netcdf_water_unit(const char* units, bool* ratio);
 double ty_netcdf_radius_unit(const char* units);
 double ty_netcdf_density_unit(const char* units);
 
-/* Reads the values of a variable at one time, in the file's order, from ty_alloc_array; missing ones are 0. */
-ty_result ty_netcdf_load(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time, float** out,
-                         size_t* count);
+/* Reads the values of a variable at one time, in the file's order, from ty_alloc_array; missing ones are 0. Of the
+ * dimension `along` only `length` from `first` on are read; -1: all. */
+ty_result ty_netcdf_load(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time, int along,
+                         size_t first, size_t length, float** out, size_t* count);
 
-/* Values on some of a variable's dimensions, or one everywhere. */
+/* Values of a variable on some of another one's dimensions, slab by slab along its z; or one value everywhere. */
 typedef struct ty_netcdf_companion {
-    float* values; /* NULL: `constant` */
-    size_t count, strides[3];
+    bool given; /* false: `constant` */
+    ty_netcdf_variable variable;
+    int32_t time;
+    int along;     /* its dimension that is the other's z, where slabs of it lie in one piece; -1: it is read at once */
+    float* values; /* that were read last */
+    size_t count, strides[3], first; /* first: along the other's z */
     double constant, unit;
 } ty_netcdf_companion;
 
-/* Distances between neighbours along x, y and z of another variable in the file's order; 0 along an axis that it does
- * not have. False if it has others than `of`. */
-bool ty_netcdf_strides(const ty_netcdf_variable* variable, const ty_netcdf_variable* of, size_t strides[3]);
+/* Sets time, strides and `along` of a companion by its variable, for another one's axes; fails if it has more. */
+ty_result ty_netcdf_aim(const ty_netcdf_file* file, const ty_netcdf_variable* of, int32_t time,
+                        ty_netcdf_companion* companion);
+/* Reads the values from `first` on along z, in the file's order, unless they were read at once before. */
+ty_result ty_netcdf_load_companion(const ty_netcdf_file* file, ty_netcdf_companion* c, size_t first, size_t length);
+/* Value at a place in the file's order, within the slab that was read. */
+double ty_netcdf_companion_value(const ty_netcdf_companion* c, const size_t at[3]);
+void ty_netcdf_release_companion(const ty_netcdf_file* file, ty_netcdf_companion* c);
 
 typedef struct ty_netcdf_droplets {
     ty_netcdf_companion radius, air;
     double water_unit;
-    bool ratio;
+    bool ratio, counting; /* counting: false: the sums stay */
     int64_t without_radius;
     double sum, sum_radius; /* of extinction, and of its product with the radius */
 } ty_netcdf_droplets;
 
-/* Reads what the droplets of a variable of liquid water take; ty_netcdf_release_droplets must follow, whatever the
+/* Finds what the droplets of a variable of liquid water take; ty_netcdf_release_droplets must follow, whatever the
  * result. */
 ty_result ty_netcdf_open_droplets(const ty_netcdf_file* file, const ty_volume_def* def, const ty_netcdf_variable* water,
                                   ty_netcdf_droplets* out);
 void ty_netcdf_release_droplets(const ty_netcdf_file* file, ty_netcdf_droplets* droplets);
 /* Extinction coefficient, 1/m, at a place in the file's order, of a value of the variable of water. */
 double ty_netcdf_extinction(ty_netcdf_droplets* d, double water, const size_t at[3]);
+
+/* The grid of a variable, or of its droplets' extinction; never more than slabs of it are in memory where the file has
+ * z in front of x and y. */
+ty_result ty_netcdf_make_grid(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time,
+                              ty_netcdf_droplets* droplets, ty_grid** out);
 
 /* As ty_volume_read_droplets and so on. */
 ty_result ty_netcdf_read(ty_context* context, const char* path, const ty_volume_def* def, double* radius,

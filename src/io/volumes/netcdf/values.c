@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* Ratio of deflate, beyond which a file cannot hold what it says; and the bytes that are read at once. */
-enum { RATIO_MAX = 1032, PART = 1 << 26 };
+enum { RATIO_MAX = 1032, PART = 1 << 22 };
 
 /* Values from here on are the library's own marks of what was not written. */
 static const double unwritten = 9.9e36;
@@ -124,54 +124,78 @@ static float unpack(const packing* p, double value) {
     return (float)(value * p->scale + p->offset);
 }
 
-/* Reads parts along the variable's first axis with more than one value. */
-static ty_result read_parts(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time, size_t part,
+/* A hyperslab of a variable: where it begins, and its lengths. */
+typedef struct slab {
+    size_t start[TY_NETCDF_DIMENSIONS_MAX], count[TY_NETCDF_DIMENSIONS_MAX];
+} slab;
+
+static slab make_slab(const ty_netcdf_variable* variable, int32_t time, int along, size_t first, size_t length) {
+    slab s = {{0}, {1}}; /* of a scalar, too */
+    for (int d = 0; d < variable->dimension_count; ++d) s.count[d] = variable->lengths[d];
+    if (variable->times >= 0) {
+        s.start[variable->times] = (size_t)time;
+        s.count[variable->times] = 1;
+    }
+    if (along >= 0) {
+        s.start[along] = first;
+        s.count[along] = length;
+    }
+    return s;
+}
+
+/* Reads parts along the slab's first axis with more than one value. */
+static ty_result read_parts(const ty_netcdf_file* file, const ty_netcdf_variable* variable, slab* s, size_t part,
                             size_t row, double* scratch, float* out) {
-    size_t start[TY_NETCDF_DIMENSIONS_MAX] = {0}, count[TY_NETCDF_DIMENSIONS_MAX] = {1}; /* of a scalar, too */
     const packing p = find_packing(file, variable->id);
     int first = 0;
-    for (int d = 0; d < variable->dimension_count; ++d) count[d] = variable->lengths[d];
-    if (variable->times >= 0) {
-        start[variable->times] = (size_t)time;
-        count[variable->times] = 1;
-    }
-    while (first + 1 < variable->dimension_count && count[first] == 1) ++first;
-    const size_t begin = start[first], total = count[first];
+    while (first + 1 < variable->dimension_count && s->count[first] == 1) ++first;
+    const size_t begin = s->start[first], total = s->count[first];
     for (size_t at = 0; at < total; at += part) {
-        start[first] = begin + at;
-        count[first] = part < total - at ? part : total - at;
-        const int status = file->calls->get_vara_double(file->id, variable->id, start, count, scratch);
+        s->start[first] = begin + at;
+        s->count[first] = part < total - at ? part : total - at;
+        const int status = file->calls->get_vara_double(file->id, variable->id, s->start, s->count, scratch);
         if (status != NC_NOERR) return ty_netcdf_fail(file, status);
-        for (size_t i = 0; i < count[first] * row; ++i) out[at * row + i] = unpack(&p, scratch[i]);
+        for (size_t i = 0; i < s->count[first] * row; ++i) out[at * row + i] = unpack(&p, scratch[i]);
     }
     return TY_OK;
 }
 
-ty_result ty_netcdf_load(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time, float** out,
-                         size_t* count) {
-    size_t total = 1, longest = 1;
+/* Number of values, and length of the first axis of more than one. */
+static ty_result count_values(const ty_netcdf_file* file, const ty_netcdf_variable* variable, const slab* s,
+                              size_t* total, size_t* longest) {
     bool begun = false;
+    *total = *longest = 1;
     for (int d = 0; d < variable->dimension_count; ++d) {
-        const size_t length = d == variable->times ? 1 : variable->lengths[d];
-        if (length > 0 && total > SIZE_MAX / 16 / length)
+        const size_t length = s->count[d];
+        if (length > 0 && *total > SIZE_MAX / 16 / length)
             return ty_fail(file->context, TY_ERROR_INPUT, "%s: \"%s\" is too large", file->path, variable->name);
-        total *= length;
+        *total *= length;
         if (!begun && length > 1) {
-            longest = length;
+            *longest = length;
             begun = true;
         }
     }
-    if (total == 0) return ty_fail(file->context, TY_ERROR_INPUT, "%s: \"%s\" is empty", file->path, variable->name);
-    if (total / RATIO_MAX > file->size)
+    return *total > 0 ? TY_OK
+                      : ty_fail(file->context, TY_ERROR_INPUT, "%s: \"%s\" is empty", file->path, variable->name);
+}
+
+ty_result ty_netcdf_load(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time, int along,
+                         size_t first, size_t length, float** out, size_t* count) {
+    size_t total = 1, longest = 1;
+    const slab whole = make_slab(variable, time, -1, 0, 0);
+    slab s = make_slab(variable, time, along, first, length);
+    ty_result result = count_values(file, variable, &whole, &total, &longest);
+    if (result == TY_OK && total / RATIO_MAX > file->size)
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: %llu bytes cannot hold the %zu values of \"%s\"", file->path,
                        (unsigned long long)file->size, total, variable->name);
+    if (result == TY_OK) result = count_values(file, variable, &s, &total, &longest);
+    if (result != TY_OK) return result;
     const size_t row = total / longest;
     size_t part = PART / sizeof(double) / row;
     part = part < 1 ? 1 : part > longest ? longest : part;
     double* scratch = ty_alloc_array(file->context, part * row, sizeof *scratch, false);
     float* values = scratch == NULL ? NULL : ty_alloc_array(file->context, total, sizeof *values, false);
-    ty_result result = values == NULL ? TY_ERROR_MEMORY : TY_OK;
-    if (result == TY_OK) result = read_parts(file, variable, time, part, row, scratch, values);
+    result = values == NULL ? TY_ERROR_MEMORY : read_parts(file, variable, &s, part, row, scratch, values);
     ty_free_array(file->context, scratch, part * row, sizeof *scratch);
     if (result != TY_OK) {
         ty_free_array(file->context, values, total, sizeof *values);

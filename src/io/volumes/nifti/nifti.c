@@ -3,14 +3,12 @@
 
 #include "base/context.h"
 #include "io/file.h"
-#include "io/volumes/inflate.h"
+#include "io/volumes/gzip_file.h"
 #include "io/volumes/sample_file.h"
 #include "io/volumes/volume_file.h"
 
 #include <string.h>
 #include <strings.h>
-
-static const size_t file_size_max = (size_t)1 << 36;
 
 bool ty_is_nifti_file(const char* path) {
     uint8_t head[TY_NIFTI2_BYTES];
@@ -62,43 +60,32 @@ static ty_result cut_short(ty_context* context, const char* path, const ty_nifti
                    nifti->size[1], nifti->size[2], nifti->channels, ty_sample_name(nifti->type), nifti->volumes);
 }
 
-/* As ty_file_form_fn: packed files that the header's data may fill. */
-static ty_result inspect(ty_context* context, const char* path, uint8_t* head, size_t size, ty_file_form* form) {
-    ty_nifti nifti;
-    uint8_t plain[TY_NIFTI2_BYTES];
-    uint64_t got = 0;
-    ty_inflate_gzip(head, size, 0, plain, sizeof plain, &got);
-    if (!ty_is_nifti(plain, got < sizeof plain ? (size_t)got : sizeof plain)) return TY_OK; /* an .img */
-    const ty_result result = ty_nifti_parse(context, path, plain, sizeof plain, &nifti);
-    if (result == TY_OK)
-        form->longest = nifti.data + 2 * (uint64_t)nifti.volumes * volume_bytes(&nifti) + TY_FILE_SLACK;
-    return result;
-}
-
-static ty_result unpack(ty_context* context, const char* path, const ty_nifti* nifti, uint64_t first, uint8_t** bytes,
-                        size_t* size) {
-    uint8_t* packed = NULL;
-    size_t packed_size = 0;
-    ty_result result = ty_read_inspected_file(context, path, file_size_max, inspect, &packed, &packed_size);
+/* The grid of a packed file, whose samples begin after `first` inflated bytes. */
+static ty_result read_packed(ty_context* context, const char* path, const ty_nifti* nifti, uint64_t first,
+                             ty_samples* samples, const ty_grid_def* def, ty_grid** out) {
+    ty_gzip_file file;
+    ty_result result = ty_gzip_file_open(context, path, 0, first, volume_bytes(nifti), &file);
     if (result != TY_OK) return result;
-    const size_t wanted = volume_bytes(nifti);
-    if (first + wanted > (uint64_t)packed_size * TY_INFLATE_RATIO_MAX) result = cut_short(context, path, nifti);
-    uint8_t* plain = result == TY_OK ? ty_alloc_array(context, wanted + 1, 1, false) : NULL;
-    if (result == TY_OK && plain == NULL) result = TY_ERROR_MEMORY;
-    uint64_t got = 0;
-    if (result == TY_OK) {
-        const ty_inflated inflated = ty_inflate_gzip(packed, packed_size, first, plain, wanted, &got);
-        if (inflated == TY_INFLATED_SHORT) result = cut_short(context, path, nifti);
-        if (inflated == TY_INFLATED_DAMAGED)
-            result = ty_fail(context, TY_ERROR_INPUT, "%s: the gzip data is damaged or cut short", path);
+    if (first + file.size > file.packed * TY_INFLATE_RATIO_MAX) {
+        result = cut_short(context, path, nifti);
+    } else {
+        samples->read = ty_gzip_file_read;
+        samples->user = &file;
+        result = ty_samples_make_grid(context, samples, def, out);
+        if (result == TY_OK) {
+            file.fault = ty_gzip_file_finish(&file);
+            if (file.fault == TY_INFLATED_SHORT || file.fault == TY_INFLATED_DAMAGED) {
+                ty_grid_release(*out);
+                *out = NULL;
+                result = TY_ERROR_INPUT;
+            }
+        }
+        if (result == TY_ERROR_INPUT && file.fault == TY_INFLATED_SHORT) cut_short(context, path, nifti);
+        if (result == TY_ERROR_INPUT && file.fault == TY_INFLATED_DAMAGED)
+            ty_fail(context, TY_ERROR_INPUT, "%s: the gzip data is damaged or cut short", path);
     }
-    ty_free_file(context, packed, packed_size);
-    if (result != TY_OK && plain != NULL) ty_free_file(context, plain, wanted);
-    if (result != TY_OK) return result;
-    plain[wanted] = 0;
-    *bytes = plain;
-    *size = wanted;
-    return TY_OK;
+    ty_gzip_file_close(&file);
+    return result;
 }
 
 /* Opens a file of samples that are not packed, from `first` on. */
@@ -138,21 +125,15 @@ static ty_result read_volume(ty_context* context, const char* path, const ty_nif
     memcpy(def.size, nifti->size, sizeof def.size);
     def.index_to_local = nifti->index_to_local;
     def.placed = true;
-    uint8_t* bytes = NULL;
-    size_t size = 0;
     bool packed = false;
     ty_result result = find_packed(context, path, &packed);
-    if (result == TY_OK && packed) result = unpack(context, path, nifti, first, &bytes, &size);
-    if (result == TY_OK && !packed) result = open_plain(context, path, nifti, first, &file);
+    if (result == TY_OK && packed) return read_packed(context, path, nifti, first, &samples, &def, out);
+    if (result == TY_OK) result = open_plain(context, path, nifti, first, &file);
     if (result != TY_OK) return result;
-    samples.bytes = bytes;
-    samples.read = packed ? NULL : ty_sample_file_read;
+    samples.read = ty_sample_file_read;
     samples.user = &file;
     result = ty_samples_make_grid(context, &samples, &def, out);
-    if (packed)
-        ty_free_file(context, bytes, size);
-    else
-        ty_sample_file_close(&file);
+    ty_sample_file_close(&file);
     return result;
 }
 

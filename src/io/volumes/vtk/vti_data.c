@@ -78,88 +78,148 @@ static ty_result cut_short(const ty_vtk_image* image, const ty_vtk_array* array)
     return ty_vtk_damaged(image, array->name, "is damaged or cut short");
 }
 
-static ty_result load_plain(const ty_vtk_image* image, const ty_vtk_array* array, size_t needed, stream* s,
-                            uint8_t** owned, const uint8_t** samples) {
-    uint64_t size = 0;
-    if (!take_word(image, s, &size)) return cut_short(image, array);
-    if (size != needed) return wrong_size(image, array, size, needed);
-    if (left(s) < needed) return cut_short(image, array);
-    if (!s->base64) {
-        *samples = s->at;
-        return TY_OK;
-    }
-    *owned = ty_alloc_array(image->context, needed, 1, false);
-    if (*owned == NULL) return TY_ERROR_MEMORY;
-    *samples = *owned;
-    return take(s, *owned, needed) ? TY_OK : cut_short(image, array);
+/* ---- reading in parts ---- */
+
+enum { PART_MAX = 1 << 16 }; /* bytes of base64 that are decoded at once where they are left out */
+
+struct ty_vtk_reader {
+    const ty_vtk_image* image;
+    const ty_vtk_array* array;
+    size_t needed;                       /* bytes of the values */
+    stream start, s;                     /* behind the sizes; as far as it was read */
+    size_t at;                           /* bytes of the values that were read */
+    uint64_t count, size, last, largest; /* of blocks; last: bytes of the last block, or 0 if it is a whole one */
+    uint64_t* packed;                    /* packed bytes of each block; NULL: not compressed */
+    uint64_t next;                       /* block */
+    uint8_t *scratch, *block;
+    size_t waiting; /* bytes at the end of the block that was inflated last */
+    uint8_t* bytes; /* the part that was asked for last */
+    size_t capacity;
+};
+
+static uint64_t block_size(const ty_vtk_reader* r, uint64_t i) {
+    return i + 1 == r->count && r->last > 0 ? r->last : r->size;
 }
 
-typedef struct blocks {
-    uint64_t count, size, last; /* last: bytes of the last block, or 0 if it is a whole one */
-    uint64_t* packed;           /* packed bytes of each */
-    uint64_t largest;
-} blocks;
+static bool inflate_next(ty_vtk_reader* r) {
+    if (r->next >= r->count) return false;
+    const uint64_t size = block_size(r, r->next), packed = r->packed[r->next++];
+    uLongf got = size;
+    r->waiting = size;
+    return take(&r->s, r->scratch, packed) && uncompress(r->block, &got, r->scratch, packed) == Z_OK && got == size;
+}
 
-/* Inflates all blocks to `to`. */
-static bool inflate_blocks(stream* s, const blocks* b, uint8_t* scratch, uint8_t* to) {
-    for (uint64_t i = 0; i < b->count; ++i) {
-        const uint64_t size = i + 1 == b->count && b->last > 0 ? b->last : b->size;
-        uLongf got = size;
-        if (!take(s, scratch, b->packed[i])) return false;
-        if (uncompress(to, &got, scratch, b->packed[i]) != Z_OK || got != size) return false;
-        to += size;
+/* Reads bytes that follow; `to` is NULL where they are left out. */
+static bool read_next(ty_vtk_reader* r, uint8_t* to, size_t size) {
+    uint8_t left_out[PART_MAX];
+    r->at += size;
+    while (size > 0) {
+        size_t part = size;
+        if (r->packed == NULL) {
+            if (to == NULL && part > PART_MAX) part = PART_MAX;
+            if (!take(&r->s, to != NULL ? to : left_out, part)) return false;
+        } else {
+            if (r->waiting == 0 && !inflate_next(r)) return false;
+            if (part > r->waiting) part = r->waiting;
+            const uint64_t block = block_size(r, r->next - 1);
+            if (to != NULL) memcpy(to, r->block + (block - r->waiting), part);
+            r->waiting -= part;
+        }
+        if (to != NULL) to += part;
+        size -= part;
     }
     return true;
 }
 
-static ty_result load_blocks(const ty_vtk_image* image, const ty_vtk_array* array, size_t needed, stream* s, blocks* b,
-                             uint8_t** owned) {
-    for (uint64_t i = 0; i < b->count; ++i) {
-        if (!take_word(image, s, &b->packed[i])) return cut_short(image, array);
-        if (b->packed[i] > b->largest) b->largest = b->packed[i];
+/* As `read` of ty_samples. Reads that go back begin anew. */
+static ty_result read_part(void* user, size_t at, size_t size, const uint8_t** bytes) {
+    ty_vtk_reader* r = user;
+    if (size > r->capacity) {
+        ty_free_array(r->image->context, r->bytes, r->capacity, 1);
+        r->bytes = ty_alloc_array(r->image->context, size, 1, false);
+        r->capacity = r->bytes != NULL ? size : 0;
+        if (r->bytes == NULL) return TY_ERROR_MEMORY;
     }
-    if (b->largest > left(s)) return cut_short(image, array);
-    uint8_t* scratch = ty_alloc_array(image->context, b->largest, 1, false);
-    *owned = scratch == NULL ? NULL : ty_alloc_array(image->context, needed, 1, false);
-    ty_result result = *owned == NULL ? TY_ERROR_MEMORY : TY_OK;
-    if (result == TY_OK && !inflate_blocks(s, b, scratch, *owned)) result = cut_short(image, array);
-    ty_free_array(image->context, scratch, b->largest, 1);
-    return result;
+    if (at < r->at) {
+        r->s = r->start;
+        r->at = r->next = r->waiting = 0;
+    }
+    *bytes = r->bytes;
+    return read_next(r, NULL, at - r->at) && read_next(r, r->bytes, size) ? TY_OK : cut_short(r->image, r->array);
 }
 
-static ty_result load_packed(const ty_vtk_image* image, const ty_vtk_array* array, size_t needed, stream* s,
-                             uint8_t** owned, const uint8_t** samples) {
-    blocks b = {0};
-    if (!take_word(image, s, &b.count) || !take_word(image, s, &b.size) || !take_word(image, s, &b.last))
-        return cut_short(image, array);
-    const uint64_t whole = b.count - (b.count > 0 && b.last > 0);
+static ty_result open_plain(ty_vtk_reader* r) {
+    uint64_t size = 0;
+    if (!take_word(r->image, &r->s, &size)) return cut_short(r->image, r->array);
+    if (size != r->needed) return wrong_size(r->image, r->array, size, r->needed);
+    return left(&r->s) < r->needed ? cut_short(r->image, r->array) : TY_OK;
+}
+
+/* Bytes of the room for an inflated block. */
+static uint64_t room(const ty_vtk_reader* r) {
+    return r->count == 1 ? r->needed : r->size;
+}
+
+static ty_result open_blocks(ty_vtk_reader* r) {
+    const ty_vtk_image* image = r->image;
+    if (!take_word(image, &r->s, &r->count) || !take_word(image, &r->s, &r->size) || !take_word(image, &r->s, &r->last))
+        return cut_short(image, r->array);
+    const uint64_t whole = r->count - (r->count > 0 && r->last > 0);
     uint64_t total = 0;
-    if (__builtin_mul_overflow(whole, b.size, &total) || __builtin_add_overflow(total, b.last, &total) ||
-        b.last > b.size || total != needed)
-        return wrong_size(image, array, total, needed);
+    if (__builtin_mul_overflow(whole, r->size, &total) || __builtin_add_overflow(total, r->last, &total) ||
+        r->last > r->size || total != r->needed)
+        return wrong_size(image, r->array, total, r->needed);
     /* Neither a block's own size nor its zlib stream takes less than a few bytes. */
-    if (b.count > left(s) / sizeof(uint32_t) || needed / RATIO_MAX > left(s)) return cut_short(image, array);
-    b.packed = ty_alloc_array(image->context, b.count, sizeof *b.packed, false);
-    if (b.packed == NULL) return TY_ERROR_MEMORY;
-    const ty_result result = load_blocks(image, array, needed, s, &b, owned);
-    ty_free_array(image->context, b.packed, b.count, sizeof *b.packed);
-    *samples = *owned;
-    return result;
+    if (r->count > left(&r->s) / sizeof(uint32_t) || r->needed / RATIO_MAX > left(&r->s))
+        return cut_short(image, r->array);
+    r->packed = ty_alloc_array(image->context, r->count, sizeof *r->packed, false);
+    if (r->packed == NULL) return TY_ERROR_MEMORY;
+    for (uint64_t i = 0; i < r->count; ++i) {
+        if (!take_word(image, &r->s, &r->packed[i])) return cut_short(image, r->array);
+        if (r->packed[i] > r->largest) r->largest = r->packed[i];
+    }
+    if (r->largest > left(&r->s)) return cut_short(image, r->array);
+    r->scratch = ty_alloc_array(image->context, r->largest, 1, false);
+    r->block = r->scratch == NULL ? NULL : ty_alloc_array(image->context, room(r), 1, false);
+    return r->block != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
-ty_result ty_vtk_load(const ty_vtk_image* image, const ty_vtk_array* array, size_t needed, uint8_t** owned,
-                      const uint8_t** samples) {
+ty_result ty_vtk_open(const ty_vtk_image* image, const ty_vtk_array* array, size_t needed, ty_samples* samples,
+                      ty_vtk_reader** out) {
     const size_t end = array->end < image->size ? (size_t)array->end : image->size;
+    *out = NULL;
     if (array->at > end) return cut_short(image, array);
     stream s = {image->bytes + array->at, image->bytes + end, array->form == TY_VTK_BASE64, {0}, 0};
     if (array->form == TY_VTK_PLAIN) {
-        *samples = s.at;
+        samples->bytes = s.at;
         return left(&s) < needed ? cut_short(image, array) : TY_OK;
     }
-    ty_result result = image->compressed ? load_packed(image, array, needed, &s, owned, samples)
-                                         : load_plain(image, array, needed, &s, owned, samples);
-    if (result == TY_OK || *owned == NULL) return result;
-    ty_free_array(image->context, *owned, needed, 1);
-    *owned = NULL;
+    ty_vtk_reader* r = ty_alloc_array(image->context, 1, sizeof *r, true);
+    if (r == NULL) return TY_ERROR_MEMORY;
+    *r = (ty_vtk_reader){.image = image, .array = array, .needed = needed, .s = s};
+    *out = r;
+    const ty_result result = image->compressed ? open_blocks(r) : open_plain(r);
+    r->start = r->s;
+    if (image->compressed || s.base64) {
+        samples->read = read_part;
+        samples->user = r;
+    } else {
+        samples->bytes = r->s.at;
+    }
     return result;
+}
+
+ty_result ty_vtk_finish(ty_vtk_reader* r) {
+    if (r == NULL || r->at == r->needed || (r->packed == NULL && !r->s.base64)) return TY_OK;
+    return read_next(r, NULL, r->needed - r->at) ? TY_OK : cut_short(r->image, r->array);
+}
+
+void ty_vtk_close_reader(ty_vtk_reader* r) {
+    if (r == NULL) return;
+    ty_context* context = r->image->context;
+    ty_free_array(context, r->packed, r->count, sizeof *r->packed);
+    ty_free_array(context, r->scratch, r->largest, 1);
+    ty_free_array(context, r->block, room(r), 1);
+    ty_free_array(context, r->bytes, r->capacity, 1);
+    ty_free_array(context, r, 1, sizeof *r);
 }

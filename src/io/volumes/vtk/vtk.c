@@ -183,14 +183,21 @@ static ty_result read_text(const ty_vtk_image* image, const ty_vtk_array* array,
 static ty_result read_bytes(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component, size_t voxels,
                             const ty_grid_def* def, ty_grid** out) {
     const size_t needed = voxels * (size_t)array->components * ty_sample_size(array->type);
-    uint8_t* owned = NULL;
+    ty_vtk_reader* reader = NULL;
     ty_samples samples = {.type = array->type,
                           .big_endian = image->big_endian,
                           .first = (size_t)component,
                           .step = (size_t)array->components};
-    ty_result result = ty_vtk_load(image, array, needed, &owned, &samples.bytes);
+    ty_result result = ty_vtk_open(image, array, needed, &samples, &reader);
     if (result == TY_OK) result = ty_samples_make_grid(image->context, &samples, def, out);
-    ty_free_array(image->context, owned, needed, 1);
+    if (result == TY_OK) {
+        result = ty_vtk_finish(reader);
+        if (result != TY_OK) {
+            ty_grid_release(*out);
+            *out = NULL;
+        }
+    }
+    ty_vtk_close_reader(reader);
     return result;
 }
 

@@ -61,10 +61,14 @@ ty_result ty_vtk_read_values(const ty_vtk_image* image, const ty_vtk_array* arra
                              ty_grid** out);
 ty_result ty_vtk_damaged(const ty_vtk_image* image, const char* name, const char* what);
 
-/* Finds the `needed` bytes of an array's values, form TEXT excepted: *samples lies in the file or in *owned, an array
- * of `needed` bytes from ty_alloc_array. */
-ty_result ty_vtk_load(const ty_vtk_image* image, const ty_vtk_array* array, size_t needed, uint8_t** owned,
-                      const uint8_t** samples);
+/* Finds the `needed` bytes of an array's values, form TEXT excepted: sets `bytes`, or `read` and `user`, of samples.
+ * ty_vtk_close_reader must follow, whatever the result. */
+typedef struct ty_vtk_reader ty_vtk_reader;
+ty_result ty_vtk_open(const ty_vtk_image* image, const ty_vtk_array* array, size_t needed, ty_samples* samples,
+                      ty_vtk_reader** out);
+/* Decodes what was not read, and fails if it is damaged. */
+ty_result ty_vtk_finish(ty_vtk_reader* r);
+void ty_vtk_close_reader(ty_vtk_reader* r);
 
 /* As ty_volume_read and so on, of a .vti or .vtk file. component is -1 if only arrays of one value are accepted. */
 ty_result ty_vtk_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
