@@ -68,7 +68,7 @@ TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec
     float sigma_s[3], g[3];
     ty_medium_sigma_s(track->medium, point, sigma_s);
     ty_medium_g(track->medium, point, g);
-    for (int32_t c = 0; first == 0 && c < 3; ++c) {
+    for (int32_t c = 0; c < 3; ++c) {
         scattering->amount[c] += sigma_s[c] * track->column;
         scattering->forward[c] += g[c] * sigma_s[c] * track->column;
         scattering->third[c] += g[c] * g[c] * g[c] * sigma_s[c] * track->column;
@@ -157,7 +157,7 @@ TY_FN void ty_march_add_field_light(ty_march_ray* ray, ty_vec point, float extin
 /* Adds the light of a step to the ray, looked up `at` metres along it. */
 TY_FN void ty_march_add_light(ty_march_ray* ray, float at, const ty_march_visibility* visibility) {
     TY_GLOBAL const ty_march_request* request = ray->request;
-    ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
+    ty_march_scattering scattering;
     ty_near_light lights[TY_MARCH_LIGHTS_GROUP];
     const ty_vec point = ty_mad(ray->origin, ray->direction, at);
     const float extinction = ty_march_extinction(ray, at);
@@ -166,6 +166,7 @@ TY_FN void ty_march_add_light(ty_march_ray* ray, float at, const ty_march_visibi
         const int32_t after = first + TY_MARCH_LIGHTS_GROUP;
         const int32_t end = after < TY_MARCH_LIGHTS_MAX && after < request->light_count ? after : request->light_count;
         ty_near_lookup(request, point, extinction, first, end, lights);
+        memset(&scattering, 0, sizeof scattering);
         for (int32_t i = 0; i < ray->active_count; ++i) {
             const ty_track* track = &ray->tracks[ray->active[i]];
             if (!(track->column > 0.0f)) continue;
