@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what the build needs, if anything is missing (Debian 12 and its relatives).
-# usage: scripts/setup.sh [build|fuzz|format|tidy|docs|page|corpora|package|python|blender]...   (default: build)
+# usage: scripts/setup.sh [build|fuzz|format|tidy|docs|page|engines|corpora|package|python|blender]...   (default: build)
 set -euo pipefail
 
 # a|b: either will do; the first is installed when neither is there.
@@ -10,7 +10,7 @@ build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopen
   libjansson-dev libdraco-dev libmeshoptimizer-dev
   libtiff-dev libgdcm-dev libcharls-dev libopenjp2-7-dev libzstd-dev
   libcairo2-dev fonts-dejavu-core libcmocka-dev libcivetweb-dev libturbojpeg0-dev
-  libopenmpi-dev openmpi-bin) # the last two are optional, and CMake says so where they are missing
+  libopenmpi-dev openmpi-bin libhypre-dev) # the last three are optional, and CMake says so where they are missing
 fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)
 tidy=(clang-tidy python3)
@@ -19,6 +19,7 @@ package=(dpkg-dev file)
 corpora=(python3 openimageio-tools libopenvdb-tools teem-apps) # tests/corpora/read_all.py
 python=(python3-dev python3-numpy python3-setuptools python3-wheel python3-pip) # the Python package and its tests
 blender=(blender python3-numpy xvfb libgl1-mesa-dri) # tests of the Blender add-on, and its screenshots; several hundred MB
+engines=(mono-mcs godot3-server) # tests of the scripts for Unity and Godot
 page=("chromium|chromium-browser|google-chrome-stable" python3) # tests of compare's report.html
 
 needed=()
@@ -32,9 +33,10 @@ for group in "${@:-build}"; do
     corpora) needed+=("${corpora[@]}") ;;
     python) needed+=("${python[@]}") ;;
     blender) needed+=("${blender[@]}") ;;
+    engines) needed+=("${engines[@]}") ;;
     page) needed+=("${page[@]}") ;;
     package) needed+=("${package[@]}") ;;
-    *) echo "setup: unknown group '$group'; known: build, fuzz, format, tidy, docs, page, corpora, package, python, blender" >&2; exit 2 ;;
+    *) echo "setup: unknown group '$group'; known: build, fuzz, format, tidy, docs, page, engines, corpora, package, python, blender" >&2; exit 2 ;;
   esac
 done
 

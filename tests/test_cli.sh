@@ -73,7 +73,7 @@ test_usage() {
     usage_error 'locked' render builtin:cube_g0 -o locked/a.exr
   fi
   usage_error "did you mean 'path'" bench pat
-  usage_error 'machine, path, direct, rays, screen, fld, pop, lpv, dom, octaves, denoise, impulse, bake, view, load, device, edit, all' bench everything
+  usage_error 'machine, path, direct, rays, screen, fld, pop, lpv, dom, octaves, gradient, denoise, impulse, bake, view, load, device, edit, all' bench everything
   absent a.exr
 }
 

@@ -158,6 +158,24 @@ test_matrix() {
   said made/matrix/tables.md '^\| spot_room_homogeneous_thin_g0.9_a0.9 \([0-9.]+\) \|( ([0-9.]+ / [0-9.]+ / [0-9.e-]+|refuses) \|)+$'
 }
 
+# Ranks, where there are any: in full by mpirun, and a line where there is none.
+test_ranks() {
+  path=$PATH
+  mkdir bare
+  PATH=$PWD/bare
+  expect 2 figure scaling -o made --quick
+  PATH=$path
+  said err.txt '^tyndall: scaling-ranks is skipped: there is no mpirun, which it needs$'
+  absent made/scaling-ranks.png
+  if [ -z "${TYNDALL_IN_FULL:-}" ] || ! command -v mpirun > /dev/null || [ ! -e "${tyndall%/*}/tyndall-mpi.so" ]; then return; fi
+  expect 0 figure scaling -o made --quick --latency 1e-5
+  figure_files scaling-ranks
+  said made/scaling-ranks.csv '^"path, strong, 4 ranks",their bytes,B,[1-9]'
+  said made/scaling-ranks.csv '^"dom, planned, 4096 ranks","efficiency, KBA.s schedule",1,0'
+  said made/scaling-ranks.csv '^"dom, planned, 1 ranks",efficiency,1,1,,$'
+  said made/scaling-ranks.csv '^"dom, planned, 4096 ranks",memory of a rank,GB,[0-9]'
+}
+
 # plant NAME OLD NEW: another text in what a figure left.
 plant() {
   sed -i "0,/$2/s//$3/" "gate/$1.json"
@@ -258,6 +276,7 @@ test_ordinates
 test_propagation
 test_discrete
 test_matrix
+test_ranks
 test_gate
 test_refusals
 test_summary

@@ -42,6 +42,8 @@ test_messages() {
   usage_error 'o FILE is missing' fluence builtin:cube_g0
   usage_error 'extension is not .vti, .vdb, .ktx2 or .dds' fluence builtin:cube_g0 -o a.nrrd
   usage_error 'texture and --scattered are for .ktx2 and .dds' fluence builtin:cube_g0 -o a.vti --texture fluence
+  usage_error 'texture phase is of --method dom' fluence builtin:cube_g0 -o a.ktx2 --texture phase --method path
+  usage_error 'leaves out uncollided light anyway' fluence builtin:cube_g0 -o a.ktx2 --texture phase --scattered
   usage_error 'half is for .vdb' fluence builtin:cube_g0 -o a.vti --half
   usage_error "'8,8' is not X,Y,Z" fluence builtin:cube_g0 -o a.vti --size 8,8
   usage_error "'8,8,8.5' is not X,Y,Z" fluence builtin:cube_g0 -o a.vti --size 8,8,8.5
@@ -73,9 +75,16 @@ test_textures() {
   near "$1" "$(mean cells.vti fluence)" 0.001
   near "$(python3 -c "print($1 - $3)")" "$(mean cells.vti uncollided)" 0.002
   expect 0 fluence builtin:cube_g0 -o a.dds --size 6,6,6
+  # Light in two parts is the whole: uncollided light that is scattered evenly, and all other.
+  expect 0 fluence builtin:cube_g0 -o whole.ktx2 --size 6,6,6 --no-zstd
+  expect 0 fluence builtin:cube_g0 -o parts.ktx2 --size 6,6,6 --no-zstd --texture phase
+  said parts.json '"texture": "parts_directions.ktx2"'
+  said parts.json 'approximated: directions: those of luminance'
+  set -- $(mean_of_texture whole.ktx2) $(mean_of_texture parts.ktx2) $(mean_of_texture parts_uncollided.ktx2)
+  near "$(python3 -c "import math; print($3 + $5 / 4 / math.pi)")" "$1" 0.002
 }
 
 echo '{"tyndall": 1}' > empty.json
 for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
 no_temporary_files
-finish 30
+finish 37

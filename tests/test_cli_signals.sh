@@ -70,6 +70,28 @@ test_conversions() {
   done
 }
 
+# A volume that is mapped becomes shorter: its pages are lost, and the program ends by a signal that it catches.
+test_lost_files() {
+  cat > bricks.json << 'END'
+{"tyndall": 1,
+ "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "fov_y": 40, "resolution": [64, 48]},
+ "media": [{"density": {"file": "noise.bricks"}, "bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 3, "sigma_a": 0.1}],
+ "lights": [{"type": "directional", "direction": [1, -1, 0], "irradiance": [3, 3, 3]}],
+ "render": {"method": "path", "spp": 100000}}
+END
+  head -c 262144 /dev/urandom > noise.raw
+  expect 0 convert noise.raw noise.bricks --raw-size 64,64,64
+  start render bricks.json -o lost.exr
+  truncate -s 5000 noise.bricks
+  finished 2
+  checks=$((checks + 1))
+  [ "$(grep -c '^tyndall: ' err.txt)" -eq 1 ] || fail "not one line: $(grep '^tyndall: ' err.txt)"
+  said err.txt '^tyndall: .*/noise.bricks: it became shorter while it was read, or its disk failed$'
+  absent lost.exr
+  usage_error 'noise.bricks: 5000 bytes, of which its head accounts for' render bricks.json -o lost.exr
+  no_temporary_files
+}
+
 test_tools() {
   "$tyndall" figure list > /dev/null 2>&1 || return 0
   start figure lpv-truth -o figures
@@ -278,6 +300,7 @@ test_kills() {
 test_renders
 test_other_commands
 test_conversions
+test_lost_files
 test_tools
 test_second_signal
 test_ignored_hangup

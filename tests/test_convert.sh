@@ -29,6 +29,25 @@ test_raw_through_every_format() {
   said out.txt '"index_to_local"'
 }
 
+# Bricks hold the same grid; their head and its size are checked.
+test_bricks() {
+  printf 'abcdefghijklmnopqrstuvwx' > letters.raw
+  expect 0 convert letters.raw e.bricks --raw-size 2,3,4 --raw-spacing 1,2,0.5
+  expect 0 convert letters.raw f.nrrd --raw-size 2,3,4 --raw-spacing 1,2,0.5 --codec none
+  expect 0 convert e.bricks g.nrrd --codec none
+  identical f.nrrd g.nrrd
+  expect 0 info e.bricks
+  said out.txt '^values +1 per voxel, half when read, paged, with tables of '
+  said out.txt '^range +97 to 120, mean 108.5$'
+  expect 0 info e.bricks --json
+  said out.txt '"storage": "paged"'
+  usage_error "codec 'zip' is not one of none" convert letters.raw e.bricks --raw-size 2,3,4 --codec zip
+  head -c 9000 e.bricks > short.bricks
+  usage_error 'short.bricks: 9000 bytes, of which its head accounts for' info short.bricks
+  TMPDIR=$PWD/no usage_error 'cannot write .* bytes of a paged volume to .*/no: No such file' convert letters.raw h.bricks --raw-size 2,3,4
+  absent h.bricks
+}
+
 # dicom FILE Z FIRST: a slice of 2 x 1 samples FIRST and FIRST + 1 (bytes), 3 mm wide pixels, at a height of Z (a digit).
 dicom() {
   { head -c 128 /dev/zero
@@ -137,7 +156,7 @@ test_messages() {
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2
   usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2,1.5
   usage_error 'raw_type is "bits"' convert eight.raw a.vdb --raw-size 2,2,2 --raw-type bits
-  usage_error 'goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz or .vol' convert eight.raw a.txt --raw-size 2,2,2
+  usage_error 'goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz, .vol or .bricks' convert eight.raw a.txt --raw-size 2,2,2
   usage_error "codec 'lzma'" convert eight.raw a.vdb --raw-size 2,2,2 --codec lzma
   usage_error "codec 'blosc'" convert eight.raw a.nvdb --raw-size 2,2,2 --codec blosc
   usage_error 'No such file' convert gone.vdb a.nrrd

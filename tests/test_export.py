@@ -88,6 +88,10 @@ def check_probes(up):
     json.dump([[0.2, 0.3, 0.4], [-0.7, 0.5, 0.1]], open("points.json", "w"))
     tyndall("bake", f"probes_{up[1]}.json", "-o", folder, "--probes", "points.json", "--grid", "2,3,2", "--spp", "64")
     baked = json.load(open(f"{folder}/probes.json"))["probes"]
+    tyndall("bake", f"probes_{up[1]}.json", "-o", folder + "_5", "--probes", "points.json", "--spp", "1", "--sh", "5")
+    for of, notes in ((folder, []), (folder + "_5", ["left out: probes: bands above the third"])):
+        tyndall("export", of, "-o", "notes")
+        assert json.load(open("notes/export.json"))["comment"] == notes, of
     chance = random.Random(1)
     for engine in ENGINES:
         tyndall("export", folder, "-o", f"{folder}_{engine}", "--for", engine)

@@ -145,7 +145,46 @@ END
   rm in/objects.pbrt
   usage_error 'in/files.pbrt:4: the file "objects.pbrt" cannot be read: No such file' convert in/files.pbrt out/files.json
   expect 0 convert in/files.pbrt out/files.json --partial
-  said out.txt '^- the object "three" is not defined, and was left out \(2 times\)$'
+  said out.txt '^- left out: the object "three", which is not defined \(2 times\)$'
+}
+
+# A lamp behind a ball of rough glass: Mitsuba's Beckmann microfacets as GGX of the same median slope. The mean is that of a
+# program of its own that traces this ball, 0.8123 with a standard error of 0.0005 (0.948 with Beckmann's microfacets, 0.607 with
+# GGX of Beckmann's alpha). Measured: 0.2 % from it, with a noise of 0.7 %.
+test_rough_glass() {
+  local glass='<bsdf type="roughdielectric"><float name="alpha" value="0.3"/><float name="int_ior" value="1.29964"/>
+    <float name="ext_ior" value="1"/></bsdf>'
+  cat > glass.xml << END
+<scene version="3.0.0">
+  <integrator type="volpath"><integer name="max_depth" value="13"/></integrator>
+  <sensor type="perspective"><float name="fov" value="34.02205717"/>
+    <transform name="to_world"><lookat origin="0,0.5,4" target="0,-0.5,0" up="0,1,0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="24"/></film>
+    <sampler type="independent"><integer name="sample_count" value="256"/></sampler></sensor>
+  <emitter type="spot"><rgb name="intensity" value="1"/><float name="cutoff_angle" value="60"/>
+    <transform name="to_world"><lookat origin="0,-0.5,-2" target="0,0.5,0" up="0,1,0"/></transform></emitter>
+  <shape type="sphere"><point name="center" x="0" y="-0.104338" z="0"/><float name="radius" value="0.757253"/>$glass</shape>
+</scene>
+END
+  expect 0 convert glass.xml glass.json
+  said out.txt 'that of GGX with the same median slope$'
+  expect 0 render glass.json -o glass.exr -D render.path.energy_compensation=false
+  expect 0 info glass.exr
+  checks=$((checks + 1))
+  awk '$1 == "G" { exit !($3 > 0.79 && $3 < 0.835) }' out.txt || fail "the ball of glass: $(grep '^G' out.txt)"
+}
+
+# Each dielectric with a medium is a file of its own, which bounds both.
+test_filled_glass() {
+  local cube='<bsdf type="dielectric"/><ref name="interior" id="milk"/>'
+  cat > one.xml << END
+<scene version="3.0.0"><medium id="milk" type="homogeneous"/><emitter type="constant"/>
+  <shape type="cube">$cube</shape><shape type="cube"><transform name="to_world"><translate x="3"/></transform>$cube</shape>
+</scene>
+END
+  expect 0 convert one.xml one.json
+  checks=$((checks + 1))
+  [ "$(grep -c '"file": "one_files/mesh_' one.json)" -eq 4 ] || fail "one.json has not a file for each cube and its medium"
 }
 
 # What is left out is printed, and stands in the file.
@@ -153,9 +192,9 @@ test_notes() {
   printf '%s Shape "curve" "point3 P" [0 0 0 1 0 0 2 0 0 3 0 0]\nShape "sphere" "float wings" 2' "$head" > notes.pbrt
   expect 0 convert notes.pbrt notes.json
   said out.txt '^left out or approximated:$'
-  said out.txt '^- Shape "curve" is left out$'
-  said out.txt '^- Shape "sphere": the parameter "wings" has no effect$'
-  said notes.json '"Shape ."?curve.* is left out"'
+  said out.txt '^- left out: Shape "curve"$'
+  said out.txt '^- left out: Shape "sphere": the parameter "wings"$'
+  said notes.json '"left out: Shape ."?curve'
   expect 0 info notes.json
 }
 

@@ -60,22 +60,29 @@ class Gradients(unittest.TestCase):
         medium = {"density": density, "bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 5, "sigma_a": 0.2}
         return tyndall.Scene({"media": [medium], "lights": FOG["lights"]})
 
-    def loss(self, density, weights):
-        light = self.scene(density).solve("fld", tolerance=1e-7)
+    def loss(self, density, weights, method, options):
+        light = self.scene(density).solve(method, **options)
         return float((weights * light.fluence(size=6).values).sum())
 
     def test_voxels_agree_with_differences(self):
+        self.check_voxels("fld", tolerance=1e-6)
+
+    def test_voxels_of_dom(self):
+        self.check_voxels("dom", differentiable=True, tolerance=1e-6, resolution=10, directions=48)
+
+    def check_voxels(self, method, **options):
         density = cloud() + np.float32(0.1)
         random = np.random.default_rng(4)
         weights = random.uniform(0, 1, (6, 6, 6))[..., None] * np.ones(3)
         step = (0.01 * random.uniform(0, 1, density.shape)).astype(np.float32)
         scene = self.scene(density)
-        light = scene.solve("fld", tolerance=1e-6)
+        light = scene.solve(method, **options)
         gradient = light.gradient(weights, size=6)
         self.assertTrue(gradient.stats["converged"])
         self.assertEqual(gradient.density().shape, density.shape)
         self.assertEqual(gradient.extinction.shape, density.shape)
-        difference = (self.loss(density + step, weights) - self.loss(density - step, weights)) / 2
+        losses = [self.loss(density + sign * step, weights, method, options) for sign in (1, -1)]
+        difference = (losses[0] - losses[1]) / 2
         self.assertAlmostEqual(float((gradient.density() * step).sum()) / difference, 1, delta=1e-3)
         total = float((weights * light.fluence(size=6).values).sum())
         self.assertAlmostEqual(gradient.lights.sum() / total, 1, delta=1e-5)  # the loss is linear in the light
@@ -89,8 +96,10 @@ class Gradients(unittest.TestCase):
             light.gradient(np.zeros((2, 2, 2)), size=3)
         with self.assertRaisesRegex(tyndall.ArgumentError, "voxels"):
             light.gradient(np.zeros((3, 3, 3)), size=3).density()
-        with self.assertRaisesRegex(tyndall.ArgumentError, "dom"):
+        with self.assertRaisesRegex(tyndall.ArgumentError, "dom.differentiable"):
             tyndall.Scene(FOG).solve("dom").gradient(np.zeros((3, 3, 3)), size=3)
+        with self.assertRaisesRegex(tyndall.ArgumentError, "not of pop"):
+            tyndall.Scene(FOG).solve("pop").gradient(np.zeros((3, 3, 3)), size=3)
 
     def test_flux(self):
         flux = tyndall.Scene("builtin:step_cloud").flux([0, 250], columns=(4, 1), views=[[0, 0]], spp=256)

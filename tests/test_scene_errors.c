@@ -309,7 +309,7 @@ static const bad_case bad_cases[] = {
     {HEAD "\"render\": {\"screen\": {\"levels\": 16}}}", NULL,
      "s.json:2: render.screen.levels: 16 is outside [1, 15]; write \"auto\" for the default choice"},
     {HEAD "\"render\": {\n\"dom\": {\"resolution\": 0}}}", NULL,
-     "s.json:3: render.dom.resolution: 0 is outside [4, 512]; write \"auto\" for the default choice"},
+     "s.json:3: render.dom.resolution: 0 is outside [4, 1024]; write \"auto\" for the default choice"},
     {HEAD "\"render\": {\n\"dom\": {\"resolution\": \"fine\"}}}", NULL,
      "s.json:3: render.dom.resolution: expected an integer or \"auto\", found \"fine\""},
     {HEAD "\"render\": {\n\"dom\": {\"last_directions\": 7}}}", NULL,

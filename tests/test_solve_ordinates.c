@@ -446,7 +446,7 @@ static void work_can_be_cancelled(void** state) {
 static void broken_defs_are_refused(void** state) {
     static const bad_field fields[] = {
         {offsetof(ty_ordinates_def, size), FIELD_INT, 0, "size[0]"},
-        {offsetof(ty_ordinates_def, size), FIELD_INT, 513, "size[0]"},
+        {offsetof(ty_ordinates_def, size), FIELD_INT, 1025, "size[0]"},
         {offsetof(ty_ordinates_def, cell), FIELD_DOUBLE, 0, "cell[0]"},
         {offsetof(ty_ordinates_def, cell), FIELD_DOUBLE, NAN, "cell[0]"},
         {offsetof(ty_ordinates_def, bands), FIELD_INT, 0, "bands"},

@@ -1,13 +1,20 @@
-/* Sparse grids: voxels, statistics, extremes and images as of the dense grid, memory for what is stored, and files. */
+/* Sparse and paged grids: voxels, statistics, extremes and images as of the dense grid, memory for what is stored, and
+ * files. */
+#define _GNU_SOURCE
 #include "fog.h"
 #include "strict_fixture.h"
 
+#include "base/mapping.h"
 #include "grid/grid.h"
 #include "grid/lookup.k.h"
 
 #include <tyndall/io.h>
 #include <tyndall/octaves.h>
 #include <tyndall/path.h>
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <sys/mman.h>
 
 /* Little memory: a dense grid of the larger sizes here fits once. */
 static int start_small(void** state) {
@@ -86,6 +93,18 @@ static void storage_changes_nothing_else(void** state) {
             assert_int_equal(info.stored % 512, 0);
             assert_same(dense, sparse);
             assert_same(dense, again);
+            ty_grid *paged = stored(dense, TY_GRID_PAGED), *copied = stored(sparse, TY_GRID_PAGED);
+            ty_grid *back = stored(paged, TY_GRID_SPARSE), *same = stored(paged, TY_GRID_AUTO);
+            assert_int_equal(ty_grid_get_info(paged).storage, TY_GRID_PAGED);
+            assert_int_equal(ty_grid_get_info(back).storage, TY_GRID_SPARSE);
+            assert_ptr_equal(same, paged);
+            assert_same(dense, paged);
+            assert_same(dense, copied);
+            assert_same(dense, back);
+            ty_grid_release(paged);
+            ty_grid_release(copied);
+            ty_grid_release(back);
+            ty_grid_release(same);
             ty_grid_release(dense);
             ty_grid_release(sparse);
             ty_grid_release(again);
@@ -208,6 +227,42 @@ static void raw_files_are_read_in_parts(void** state) {
     }
 }
 
+/* Every block of these varies: sparse, the grid would take as much as dense, 24.4 MiB. */
+static void paged_files_need_little_memory(void** state) {
+    (void)state;
+    float* values = malloc(LARGE * sizeof *values);
+    assert_non_null(values);
+    for (size_t i = 0; i < LARGE; ++i) values[i] = (float)(i % 97);
+    put_file("paged.raw", values, LARGE * sizeof *values);
+    memory.limit = (size_t)8 << 20;
+    ty_volume_def def = ty_default_volume_def();
+    def.raw_size[0] = LARGE_X;
+    def.raw_size[1] = LARGE_Y;
+    def.raw_size[2] = LARGE_Z;
+    snprintf(def.raw_type, sizeof def.raw_type, "float");
+    ty_grid *grid = NULL, *bricks = NULL;
+    assert_failed(context, ty_volume_read(context, "paged.raw", &def, &grid), TY_ERROR_MEMORY, "memory", "MiB");
+    def.storage = TY_GRID_PAGED;
+    assert_int_equal(ty_volume_read(context, "paged.raw", &def, &grid), TY_OK);
+    const ty_volume_field field = {.name = "density", .components = 1, .grids = {grid}};
+    assert_int_equal(ty_volume_write(context, &field, 1, NULL, "paged.bricks"), TY_OK);
+    ty_volume_def plain = ty_default_volume_def();
+    assert_int_equal(ty_volume_read(context, "paged.bricks", &plain, &bricks), TY_OK);
+    for (const ty_grid* each = grid; each != NULL; each = each == grid ? bricks : NULL) {
+        const ty_grid_info info = ty_grid_get_info(each);
+        assert_int_equal(info.storage, TY_GRID_PAGED);
+        assert_true(info.bytes < 12 * 26 * 26 * 21 + 1024 && info.stored == 512 * (25 * 25 * 20 + 1));
+        for (int32_t k = 0; k < LARGE_Z; ++k)
+            for (int32_t j = 0; j < LARGE_Y; ++j)
+                for (int32_t i = 0; i < LARGE_X; ++i)
+                    if (ty_grid_voxel(each, i, j, k) != values[(size_t)i + LARGE_X * ((size_t)j + LARGE_Y * (size_t)k)])
+                        fail_msg("voxel %d %d %d", i, j, k);
+    }
+    ty_grid_release(grid);
+    ty_grid_release(bricks);
+    free(values);
+}
+
 /* Packed files are inflated in parts, and again for the voxels that are stored. */
 static void packed_files_are_read_in_parts(void** state) {
     (void)state;
@@ -284,23 +339,68 @@ static ty_image* draw(ty_grid* grid, bool transfer, bool marched) {
     return image;
 }
 
+/* A thread that takes the pages of a paged grid out of memory, again and again. */
+typedef struct evictor {
+    pthread_t thread;
+    const ty_grid* grid;
+    _Atomic bool ends;
+    _Atomic int64_t times;
+} evictor;
+
+static void* evict(void* user) {
+    evictor* e = user;
+    const ty_mapping* mapping = e->grid->blocks.mapping;
+    while (!atomic_load(&e->ends)) {
+        if (madvise(mapping->bytes, mapping->size, MADV_DONTNEED) != 0) return NULL;
+        atomic_fetch_add(&e->times, 1);
+    }
+    return NULL;
+}
+
+static ty_image* draw_evicted(ty_grid* grid, bool transfer, bool marched) {
+    evictor e = {.grid = grid};
+    assert_int_equal(ty_grid_get_info(grid).storage, TY_GRID_PAGED);
+    assert_int_equal(pthread_create(&e.thread, NULL, evict, &e), 0);
+    ty_image* image = NULL;
+    int64_t before = 0;
+    /* again where the system has given the thread no time meanwhile; on an idle machine, pages go thousands of times */
+    for (int i = 0; i < 200 && (image == NULL || atomic_load(&e.times) <= before + 3); ++i) {
+        ty_image_destroy(image);
+        before = atomic_load(&e.times);
+        image = draw(grid, transfer, marched);
+    }
+    assert_true(atomic_load(&e.times) > before + 3);
+    atomic_store(&e.ends, true);
+    pthread_join(e.thread, NULL);
+    return image;
+}
+
+static void assert_same_image(const ty_image* a, const ty_image* b, int kind) {
+    float sum = 0;
+    for (int32_t c = 0; c < 3; ++c) {
+        const float *x = ty_image_plane_const(a, c), *y = ty_image_plane_const(b, c);
+        for (int i = 0; i < PIXELS; ++i) {
+            if (x[i] != y[i]) fail_msg("kind %d, pixel %d: %g, not %g", kind, i, (double)y[i], (double)x[i]);
+            sum += x[i];
+        }
+    }
+    assert_true(sum > 1);
+}
+
 static void compare_images(bool marched) {
     static const int32_t size[3] = {37, 26, 30};
     for (int kind = 0; kind < 4; ++kind) {
         ty_grid* dense = make_blobs(size, (kind & 1) != 0 ? TY_GRID_F16 : TY_GRID_F32, false, 0);
         ty_grid* sparse = stored(dense, TY_GRID_SPARSE);
         ty_image *a = draw(dense, (kind & 2) != 0, marched), *b = draw(sparse, (kind & 2) != 0, marched);
-        float sum = 0;
-        for (int32_t c = 0; c < 3; ++c) {
-            const float *x = ty_image_plane_const(a, c), *y = ty_image_plane_const(b, c);
-            for (int i = 0; i < PIXELS; ++i) {
-                if (x[i] != y[i]) fail_msg("kind %d, pixel %d: %g, not %g", kind, i, (double)y[i], (double)x[i]);
-                sum += x[i];
-            }
-        }
-        assert_true(sum > 1);
+        ty_grid* paged = stored(dense, TY_GRID_PAGED);
+        ty_image* c = draw_evicted(paged, (kind & 2) != 0, marched);
+        assert_same_image(a, b, kind);
+        assert_same_image(a, c, kind);
         ty_image_destroy(a);
         ty_image_destroy(b);
+        ty_image_destroy(c);
+        ty_grid_release(paged);
         ty_grid_release(dense);
         ty_grid_release(sparse);
     }
@@ -347,6 +447,7 @@ int main(int argc, char** argv) {
         cmocka_unit_test_setup_teardown(storage_changes_nothing_else, start, stop),
         cmocka_unit_test_setup_teardown(memory_is_for_what_is_active, start_small, stop),
         cmocka_unit_test_setup_teardown(raw_files_are_read_in_parts, start_small, stop),
+        cmocka_unit_test_setup_teardown(paged_files_need_little_memory, start_small, stop),
         cmocka_unit_test_setup_teardown(packed_files_are_read_in_parts, start_small, stop),
         cmocka_unit_test_setup_teardown(images_are_the_same, start, stop),
         cmocka_unit_test_setup_teardown(images_of_devices_are_the_same, start_on_host, stop),

@@ -108,7 +108,7 @@ static void fields_are_checked(void** state) {
                  {places, 2, NULL, "x.vti", "\"v\" and \"w\" differ"},
                  {&good, 0, NULL, "x.vti", "no fields"},
                  {&good, 1, "blosc", "x.vti", "no codec \"blosc\""},
-                 {&good, 1, NULL, "x.txt", ".nrrd, .vti, .nii, .nii.gz or .vol"},
+                 {&good, 1, NULL, "x.txt", ".nrrd, .vti, .nii, .nii.gz, .vol or .bricks"},
                  {&vector, 1, NULL, "x.nrrd", "one value per voxel"},
                  {&good, 1, "lzma", "x.nrrd", "no codec"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {

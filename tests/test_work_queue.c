@@ -5,66 +5,9 @@
 #include "checks.h"
 #include "comm/blocks.h"
 #include "method/path/distributed.h"
+#include "ranks.h"
 
-#include <pthread.h>
-#include <stdio.h>
-#include <string.h>
-
-enum { RANKS = 3, BOX = 256 };
-
-/* ---- mailboxes ---- */
-
-typedef struct letter {
-    ty_comm_message message;
-    uint8_t* bytes;
-} letter;
-
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static letter boxes[RANKS][BOX]; /* of each receiver, in order */
-static int filled[RANKS];
-static _Thread_local int32_t own_rank; /* 0 also in the thread of messages */
-
-static bool box_open(int32_t* rank, int32_t* size) {
-    *rank = own_rank;
-    *size = RANKS;
-    return true;
-}
-
-static bool box_send(int32_t to, int32_t tag, const void* bytes, size_t size) {
-    pthread_mutex_lock(&lock);
-    const bool room = filled[to] < BOX;
-    if (room) {
-        letter* at = &boxes[to][filled[to]++];
-        *at = (letter){{own_rank, tag, size}, malloc(size + 1)};
-        memcpy(at->bytes, bytes, size);
-    }
-    pthread_mutex_unlock(&lock);
-    return room;
-}
-
-static bool box_probe(ty_comm_message* out) {
-    pthread_mutex_lock(&lock);
-    const bool there = filled[own_rank] > 0;
-    if (there) *out = boxes[own_rank][0].message;
-    pthread_mutex_unlock(&lock);
-    return there;
-}
-
-static bool box_receive(const ty_comm_message* message, void* bytes) {
-    pthread_mutex_lock(&lock);
-    letter* first = &boxes[own_rank][0];
-    memcpy(bytes, first->bytes, message->size);
-    free(first->bytes);
-    memmove(first, first + 1, (size_t)--filled[own_rank] * sizeof *first);
-    pthread_mutex_unlock(&lock);
-    return true;
-}
-
-static void box_close(void) {
-}
-
-static const ty_comm_backend box_backend = {
-    TY_COMM_BACKEND_VERSION, box_open, box_send, box_probe, box_receive, box_close, exit};
+enum { RANKS = 3 };
 
 /* ---- ranks ---- */
 
@@ -113,7 +56,9 @@ typedef struct ranks {
 } ranks;
 
 static void begin_ranks(ranks* all, const char* text_of_last) {
-    for (; filled[0] > 0; --filled[0]) free(boxes[0][filled[0] - 1].bytes); /* a greeting that nobody read */
+    mailbox* own = &box_messages[0];
+    for (; own->count > 0; --own->count) free(own->letters[own->count - 1].bytes); /* a greeting that nobody read */
+    box_ranks = RANKS;
     *all = (ranks){.context = make_context(2)};
     all->scene = load(all->context);
     assert_int_equal(ty_comm_join(&box_backend, 10, 0, &all->comm), TY_OK);

@@ -99,6 +99,9 @@ typedef struct ty_bake_def {
     ty_progress_fn progress;    ///< Default NULL.
     void* progress_user;        ///< Passed on to `progress`; default NULL.
     ty_bake_composition composition; ///< TY_BAKE_IMPULSE: default TY_BAKE_COLLISIONS.
+    int64_t first; ///< Place of the call's first receiver among all of a bake in parts, 0..2^62; default 0. But for
+                   ///< TY_BAKE_IMPULSE and an error bound, which look at all receivers, the light is then that of a
+                   ///< bake of all.
 } ty_bake_def;
 
 /// Sets the `bytes` bytes of a ty_bake_def to the defaults, as ty_init_context_def() does.

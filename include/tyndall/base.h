@@ -88,6 +88,8 @@ typedef struct ty_context_def {
     const char* device; ///< The device for methods that docs/device.md lists: "cpu" (also by the default NULL), "host",
                         ///< "cuda:N" for GPU number N, or "auto": cuda:0 where there is one, else cpu. It is copied,
                         ///< and opened by the first call that uses it, which fails if it cannot be.
+    int64_t resident_bytes; ///< Most bytes of paged grids (TY_GRID_PAGED) in the process's memory, which is looked at
+                            ///< between the bodies of parallel loops; default 0: as the operating system decides.
 } ty_context_def;
 
 /// Sets the `bytes` bytes of a ty_context_def to the defaults. Each definition has such a function, and a default

@@ -24,7 +24,7 @@ typedef enum ty_dom_acceleration {
 
 /// Largest values of the fields of ty_dom_def.
 enum {
-    TY_DOM_CELLS_MAX = 512,       ///< Largest resolution.
+    TY_DOM_CELLS_MAX = 1024,      ///< Largest resolution.
     TY_DOM_DIRECTIONS_MAX = 1024, ///< Largest number of directions.
     TY_DOM_BANDS_MAX = 12         ///< Largest number of Legendre terms.
 };
@@ -38,7 +38,7 @@ typedef struct ty_dom_def {
     uint32_t cookie; ///< Set by ty_default_dom_def() and checked.
     uint32_t bytes;  ///< Set by ty_default_dom_def() to the size of the structure, and checked.
 
-    int32_t resolution; ///< Cells of the sweep along the longest side of the box around all media, 4..512.
+    int32_t resolution; ///< Cells of the sweep along the longest side of the box around all media, 4..1024.
                         ///< TY_AUTO (default): a third of the voxels (of 64 without voxels), 24..64; up to twice as
                         ///< many, at most 64, where cells would be thicker than four mean free paths.
     int32_t
@@ -83,6 +83,10 @@ typedef struct ty_dom_def {
     bool interreflection; ///< True (default): surfaces outside of the media's box light the media by all that they
                           ///< reflect, of lamps and of media, and one another by the light of media. False: the media
                           ///< light such surfaces alone, once.
+
+    bool differentiable; ///< True: the light has a gradient (ty_dom_gradient()). Ordinates go through thick cells, too,
+                         ///< which count as diffusive otherwise, and sources are at the centres of cells: so light
+                         ///< differs where cells are thicker than a mean free path. Default false.
 } ty_dom_def;
 
 /// Sets the `bytes` bytes of a ty_dom_def to the defaults, as ty_init_context_def() does.

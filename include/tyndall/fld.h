@@ -138,6 +138,9 @@ typedef struct ty_fld_stats {
     double
         absorbed_by_surfaces[3]; ///< Power that surfaces absorbed, W; `emitted` includes what they send into media
                                  ///< besides their reflection of diffuse light, as far as it scatters or is absorbed.
+
+    int32_t
+        solve_ranks; ///< Ranks of a command under mpirun that solved together, each for its part of the cells; 1: one.
 } ty_fld_stats;
 
 /// Statistics with all fields 0.

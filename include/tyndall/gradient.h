@@ -1,15 +1,16 @@
 /// @file gradient.h
 /// Gradients of a loss on solved light by the media and lights of a scene, by adjoint solves.
 ///
-/// A loss L is any differentiable number made from the fluence of cells, as ty_fld_fluence() gives it. The caller hands
-/// in its derivative by that fluence, and gets its derivatives by the density of each voxel, by the coefficients of
-/// media and by the strength of lights, for the cost of one more solve or two, however many parameters there are.
-/// docs/gradients.md has the formulas and tells what is differentiated. Results do not depend on the number of threads.
-/// Apache-2.0.
+/// A loss L is any differentiable number made from the fluence of cells, as ty_fld_fluence() and ty_dom_fluence() give
+/// it. The caller hands in its derivative by that fluence, and gets its derivatives by the density of each voxel, by
+/// the coefficients of media and by the strength of lights, for the cost of one more solve or two, however many
+/// parameters there are. docs/gradients.md has the formulas and tells what is differentiated. Results do not depend on
+/// the number of threads. Apache-2.0.
 #ifndef TYNDALL_GRADIENT_H
 #define TYNDALL_GRADIENT_H
 
 #include <tyndall/base.h>
+#include <tyndall/dom.h>
 #include <tyndall/fld.h>
 #include <tyndall/scene.h>
 
@@ -25,13 +26,14 @@ typedef struct ty_gradient_stats {
     uint32_t cookie;       ///< Set by ty_default_gradient_stats() and checked.
     uint32_t bytes;        ///< Set by ty_default_gradient_stats() to the size of the structure.
     bool converged;        ///< True: all adjoint solves converged.
-    int32_t iterations;    ///< Linear solves of all channels.
-    double residual;       ///< rms(residual) of the adjoint equation relative to the rms of its source.
+    int32_t iterations;    ///< Linear solves of all channels; by dom sweeps.
+    double residual;       ///< rms(residual) of the adjoint equation relative to the rms of its source; by dom the
+                           ///< estimated remaining error of adjoint light.
     double imbalance;      ///< rms(residual) / rms(source) of the light's own equation: the error of the light that the
-                           ///< gradient takes as the solution.
+                           ///< gradient takes as the solution; by dom its change by one more sweep.
     double seconds;        ///< Wall clock time of the whole, s.
-    double direct_seconds; ///< Of this, the adjoint of uncollided light, s.
-    double solve_seconds;  ///< Of this, the adjoint of diffusion, s.
+    double direct_seconds; ///< Of this, uncollided light and its adjoint, s.
+    double solve_seconds;  ///< Of this, the adjoint of diffusion or of ordinates, s.
 } ty_gradient_stats;
 
 /// Statistics with all fields 0.
@@ -50,6 +52,17 @@ static inline ty_gradient_stats ty_default_gradient_stats(void) {
 /// Errors: TY_ERROR_ARGUMENT (scenes with surfaces, lights that are neither directional nor environments, media that
 /// emit, fld.ratio above 3, light of another scene or that did not converge), TY_ERROR_MEMORY; TY_CANCELLED.
 TY_API ty_result ty_fld_gradient(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def,
+                                 const double lower[3], const double upper[3], const int32_t size[3],
+                                 const double* weights, ty_gradient** out, ty_gradient_stats* stats);
+/// The gradient of a loss on the fluence of discrete ordinates, exact for the discrete equations, the set-to-zero
+/// fix-ups of the sweeps included.
+///
+/// light: ty_dom_solve() of this scene with this def, which is `differentiable`. A tolerance of 1e-5 gives the gradient
+/// four digits. Parameters as of ty_fld_gradient().
+/// Errors: TY_ERROR_ARGUMENT (scenes with surfaces, lights that are neither directional nor environments, media that
+/// emit, dom.last_directions, light that is not differentiable, that did not converge or is of another scene),
+/// TY_ERROR_MEMORY; TY_CANCELLED.
+TY_API ty_result ty_dom_gradient(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def,
                                  const double lower[3], const double upper[3], const int32_t size[3],
                                  const double* weights, ty_gradient** out, ty_gradient_stats* stats);
 /// Destroys a gradient; NULL is allowed.

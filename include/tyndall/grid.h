@@ -3,7 +3,7 @@
 ///
 /// The centre of a voxel is at its integer index, and values between centres are trilinear. Dense storage is x fastest:
 /// value(i, j, k) = values[i + nx * (j + ny * k)]. Sparse grids store blocks of 8^3 voxels, one for all blocks of the
-/// most common value; images do not depend on the storage. Apache-2.0.
+/// most common value, and paged ones have these blocks in a file; images do not depend on the storage. Apache-2.0.
 #ifndef TYNDALL_GRID_H
 #define TYNDALL_GRID_H
 
@@ -41,9 +41,13 @@ typedef enum ty_grid_type {
 
 /// Storage of a grid in memory.
 typedef enum ty_grid_storage {
-    TY_GRID_AUTO = 0,  ///< Sparse where that halves the memory and saves 16 MiB or more, else dense.
-    TY_GRID_DENSE = 1, ///< Every voxel.
-    TY_GRID_SPARSE = 2 ///< Blocks of 8^3 voxels that are not all of one value, and 4 bytes for each other block.
+    TY_GRID_AUTO = 0,   ///< Sparse where that halves the memory and saves 16 MiB or more, else dense.
+    TY_GRID_DENSE = 1,  ///< Every voxel.
+    TY_GRID_SPARSE = 2, ///< Blocks of 8^3 voxels that are not all of one value, and 4 bytes for each other block.
+    TY_GRID_PAGED = 3 ///< The same blocks in a file, which the operating system pages in where they are read: for grids
+                      ///< larger than memory. In memory stay 12 bytes for each block. The file has no name and lies
+                      ///< in the folder that the environment variable TMPDIR names, else in /tmp, or is one of bricks
+                      ///< (.bricks) that was read.
 } ty_grid_storage;
 
 /// Receives the end of a loan: the library does not read the values of a grid any more. It is called once, from any
@@ -96,22 +100,22 @@ typedef struct ty_grid_info {
     float min;                ///< Minimum over all voxels.
     float max;                ///< Maximum over all voxels.
     double mean;              ///< Mean over all voxels.
-    size_t bytes;             ///< Memory of the grid with its tables.
+    size_t bytes;             ///< Memory of the grid with its tables; of a paged one, of its tables.
     ty_affine index_to_local; ///< Map from voxel indices to the units that were given.
-    ty_grid_storage storage;  ///< TY_GRID_DENSE or TY_GRID_SPARSE.
+    ty_grid_storage storage;  ///< TY_GRID_DENSE, TY_GRID_SPARSE or TY_GRID_PAGED.
     int64_t active;           ///< Voxels that differ from the background.
-    int64_t stored;           ///< Values in memory: all voxels of a dense grid, 512 per block of a sparse one.
+    int64_t stored;           ///< Stored values: all voxels of a dense grid, 512 per block of a sparse or paged one.
 } ty_grid_info;
 
 /// Size, placement, range and memory of a grid.
 TY_API ty_grid_info ty_grid_get_info(const ty_grid* grid);
 
-/// The same values in another storage: the grid itself, with one more reference, where it is stored so. Values,
-/// extremes and images are the same to the last bit.
-/// Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY.
+/// The same values in another storage: the grid itself, with one more reference, where it is stored so, and by
+/// TY_GRID_AUTO where it is sparse or paged. Values, extremes and images are the same to the last bit.
+/// Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY, TY_ERROR_FILE (no space on the disk for a paged grid).
 TY_API ty_result ty_grid_store(ty_context* context, ty_grid* grid, ty_grid_storage storage, ty_grid** out);
 
-/// The values of a dense grid, of its type, x fastest, valid as long as the grid; NULL of a sparse one, which
+/// The values of a dense grid, of its type, x fastest, valid as long as the grid; NULL of a sparse or paged one, which
 /// ty_grid_store() makes dense.
 TY_API const void* ty_grid_values(const ty_grid* grid);
 /// The trilinear value at a point in index space. Outside, the value is the background of a placed grid, or that of the

@@ -1,4 +1,4 @@
-/* Gradients of a loss on the fluence of light that fld solved for. */
+/* Gradients of a loss on the fluence of light that fld or dom solved for. */
 #include "module.h"
 
 #include <stdlib.h>
@@ -12,7 +12,8 @@ typedef struct medium_gradient {
 } medium_gradient;
 
 typedef struct gradient_work {
-    const ty_fld* light;
+    const ty_fld* fld; /* one of both */
+    const ty_dom* dom;
     const ty_scene* scene;
     double lower[3], upper[3];
     int32_t size[3];
@@ -73,17 +74,29 @@ static ty_result read_gradient(gradient_work* w, const ty_gradient* gradient) {
     return TY_OK;
 }
 
-static ty_result find_gradient(void* user) {
-    gradient_work* w = user;
+static ty_result by_fld(gradient_work* w, ty_gradient** out) {
     ty_fld_def def = ty_default_fld_def();
-    ty_gradient* gradient = NULL;
-    ty_result result = ty_method_options(w->scene, "fld", &def);
-    w->stats = ty_default_gradient_stats();
+    const ty_result result = ty_method_options(w->scene, "fld", &def);
     def.progress = call_progress;
     def.progress_user = w->running;
-    if (result == TY_OK)
-        result =
-            ty_fld_gradient(w->light, w->scene, &def, w->lower, w->upper, w->size, w->weights, &gradient, &w->stats);
+    if (result != TY_OK) return result;
+    return ty_fld_gradient(w->fld, w->scene, &def, w->lower, w->upper, w->size, w->weights, out, &w->stats);
+}
+
+static ty_result by_dom(gradient_work* w, ty_gradient** out) {
+    ty_dom_def def = ty_default_dom_def();
+    const ty_result result = ty_method_options(w->scene, "dom", &def);
+    def.progress = call_progress;
+    def.progress_user = w->running;
+    if (result != TY_OK) return result;
+    return ty_dom_gradient(w->dom, w->scene, &def, w->lower, w->upper, w->size, w->weights, out, &w->stats);
+}
+
+static ty_result find_gradient(void* user) {
+    gradient_work* w = user;
+    ty_gradient* gradient = NULL;
+    w->stats = ty_default_gradient_stats();
+    ty_result result = w->dom != NULL ? by_dom(w, &gradient) : by_fld(w, &gradient);
     if (result == TY_OK) result = read_gradient(w, gradient);
     ty_gradient_destroy(gradient);
     return result;
@@ -144,9 +157,9 @@ static PyObject* make_answer(gradient_work* w) {
                          coefficient_array(w, 1), coefficient_array(w, 2), array_own(strengths, 'd', 2, lights), media);
 }
 
-PyObject* light_gradient(const ty_fld* light, PyObject* arguments) {
+PyObject* light_gradient(const ty_fld* fld, const ty_dom* dom, PyObject* arguments) {
     PyObject *object, *lower, *upper, *size, *given, *progress, *answer = NULL;
-    gradient_work w = {.light = light};
+    gradient_work w = {.fld = fld, .dom = dom};
     if (!PyArg_ParseTuple(arguments, "O!OOOOO", scene_type, &object, &lower, &upper, &size, &given, &progress) ||
         doubles_of(lower, "lower", 3, w.lower) != 0 || doubles_of(upper, "upper", 3, w.upper) != 0 ||
         ints_of(size, "size", 3, w.size) != 0)

@@ -359,8 +359,9 @@ static PyObject* radiance(PyObject* self, PyObject* arguments) {
 
 static PyObject* gradient(PyObject* self, PyObject* arguments) {
     light_object* light = (light_object*)self;
-    if (light->solver != FLD) return raise_argument("gradients are of fld, not of %s", names[light->solver]);
-    return light_gradient(light->light, arguments);
+    if (light->solver == DOM) return light_gradient(NULL, light->light, arguments);
+    if (light->solver != FLD) return raise_argument("gradients are of fld and dom, not of %s", names[light->solver]);
+    return light_gradient(light->light, NULL, arguments);
 }
 
 /* ---- the same by path tracing ---- */

@@ -190,7 +190,8 @@ PyObject* scene_bake_lightmap(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_vertices(PyObject* self, PyObject* arguments);
 PyObject* scene_bake_probes(PyObject* self, PyObject* arguments);
 
-/* (scene, lower, upper, size, weights, progress) -> (stats, box, (extinction, albedo, g), lights, media), for light of fld. */
-PyObject* light_gradient(const ty_fld* light, PyObject* arguments);
+/* (scene, lower, upper, size, weights, progress) -> (stats, box, (extinction, albedo, g), lights, media), for light of
+ * fld or dom; the other one is NULL. */
+PyObject* light_gradient(const ty_fld* fld, const ty_dom* dom, PyObject* arguments);
 
 #endif

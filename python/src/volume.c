@@ -110,6 +110,10 @@ static PyObject* grid_create(PyObject* module, PyObject* arguments) {
 
 /* ---- attributes ---- */
 
+static const char* storage_name(ty_grid_storage storage) {
+    return storage == TY_GRID_PAGED ? "paged" : storage == TY_GRID_SPARSE ? "sparse" : "dense";
+}
+
 static PyObject* get_info(PyObject* self, void* closure) {
     const ty_grid_info info = ty_grid_get_info(((grid_object*)self)->grid);
     (void)closure;
@@ -117,8 +121,8 @@ static PyObject* get_info(PyObject* self, void* closure) {
                          info.type == TY_GRID_F16 ? "float16" : "float32", "placed", PyBool_FromLong(info.placed),
                          "background", (double)info.background, "min", (double)info.min, "max", (double)info.max,
                          "mean", info.mean, "bytes", (Py_ssize_t)info.bytes, "placement",
-                         tuple_of_doubles(info.index_to_local.m, 12), "storage",
-                         info.storage == TY_GRID_SPARSE ? "sparse" : "dense", "active", (long long)info.active);
+                         tuple_of_doubles(info.index_to_local.m, 12), "storage", storage_name(info.storage), "active",
+                         (long long)info.active);
 }
 
 typedef struct store_work {

@@ -204,17 +204,17 @@ class Light:
 
     def gradient(self, weights: Any, lower: Optional[Vector] = None, upper: Optional[Vector] = None,
                  size: Union[None, int, Sequence[int]] = None, *, progress: ProgressChoice = None) -> "Gradient":
-        """Derivatives of a loss by densities, coefficients and lights, for the cost of about three more solves (fld).
+        """Derivatives of a loss by densities, coefficients and lights, for the cost of two or three more solves (fld, dom).
 
         weights: the derivatives of the loss by the values of fluence(lower, upper, size), (nz, ny, nx, 3), or (nz, ny,
         nx) for the sum of the channels. The scene must be the one that was solved. Its light should have converged well:
-        solve("fld", tolerance=1e-5). Not for scenes with surfaces, point and area lights, and media that emit
+        solve("fld", tolerance=1e-5), or solve("dom", differentiable=True, tolerance=1e-5). Not for scenes with surfaces, point and area lights, and media that emit
         (docs/gradients.md).
         """
         from ._gradient import Gradient
 
         if self._core is None:
-            raise ArgumentError("gradients are of fld, not of path")
+            raise ArgumentError("gradients are of fld and dom, not of path")
         box = box_of(self.box, lower, upper, size)
         numpy = _arrays.numpy
         given = numpy.asarray(weights, dtype=numpy.float64)

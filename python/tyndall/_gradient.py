@@ -9,7 +9,7 @@ from ._fields import Box
 
 
 class Gradient:
-    """Derivatives of a loss on the fluence of fld, made by Light.gradient() (docs/gradients.md).
+    """Derivatives of a loss on the fluence of fld or dom, made by Light.gradient() (docs/gradients.md).
 
     box: the cells of extinction, albedo and g. extinction: by sigma_t of each cell at constant albedo and g, m; albedo:
     by sigma_s / sigma_t at constant sigma_t; g: by the mean cosine. Each is (nz, ny, nx) where the media are gray, and

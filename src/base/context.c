@@ -1,6 +1,7 @@
 /* Contexts: errors, logging, memory, clocks. */
 #define _GNU_SOURCE
 #include "base/context.h"
+#include "base/mapping.h"
 #include "base/thread_errors.h"
 #include "base/thread_pool.h"
 
@@ -35,6 +36,7 @@ struct ty_context {
     pthread_mutex_t slot_lock; /* of the slot's making */
     void* slot;                /* NULL: none, or not asked for yet */
     void (*close_slot)(void* object);
+    ty_mapping_ring mappings;
     struct ty_work_queue* queue; /* NULL: no other processes */
     ty_thread_pool pool;         /* all threads but the caller's */
     ty_pool_thread pool_threads[];
@@ -194,6 +196,9 @@ static ty_result check_context_def(const ty_context_def* def) {
     if (def->device != NULL && strlen(def->device) >= DEVICE_NAME_SIZE)
         return ty_fail(NULL, TY_ERROR_ARGUMENT, "context: device: its name is longer than %d letters",
                        DEVICE_NAME_SIZE - 1);
+    if (def->resident_bytes < 0)
+        return ty_fail(NULL, TY_ERROR_ARGUMENT, "context: resident_bytes: %lld is below 0",
+                       (long long)def->resident_bytes);
     return TY_OK;
 }
 
@@ -215,6 +220,7 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
     context->def = copy;
     context->threads = threads;
     ty_thread_pool_create(&context->pool, context->pool_threads, threads - 1, threads <= processors);
+    ty_mapping_ring_create(&context->mappings, (size_t)copy.resident_bytes);
     context->machine_memory = physical_memory();
     atomic_init(&context->taken, 0);
     pthread_mutex_init(&context->lock, NULL);
@@ -230,6 +236,7 @@ void ty_context_destroy(ty_context* context) {
     if (context->slot != NULL) context->close_slot(context->slot);
     pthread_mutex_destroy(&context->slot_lock);
     ty_thread_pool_destroy(&context->pool);
+    ty_mapping_ring_destroy(&context->mappings);
     pthread_mutex_destroy(&context->lock);
     const ty_context_def def = context->def;
     def.free(def.alloc_user, context, context_size(context->threads));
@@ -254,6 +261,10 @@ int32_t ty_context_threads(const ty_context* context) {
 
 const char* ty_context_device_name(const ty_context* context) {
     return context->device;
+}
+
+ty_mapping_ring* ty_context_mappings(ty_context* context) {
+    return &context->mappings;
 }
 
 void ty_context_set_queue(ty_context* context, struct ty_work_queue* queue) {

@@ -67,6 +67,9 @@ const char* ty_context_device_name(const ty_context* context);
 ty_result ty_context_slot(ty_context* context, ty_result (*open)(ty_context* context, void** out),
                           void (*close)(void* object), void** out);
 
+/* The files that the context's arrays are mapped from (base/mapping.h). */
+struct ty_mapping_ring* ty_context_mappings(ty_context* context);
+
 struct ty_work_queue;
 /* The tasks that the context's loops offer to other processes (comm/queue.h); NULL, at first: there are no
  * others. They stay the caller's. */

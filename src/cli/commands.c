@@ -16,7 +16,7 @@ const cli_command cli_commands[CLI_COMMAND_COUNT] = {
     {"screen", "fog and water over an image with distances", cli_screen, false, false},
     {"convert", "a volume or an image as another kind of file", cli_convert, false, false},
     {"flux", "fluxes through levels, absorbed power and radiance", cli_flux, false, false},
-    {"fluence", "the fluence of a scene as a volume", cli_fluence, false, false},
+    {"fluence", "the fluence of a scene as a volume", cli_fluence, false, true},
     {"figure", "figures and tables of papers", cli_figure, true, false},
     {"bake", "precomputed light on meshes and at points", cli_bake, false, true},
     {"unwrap", "texture coordinates for lightmaps", cli_unwrap, false, false},

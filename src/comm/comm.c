@@ -1,10 +1,9 @@
 #define _GNU_SOURCE
-#include "comm/comm.h"
+#include "comm/state.h"
 
 #include "base/context.h"
 
 #include <dlfcn.h>
-#include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,15 +13,10 @@
 
 /* The shortest and the longest sleep between two looks for a message, seconds. */
 static const double sleep_shortest = 2e-5, sleep_longest = 2e-3;
+/* The longest wait for a transfer, in units of that for a rank to join. */
+static const double patience_factor = 5;
 /* The longest wait for the others at the end, seconds. */
 static const double leave_seconds = 10;
-
-struct ty_comm {
-    const ty_comm_backend* backend;
-    int32_t rank, size;
-    pthread_mutex_t lock; /* of the backend's calls */
-    ty_comm_traffic traffic;
-};
 
 /* Variables in which launchers tell the rank and the number of ranks: Open MPI's mpirun, and those that speak PMI. */
 static const char* const rank_names[] = {"OMPI_COMM_WORLD_RANK", "PMI_RANK"};
@@ -41,7 +35,7 @@ bool ty_comm_launched(int32_t* rank, int32_t* size) {
     return false;
 }
 
-static void sleep_for(double seconds) {
+void ty_comm_sleep(double seconds) {
     struct timespec time = {.tv_nsec = (long)(1e9 * seconds)};
     nanosleep(&time, NULL);
 }
@@ -62,7 +56,7 @@ static void* run_watch(void* user) {
     watch* w = user;
     const double begun = ty_wall_seconds();
     while (!atomic_load(&w->done)) {
-        sleep_for(0.01);
+        ty_comm_sleep(0.01);
         if (ty_wall_seconds() - begun < w->seconds || atomic_load(&w->done)) continue;
         if (w->message != NULL) fprintf(stderr, "tyndall: %s within %g s\n", w->message, w->seconds);
         fflush(stdout);
@@ -93,6 +87,8 @@ ty_result ty_comm_join(const ty_comm_backend* backend, double seconds, int32_t r
     ty_comm* comm = calloc(1, sizeof *comm);
     if (comm == NULL) return TY_ERROR_MEMORY;
     comm->backend = backend;
+    comm->patience = patience_factor * seconds;
+    comm->lost = -1;
     pthread_mutex_init(&comm->lock, NULL);
     if (join(comm, seconds, rank)) {
         *out = comm;
@@ -124,6 +120,7 @@ void ty_comm_close(ty_comm* comm, bool all, int status) {
     if (comm == NULL) return;
     watch w = {.seconds = leave_seconds, .status = status};
     begin_watch(&w);
+    ty_comm_end_puts(comm, all);
     if (all) comm->backend->close();
     end_watch(&w);
     pthread_mutex_destroy(&comm->lock);
@@ -140,7 +137,7 @@ int32_t ty_comm_size(const ty_comm* comm) {
 
 /* ---- messages ---- */
 
-static void count_message(ty_comm* comm, size_t size) {
+void ty_comm_count_message(ty_comm* comm, size_t size) {
     comm->traffic.messages += 1;
     comm->traffic.bytes += size;
 }
@@ -148,7 +145,7 @@ static void count_message(ty_comm* comm, size_t size) {
 bool ty_comm_send(ty_comm* comm, int32_t to, int32_t tag, const void* bytes, size_t size) {
     pthread_mutex_lock(&comm->lock);
     const bool sent = comm->backend->send(to, tag, bytes, size);
-    if (sent) count_message(comm, size);
+    if (sent) ty_comm_count_message(comm, size);
     pthread_mutex_unlock(&comm->lock);
     return sent;
 }
@@ -163,7 +160,7 @@ bool ty_comm_wait(ty_comm* comm, double seconds, ty_comm_message* out) {
         if (found) return true;
         const double left = seconds - (ty_wall_seconds() - begun);
         if (left <= 0) return false;
-        sleep_for(pause < left ? pause : left);
+        ty_comm_sleep(pause < left ? pause : left);
         if (pause < sleep_longest) pause *= 2;
     }
 }
@@ -171,7 +168,7 @@ bool ty_comm_wait(ty_comm* comm, double seconds, ty_comm_message* out) {
 bool ty_comm_receive(ty_comm* comm, const ty_comm_message* message, void* bytes) {
     pthread_mutex_lock(&comm->lock);
     const bool good = comm->backend->receive(message, bytes);
-    if (good) count_message(comm, message->size);
+    if (good) ty_comm_count_message(comm, message->size);
     pthread_mutex_unlock(&comm->lock);
     return good;
 }

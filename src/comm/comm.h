@@ -35,6 +35,33 @@ bool ty_comm_wait(ty_comm* comm, double seconds, ty_comm_message* out);
 /* Receives the message that ty_comm_wait found; false: it failed, and the bytes are undefined. */
 bool ty_comm_receive(ty_comm* comm, const ty_comm_message* message, void* bytes);
 
+/* ---- transfers: between ranks that know what comes ---- */
+
+/* Begins transfers, and waits for them, so that others may be computed meanwhile. For NULL there are none. False: a
+ * rank does not answer (ty_comm_lost), from then on for all transfers at once. */
+bool ty_comm_post(ty_comm* comm, ty_comm_transfer* transfers, int32_t count);
+bool ty_comm_finish(ty_comm* comm, ty_comm_transfer* transfers, int32_t count);
+/* Looks whether a transfer is done, without waiting. */
+bool ty_comm_is_done(ty_comm* comm, ty_comm_transfer* transfer);
+/* Sends a copy of bytes, and returns at once; waits for bytes of a rank. Many may be in flight. */
+bool ty_comm_put(ty_comm* comm, int32_t to, int32_t tag, const void* bytes, size_t size);
+bool ty_comm_get(ty_comm* comm, int32_t from, int32_t tag, void* bytes, size_t size);
+/* Sends or receives bytes in any number, and waits for their end. */
+bool ty_comm_move(ty_comm* comm, int32_t rank, bool receives, void* bytes, size_t size);
+
+/* Calls of all ranks, in the same order. Rank r's bytes are [offsets[r], offsets[r + 1]) of `all`.
+ * `gather` brings all to rank 0, `gather_all` (at most TY_COMM_TRANSFER_MAX bytes) to every rank, from where they are
+ * in the rank's own `all`; `broadcast` sends those of rank 0. Sums are made in the order of ranks, so that they are the
+ * same on all of them. */
+bool ty_comm_gather(ty_comm* comm, void* all, const size_t* offsets);
+bool ty_comm_gather_all(ty_comm* comm, void* all, const size_t* offsets);
+bool ty_comm_broadcast(ty_comm* comm, void* bytes, size_t size);
+bool ty_comm_sum(ty_comm* comm, double* values, int32_t count);
+bool ty_comm_max(ty_comm* comm, double* values, int32_t count);
+
+/* The rank that transfers were waiting for in vain, or -1. */
+int32_t ty_comm_lost(const ty_comm* comm);
+
 /* Ends all ranks at once with an exit status. */
 void ty_comm_abort(ty_comm* comm, int status) __attribute__((noreturn));
 

@@ -3,6 +3,11 @@
 
 #include <limits.h>
 #include <mpi.h>
+#include <string.h>
+
+/* Of transfers, so that probes for messages of any rank do not find them. */
+static MPI_Comm transfers;
+_Static_assert(sizeof(MPI_Request) <= sizeof(uint64_t), "a transfer's handle holds the request");
 
 /* Serialized: the threads of rank 0 call one after another. */
 static bool mpi_open(int32_t* rank, int32_t* size) {
@@ -13,6 +18,8 @@ static bool mpi_open(int32_t* rank, int32_t* size) {
     MPI_Comm_size(MPI_COMM_WORLD, &all);
     *rank = own;
     *size = all;
+    if (MPI_Comm_dup(MPI_COMM_WORLD, &transfers) != MPI_SUCCESS) return false;
+    MPI_Comm_set_errhandler(transfers, MPI_ERRORS_RETURN);
     return provided >= MPI_THREAD_SERIALIZED;
 }
 
@@ -51,7 +58,30 @@ static bool mpi_receive(const ty_comm_message* message, void* bytes) {
            finish(&request);
 }
 
+static bool mpi_post(ty_comm_transfer* t) {
+    MPI_Request request;
+    const int size = (int)t->size;
+    const int result = t->receives ? MPI_Irecv(t->bytes, size, MPI_BYTE, t->rank, t->tag, transfers, &request)
+                                   : MPI_Isend(t->bytes, size, MPI_BYTE, t->rank, t->tag, transfers, &request);
+    memcpy(&t->handle, &request, sizeof request);
+    return result == MPI_SUCCESS;
+}
+
+static bool mpi_test(ty_comm_transfer* t) {
+    MPI_Request request;
+    MPI_Status status;
+    int done = 0, count = 0;
+    memcpy(&request, &t->handle, sizeof request);
+    if (MPI_Test(&request, &done, &status) != MPI_SUCCESS) return false;
+    memcpy(&t->handle, &request, sizeof request);
+    t->done = done != 0;
+    if (!t->done || !t->receives) return true;
+    MPI_Get_count(&status, MPI_BYTE, &count);
+    return (size_t)count == t->size;
+}
+
 static void mpi_close(void) {
+    MPI_Comm_free(&transfers);
     MPI_Finalize();
 }
 
@@ -61,4 +91,4 @@ static void mpi_abort(int status) {
 
 extern const ty_comm_backend ty_comm_module;
 __attribute__((visibility("default"))) const ty_comm_backend ty_comm_module = {
-    TY_COMM_BACKEND_VERSION, mpi_open, mpi_send, mpi_probe, mpi_receive, mpi_close, mpi_abort};
+    TY_COMM_BACKEND_VERSION, mpi_open, mpi_send, mpi_probe, mpi_receive, mpi_post, mpi_test, mpi_close, mpi_abort};

@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -11,7 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Target duration of a task, and the longest wait for ranks at the end of the command, seconds. */
+/* Target duration of a task, and the longest wait for ranks at the end of the command where a launcher ends all when
+ * one dies, seconds. */
 static const double task_seconds = 0.2, farewell_seconds = 5;
 /* Time that a rank may take for a task: at least so many seconds, and so many times the longest task. */
 static const double patience_shortest = 1, patience_factor = 4;
@@ -25,6 +27,7 @@ typedef enum rank_state { FREE, ASKS, BUSY, GONE } rank_state;
 typedef struct other_rank {
     rank_state state;
     int64_t items; /* of its next task */
+    double since;  /* the time of the last message to it, that made it busy */
 } other_rank;
 
 struct ty_work_queue {
@@ -88,7 +91,8 @@ ty_work_queue* ty_queue_create(ty_comm* comm) {
     if (queue == NULL) return NULL;
     queue->comm = comm;
     queue->others = calloc((size_t)ty_comm_size(comm), sizeof *queue->others);
-    for (int32_t i = 0; queue->others != NULL && i < ty_comm_size(comm); ++i) queue->others[i] = (other_rank){FREE, 1};
+    for (int32_t i = 0; queue->others != NULL && i < ty_comm_size(comm); ++i)
+        queue->others[i] = (other_rank){FREE, 1, 0};
     if (queue->others != NULL) return queue;
     free(queue);
     return NULL;
@@ -96,6 +100,16 @@ ty_work_queue* ty_queue_create(ty_comm* comm) {
 
 int32_t ty_queue_ranks(const ty_work_queue* queue) {
     return ty_comm_size(queue->comm);
+}
+
+ty_comm* ty_queue_comm(const ty_work_queue* queue) {
+    return queue->comm;
+}
+
+bool ty_queue_is_whole(const ty_work_queue* queue) {
+    for (int32_t i = 1; i < ty_comm_size(queue->comm); ++i)
+        if (queue->others[i].state == GONE) return false;
+    return true;
 }
 
 double ty_queue_patience(ty_work_queue* queue) {
@@ -144,6 +158,7 @@ bool ty_queue_greet(ty_work_queue* queue, const char* text, double seconds, char
 static void offer(ty_work_queue* queue, int32_t rank) {
     const bool sent = ty_comm_send(queue->comm, rank, TY_TAG_JOB, queue->head.bytes, queue->head.size);
     queue->others[rank].state = sent ? BUSY : GONE;
+    queue->others[rank].since = ty_wall_seconds();
 }
 
 /* The next task takes about task_seconds by the speed of the last one, and at most doubles. */
@@ -179,6 +194,7 @@ static void give_task(ty_work_queue* queue, int32_t rank) {
     queue->job.pack(queue->job.user, head.first, head.count, &queue->out);
     const bool sent = ty_comm_send(queue->comm, rank, TY_TAG_TASK, queue->out.bytes, queue->out.size);
     queue->others[rank].state = sent ? BUSY : GONE;
+    queue->others[rank].since = ty_wall_seconds();
 }
 
 static void* run_job(void* user) {
@@ -223,22 +239,43 @@ void ty_queue_end(ty_work_queue* queue) {
     atomic_store(&queue->begun, false);
 }
 
-/* Waits for the ranks that are busy, as long as they answer soon; the result is the number of those that do not. */
+/* True where the launcher lets the others go on when a rank dies (mpirun --enable-recovery). */
+static bool outlives_ranks(void) {
+    const char* text = getenv("OMPI_MCA_orte_enable_recovery");
+    return text != NULL && strcmp(text, "0") != 0;
+}
+
+/* Ranks that are gone, or busy for longer than a task may take. */
+static int32_t count_silent(ty_work_queue* queue, double seconds, int32_t* busy) {
+    const double now = ty_wall_seconds();
+    int32_t silent = 0;
+    *busy = 0;
+    for (int32_t i = 1; i < ty_comm_size(queue->comm); ++i) {
+        const other_rank* other = &queue->others[i];
+        if (other->state == GONE || (other->state == BUSY && now - other->since > seconds))
+            ++silent;
+        else if (other->state == BUSY)
+            ++*busy;
+    }
+    return silent;
+}
+
+/* Waits for the ranks that are busy, as long as they may answer; the result is the number of those that do not. Where a
+ * launcher would have ended this rank had they died, they are slow, and have some time more. */
 static int32_t wait_for_busy(ty_work_queue* queue) {
-    const double begun = ty_wall_seconds();
-    int32_t lost = 0;
-    for (int32_t i = 1; i < ty_comm_size(queue->comm); ++i)
-        lost += queue->others[i].state == BUSY || queue->others[i].state == GONE;
-    while (lost > 0 && ty_wall_seconds() - begun < farewell_seconds) {
+    const double begun = ty_wall_seconds(), patience = ty_queue_patience(queue);
+    const double grace = outlives_ranks() ? 0 : farewell_seconds;
+    for (;;) {
+        int32_t busy;
+        const double waited = ty_wall_seconds() - begun;
+        const int32_t silent = count_silent(queue, waited < grace ? HUGE_VAL : patience, &busy);
+        if (busy == 0 || waited > farewell_seconds) return silent + busy;
         ty_comm_message found;
         ty_message_head answer;
-        if (!ty_comm_wait(queue->comm, 0.1, &found) || !ty_message_take(queue->comm, &found, &queue->in, &answer) ||
-            queue->others[found.from].state != BUSY)
-            continue;
-        queue->others[found.from].state = FREE;
-        --lost;
+        if (ty_comm_wait(queue->comm, 0.1, &found) && ty_message_take(queue->comm, &found, &queue->in, &answer) &&
+            queue->others[found.from].state == BUSY)
+            queue->others[found.from].state = FREE;
     }
-    return lost;
 }
 
 bool ty_queue_destroy(ty_work_queue* queue, int32_t status) {

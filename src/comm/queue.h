@@ -15,7 +15,7 @@ typedef struct ty_buffer {
 /* Appends bytes; without memory for them the program ends, since a message half sent helps nobody. */
 void ty_buffer_add(ty_buffer* buffer, const void* bytes, size_t size);
 
-typedef enum ty_job_kind { TY_JOB_PATH, TY_JOB_BAKE, TY_JOB_FRAMES, TY_JOB_KINDS } ty_job_kind;
+typedef enum ty_job_kind { TY_JOB_PATH, TY_JOB_BAKE, TY_JOB_FRAMES, TY_JOB_JOINT, TY_JOB_KINDS } ty_job_kind;
 
 /* ---- rank 0 ---- */
 
@@ -49,6 +49,9 @@ void ty_queue_end(ty_work_queue* queue);
 /* Seconds that a rank may take for a task before its items should be computed again. */
 double ty_queue_patience(ty_work_queue* queue);
 int32_t ty_queue_ranks(const ty_work_queue* queue);
+ty_comm* ty_queue_comm(const ty_work_queue* queue);
+/* False if a message could not be sent to some rank. */
+bool ty_queue_is_whole(const ty_work_queue* queue);
 
 /* ---- the other ranks ---- */
 

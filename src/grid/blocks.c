@@ -52,6 +52,7 @@ typedef struct slicing {
     ty_grid_blocks blocks;
     bool has_common;
     uint32_t common;
+    bool paged;
     uint8_t* values;
     float lowest;
 } slicing;
@@ -142,10 +143,31 @@ static size_t voxel_count(const slicing* s) {
     return (size_t)s->def.size[0] * (size_t)s->def.size[1] * (size_t)s->def.size[2];
 }
 
+/* Numbers the blocks anew, one cube of TILE^3 after the other, so that those that a path visits next to one another lie
+ * in pages next to one another. */
+static void number_by_tiles(ty_grid_blocks* blocks) {
+    enum { TILE = 4 };
+    const int32_t* size = blocks->size;
+    uint32_t next = 1;
+    int32_t tile[3], end[3];
+    for (tile[2] = 0; tile[2] < size[2]; tile[2] += TILE)
+        for (tile[1] = 0; tile[1] < size[1]; tile[1] += TILE)
+            for (tile[0] = 0; tile[0] < size[0]; tile[0] += TILE) {
+                for (int a = 0; a < 3; ++a) end[a] = tile[a] + TILE < size[a] ? tile[a] + TILE : size[a];
+                for (int32_t k = tile[2]; k < end[2]; ++k)
+                    for (int32_t j = tile[1]; j < end[1]; ++j) {
+                        uint32_t* row = blocks->table + (size_t)size[0] * ((size_t)j + (size_t)size[1] * (size_t)k);
+                        for (int32_t i = tile[0]; i < end[0]; ++i)
+                            if (row[i] != 0) row[i] = next++;
+                    }
+            }
+}
+
 /* Fills the table; it is freed where TY_GRID_AUTO chooses a dense grid. */
 static ty_result survey(slicing* s, ty_grid_storage storage) {
     static const int32_t none[3] = {0, 0, 0};
     const size_t voxels = voxel_count(s);
+    s->paged = storage == TY_GRID_PAGED;
     if (storage == TY_GRID_DENSE) return TY_OK;
     if (storage == TY_GRID_AUTO && !ty_grid_saves_memory(s->def.type, voxels, 0, 0)) return TY_OK;
     if (ty_grid_blocks_table(s->context, s->def.size, none, &s->blocks) == NULL) return TY_ERROR_MEMORY;
@@ -159,9 +181,10 @@ static ty_result survey(slicing* s, ty_grid_storage storage) {
         if (result != TY_OK) break;
         ty_parallel_for(s->context, s->blocks.size[1], survey_row, s);
         number_blocks(s);
-        saves = storage == TY_GRID_SPARSE || ty_grid_saves_memory(s->def.type, voxels, table, s->blocks.count);
+        saves = storage != TY_GRID_AUTO || ty_grid_saves_memory(s->def.type, voxels, table, s->blocks.count);
     }
     ty_free_array(s->context, s->kinds, kinds, sizeof *s->kinds);
+    if (result == TY_OK && s->paged) number_by_tiles(&s->blocks);
     if (result == TY_OK && saves) return TY_OK;
     ty_free_array(s->context, s->blocks.table, table, sizeof *s->blocks.table);
     s->blocks.table = NULL;
@@ -220,13 +243,15 @@ static ty_result finish(slicing* s, bool lowest_outside, ty_grid** out) {
     const bool sparse = s->blocks.table != NULL;
     const size_t bytes = ty_grid_value_size(s->def.type);
     const size_t stored = sparse ? (size_t)s->blocks.count * TY_GRID_BLOCK_VOXELS : voxel_count(s);
-    s->values = ty_alloc_array(s->context, stored, bytes, false);
-    const ty_result result = s->values != NULL ? store_slices(s) : TY_ERROR_MEMORY;
-    if (result != TY_OK) {
-        ty_free_array(s->context, s->values, stored, bytes);
-        ty_free_array(s->context, s->blocks.table, ty_grid_table_count(&s->blocks), sizeof *s->blocks.table);
-        return result;
-    }
+    ty_result result = TY_OK;
+    if (sparse)
+        s->values = ty_grid_blocks_values(s->context, s->def.type, s->paged, &s->blocks, &result);
+    else
+        s->values = ty_alloc_array(s->context, stored, bytes, false);
+    if (result == TY_OK) result = s->values != NULL ? store_slices(s) : TY_ERROR_MEMORY;
+    if (result != TY_OK && sparse) ty_grid_free_blocks(s->context, s->def.type, &s->blocks, s->values);
+    if (result != TY_OK && !sparse) ty_free_array(s->context, s->values, stored, bytes);
+    if (result != TY_OK) return result;
     if (lowest_outside) s->def.background = sparse ? s->lowest : ty_value_outside(s->def.type, s->values, stored);
     return sparse ? ty_grid_adopt_blocks(s->context, &s->def, &s->blocks, s->values, out)
                   : ty_grid_adopt(s->context, &s->def, s->values, out);
@@ -292,6 +317,33 @@ static ty_result make_dense(ty_context* context, const ty_grid* grid, ty_grid** 
     return ty_grid_adopt(context, &def, e.values, out);
 }
 
+enum { BLOCKS_A_TASK = 4096 };
+
+typedef struct block_copy {
+    const uint8_t* from;
+    uint8_t* to;
+    size_t bytes, count; /* of a block, and blocks */
+} block_copy;
+
+static void copy_some_blocks(void* user, int64_t task, int32_t worker) {
+    const block_copy* copy = user;
+    const size_t first = (size_t)task * BLOCKS_A_TASK, left = copy->count - first;
+    (void)worker;
+    memcpy(copy->to + copy->bytes * first, copy->from + copy->bytes * first,
+           copy->bytes * (left < BLOCKS_A_TASK ? left : BLOCKS_A_TASK));
+}
+
+/* The same table in memory, without values; false if memory runs out. */
+static bool copy_table(ty_context* context, const ty_grid_blocks* from, ty_grid_blocks* to) {
+    const size_t count = ty_grid_table_count(from);
+    *to = *from;
+    to->mapping = NULL;
+    to->maps_tables = false;
+    to->table = ty_alloc_array(context, count, sizeof *to->table, false);
+    if (to->table != NULL) memcpy(to->table, from->table, count * sizeof *to->table);
+    return to->table != NULL;
+}
+
 static ty_result make_sparse(ty_context* context, ty_grid* grid, ty_grid_storage storage, ty_grid** out) {
     const ty_slice_source source = {own_slices, grid};
     slicing s = {.context = context, .def = describe(grid), .source = &source};
@@ -304,35 +356,69 @@ static ty_result make_sparse(ty_context* context, ty_grid* grid, ty_grid_storage
     return finish(&s, false, out);
 }
 
+/* The blocks of a grid that has some, in memory or in a file; taken in parts, as a file may be larger than memory. */
+static ty_result copy_blocks(ty_context* context, const ty_grid* grid, bool paged, ty_grid** out) {
+    const ty_grid_def def = describe(grid);
+    const size_t bytes = TY_GRID_BLOCK_VOXELS * ty_grid_value_size(grid->type);
+    ty_grid_blocks blocks;
+    ty_result result;
+    if (!copy_table(context, &grid->blocks, &blocks)) return TY_ERROR_MEMORY;
+    uint8_t* values = ty_grid_blocks_values(context, grid->type, paged, &blocks, &result);
+    if (result != TY_OK) {
+        ty_grid_free_blocks(context, grid->type, &blocks, NULL);
+        return result;
+    }
+    block_copy copy = {.from = grid->values, .to = values, .bytes = bytes, .count = blocks.count};
+    ty_parallel_for(context, ((int64_t)blocks.count + BLOCKS_A_TASK - 1) / BLOCKS_A_TASK, copy_some_blocks, &copy);
+    return ty_grid_adopt_blocks(context, &def, &blocks, values, out);
+}
+
 ty_result ty_grid_store(ty_context* context, ty_grid* grid, ty_grid_storage storage, ty_grid** out) {
-    if (grid == NULL || out == NULL || storage < TY_GRID_AUTO || storage > TY_GRID_SPARSE)
+    if (grid == NULL || out == NULL || storage < TY_GRID_AUTO || storage > TY_GRID_PAGED)
         return ty_fail(context, TY_ERROR_ARGUMENT,
                        "ty_grid_store: grid or out is NULL, or the storage not a ty_grid_storage");
-    const bool sparse = grid->blocks.table != NULL;
+    const bool sparse = grid->blocks.table != NULL, paged = grid->blocks.mapping != NULL;
     if (storage == TY_GRID_DENSE && sparse) return make_dense(context, grid, out);
     if (storage != TY_GRID_DENSE && !sparse) return make_sparse(context, grid, storage, out);
+    if (storage == (paged ? TY_GRID_SPARSE : TY_GRID_PAGED)) return copy_blocks(context, grid, !paged, out);
     *out = ty_grid_retain(grid);
     return TY_OK;
 }
 
 /* ---- halves ---- */
 
+typedef struct halving {
+    const float* from;
+    uint16_t* to;
+    size_t count;
+} halving;
+
+static void halve_some(void* user, int64_t task, int32_t worker) {
+    const halving* h = user;
+    const size_t values = (size_t)BLOCKS_A_TASK * TY_GRID_BLOCK_VOXELS, first = (size_t)task * values;
+    const size_t end = h->count - first < values ? h->count : first + values;
+    (void)worker;
+    for (size_t i = first; i < end; ++i) h->to[i] = ty_float_to_half(h->from[i]);
+}
+
 ty_result ty_grid_make_half(ty_context* context, const ty_grid* grid, ty_grid** out) {
-    const size_t table = ty_grid_table_count(&grid->blocks);
-    const float* floats = grid->values;
+    const bool sparse = grid->blocks.table != NULL;
+    const size_t values = (size_t)BLOCKS_A_TASK * TY_GRID_BLOCK_VOXELS;
+    halving h = {.from = grid->values, .count = grid->stored};
     ty_grid_def def = describe(grid);
+    ty_grid_blocks blocks = {.table = NULL};
+    ty_result result = TY_OK;
     def.type = TY_GRID_F16;
     def.background = ty_half_to_float(ty_float_to_half(grid->background));
-    ty_grid_blocks blocks = grid->blocks;
-    uint16_t* values = ty_alloc_array(context, grid->stored, sizeof *values, false);
-    if (values == NULL) return TY_ERROR_MEMORY;
-    for (size_t i = 0; i < grid->stored; ++i) values[i] = ty_float_to_half(floats[i]);
-    if (blocks.table == NULL) return ty_grid_adopt(context, &def, values, out);
-    blocks.table = ty_alloc_array(context, table, sizeof *blocks.table, false);
-    if (blocks.table == NULL) {
-        ty_free_array(context, values, grid->stored, sizeof *values);
-        return TY_ERROR_MEMORY;
+    if (sparse && !copy_table(context, &grid->blocks, &blocks)) return TY_ERROR_MEMORY;
+    if (sparse)
+        h.to = ty_grid_blocks_values(context, def.type, grid->blocks.mapping != NULL, &blocks, &result);
+    else
+        h.to = ty_alloc_array(context, grid->stored, sizeof *h.to, false);
+    if (h.to == NULL) {
+        if (sparse) ty_grid_free_blocks(context, def.type, &blocks, NULL);
+        return result != TY_OK ? result : TY_ERROR_MEMORY;
     }
-    memcpy(blocks.table, grid->blocks.table, table * sizeof *blocks.table);
-    return ty_grid_adopt_blocks(context, &def, &blocks, values, out);
+    ty_parallel_for(context, (int64_t)((grid->stored + values - 1) / values), halve_some, &h);
+    return sparse ? ty_grid_adopt_blocks(context, &def, &blocks, h.to, out) : ty_grid_adopt(context, &def, h.to, out);
 }

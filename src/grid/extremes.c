@@ -42,8 +42,20 @@ static size_t replace_nonfinite_floats(float* values, size_t count) {
     return replaced;
 }
 
+static bool all_finite(const ty_grid* grid, size_t start, size_t count) {
+    const uint16_t* halves = (const uint16_t*)grid->values + start;
+    const float* floats = (const float*)grid->values + start;
+    uint32_t bad = 0;
+    if (grid->type == TY_GRID_F16)
+        for (size_t i = 0; i < count; ++i) bad |= (halves[i] & 0x7c00u) == 0x7c00u;
+    else
+        for (size_t i = 0; i < count; ++i) bad |= (ty_bits_from_float(floats[i]) & 0x7f800000u) == 0x7f800000u;
+    return bad == 0;
+}
+
 static size_t replace_nonfinite(const ty_grid* grid, size_t start, size_t count) {
     if (grid->release != NULL) return 0; /* all are finite, and the memory may be read-only */
+    if (grid->blocks.mapping != NULL && all_finite(grid, start, count)) return 0; /* pages stay as the file has them */
     return grid->type == TY_GRID_F16 ? replace_nonfinite_halves((uint16_t*)grid->values + start, count)
                                      : replace_nonfinite_floats((float*)grid->values + start, count);
 }

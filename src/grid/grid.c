@@ -2,6 +2,7 @@
 #include "grid/grid.h"
 
 #include "base/context.h"
+#include "base/mapping.h"
 #include "grid/lookup.k.h"
 
 #include <stdatomic.h>
@@ -41,9 +42,39 @@ size_t ty_grid_table_count(const ty_grid_blocks* blocks) {
     return (size_t)blocks->size[0] * (size_t)blocks->size[1] * (size_t)blocks->size[2];
 }
 
-static void free_table(ty_context* context, ty_grid_blocks* blocks) {
-    ty_free_array(context, blocks->table, ty_grid_table_count(blocks), sizeof *blocks->table);
+void* ty_grid_blocks_values(ty_context* context, ty_grid_type type, bool paged, ty_grid_blocks* blocks,
+                            ty_result* result) {
+    const size_t stored = (size_t)blocks->count * TY_GRID_BLOCK_VOXELS, bytes = ty_grid_value_size(type);
+    if (!paged) {
+        void* values = ty_alloc_array(context, stored, bytes, false);
+        *result = values != NULL ? TY_OK : TY_ERROR_MEMORY;
+        return values;
+    }
+    *result = ty_mapping_create(context, stored * bytes, &blocks->mapping);
+    return *result == TY_OK ? blocks->mapping->bytes : NULL;
+}
+
+static void free_values(ty_context* context, ty_grid_type type, ty_grid_blocks* blocks, void* values, size_t stored) {
+    if (blocks->mapping == NULL) ty_free_array(context, values, stored, ty_grid_value_size(type));
+    if (!blocks->maps_tables) ty_free_array(context, blocks->table, ty_grid_table_count(blocks), sizeof *blocks->table);
+    ty_mapping_close(blocks->mapping);
+    blocks->mapping = NULL;
     blocks->table = NULL;
+}
+
+void ty_grid_free_blocks(ty_context* context, ty_grid_type type, ty_grid_blocks* blocks, void* values) {
+    free_values(context, type, blocks, values, (size_t)blocks->count * TY_GRID_BLOCK_VOXELS);
+}
+
+static void set_def(ty_grid* grid, const ty_grid_def* def) {
+    atomic_init(&grid->owners, 1);
+    memcpy(grid->size, def->size, sizeof grid->size);
+    grid->type = def->type;
+    grid->placed = def->placed;
+    grid->background = def->background;
+    grid->index_to_local = def->index_to_local;
+    grid->voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
+    for (int a = 0; a < 3; ++a) grid->bricks[a] = (def->size[a] + TY_BRICK) / TY_BRICK;
 }
 
 /* A grid of values that are borrowed if def->release is not NULL, and else its own; these are freed on failure, as the
@@ -57,24 +88,16 @@ static ty_result create_grid(ty_context* context, const ty_grid_def* def, ty_gri
     ty_result result = check_def(context, &def, &own);
     ty_grid* grid = result == TY_OK ? ty_alloc_array(context, 1, sizeof *grid, true) : NULL;
     if (grid == NULL) {
-        if (def->release == NULL) ty_free_array(context, values, stored, bytes);
-        free_table(context, blocks);
+        free_values(context, def->type, blocks, def->release == NULL ? values : NULL, stored);
         return result == TY_OK ? TY_ERROR_MEMORY : result;
     }
+    set_def(grid, def);
     grid->context = context;
-    atomic_init(&grid->owners, 1);
-    memcpy(grid->size, def->size, sizeof grid->size);
-    grid->type = def->type;
-    grid->placed = def->placed;
-    grid->background = def->background;
-    grid->index_to_local = def->index_to_local;
     grid->release = def->release;
     grid->release_user = def->release_user;
-    grid->voxels = voxels;
     grid->stored = stored;
     grid->blocks = *blocks;
     grid->values = values != NULL ? values : ty_alloc_array(context, stored, bytes, true);
-    for (int a = 0; a < 3; ++a) grid->bricks[a] = (def->size[a] + TY_BRICK) / TY_BRICK;
     grid->extremes = ty_alloc_array(context, ty_grid_brick_count(grid), 2 * sizeof(float), false);
     if (grid->values == NULL || grid->extremes == NULL || ty_grid_measure(grid) != TY_OK) {
         grid->release = NULL; /* a failure leaves borrowed values to the caller */
@@ -82,6 +105,7 @@ static ty_result create_grid(ty_context* context, const ty_grid_def* def, ty_gri
         ty_grid_release(grid);
         return TY_ERROR_MEMORY;
     }
+    if (grid->blocks.mapping != NULL) ty_mapping_expect_random(grid->blocks.mapping);
     *out = grid;
     return TY_OK;
 }
@@ -102,6 +126,33 @@ ty_result ty_grid_adopt_blocks(ty_context* context, const ty_grid_def* def, ty_g
     ty_grid_def own = *def;
     own.release = NULL;
     return create_grid(context, &own, blocks, values, out);
+}
+
+ty_result ty_grid_adopt_mapping(ty_context* context, const ty_grid_def* def, const ty_grid_blocks* blocks,
+                                const void* values, const float* extremes, const ty_grid_measured* measured,
+                                ty_grid** out) {
+    ty_grid_def own;
+    ty_result result = check_def(context, &def, &own);
+    ty_grid* grid = result == TY_OK ? ty_alloc_array(context, 1, sizeof *grid, true) : NULL;
+    if (result == TY_OK && grid == NULL) result = TY_ERROR_MEMORY;
+    if (result != TY_OK) {
+        ty_mapping_close(blocks->mapping);
+        return result;
+    }
+    set_def(grid, def);
+    grid->context = context;
+    grid->stored = (size_t)blocks->count * TY_GRID_BLOCK_VOXELS;
+    grid->blocks = *blocks;
+    grid->blocks.maps_tables = true;
+    grid->values = (void*)values;
+    grid->extremes = (float*)extremes;
+    grid->min = measured->min;
+    grid->max = measured->max;
+    grid->mean = measured->mean;
+    grid->active = measured->active;
+    ty_mapping_expect_random(blocks->mapping);
+    *out = grid;
+    return TY_OK;
 }
 
 /* ---- borrowed values ---- */
@@ -167,16 +218,19 @@ ty_grid* ty_grid_retain(ty_grid* grid) {
 void ty_grid_release(ty_grid* grid) {
     if (grid == NULL || atomic_fetch_sub(&grid->owners, 1) > 1) return;
     ty_context* context = grid->context;
-    if (grid->release != NULL)
-        grid->release(grid->release_user);
-    else
-        ty_free_array(context, grid->values, grid->stored, ty_grid_value_size(grid->type));
-    free_table(context, &grid->blocks);
-    ty_free_array(context, grid->extremes, ty_grid_brick_count(grid), 2 * sizeof(float));
+    if (grid->release != NULL) grid->release(grid->release_user);
+    if (!grid->blocks.maps_tables) ty_free_array(context, grid->extremes, ty_grid_brick_count(grid), 2 * sizeof(float));
+    free_values(context, grid->type, &grid->blocks, grid->release == NULL ? grid->values : NULL, grid->stored);
     ty_free_array(context, grid, 1, sizeof *grid);
 }
 
+static ty_grid_storage storage_of(const ty_grid* grid) {
+    if (grid->blocks.mapping != NULL) return TY_GRID_PAGED;
+    return grid->blocks.table != NULL ? TY_GRID_SPARSE : TY_GRID_DENSE;
+}
+
 ty_grid_info ty_grid_get_info(const ty_grid* grid) {
+    const size_t in_memory = grid->blocks.mapping == NULL ? grid->stored : 0;
     return (ty_grid_info){
         .size = {grid->size[0], grid->size[1], grid->size[2]},
         .type = grid->type,
@@ -185,11 +239,11 @@ ty_grid_info ty_grid_get_info(const ty_grid* grid) {
         .min = grid->min,
         .max = grid->max,
         .mean = grid->mean,
-        .bytes = sizeof *grid + grid->stored * ty_grid_value_size(grid->type) +
+        .bytes = sizeof *grid + in_memory * ty_grid_value_size(grid->type) +
                  ty_grid_table_count(&grid->blocks) * sizeof *grid->blocks.table +
                  ty_grid_brick_count(grid) * 2 * sizeof(float),
         .index_to_local = grid->index_to_local,
-        .storage = grid->blocks.table != NULL ? TY_GRID_SPARSE : TY_GRID_DENSE,
+        .storage = storage_of(grid),
         .active = grid->active,
         .stored = (int64_t)grid->stored,
     };

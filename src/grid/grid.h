@@ -16,13 +16,17 @@
 #define TY_GRID_BLOCK_LOG2 3
 #define TY_GRID_BLOCK_VOXELS 512
 
+struct ty_mapping;
+
 /* The table of a sparse grid: the number of the block that holds voxels [TY_GRID_BLOCK a, TY_GRID_BLOCK (a + 1)) of the
  * table, where voxel i of the grid is voxel i + shift of the table. Block 0 has one value throughout. */
 typedef struct ty_grid_blocks {
     uint32_t* table; /* NULL: the grid is dense */
     int32_t size[3]; /* of the table, in blocks */
     int32_t shift[3];
-    uint32_t count; /* stored blocks */
+    uint32_t count;             /* stored blocks */
+    struct ty_mapping* mapping; /* the file that has the values; NULL: they are in memory */
+    bool maps_tables;           /* the file has the table and the extremes, too */
 } ty_grid_blocks;
 
 struct ty_grid {
@@ -74,9 +78,27 @@ bool ty_grid_saves_memory(ty_grid_type type, size_t voxels, size_t table, size_t
 uint32_t* ty_grid_blocks_table(ty_context* context, const int32_t size[3], const int32_t shift[3],
                                ty_grid_blocks* blocks);
 size_t ty_grid_table_count(const ty_grid_blocks* blocks);
+/* Memory for the values of blocks->count blocks, or a file for them, which becomes blocks->mapping; NULL, with a
+ * message, on failure, which is *result. */
+void* ty_grid_blocks_values(ty_context* context, ty_grid_type type, bool paged, ty_grid_blocks* blocks,
+                            ty_result* result);
+/* Frees the values, which may be NULL, and the table. */
+void ty_grid_free_blocks(ty_context* context, ty_grid_type type, ty_grid_blocks* blocks, void* values);
 /* Takes ownership of a table and of values, blocks->count blocks; both are freed on failure. */
 ty_result ty_grid_adopt_blocks(ty_context* context, const ty_grid_def* def, ty_grid_blocks* blocks, void* values,
                                ty_grid** out);
+
+/* Properties of a grid that were measured when its file was written. */
+typedef struct ty_grid_measured {
+    float min, max;
+    double mean;
+    int64_t active;
+} ty_grid_measured;
+
+/* Takes ownership of blocks->mapping, which is closed on failure; table, values and extremes lie in it. */
+ty_result ty_grid_adopt_mapping(ty_context* context, const ty_grid_def* def, const ty_grid_blocks* blocks,
+                                const void* values, const float* extremes, const ty_grid_measured* measured,
+                                ty_grid** out);
 
 /* Voxels slice by slice: stores the address of slices [first, first + count), as the grid stores them, which is valid
  * until the next call. */

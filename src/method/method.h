@@ -105,6 +105,7 @@ typedef struct ty_method {
     void (*destroy)(void* light);
     bool (*follows_camera)(const ty_scene* scene);
     const char* of_interiors; /* a sentence on what it does not see of solid dielectrics; NULL: nothing */
+    bool divides;             /* all ranks of a command solve together */
     bool takes_surfaces;      /* view shows surfaces by `unscattered` alone */
     /* Solves media inside dielectrics, which the surfaces of such a method show (ty_trace_surfaces): *out is freed with
      * ty_enclosed_destroy, and NULL on failure and without any. NULL in methods without `takes_surfaces`. */

@@ -1,5 +1,6 @@
 /* Rendering by the name of a method. */
 #include "base/context.h"
+#include "base/mapping.h"
 #include "image/aovs.h"
 #include "image/image.h"
 #include "method/registry.h"
@@ -132,6 +133,11 @@ ty_result ty_render(const ty_scene* scene, const ty_render_def* given, ty_image*
     memcpy(request.crop, def.crop, sizeof request.crop);
     ty_method_run run = {.own_seconds = 0};
     result = method->render(scene, &request, out, &run);
+    if (*out != NULL && ty_mappings_check(scene->context) != TY_OK) {
+        ty_image_destroy(*out);
+        *out = NULL;
+        return TY_ERROR_INPUT;
+    }
     if (*out != NULL) give_measurements(&(receiver){def.measurement, def.measurement_user}, method, &run);
     return result;
 }

@@ -177,6 +177,10 @@ def reports_what_it_cannot_say(scene):
     _, report = operators.export_to(bpy.context, os.path.join(folder, "reported"))
     text = report.text()
     assert "Noise Texture" in text and "pano" in text, text
+    assert text.splitlines()[0] == "left out or approximated:", text
+    assert all(line.startswith(("- left out: ", "- approximated: ")) for line in text.splitlines()[1:]), text
+    with open(os.path.join(folder, "reported", "scene.json"), encoding="utf-8") as file:
+        assert json.load(file)["comment"][1:] == report.lines()
     with open(os.path.join(folder, "reported", "report.txt"), encoding="utf-8") as file:
         assert file.read() == text
 

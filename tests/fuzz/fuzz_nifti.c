@@ -10,7 +10,7 @@ static void read_all(ty_context* context, const char* path) {
     if (ty_nifti_components(context, path, &components) != TY_OK) return;
     for (int32_t component = 0; component < components && component < 4; ++component) {
         ty_grid* grid = NULL;
-        if (ty_nifti_read(context, path, component, &grid) == TY_OK) ty_grid_release(grid);
+        if (ty_nifti_read(context, path, component, TY_GRID_AUTO, &grid) == TY_OK) ty_grid_release(grid);
     }
 }
 

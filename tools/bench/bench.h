@@ -44,6 +44,7 @@ int bench_pop(const bench_session* bench);
 int bench_lpv(const bench_session* bench);
 int bench_dom(const bench_session* bench);
 int bench_octaves(const bench_session* bench);
+int bench_gradient(const bench_session* bench);
 int bench_denoise(const bench_session* bench);
 /* Its errors over many scenes, with --full. */
 int bench_denoise_errors(const bench_session* bench);

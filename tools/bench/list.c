@@ -12,6 +12,7 @@ const bench_entry bench_entries[BENCH_COUNT] = {
     {"lpv", "light propagation volumes: stages as in the paper's Table 1, growth, a frame", bench_lpv},
     {"dom", "discrete ordinates: solves, sweeps against thickness, images beside path", bench_dom},
     {"octaves", "multiple-scattering octaves: images by their number and from froxels, beside path", bench_octaves},
+    {"gradient", "gradients by fld and dom, in solves", bench_gradient},
     {"denoise", "denoising of path-traced images, in parts and at once", bench_denoise},
     {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
     {"bake", "baking: overhead of radiance caches and impulse responses, and speedup over paths", bench_bake},

@@ -10,7 +10,7 @@ typedef struct bench_entry {
     int (*run)(const bench_session* bench);
 } bench_entry;
 
-enum { BENCH_COUNT = 17 };
+enum { BENCH_COUNT = 18 };
 extern const bench_entry bench_entries[BENCH_COUNT];
 
 #endif

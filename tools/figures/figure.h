@@ -15,6 +15,8 @@ typedef struct figure_options {
     int32_t size[2];    /* pixels of the pictures; 0: the figure's own choice */
     int32_t samples;    /* per pixel, of path-traced pictures; 0: the figure's own choice */
     bool quick;         /* fewer samples and smaller pictures */
+    double latency;     /* of a message between ranks in the model of scaling, s */
+    double bandwidth;   /* and bytes/s */
     bool keep;          /* reuse existing figures of this version and these options */
 } figure_options;
 
@@ -138,6 +140,7 @@ void figure_place_sheet(figure_run* run, ty_result result, plot_sheet* sheet, co
     X(path, seeds, PATH, "", "means of images over seeds, lamps in media")                                             \
     X(path, guide, PATH, "", "led by a coarse solve of dom, in equal time")                                            \
     X(i3rc, step, I3RC, "Case 1", "the step cloud by columns")                                                         \
+    X(scaling, ranks, SCALING, "", "one command by 1 to 4 ranks, and a model to 4096")                                 \
     X(matrix, scenes, MATRIX, "", "scenes of every kind, by path")                                                     \
     X(matrix, methods, MATRIX, "", "every method on scenes of every kind")                                             \
     X(matrix, fine, MATRIX, "", "errors of structure in larger pictures")                                              \

@@ -22,6 +22,9 @@ const figure_paper figure_papers[FIGURE_PAPERS] = {
         {"Intercomparison of 3D radiation codes",
          "Cahalan et al.: The I3RC: Bringing Together the Most Advanced Radiative Transfer Tools for Cloudy "
          "Atmospheres (2005)"},
+    [FIGURE_SCALING] =
+        {"Many ranks", "Koch, Baker, Alcouffe: Solution of the First-Order Form of the 3-D Discrete Ordinates Equation "
+                       "on a Massively Parallel Processor (1992)"},
     [FIGURE_MATRIX] = {"Methods by scenes", ""},
 };
 

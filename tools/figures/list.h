@@ -16,6 +16,7 @@ typedef enum figure_paper_index {
     FIGURE_AUTO,
     FIGURE_PATH,
     FIGURE_I3RC,
+    FIGURE_SCALING,
     FIGURE_MATRIX,
     FIGURE_PAPERS
 } figure_paper_index;

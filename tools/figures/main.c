@@ -204,7 +204,7 @@ static bool print_words(FILE* file, const char* option) {
 }
 
 static int make(int count, char** arguments) {
-    figure_options options = {.data = getenv("TYNDALL_DATA")};
+    figure_options options = {.data = getenv("TYNDALL_DATA"), .latency = 2e-6, .bandwidth = 1e10};
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
         {"size", 0, CLI_SIZE, "WxH", "pixels of the pictures (default: the figure's choice)", options.size, 0, 0, NULL},
@@ -213,6 +213,10 @@ static int make(int count, char** arguments) {
         {"quick", 0, CLI_FLAG, NULL, "small pictures and few samples", &options.quick, 0, 0, NULL},
         {"keep", 0, CLI_FLAG, NULL, "leave figures that this version made with these options before", &options.keep, 0,
          0, NULL},
+        {"latency", 0, CLI_REAL, "S", "of a message between ranks in the model of scaling, seconds (default 2e-6)",
+         &options.latency, 0, 1, NULL},
+        {"bandwidth", 0, CLI_REAL, "B", "of messages between ranks there, bytes a second (default 1e10)",
+         &options.bandwidth, 1, 1e15, NULL},
         {"data", 0, CLI_TEXT, "DIR", "third-party images and volumes (default: the environment variable TYNDALL_DATA)",
          &options.data, 0, 0, NULL},
     };

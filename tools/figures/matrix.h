@@ -2,7 +2,7 @@
 #ifndef TY_FIGURES_MATRIX_H
 #define TY_FIGURES_MATRIX_H
 
-#include "figures/figure.h"
+#include "figures/process.h"
 #include "scenes/matrix.h"
 
 enum {
@@ -10,7 +10,6 @@ enum {
     MATRIX_BLOCKS = MATRIX_WIDTH / MATRIX_BLOCK * (MATRIX_HEIGHT / MATRIX_BLOCK),
     MATRIX_METHODS_MAX = 12,
     MATRIX_BAKES = 2,
-    MATRIX_WORDS_SIZE = 256,
     MATRIX_PATH_SIZE = FIGURE_PATH_SIZE + 128
 };
 
@@ -33,7 +32,7 @@ typedef enum matrix_state {
 /* Outcome of a method on a scene. */
 typedef struct matrix_cell {
     matrix_state state;
-    char words[MATRIX_WORDS_SIZE]; /* the program's message, if it rendered nothing */
+    char words[FIGURE_WORDS_SIZE]; /* the program's message, if it rendered nothing */
     double ratio;                  /* mean over that of the reference */
     double rmse;                   /* relative, of means of blocks; corrected for the reference's noise */
     double seconds;                /* processor time without loading the scene */
@@ -67,24 +66,16 @@ typedef struct matrix_table {
 
 extern const int32_t matrix_seconds_max; /* of processor time a method has for a scene */
 
-/* A process of `tyndall render`. */
-typedef struct matrix_process {
-    int status; /* exit status; -1: ended by a signal */
-    int signal;
-    double seconds;                /* processor time */
-    char words[MATRIX_WORDS_SIZE]; /* first line of its messages, without the program's name */
-} matrix_process;
-
 /* Runs `tyndall` with arguments, ended by NULL. Errors: TY_ERROR_MEMORY where no process can be started, TY_CANCELLED.
  */
-ty_result matrix_run_tyndall(const char* const* arguments, matrix_process* out);
+ty_result matrix_run_tyndall(const char* const* arguments, figure_process* out);
 /* Runs `tyndall render SCENE -o IMAGE --threads 1` with further arguments. */
-ty_result matrix_render(const char* folder, const char* scene, const char* const* arguments, matrix_process* out);
+ty_result matrix_render(const char* folder, const char* scene, const char* const* arguments, figure_process* out);
 /* The image and the measurements (--stats) that matrix_render writes. */
 void matrix_image_path(const char* folder, char out[MATRIX_PATH_SIZE]);
 void matrix_stats_path(const char* folder, char out[MATRIX_PATH_SIZE]);
 /* Sets a cell's state and words after a process without a result. */
-void matrix_take_failure(const matrix_process* process, matrix_cell* out);
+void matrix_take_failure(const figure_process* process, matrix_cell* out);
 
 /* Means of blocks of R, G and B; variances may be NULL. False if a pixel is not finite. */
 bool matrix_block_means(const ty_image* image, double means[MATRIX_BLOCKS], double variances[MATRIX_BLOCKS]);

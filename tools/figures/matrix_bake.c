@@ -90,7 +90,7 @@ static ty_result read_result(figure_run* run, const char* folder, const char* na
 
 /* The floor's mesh stands in the place of its quad. */
 static ty_result bake(figure_run* run, const char* folder, const matrix_row* row, const char* method, bool quick,
-                      matrix_process* process, bake_result* out) {
+                      figure_process* process, bake_result* out) {
     const floor_mesh* mesh = &floors[row->scene.values[MATRIX_SURROUNDINGS]];
     const bool reference = strcmp(method, "path") == 0;
     char scene[MATRIX_PATH_SIZE], target[MATRIX_PATH_SIZE], change[256];
@@ -153,7 +153,7 @@ static void compare(const bake_result* truth, const bake_result* baked, double r
 
 ty_result matrix_bake(figure_run* run, const char* folder, matrix_row* row) {
     const bool quick = run->options->quick;
-    matrix_process process;
+    figure_process process;
     bake_result truth, baked;
     for (int i = 0; i < MATRIX_BAKES; ++i) leave_out(&row->bakes[i], "there are no surfaces to bake");
     if (row->scene.values[MATRIX_SURROUNDINGS] == MATRIX_OPEN) return TY_OK;

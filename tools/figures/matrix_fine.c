@@ -40,7 +40,7 @@ typedef struct fine_table {
 /* ---- measuring ---- */
 
 static ty_result render(figure_run* run, const char* folder, const char* name, const char* const* arguments,
-                        matrix_process* process, ty_image** out) {
+                        figure_process* process, ty_image** out) {
     char path[MATRIX_PATH_SIZE];
     snprintf(path, sizeof path, "%s/%s.json", folder, name);
     ty_result result = matrix_render(folder, path, arguments, process);
@@ -62,7 +62,7 @@ static double read_noise(const char* folder) {
 static ty_result measure(figure_run* run, const char* folder, const char* name, int32_t method, const ty_image* truth,
                          double noise, fine_cell* out) {
     const char* const arguments[] = {"--method", auto_methods[method], "--size", size_text, "--spp", "32", NULL};
-    matrix_process process;
+    figure_process process;
     ty_image* image = NULL;
     ty_difference difference;
     ty_result result = render(run, folder, name, arguments, &process, &image);
@@ -79,7 +79,7 @@ static ty_result measure(figure_run* run, const char* folder, const char* name, 
 static ty_result measure_scene(figure_run* run, const char* folder, const char* name, fine_cell out[AUTO_METHODS]) {
     static const char* const arguments[] = {"--method", "path", "--size", size_text, "--seed", "1",
                                             "--spp",    "4096", "--time", "15",      NULL};
-    matrix_process process;
+    figure_process process;
     ty_image* truth = NULL;
     ty_result result = render(run, folder, name, arguments, &process, &truth);
     const double noise = read_noise(folder);

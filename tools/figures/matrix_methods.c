@@ -64,7 +64,7 @@ static ty_result fill_cell(figure_run* run, const char* folder, const matrix_tab
     char scene[MATRIX_PATH_SIZE];
     char samples[16], lpv_samples[32];
     const char* const arguments[] = {"--method", method, "--spp", samples, "-D", lpv_samples, NULL};
-    matrix_process process;
+    figure_process process;
     matrix_scene_path(folder, row, scene);
     snprintf(samples, sizeof samples, "%d", table->samples);
     snprintf(lpv_samples, sizeof lpv_samples, "render.lpv.spp=%d", table->samples); /* it shades surfaces itself */
@@ -84,7 +84,7 @@ static ty_result fill_cell(figure_run* run, const char* folder, const matrix_tab
 static ty_result measure_loading(const char* folder, const matrix_row* row, double* seconds) {
     static const char* const arguments[] = {"--method", "path", "--spp", "1", "--size", "1x1", NULL};
     char scene[MATRIX_PATH_SIZE];
-    matrix_process process;
+    figure_process process;
     matrix_scene_path(folder, row, scene);
     const ty_result result = matrix_render(folder, scene, arguments, &process);
     *seconds = process.seconds;

@@ -3,13 +3,9 @@
 #include "figures/matrix.h"
 #include "bench/command.h"
 
-#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 enum { ARGUMENTS_MAX = 32 };
@@ -24,63 +20,15 @@ void matrix_stats_path(const char* folder, char out[MATRIX_PATH_SIZE]) {
     snprintf(out, MATRIX_PATH_SIZE, "%s/stats.json", folder);
 }
 
-/* In the child: messages go to a pipe, and the processor time is bounded. */
-static void become(const char* path, const char* const* list, int messages) {
-    const int nothing = open("/dev/null", O_RDWR);
-    const struct rlimit seconds = {(rlim_t)matrix_seconds_max, (rlim_t)matrix_seconds_max + 5};
-    setrlimit(RLIMIT_CPU, &seconds);
-    dup2(nothing, STDIN_FILENO);
-    dup2(nothing, STDOUT_FILENO);
-    dup2(messages, STDERR_FILENO);
-    execvp(path, (char* const*)(uintptr_t)list);
-    _exit(127);
-}
-
-/* Reads all of a pipe; the first line is kept. */
-static void read_words(int from, char words[MATRIX_WORDS_SIZE]) {
-    static const char program[] = "tyndall: ";
-    FILE* file = fdopen(from, "r");
-    char line[1024] = "";
-    words[0] = '\0';
-    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
-        if (words[0] != '\0') continue;
-        const size_t skipped = strncmp(line, program, sizeof program - 1) == 0 ? sizeof program - 1 : 0;
-        line[strcspn(line, "\n")] = '\0';
-        snprintf(words, MATRIX_WORDS_SIZE, "%.*s", MATRIX_WORDS_SIZE - 1, line + skipped);
-    }
-    if (file != NULL)
-        fclose(file);
-    else
-        close(from);
-}
-
-static double seconds_of(const struct timeval* time) {
-    return (double)time->tv_sec + 1e-6 * (double)time->tv_usec;
-}
-
-ty_result matrix_run_tyndall(const char* const* arguments, matrix_process* out) {
+ty_result matrix_run_tyndall(const char* const* arguments, figure_process* out) {
     char path[BENCH_COMMAND_SIZE];
     const char* list[ARGUMENTS_MAX] = {path};
-    int count = 1, pipes[2], status = 0;
-    struct rusage used;
-    for (; *arguments != NULL && count < ARGUMENTS_MAX - 1; ++arguments) list[count++] = *arguments;
+    for (int count = 1; *arguments != NULL && count < ARGUMENTS_MAX - 1; ++arguments) list[count++] = *arguments;
     bench_find_command(path);
-    if (pipe(pipes) != 0) return TY_ERROR_MEMORY;
-    const pid_t child = fork();
-    if (child == 0) {
-        close(pipes[0]);
-        become(path, list, pipes[1]);
-    }
-    close(pipes[1]);
-    read_words(pipes[0], out->words);
-    if (child < 0 || wait4(child, &status, 0, &used) != child) return TY_ERROR_MEMORY;
-    out->status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    out->signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    out->seconds = seconds_of(&used.ru_utime) + seconds_of(&used.ru_stime);
-    return figure_check_interrupt();
+    return figure_run_process(list, matrix_seconds_max, out);
 }
 
-ty_result matrix_render(const char* folder, const char* scene, const char* const* arguments, matrix_process* out) {
+ty_result matrix_render(const char* folder, const char* scene, const char* const* arguments, figure_process* out) {
     char image[MATRIX_PATH_SIZE], stats[MATRIX_PATH_SIZE];
     const char* list[ARGUMENTS_MAX] = {"render", scene, "-o", image, "-q", "--threads", "1", "--stats", stats};
     int count = 9;
@@ -92,7 +40,7 @@ ty_result matrix_render(const char* folder, const char* scene, const char* const
     return matrix_run_tyndall(list, out);
 }
 
-void matrix_take_failure(const matrix_process* process, matrix_cell* out) {
+void matrix_take_failure(const figure_process* process, matrix_cell* out) {
     out->state = process->signal == SIGXCPU || process->signal == SIGKILL ? MATRIX_TOO_LONG
                  : process->status < 0                                    ? MATRIX_CRASHED
                  : process->status == CLI_USAGE                           ? MATRIX_REFUSED

@@ -81,7 +81,7 @@ static ty_result measure(figure_run* run, const char* folder, const char* scene,
                                      "--time",   time_limits[limit],
                                      "--aov",    "variance,samples",
                                      NULL};
-    matrix_process process;
+    figure_process process;
     ty_image* image = NULL;
     snprintf(samples, sizeof samples, "%d", run->options->samples);
     matrix_image_path(folder, path);

@@ -75,7 +75,7 @@ static ty_result show_scene(figure_run* run, const char* folder, matrix_row* row
     static const char* const arguments[] = {"--method", "path", NULL};
     const int32_t* values = row->scene.values;
     char path[MATRIX_PATH_SIZE];
-    matrix_process process;
+    figure_process process;
     ty_image* image = NULL;
     matrix_scene_path(folder, row, path);
     ty_result result = matrix_find_reference(run, folder, row);

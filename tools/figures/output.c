@@ -82,6 +82,7 @@ static ty_result print_json(ty_context* context, FILE* file, const void* user) {
     json_bool(&json, "quick", options->quick);
     json_numbers(&json, "size", (const double[]){options->size[0], options->size[1]}, 2);
     json_int(&json, "spp", options->samples);
+    json_numbers(&json, "network", (const double[]){options->latency, options->bandwidth}, 2);
     json_unsigned(&json, "seed", text->run->session->common.seed);
     json_bool(&json, "data", options->data != NULL && access(options->data, R_OK) == 0);
     json_number(&json, "seconds", text->seconds);

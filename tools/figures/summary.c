@@ -64,11 +64,14 @@ bool figure_can_keep(cli_session* session, const figure_options* options, const 
     json_t* root = read_json(session, options->folder, name);
     const char* version = json_string_value(json_object_get(root, "version"));
     const json_t* size = json_object_get(root, "size");
+    const json_t* network = json_object_get(root, "network");
     const bool data = options->data != NULL && access(options->data, R_OK) == 0;
     const bool up_to_date = version != NULL && strcmp(version, ty_version()) == 0 &&
                             json_is_true(json_object_get(root, "quick")) == options->quick &&
                             json_is_true(json_object_get(root, "data")) == data &&
                             is_number(json_object_get(root, "spp"), options->samples) &&
+                            is_number(json_array_get(network, 0), options->latency) &&
+                            is_number(json_array_get(network, 1), options->bandwidth) &&
                             is_number(json_object_get(root, "seed"), (double)session->common.seed) &&
                             is_number(json_array_get(size, 0), options->size[0]) &&
                             is_number(json_array_get(size, 1), options->size[1]);

@@ -162,6 +162,9 @@ class TyndallEngine(bpy.types.RenderEngine):
         viewport = self.__dict__.get("viewport") if hasattr(self, "__dict__") else None
         if viewport is not None:
             viewport.close()
+        inherited = getattr(super(), "__del__", None)  # Blender 4.4 and later
+        if inherited is not None:
+            inherited()
 
 
 def register():

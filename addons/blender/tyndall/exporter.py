@@ -183,6 +183,8 @@ def write_scene(depsgraph, folder, name="scene.json", settings=None, poses=None,
         export.report.lose("scene", "motion blur of all but the camera")
     if settings:
         document["render"] = settings
+    if len(export.report):
+        document["comment"] = ["exported from Blender; left out or approximated:", *export.report.lines()]
     path = os.path.join(folder, name)
     with open(path, "w", encoding="utf-8") as file:
         json.dump(document, file, indent=1, ensure_ascii=False)

@@ -26,15 +26,15 @@ class Report:
     def __len__(self):
         return len(self.left_out) + len(self.approximated)
 
+    def lines(self):
+        """One line for each note, in the form of tyndall convert."""
+        return [f"left out: {line}" for line in self.left_out] + [f"approximated: {line}" for line in self.approximated]
+
     def text(self):
         """The report as text, with one line where there is nothing to tell."""
         if not len(self):
             return "Everything in this scene is in the exported file.\n"
-        parts = []
-        for title, lines in (("Left out", self.left_out), ("Approximated", self.approximated)):
-            if lines:
-                parts.append(title + ":\n" + "".join(f"  {line}\n" for line in lines))
-        return "\n".join(parts)
+        return "left out or approximated:\n" + "".join(f"- {line}\n" for line in self.lines())
 
     def summary(self):
         """One line for the status bar."""

@@ -41,6 +41,7 @@ typedef struct ty_bake_request {
     int32_t transparent; /* 1: some surface passes light (bake/gather/transparent.k.h) */
     int32_t media_emit;  /* 1: some medium emits, and paths sample its emission */
     const ty_bake_receiver* receivers;
+    int64_t first;      /* place of receivers[0], of which random numbers are functions */
     int32_t terms;      /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS for probes */
     uint32_t fog_every; /* TY_BAKE_IMPULSE: samples per lookup of the tables, a power of two; TY_BAKE_CACHE: paths per
                            gather ray */

@@ -492,9 +492,13 @@ static void light_emitters(emitter_search* s, uint32_t samples, float* from_surf
 
 /* ---- tables ---- */
 
+bool ty_bake_impulse_emits(const ty_bake_run* run) {
+    return run->def->method == TY_BAKE_IMPULSE && run->path.view.medium_count > 0;
+}
+
 ty_result ty_bake_impulse_take_tables(ty_bake_run* run) {
     const ty_bake_def* def = run->def;
-    if (def->method != TY_BAKE_IMPULSE || run->path.view.medium_count == 0) return TY_OK;
+    if (!ty_bake_impulse_emits(run)) return TY_OK;
     run->request.impulse.tables = def->tables;
     if (def->tables != NULL) return TY_OK;
     ty_impulse_def impulse = ty_default_impulse_def();

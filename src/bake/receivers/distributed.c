@@ -1,18 +1,25 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bake/receivers/distributed.h"
 
+#include "bake/impulse/impulse.h"
+
 #include "base/context.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-/* The run of a job. */
+/* The run of a job. For impulse responses all receivers follow, from which each rank finds the same virtual emitters.
+ */
 typedef struct bake_job {
     ty_bake_def def; /* without pointers */
     int64_t count;
     int32_t terms, cached;
 } bake_job;
+
+static size_t emitting_receivers(const ty_bake_def* def, int64_t count) {
+    return def->method == TY_BAKE_IMPULSE ? (size_t)count : 0;
+}
 
 /* Before the receivers and the sums of a task. */
 typedef struct bake_task {
@@ -83,12 +90,11 @@ static void accept(void* user, int64_t first, int64_t count, const uint8_t* byte
     }
 }
 
-/* Virtual emitters of impulse responses come from all receivers at once, and stay on this rank. */
 ty_result ty_bake_shared_open(ty_bake_shared* shared, ty_bake_run* run) {
     *shared = (ty_bake_shared){.run = run};
     ty_work_queue* queue = ty_context_queue(run->context);
     const int64_t blocks = (run->count + TY_BAKE_BLOCK - 1) / TY_BAKE_BLOCK;
-    if (queue == NULL || blocks < 2 || run->def->method == TY_BAKE_IMPULSE) return TY_OK;
+    if (queue == NULL || blocks < 2) return TY_OK;
     bake_job job = {*run->def, run->count, run->request.terms, run->def->cache != NULL};
     job.def.tables = NULL;
     job.def.cache = NULL;
@@ -98,7 +104,12 @@ ty_result ty_bake_shared_open(ty_bake_shared* shared, ty_bake_run* run) {
     if (!ty_blocks_create(&shared->blocks, blocks)) return TY_ERROR_MEMORY;
     atomic_store(&shared->blocks.end, 0); /* until the first pass */
     shared->queue = queue;
-    if (!ty_queue_begin(queue, &offered, &job, sizeof job)) shared->queue = NULL;
+    ty_buffer bytes = {.size = 0};
+    ty_buffer_add(&bytes, &job, sizeof job);
+    ty_buffer_add(&bytes, run->request.receivers,
+                  emitting_receivers(run->def, run->count) * sizeof *run->request.receivers);
+    if (!ty_queue_begin(queue, &offered, bytes.bytes, bytes.size)) shared->queue = NULL;
+    free(bytes.bytes);
     return TY_OK;
 }
 
@@ -153,21 +164,31 @@ static void end_job(void* user) {
     free(service);
 }
 
+/* A run as that of rank 0, with the same virtual emitters. */
+static ty_result begin_run(bake_service* service, const ty_bake_helper* helper, const bake_job* job) {
+    ty_bake_run* run = &service->run;
+    const ty_result result =
+        ty_bake_run_begin(run, helper->scene, &job->def, service->receivers, job->count, job->terms);
+    return result == TY_OK && ty_bake_impulse_emits(run) ? ty_bake_impulse_begin(run) : result;
+}
+
 /* A job with a cache is for ranks that have it. */
 static bool begin_job(void* user, const uint8_t* bytes, size_t size, void** out) {
     const ty_bake_helper* helper = user;
     bake_job job;
-    if (size != sizeof job) return false;
+    if (size < sizeof job) return false;
     memcpy(&job, bytes, sizeof job);
-    if (job.cached != 0 && helper->cache == NULL) return false;
+    const size_t emitting = emitting_receivers(&job.def, job.count) * sizeof(ty_bake_receiver);
+    if (job.count < 0 || size != sizeof job + emitting || (job.cached != 0 && helper->cache == NULL)) return false;
+    job.def.tables = helper->tables;
     bake_service* service = calloc(1, sizeof *service);
     if (service == NULL) return false;
     ty_context* context = ty_scene_context(helper->scene);
     if (job.cached != 0) job.def.cache = helper->cache;
     service->count = job.count;
     service->receivers = ty_alloc_array(context, (size_t)job.count, sizeof *service->receivers, true);
-    if (service->receivers == NULL ||
-        ty_bake_run_begin(&service->run, helper->scene, &job.def, service->receivers, job.count, job.terms) != TY_OK) {
+    if (service->receivers != NULL && emitting > 0) memcpy(service->receivers, bytes + sizeof job, emitting);
+    if (service->receivers == NULL || begin_run(service, helper, &job) != TY_OK) {
         end_job(service);
         return false;
     }

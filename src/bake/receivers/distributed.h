@@ -26,10 +26,11 @@ void ty_bake_shared_end_pass(ty_bake_shared* shared);
 /* True if the block is this rank's. */
 bool ty_bake_shared_take(ty_bake_shared* shared, int64_t block);
 
-/* The worker of TY_JOB_BAKE on other ranks. Scene and cache are those of rank 0, and stay the caller's. */
+/* The worker of TY_JOB_BAKE on other ranks. Scene, cache and tables are those of rank 0, and stay the caller's. */
 typedef struct ty_bake_helper {
     const ty_scene* scene;
     const ty_bake_cache* cache; /* NULL: none */
+    const ty_impulse* tables;   /* NULL: none */
 } ty_bake_helper;
 ty_job_worker ty_bake_job_worker(ty_bake_helper* helper);
 

@@ -25,13 +25,13 @@ TY_BAKE_KERNEL(TY_KERNEL_NAME(ty_bake_kernel)) {
         g.light = light + item * (TY_BAKE_LAYERS * 3) * request->terms;
         for (uint32_t i = first; i < first + count; ++i) {
             for (int c = 0; c < 3; ++c) g.sample[c] = 0.0f;
-            if (ty_gather_sample(&g, (uint64_t)item, i)) sum->blocked += 1;
+            if (ty_gather_sample(&g, (uint64_t)(request->first + item), i)) sum->blocked += 1;
             for (int c = 0; c < 3; ++c) {
                 sum->mean[c] += (double)g.sample[c];
                 sum->square[c] += (double)g.sample[c] * (double)g.sample[c];
             }
         }
-        if (cached) ty_cached_gather(&g, (uint64_t)item, first, count);
+        if (cached) ty_cached_gather(&g, (uint64_t)(request->first + item), first, count);
         sum->paths += count;
         sum->rays += g.rays;
         sum->count += (int32_t)count;

@@ -16,7 +16,7 @@ TY_BAKE_KERNEL(TY_KERNEL_NAME(ty_bake_path_kernel)) {
         g.light = light + item * (TY_BAKE_LAYERS * 3) * request->terms;
         for (uint32_t i = first; i < first + count; ++i) {
             for (int c = 0; c < 3; ++c) g.sample[c] = 0.0f;
-            ty_path_begin(&g.path, &request->path, (uint64_t)item, i);
+            ty_path_begin(&g.path, &request->path, (uint64_t)(request->first + item), i);
             g.path.origin = g.origin;
             g.path.normal = g.normal;
             ty_path_begin_inside(&g.path);

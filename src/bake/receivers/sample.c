@@ -104,6 +104,9 @@ static ty_result attach_enclosed(ty_bake_run* run, const ty_scene* scene) {
 static ty_result check_receivers(const ty_bake_run* run, const ty_bake_receiver* receivers, int64_t count) {
     if (count < 0 || (count > 0 && receivers == NULL))
         return ty_fail(run->context, TY_ERROR_ARGUMENT, "bake: a count of %lld receivers", (long long)count);
+    if (run->def->first < 0 || run->def->first > (int64_t)1 << 62)
+        return ty_fail(run->context, TY_ERROR_ARGUMENT, "bake: first: %lld is outside of 0..2^62",
+                       (long long)run->def->first);
     for (int64_t i = 0; i < count; ++i) {
         const ty_bake_receiver* r = &receivers[i];
         float sum = r->margin;
@@ -170,6 +173,7 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
     request->back_scattering = def->back_scattering;
     request->impulse.published = def->composition == TY_BAKE_PUBLISHED;
     request->receivers = receivers;
+    request->first = run->def->first;
     request->terms = terms;
     run->kernel = TY_BEST_KERNELS(ty_bake_kernel);
     if (def->method == TY_BAKE_PATH && run->path.view.interior_count > 1)
@@ -288,11 +292,10 @@ static bool end_receivers(ty_bake_run* run) {
 ty_result ty_bake_sample(ty_bake_run* run) {
     const double begun = ty_wall_seconds();
     const uint32_t spp = (uint32_t)run->def->spp;
-    const bool fog = run->def->method == TY_BAKE_IMPULSE && run->path.view.medium_count > 0;
     ty_bake_shared shared;
-    ty_result result = fog ? ty_bake_impulse_begin(run) : TY_OK;
-    if (result == TY_OK) result = ty_bake_shared_open(&shared, run);
+    ty_result result = ty_bake_shared_open(&shared, run);
     if (result != TY_OK) return result;
+    if (ty_bake_impulse_emits(run)) result = ty_bake_impulse_begin(run); /* while the other ranks do the same */
     for (uint32_t done = 0; done < spp && result == TY_OK;) {
         const uint32_t max_count = done > 0 ? done : PASS_FIRST,
                        count = spp - done < max_count ? spp - done : max_count;

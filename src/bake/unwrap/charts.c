@@ -75,15 +75,15 @@ static void measure_face(const ty_unwrap_mesh* mesh, int64_t triangle, ty_unwrap
     for (int a = 0; a < 3; ++a) face->normal[a] = length > 0 ? (float)(n[a] / length) : 0;
 }
 
-ty_result ty_unwrap_find_faces(ty_context* context, const ty_unwrap_mesh* mesh, ty_unwrap_face* faces) {
-    const size_t triangles = (size_t)mesh->triangle_count, vertices = (size_t)mesh->vertex_count;
-    uint32_t* first = ty_alloc_array(context, vertices, sizeof *first, false);
+ty_result ty_unwrap_find_faces(ty_context* context, const ty_unwrap_mesh* mesh, ty_unwrap_face* faces,
+                               uint32_t* welded) {
+    const size_t triangles = (size_t)mesh->triangle_count;
     edge* edges = ty_alloc_array(context, 3 * triangles, sizeof *edges, false);
-    ty_result result = first == NULL || edges == NULL ? TY_ERROR_MEMORY : weld(context, mesh, first);
+    ty_result result = edges == NULL ? TY_ERROR_MEMORY : weld(context, mesh, welded);
     for (size_t t = 0; t < triangles && result == TY_OK; ++t) {
         measure_face(mesh, (int64_t)t, &faces[t]);
         for (size_t k = 0; k < 3; ++k) {
-            const uint32_t a = first[mesh->indices[3 * t + k]], b = first[mesh->indices[3 * t + (k + 1) % 3]];
+            const uint32_t a = welded[mesh->indices[3 * t + k]], b = welded[mesh->indices[3 * t + (k + 1) % 3]];
             edges[3 * t + k] = (edge){a < b ? a : b, a < b ? b : a, (int32_t)t, (int32_t)k};
         }
     }
@@ -92,7 +92,6 @@ ty_result ty_unwrap_find_faces(ty_context* context, const ty_unwrap_mesh* mesh, 
         join_edges(edges, 3 * triangles, faces);
     }
     if (edges != NULL) ty_free_array(context, edges, 3 * triangles, sizeof *edges);
-    if (first != NULL) ty_free_array(context, first, vertices, sizeof *first);
     return result;
 }
 

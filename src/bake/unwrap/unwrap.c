@@ -1,5 +1,5 @@
-/* Unwrapping: charts are grown, projected, freed from overlaps, rotated, and packed. */
-#include "bake/unwrap/unwrap.h"
+/* Unwrapping: charts are grown, projected, freed from overlaps, joined, rotated, and packed. */
+#include "bake/unwrap/conformal.h"
 #include "base/context.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 enum { TURNS = 32, ROUNDS = 16, OVERLAP_SIDE_MAX = 2048 };
 
-/* Rows of a chart's plane, and the box of its triangles in it, m. */
+/* Axes of a chart's plane, and the box of its triangles in it, m. */
 typedef struct plane {
     float axes[2][3];
     float low[2], high[2];
@@ -21,6 +21,8 @@ typedef struct job {
     const ty_unwrap_def* def;
     ty_unwrap_face* faces;
     int32_t *order, *queue, *by_chart;
+    float* flat;      /* 6 per triangle: its place in the map of its chart, m */
+    uint32_t* welded; /* the first vertex at each vertex's position */
     plane* planes;
     int32_t charts, plane_capacity;
 } job;
@@ -86,30 +88,15 @@ static void find_box(const job* j, plane* p) {
         }
 }
 
-/* The turn about the normal with the smallest box. Right-handed, so that no chart is mirrored. */
+/* Right-handed axes, so that no chart is mirrored. */
 static void find_axes(const job* j, plane* p) {
-    float n[3], u[3], v[3];
+    float n[3], *u = p->axes[0], *v = p->axes[1];
     find_normal(j, p, n);
     const int minor = fabsf(n[0]) <= fabsf(n[1]) && fabsf(n[0]) <= fabsf(n[2]) ? 0 : fabsf(n[1]) <= fabsf(n[2]) ? 1 : 2;
     const float length = sqrtf(1 - n[minor] * n[minor]);
     for (int a = 0; a < 3; ++a) u[a] = ((a == minor) - n[minor] * n[a]) / length;
     for (int a = 0; a < 3; ++a) v[a] = n[(a + 1) % 3] * u[(a + 2) % 3] - n[(a + 2) % 3] * u[(a + 1) % 3];
-    plane best = *p;
-    float smallest = INFINITY;
-    for (int turn = 0; turn < TURNS; ++turn) {
-        const float angle = 1.57079633f * (float)turn / TURNS, c = cosf(angle), s = sinf(angle);
-        for (int a = 0; a < 3; ++a) {
-            p->axes[0][a] = c * u[a] + s * v[a];
-            p->axes[1][a] = c * v[a] - s * u[a];
-        }
-        find_box(j, p);
-        const float area = (p->high[0] - p->low[0]) * (p->high[1] - p->low[1]);
-        if (area < 0.9999f * smallest) {
-            smallest = area;
-            best = *p;
-        }
-    }
-    *p = best;
+    find_box(j, p);
 }
 
 static ty_result make_planes(job* j) {
@@ -128,35 +115,6 @@ static ty_result make_planes(job* j) {
 }
 
 /* ---- Overlaps ---- */
-
-/* Marks the points of a raster that are within a triangle; true if another triangle was there. */
-static bool cover(float p[3][2], int32_t width, int32_t height, uint8_t* owned) {
-    float low[2], high[2];
-    for (int b = 0; b < 2; ++b) {
-        low[b] = fminf(fminf(p[0][b], p[1][b]), p[2][b]);
-        high[b] = fmaxf(fmaxf(p[0][b], p[1][b]), p[2][b]);
-    }
-    const float area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
-    if (!(fabsf(area) > 1e-12f)) return false;
-    bool met = false;
-    for (int pass = 0; pass < 2 && !met; ++pass)
-        for (int32_t y = (int32_t)fmaxf(low[1], 0); y <= (int32_t)high[1] && y < height; ++y)
-            for (int32_t x = (int32_t)fmaxf(low[0], 0); x <= (int32_t)high[0] && x < width; ++x) {
-                const float at[2] = {(float)x + 0.5f, (float)y + 0.5f};
-                float smallest = INFINITY;
-                for (int k = 0; k < 3; ++k) {
-                    const float *a = p[k], *b = p[(k + 1) % 3];
-                    const float side = (b[0] - a[0]) * (at[1] - a[1]) - (b[1] - a[1]) * (at[0] - a[0]);
-                    smallest = fminf(smallest, side / area);
-                }
-                if (!(smallest > 1e-4f)) continue; /* points on edges belong to nobody */
-                if (pass == 0)
-                    met = met || owned[(size_t)y * (size_t)width + (size_t)x];
-                else
-                    owned[(size_t)y * (size_t)width + (size_t)x] = 1;
-            }
-    return met;
-}
 
 /* Takes triangles that lie over others, or are stretched too much, out of their chart. *taken: whether there were any.
  */
@@ -178,7 +136,7 @@ static ty_result separate(job* j, const plane* p, bool* taken) {
             for (int b = 0; b < 2; ++b) at[k][b] = (along(p->axes[b], corner(j, triangle, k)) - p->low[b]) * scale;
         const ty_unwrap_face* face = &j->faces[triangle];
         const bool steep = face->area > 0 && along(normal, face->normal) < 0.9999 / j->def->stretch;
-        if (!steep && !cover(at, width, height, owned)) continue;
+        if (!steep && !ty_unwrap_cover(at, width, height, owned)) continue;
         j->faces[triangle].chart = -1;
         *taken = true;
     }
@@ -211,52 +169,95 @@ static ty_result make_charts(job* j) {
 
 /* ---- The map ---- */
 
-static ty_result pack(job* j, ty_unwrap* out, ty_unwrap_rectangle* rectangles) {
+/* The projection of each triangle onto its chart's plane, from a corner of its chart on, so that floats hold it. */
+static void flatten(job* j) {
+    for (int64_t t = 0; t < j->mesh->triangle_count; ++t) {
+        const plane* p = &j->planes[j->faces[t].chart];
+        const float* from = corner(j, j->by_chart[p->first], 0);
+        for (int i = 0; i < 6; ++i) {
+            const float *axis = p->axes[i % 2], *at = corner(j, (int32_t)t, i / 2);
+            double sum = 0;
+            for (int a = 0; a < 3; ++a) sum += (double)axis[a] * ((double)at[a] - (double)from[a]);
+            j->flat[6 * t + i] = (float)sum;
+        }
+    }
+}
+
+static void turn_by(const float at[2], float angle, float out[2]) {
+    const float c = cosf(angle), s = sinf(angle);
+    out[0] = c * at[0] + s * at[1];
+    out[1] = c * at[1] - s * at[0];
+}
+
+static void find_chart_box(const job* j, float angle, ty_unwrap_chart* chart) {
+    for (int b = 0; b < 2; ++b) {
+        chart->low[b] = INFINITY;
+        chart->high[b] = -INFINITY;
+    }
+    for (int64_t i = 0; i < 3 * chart->count; ++i) {
+        float at[2];
+        turn_by(j->flat + 6 * (size_t)chart->triangles[i / 3] + 2 * (i % 3), angle, at);
+        for (int b = 0; b < 2; ++b) {
+            chart->low[b] = fminf(chart->low[b], at[b]);
+            chart->high[b] = fmaxf(chart->high[b], at[b]);
+        }
+    }
+}
+
+/* Turns the map of a chart to the smallest box. */
+static void turn_chart(job* j, ty_unwrap_chart* chart) {
+    float smallest = INFINITY, best = 0;
+    for (int turn = 0; turn < TURNS; ++turn) {
+        const float angle = 1.57079633f * (float)turn / TURNS;
+        find_chart_box(j, angle, chart);
+        const float area = (chart->high[0] - chart->low[0]) * (chart->high[1] - chart->low[1]);
+        if (area >= 0.9999f * smallest) continue;
+        smallest = area;
+        best = angle;
+    }
+    for (int64_t i = 0; i < 3 * chart->count; ++i) {
+        float* at = j->flat + 6 * (size_t)chart->triangles[i / 3] + 2 * (i % 3);
+        const float from[2] = {at[0], at[1]};
+        turn_by(from, best, at);
+    }
+    find_chart_box(j, 0, chart);
+}
+
+static ty_result pack(job* j, ty_unwrap_chart* charts, ty_unwrap* out) {
     out->density = j->def->density;
     for (;;) {
-        for (int32_t c = 0; c < j->charts; ++c) {
-            const plane* p = &j->planes[c];
-            rectangles[c].width = (int32_t)ceil((double)(p->high[0] - p->low[0]) * out->density) + 1 + j->def->padding;
-            rectangles[c].height = (int32_t)ceil((double)(p->high[1] - p->low[1]) * out->density) + 1 + j->def->padding;
-        }
-        const ty_result result = ty_unwrap_pack(j->context, rectangles, j->charts, &out->width, &out->height);
+        const ty_result result = ty_unwrap_pack(j->context, j->flat, charts, j->charts, out->density, j->def->padding,
+                                                &out->width, &out->height);
         const int32_t side = out->width > out->height ? out->width : out->height;
         if (result != TY_OK || side <= TY_UNWRAP_SIDE_MAX || out->density < 1e-9 * j->def->density) return result;
         out->density *= 0.95 * TY_UNWRAP_SIDE_MAX / side;
     }
 }
 
-static void place(const job* j, const ty_unwrap_rectangle* rectangles, ty_unwrap* out) {
-    double covered = 0, surface = 0;
-    const double half = 0.5 * (1 + j->def->padding);
-    for (int32_t c = 0; c < j->charts; ++c) {
-        const plane* p = &j->planes[c];
-        for (int64_t i = 0; i < p->count; ++i) {
-            const int32_t triangle = j->by_chart[p->first + i];
-            const ty_unwrap_face* face = &j->faces[triangle];
-            double at[3][2];
-            for (int k = 0; k < 3; ++k)
-                for (int b = 0; b < 2; ++b) {
-                    at[k][b] = (b == 0 ? rectangles[c].x : rectangles[c].y) + half +
-                               (double)(along(p->axes[b], corner(j, triangle, k)) - p->low[b]) * out->density;
-                    out->uv[6 * (size_t)triangle + 2 * (size_t)k + (size_t)b] =
-                        (float)(at[k][b] / (b == 0 ? out->width : out->height));
-                }
-            const double texels = 0.5 * fabs((at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
-                                             (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]));
-            /* A plane shortens lengths at most by the cosine between the normals, which is the ratio of the areas. */
-            const double flat = (double)face->area * out->density * out->density;
-            if (texels > 1e-6 * flat && texels > 1e-9) {
-                out->stretch = fmax(out->stretch, flat / texels);
-                out->mean_stretch += (double)face->area * flat / texels;
-                surface += (double)face->area;
-            }
-            covered += texels;
-            out->chart[triangle] = c;
+static void place(const job* j, const ty_unwrap_chart* charts, ty_unwrap* out) {
+    double covered = 0, surface = 0, stretched = 0, stretch[2];
+    const double margin = 0.5 + (j->def->padding + 1) / 2; /* NOLINT(bugprone-integer-division) */
+    for (int64_t t = 0; t < j->mesh->triangle_count; ++t) {
+        const ty_unwrap_chart* chart = &charts[j->faces[t].chart];
+        double at[3][2];
+        for (int k = 0; k < 3; ++k) {
+            ty_unwrap_turn(chart, chart->turns, out->density, j->flat + 6 * t + 2 * k, at[k]);
+            at[k][0] += chart->x + margin;
+            at[k][1] += chart->y + margin;
+            for (int b = 0; b < 2; ++b)
+                out->uv[6 * t + 2 * k + b] = (float)(at[k][b] / (b == 0 ? out->width : out->height));
         }
+        const double texels =
+            0.5 * fabs((at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) - (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]));
+        covered += texels;
+        out->chart[t] = j->faces[t].chart;
+        if (!ty_unwrap_stretch_of(j->mesh, t, j->flat + 6 * t, stretch)) continue;
+        out->stretch = fmax(out->stretch, stretch[0]);
+        stretched += (double)j->faces[t].area * 0.5 * (stretch[0] * stretch[0] + stretch[1] * stretch[1]);
+        surface += (double)j->faces[t].area;
     }
     out->fill = covered / ((double)out->width * out->height);
-    out->mean_stretch = surface > 0 ? out->mean_stretch / surface : 1;
+    out->mean_stretch = surface > 0 ? sqrt(stretched / surface * covered / (surface * out->density * out->density)) : 1;
 }
 
 /* ---- The whole ---- */
@@ -284,26 +285,52 @@ static ty_result sort_faces(job* j) {
     return TY_OK;
 }
 
+static ty_result join_charts(job* j) {
+    const size_t vertices = (size_t)j->mesh->vertex_count, triangles = (size_t)j->mesh->triangle_count;
+    int32_t* number = ty_alloc_array(j->context, vertices, sizeof *number, false);
+    uint8_t* member = ty_alloc_array(j->context, triangles, sizeof *member, true);
+    ty_result result = number == NULL || member == NULL ? TY_ERROR_MEMORY : TY_OK;
+    if (result == TY_OK) {
+        const ty_unwrap_surface surface = {j->mesh, j->faces, j->welded, number, member};
+        for (size_t v = 0; v < vertices; ++v) number[v] = -1;
+        flatten(j);
+        result = ty_unwrap_join(j->context, &surface, j->def, j->faces, j->flat, &j->charts);
+    }
+    if (member != NULL) ty_free_array(j->context, member, triangles, sizeof *member);
+    if (number != NULL) ty_free_array(j->context, number, vertices, sizeof *number);
+    return result;
+}
+
 static ty_result pack_and_place(job* j, ty_unwrap* out) {
-    ty_unwrap_rectangle* rectangles = ty_alloc_array(j->context, (size_t)j->charts, sizeof *rectangles, false);
-    ty_result result = rectangles == NULL ? TY_ERROR_MEMORY : pack(j, out, rectangles);
-    if (result == TY_OK) place(j, rectangles, out);
-    if (rectangles != NULL) ty_free_array(j->context, rectangles, (size_t)j->charts, sizeof *rectangles);
+    ty_unwrap_chart* charts = ty_alloc_array(j->context, (size_t)j->charts, sizeof *charts, true);
+    if (charts == NULL) return TY_ERROR_MEMORY;
+    list_triangles(j);
+    for (int32_t c = 0; c < j->charts; ++c) {
+        charts[c].triangles = j->by_chart + j->planes[c].first;
+        charts[c].count = j->planes[c].count;
+        turn_chart(j, &charts[c]);
+    }
+    const ty_result result = pack(j, charts, out);
+    if (result == TY_OK) place(j, charts, out);
+    ty_free_array(j->context, charts, (size_t)j->charts, sizeof *charts);
     out->charts = j->charts;
     return result;
 }
 
 ty_result ty_unwrap_mesh_create(ty_context* context, const ty_unwrap_mesh* mesh, const ty_unwrap_def* def,
                                 ty_unwrap* out) {
-    const size_t count = (size_t)mesh->triangle_count;
+    const size_t count = (size_t)mesh->triangle_count, vertices = (size_t)mesh->vertex_count;
     *out = (ty_unwrap){.triangle_count = mesh->triangle_count, .stretch = 1};
     job j = {.context = context, .mesh = mesh, .def = def};
     int32_t* lists = ty_alloc_array(context, 3 * count, sizeof *lists, false);
     j.faces = ty_alloc_array(context, count, sizeof *j.faces, false);
+    j.flat = ty_alloc_array(context, 6 * count, sizeof *j.flat, false);
+    j.welded = ty_alloc_array(context, vertices, sizeof *j.welded, false);
     out->uv = ty_alloc_array(context, 6 * count, sizeof *out->uv, false);
     out->chart = ty_alloc_array(context, count, sizeof *out->chart, false);
-    const bool made = lists != NULL && j.faces != NULL && out->uv != NULL && out->chart != NULL;
-    ty_result result = made ? ty_unwrap_find_faces(context, mesh, j.faces) : TY_ERROR_MEMORY;
+    const bool made =
+        lists != NULL && j.faces != NULL && j.flat != NULL && j.welded != NULL && out->uv != NULL && out->chart != NULL;
+    ty_result result = made ? ty_unwrap_find_faces(context, mesh, j.faces, j.welded) : TY_ERROR_MEMORY;
     if (result == TY_OK) {
         j.order = lists;
         j.queue = lists + count;
@@ -311,9 +338,12 @@ ty_result ty_unwrap_mesh_create(ty_context* context, const ty_unwrap_mesh* mesh,
         result = sort_faces(&j);
     }
     if (result == TY_OK) result = make_charts(&j);
+    if (result == TY_OK) result = join_charts(&j);
     if (result == TY_OK) result = pack_and_place(&j, out);
     if (j.planes != NULL) ty_free_array(context, j.planes, (size_t)j.plane_capacity, sizeof *j.planes);
     if (j.faces != NULL) ty_free_array(context, j.faces, count, sizeof *j.faces);
+    if (j.flat != NULL) ty_free_array(context, j.flat, 6 * count, sizeof *j.flat);
+    if (j.welded != NULL) ty_free_array(context, j.welded, vertices, sizeof *j.welded);
     if (lists != NULL) ty_free_array(context, lists, 3 * count, sizeof *lists);
     return result;
 }

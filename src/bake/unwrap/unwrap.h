@@ -1,4 +1,5 @@
-/* Texture coordinates for lightmaps: charts of triangles, each projected onto a plane, packed into one map. */
+/* Texture coordinates for lightmaps: charts of triangles, projected onto planes or mapped conformally, packed into one
+ * map. */
 #ifndef TY_BAKE_UNWRAP_UNWRAP_H
 #define TY_BAKE_UNWRAP_UNWRAP_H
 
@@ -24,7 +25,8 @@ typedef struct ty_unwrap {
     int32_t charts, width, height; /* of the map, texels at the density */
     double density;                /* that of the map: less where it would be larger than TY_UNWRAP_SIDE_MAX */
     double fill;                   /* fraction of the map that triangles cover */
-    double stretch, mean_stretch;  /* largest, and by area */
+    double stretch, mean_stretch;  /* L-infinity and L2 (Sander et al. 2001): of lengths on the surface over those in
+                                      the map, the largest and the root of the mean square */
 } ty_unwrap;
 
 enum { TY_UNWRAP_SIDE_MAX = 4096 };
@@ -43,8 +45,10 @@ typedef struct ty_unwrap_face {
     int32_t chart;
 } ty_unwrap_face;
 
-/* Normals, areas and neighbours: triangles are neighbours where two alone share an edge between equal positions. */
-ty_result ty_unwrap_find_faces(ty_context* context, const ty_unwrap_mesh* mesh, ty_unwrap_face* faces);
+/* Normals, areas and neighbours: triangles are neighbours where two alone share an edge between equal positions.
+ * welded: for each vertex the first one at its position. Errors: TY_ERROR_MEMORY. */
+ty_result ty_unwrap_find_faces(ty_context* context, const ty_unwrap_mesh* mesh, ty_unwrap_face* faces,
+                               uint32_t* welded);
 /* Grows charts of faces whose chart is -1: from the largest, over neighbours of normals within the stretch. Numbers
  * them from *charts on. order: all faces by falling area; queue: room for one per face. */
 void ty_unwrap_grow(ty_unwrap_face* faces, int64_t count, const int32_t* order, double stretch, int32_t* queue,
@@ -57,14 +61,25 @@ void ty_unwrap_grow(ty_unwrap_face* faces, int64_t count, const int32_t* order, 
 ty_result ty_unwrap_merge(ty_context* context, ty_unwrap_face* faces, int64_t count, const int32_t* by_chart,
                           double stretch, int32_t* charts);
 
+/* ---- overlaps.c ---- */
+
+/* Marks the points of a raster that are within a triangle, unless another triangle was there: then true. */
+bool ty_unwrap_cover(float p[3][2], int32_t width, int32_t height, uint8_t* owned);
+
 /* ---- pack.c ---- */
 
-typedef struct ty_unwrap_rectangle {
-    int32_t width, height, x, y; /* texels */
-} ty_unwrap_rectangle;
+typedef struct ty_unwrap_chart {
+    const int32_t* triangles;
+    int64_t count;
+    float low[2], high[2]; /* box of its map, m */
+    int32_t turns, x, y;   /* quarter turns, counterclockwise, and the texel where it begins with its margin */
+} ty_unwrap_chart;
 
-/* Places rectangles into a map that is nearly square, by a skyline. Errors: TY_ERROR_MEMORY. */
-ty_result ty_unwrap_pack(ty_context* context, ty_unwrap_rectangle* rectangles, int32_t count, int32_t* width,
-                         int32_t* height);
+/* Places charts into a map that is nearly square. flat: 6 numbers a triangle, m. The texels within half a texel of the
+ * triangles of two charts are at least `padding` texels apart. Errors: TY_ERROR_MEMORY. */
+ty_result ty_unwrap_pack(ty_context* context, const float* flat, ty_unwrap_chart* charts, int32_t count, double density,
+                         int32_t padding, int32_t* width, int32_t* height);
+/* A point of a chart's map in its box after some quarter turns, texels. */
+void ty_unwrap_turn(const ty_unwrap_chart* chart, int32_t turns, double density, const float at[2], double out[2]);
 
 #endif

@@ -5,6 +5,7 @@
 #include "cli/bake/mesh_scene.h"
 #include "cli/commands.h"
 #include "cli/session/ranks.h"
+#include "method/joint.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -50,8 +51,13 @@ static ty_bake_def make_def(bake_run* run) {
     return def;
 }
 
+/* A merge takes light that the parts have found. */
+static bool is_merge(const bake_run* run) {
+    return run->options->merge > 0;
+}
+
 static ty_result make_tables(bake_run* run) {
-    if (run->def.method != TY_BAKE_IMPULSE || ty_scene_get_info(run->scene).media == 0) return TY_OK;
+    if (is_merge(run) || run->def.method != TY_BAKE_IMPULSE || ty_scene_get_info(run->scene).media == 0) return TY_OK;
     ty_impulse_def def = ty_default_impulse_def();
     ty_impulse_stats stats = ty_default_impulse_stats();
     if (def.bounces < run->def.scatterings) def.bounces = run->def.scatterings;
@@ -64,14 +70,15 @@ static ty_result make_tables(bake_run* run) {
 }
 
 static ty_result make_cache(bake_run* run) {
-    if (run->def.method != TY_BAKE_CACHE || ty_scene_get_info(run->scene).media == 0) return TY_OK;
+    if (is_merge(run) || run->def.method != TY_BAKE_CACHE || ty_scene_get_info(run->scene).media == 0) return TY_OK;
     ty_bake_def def = run->def;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
     const ty_result result = ty_bake_cache_create(run->scene, &def, &run->cache);
     if (result != TY_OK) return result;
     run->def.cache = run->cache;
-    run->cache_seconds = ty_bake_cache_get_info(run->cache).seconds;
+    run->cached = true;
+    run->cache_info = ty_bake_cache_get_info(run->cache);
     return TY_OK;
 }
 
@@ -82,7 +89,9 @@ static bool has_work(const bake_run* run) {
     return false;
 }
 
+/* The state and what is done so far. A part writes its file at the end. */
 static ty_result record(bake_run* run) {
+    if (run->parts.part > 0) return TY_OK;
     const ty_result result = bake_write_state(run);
     return result == TY_OK ? bake_write_sidecar(run) : result;
 }
@@ -111,13 +120,23 @@ static void print_closing_lines(const bake_run* run) {
     if (resumed > 0) printf(", %d of them before", (int)resumed);
     printf(", %.1f s", cli_wall_seconds() - run->started);
     if (run->tables != NULL) printf(" (tables %.1f s)", run->table_seconds);
-    if (run->cache != NULL) printf(" (light in media %.1f s)", run->cache_seconds);
+    if (run->cached) printf(" (light in media %.1f s)", run->cache_info.seconds);
     printf("%s\nwrote %s/bake.json and what it lists\n", run->complete ? "" : ", interrupted", run->options->folder);
+}
+
+static int finish_part(bake_run* run, ty_result result) {
+    if (result == TY_OK) result = bake_write_part(run);
+    if (result == TY_OK) return CLI_DONE;
+    if (result != TY_CANCELLED) return cli_fail_running(run->session, result);
+    if (!run->session->common.quiet) printf("interrupted; nothing was written\n");
+    return CLI_INTERRUPTED;
 }
 
 /* Returns the exit status. */
 static int finish(bake_run* run, ty_result result) {
     cli_progress_clear(&run->session->progress);
+    if (run->parts.part > 0) return finish_part(run, result);
+    if (result == TY_ERROR_INPUT) return cli_fail_reading(run->session, result);
     if (result != TY_OK && result != TY_CANCELLED) return cli_fail_running(run->session, result);
     if (result == TY_OK) {
         const int status = bake_write_colors(run);
@@ -140,13 +159,15 @@ static int bake_scene(bake_run* run) {
         bake_print_plan(run);
         return CLI_DONE;
     }
+    run->parts = (bake_parts){.part = options->part[0], .count = is_merge(run) ? options->merge : options->part[1]};
     status = cli_make_folder("bake", options->folder);
-    if (status == CLI_GO) status = bake_lock(run);
+    if (status == CLI_GO && run->parts.part == 0) status = bake_lock(run);
+    if (status == CLI_GO) status = bake_open_parts(run);
     if (status != CLI_GO) return status;
     run->copies = bake_list_copies(run, &run->copy_count);
     if (status == CLI_GO && run->copies == NULL) status = cli_fail_running(session, TY_ERROR_MEMORY);
     if (status == CLI_GO) status = bake_check_copies(run);
-    if (status == CLI_GO && options->resume) status = bake_read_state(run);
+    if (status == CLI_GO && options->resume && run->parts.part == 0) status = bake_read_state(run);
     if (status != CLI_GO) return status;
     if (!session->common.quiet) bake_print_plan(run);
     fflush(stdout);
@@ -169,12 +190,17 @@ static int help_baking(cli_session* session, const bake_options* options) {
     if (result == TY_OK) {
         run.def = make_def(&run);
         run.def.progress = NULL;
-        if (make_cache(&run) != TY_OK) ty_take_error(session->context); /* and refuses jobs with a cache */
+        if (make_cache(&run) != TY_OK || make_tables(&run) != TY_OK)
+            ty_take_error(session->context); /* and refuses jobs with a cache */
     }
-    ty_bake_helper helper = {run.scene, run.cache};
-    const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_BAKE] = ty_bake_job_worker(&helper)};
+    ty_bake_helper helper = {run.scene, run.cache, run.tables};
+    ty_joint_helper joint;
+    ty_job_worker workers[TY_JOB_KINDS] = {0};
+    if (result == TY_OK) workers[TY_JOB_JOINT] = ty_joint_worker(&joint, session->comm, run.scene);
+    workers[TY_JOB_BAKE] = ty_bake_job_worker(&helper);
     const int status = cli_ranks_serve(session, workers);
     ty_bake_cache_destroy(run.cache);
+    ty_impulse_destroy(run.tables);
     ty_scene_destroy(run.scene);
     return cli_session_close(session, status);
 }
@@ -186,6 +212,7 @@ static int load_and_bake(cli_session* session, const bake_options* options) {
     cli_end_on_interrupt(false);
     int status = result != TY_OK ? cli_fail_reading(session, result) : cli_ranks_greet(session, run.scene);
     if (status == CLI_GO) status = bake_scene(&run);
+    bake_close_parts(&run);
     cli_lock_release(&run.lock);
     bake_count_totals(&run);
     bake_free_plan(session, &run.plan);
@@ -220,6 +247,16 @@ static int check_options(bake_options* options) {
         return cli_usage_error("bake", "--grid and --grid-spacing both say how many probes; give one");
     if (options->denoise && options->spp_given && options->spp < 2)
         return cli_usage_error("bake", "--denoise compares two halves of the paths, and there is one");
+    if (options->part_text != NULL && options->merge > 0)
+        return cli_usage_error("bake", "--part makes a part, and --merge takes all of them; give one");
+    if (options->merge > 0 && options->resume)
+        return cli_usage_error("bake", "--merge makes all again from the parts, without --resume");
+    if ((options->part_text != NULL || options->merge > 0) && options->error > 0)
+        return cli_usage_error("bake", "--error looks at all receivers of a mesh, and a part has some; give --spp");
+    if ((options->part_text != NULL || options->merge > 0) && options->method == TY_BAKE_IMPULSE)
+        return cli_usage_error("bake", "method impulse has virtual emitters from all receivers, and a part has some");
+    if (options->part_text != NULL && cli_parse_part("bake", options->part_text, options->part) != CLI_GO)
+        return CLI_USAGE;
     if (options->sh != 3 && options->sh != 5)
         return cli_usage_error("bake", "--sh: %d is neither 3 nor 5", (int)options->sh);
     return CLI_GO;
@@ -271,6 +308,10 @@ int cli_bake(int count, char** arguments) {
          &options.overrides, 0, 0, NULL},
         {"resume", 0, CLI_FLAG, NULL, "keep what an interrupted bake into DIR finished, and go on", &options.resume, 0,
          0, NULL},
+        {"part", 0, CLI_TEXT, "I/N", "sample part I of N of all receivers, for --merge", &options.part_text, 0, 0,
+         NULL},
+        {"merge", 0, CLI_INT, "N", "make the bake from N parts in DIR, given the same other options", &options.merge, 1,
+         1 << 16, NULL},
         {"dry-run", 0, CLI_FLAG, NULL, "say what would be baked, and how much memory that takes", &options.dry_run, 0,
          0, NULL},
     };
@@ -282,7 +323,8 @@ int cli_bake(int count, char** arguments) {
         "set\n"
         "of texture coordinates (UV2) get lightmaps, the others light at their vertices. DIR/bake.json says what was\n"
         "written, in which units. Interrupting (Ctrl-C) keeps what is finished and exits with 130.\n"
-        "One process at a time may write to DIR; a kill costs the mesh, or the probes, under way.",
+        "One process at a time may write to DIR; a kill costs the mesh, or the probes, under way. Parts are for\n"
+        "machines without MPI, and may be made at the same time: docs/farm.md.",
         table,
         sizeof table / sizeof table[0],
         1,

@@ -17,6 +17,9 @@ typedef struct bake_options {
     int32_t spp, bounces, scatterings, cells, cell_paths, sh, padding, size[2], grid[3];
     double error, density, grid_spacing;
     const char* grid_text; /* the argument of --grid */
+    const char* part_text; /* of --part */
+    int32_t part[2];       /* I of N; N 0: all */
+    int32_t merge;         /* parts that a merge takes; 0: none */
     bool spp_given, no_back_scattering, lightmaps, vertices, denoise, resume, dry_run;
     cli_list overrides;
 } bake_options;
@@ -69,6 +72,18 @@ typedef struct bake_totals {
     int64_t paths, rays;
 } bake_totals;
 
+/* The file of a part, in memory. */
+typedef struct bake_part_file {
+    uint8_t* bytes;
+    size_t size, capacity, at; /* at: bytes that were taken, of a file that was read */
+} bake_part_file;
+
+/* Of --part, and of --merge. */
+typedef struct bake_parts {
+    int32_t part, count;   /* part 1..count; 0: all of them, which a merge takes; count 0: a bake in one */
+    bake_part_file* files; /* count of them */
+} bake_parts;
+
 /* The state of a running bake. */
 typedef struct bake_run {
     cli_session* session;
@@ -80,11 +95,14 @@ typedef struct bake_run {
     ty_bake_def def;
     ty_impulse* tables;
     ty_bake_cache* cache;
-    double table_seconds, cache_seconds, started;
+    bool cached; /* there was a cache; its properties outlive it, for --stats */
+    ty_bake_cache_info cache_info;
+    double table_seconds, started;
     double receivers_done, receivers_skipped; /* skipped: units that an earlier run finished */
     bool complete;
     cli_lock lock; /* of the state, so that two bakes do not mix in one folder */
     bake_totals totals;
+    bake_parts parts;
 } bake_run;
 
 /* ---- plan.c ---- */
@@ -130,8 +148,25 @@ int bake_check_copies(const bake_run* run);
 /* Writes the copies and sets their scales. */
 int bake_write_colors(bake_run* run);
 
+/* ---- parts.c ---- */
+
+/* --part, --merge: takes a part's lock, or reads the files of all parts. CLI_GO; CLI_DONE: the part was finished
+ * before; or an exit status after a message. Either way the caller closes. */
+int bake_open_parts(bake_run* run);
+void bake_close_parts(bake_run* run);
+/* Writes the file of this part. Errors: TY_ERROR_FILE. */
+ty_result bake_write_part(bake_run* run);
+/* Light at receivers, or points, as by ty_bake_surfaces and ty_bake_probes: all, those of this part, or what the parts
+ * have found. Errors: also TY_ERROR_INPUT. */
+ty_result bake_light_surfaces(const bake_run* run, const ty_bake_def* def, const ty_bake_receiver* receivers,
+                              int64_t count, ty_bake_light* light, ty_bake_stats* stats);
+ty_result bake_light_points(const bake_run* run, const float* points, int64_t count, ty_bake_probe* probes,
+                            ty_bake_stats* stats);
+
 /* ---- state.c ---- */
 
+/* The settings that a bake must have in common with an earlier run, or with the other parts, as one line. */
+void bake_make_key(const bake_run* run, char key[BAKE_KEY_SIZE]);
 /* Takes the lock of the folder's state: CLI_GO, or an exit status after a message. */
 int bake_lock(bake_run* run);
 /* --resume: marks units that an earlier run finished. CLI_GO, or an exit status after a message. */

@@ -89,7 +89,7 @@ ty_result bake_write_probes(bake_run* run, const ty_bake_probe* probes) {
 /* ---- bake.json ---- */
 
 static void put_cache(json_writer* json, const bake_run* run) {
-    const ty_bake_cache_info info = ty_bake_cache_get_info(run->cache);
+    const ty_bake_cache_info info = run->cache_info;
     json_open_object(json, "cache");
     json_numbers(json, "cells", (const double[]){info.size[0], info.size[1], info.size[2]}, 3);
     json_number(json, "cell", info.cell);
@@ -108,7 +108,7 @@ static void put_options(json_writer* json, const bake_run* run) {
     json_number(json, "error", run->def.error);
     json_int(json, "bounces", run->def.bounces);
     json_int(json, "scatterings", run->def.scatterings);
-    if (run->cache != NULL) put_cache(json, run);
+    if (run->cached) put_cache(json, run);
     json_bool(json, "back_scattering", run->def.back_scattering);
     if (run->def.method == TY_BAKE_IMPULSE)
         json_text(json, "composition", run->def.composition == TY_BAKE_PUBLISHED ? "published" : "collisions");

@@ -8,8 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The settings that a resumed bake must have in common with the earlier run, as one line. */
-static void make_key(const bake_run* run, char key[BAKE_KEY_SIZE]) {
+void bake_make_key(const bake_run* run, char key[BAKE_KEY_SIZE]) {
     const bake_options* o = run->options;
     uint64_t probes = 0;
     for (int64_t i = 0; i < 3 * run->plan.probe_count; ++i) {
@@ -42,7 +41,7 @@ static ty_result print_state(ty_context* context, FILE* file, const void* user) 
     (void)context;
     const bake_run* run = user;
     char key[BAKE_KEY_SIZE];
-    make_key(run, key);
+    bake_make_key(run, key);
     bake_print_state(file, run, key);
     return TY_OK;
 }
@@ -61,7 +60,7 @@ int bake_read_state(bake_run* run) {
     if (access(path, F_OK) != 0 && errno == ENOENT) return CLI_GO;
     const ty_result result = ty_bytes_read(run->session->context, path, (size_t)1 << 28, &bytes, &size);
     if (result != TY_OK) return cli_fail_reading(run->session, result);
-    make_key(run, key);
+    bake_make_key(run, key);
     const bake_state_kind kind = bake_take_state(run, key, (const char*)bytes);
     ty_bytes_destroy(run->session->context, bytes, size);
     if (kind == BAKE_STATE_NONE)

@@ -73,6 +73,11 @@ static ty_result write_image(const bake_run* run, const bake_unit* unit, int32_t
 
 /* ---- Surfaces ---- */
 
+/* True for a part of a bake, which makes no images. */
+static bool is_part(const bake_run* run) {
+    return run->parts.part > 0;
+}
+
 static void count_stats(bake_unit* unit, const ty_bake_stats* stats, double receivers) {
     unit->mean_samples += stats->mean_samples * receivers;
     unit->paths += stats->paths;
@@ -85,7 +90,7 @@ static ty_result gather(const bake_run* run, bake_unit* unit, int32_t mesh, ty_b
                         const ty_bake_receiver* receivers, int64_t count, ty_bake_light* light) {
     ty_bake_stats stats = ty_default_bake_stats();
     def.seed += 0x9e3779b97f4a7c15u * ((uint64_t)mesh + 1);
-    const ty_result result = ty_bake_surfaces(run->scene, &def, receivers, count, light, &stats);
+    const ty_result result = bake_light_surfaces(run, &def, receivers, count, light, &stats);
     count_stats(unit, &stats, (double)count);
     return result;
 }
@@ -96,7 +101,7 @@ static ty_result bake_plain(const bake_run* run, bake_unit* unit, int32_t mesh, 
     const ty_bake_receiver* targets = ty_atlas_receivers(atlas, &count);
     ty_bake_light* light = calloc((size_t)count + 1, sizeof *light);
     ty_result result = light == NULL ? TY_ERROR_MEMORY : gather(run, unit, mesh, run->def, targets, count, light);
-    if (result == TY_OK) result = ty_atlas_create_image(atlas, light, out);
+    if (result == TY_OK && !is_part(run)) result = ty_atlas_create_image(atlas, light, out);
     free(light);
     return result;
 }
@@ -112,12 +117,12 @@ static ty_result bake_denoised(const bake_run* run, bake_unit* unit, int32_t mes
     ty_result result = light == NULL ? TY_ERROR_MEMORY : TY_OK;
     for (int half = 0; half < 2 && result == TY_OK; ++half)
         result = gather(run, unit, mesh, bake_half_def(&run->def, half), targets, count, half == 0 ? even : odd);
-    if (result == TY_OK) {
+    if (result == TY_OK && !is_part(run)) {
         bake_join_halves(even, odd, count, result_light);
         result = ty_atlas_create_image(atlas, result_light, out);
+        if (result == TY_OK) result = ty_atlas_denoise(atlas, even, odd, result_light);
+        if (result == TY_OK) result = ty_atlas_create_image(atlas, result_light, denoised);
     }
-    if (result == TY_OK) result = ty_atlas_denoise(atlas, even, odd, result_light);
-    if (result == TY_OK) result = ty_atlas_create_image(atlas, result_light, denoised);
     free(light);
     return result;
 }
@@ -158,8 +163,8 @@ static ty_result bake_lightmap(const bake_run* run, bake_unit* unit) {
     for (int32_t i = 0; i < unit->count && result == TY_OK; ++i)
         result =
             bake_map(run, unit, unit->first + i, &receivers, &images[i], denoise ? &images[unit->count + i] : NULL);
-    if (result == TY_OK && denoise) result = write_maps(run, unit, true, images + unit->count);
-    if (result == TY_OK) result = write_maps(run, unit, false, images);
+    if (result == TY_OK && denoise && !is_part(run)) result = write_maps(run, unit, true, images + unit->count);
+    if (result == TY_OK && !is_part(run)) result = write_maps(run, unit, false, images);
     for (int32_t i = 0; images != NULL && i < 2 * unit->count; ++i) ty_image_destroy(images[i]);
     free(images);
     unit->mean_samples /= fmax((double)receivers, 1);
@@ -188,11 +193,11 @@ static ty_result bake_vertices(const bake_run* run, bake_unit* unit) {
     ty_bake_light* light = calloc((size_t)unit->receivers, sizeof *light);
     ty_result result = receivers == NULL || light == NULL ? TY_ERROR_MEMORY : TY_OK;
     if (result == TY_OK) result = gather_vertices(run, unit, receivers, light);
-    if (result == TY_OK)
+    if (result == TY_OK && !is_part(run))
         result = ty_bake_create_light_image(run->session->context, light, unit->receivers, unit->size[0], &image);
     free(receivers);
     free(light);
-    if (result == TY_OK) result = write_image(run, unit, -1, false, image);
+    if (result == TY_OK && image != NULL) result = write_image(run, unit, -1, false, image);
     ty_image_destroy(image);
     return result;
 }
@@ -226,9 +231,10 @@ static ty_result bake_points(bake_run* run, bake_unit* unit) {
     ty_bake_probe* probes = calloc((size_t)unit->receivers, sizeof *probes);
     ty_bake_stats stats = ty_default_bake_stats();
     ty_result result = points == NULL || probes == NULL ? TY_ERROR_MEMORY : TY_OK;
-    if (result == TY_OK) result = ty_bake_probes(run->scene, &run->def, points, unit->receivers, probes, &stats);
+    if (result == TY_OK) result = bake_light_points(run, points, unit->receivers, probes, &stats);
     count_stats(unit, &stats, 1);
-    if (result == TY_OK) result = grid ? write_grid(run, unit, probes) : bake_write_probes(run, probes);
+    if (result == TY_OK && !is_part(run))
+        result = grid ? write_grid(run, unit, probes) : bake_write_probes(run, probes);
     free(probes);
     free(made);
     return result;

@@ -45,9 +45,10 @@ int cli_check_codec(const char* command, const char** codec, const char* output)
     if (cli_has_extension(output, ".nrrd")) return choose_codec(command, codec, nrrd, output);
     if (cli_has_extension(output, ".vti")) return choose_codec(command, codec, vti, output);
     if (cli_has_extension(output, ".nii.gz")) return choose_codec(command, codec, packed, output);
-    if (cli_has_extension(output, ".nii") || cli_has_extension(output, ".vol"))
+    if (cli_has_extension(output, ".nii") || cli_has_extension(output, ".vol") || cli_has_extension(output, ".bricks"))
         return choose_codec(command, codec, plain, output);
-    return cli_usage_error(command, "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz or .vol", output);
+    return cli_usage_error(command, "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz, .vol or .bricks",
+                           output);
 }
 
 static int convert(cli_session* session, convert_volume_options* volume, const convert_image_options* image,
@@ -112,8 +113,8 @@ int cli_convert(int count, char** arguments) {
         "IN OUT [options]",
         "Converts a volume, an image or a scene into a file of another kind.",
         "Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, DICOM (a folder or a file of a\n"
-        "series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and raw files to .vdb, .nvdb, .nrrd,\n"
-        ".vti, .nii, .nii.gz, .vol.\n"
+        "series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol, .bricks and raw files to .vdb,\n"
+        ".nvdb, .nrrd, .vti, .nii, .nii.gz, .vol and, for volumes larger than memory, .bricks.\n"
         "Images: .exr, .hdr, .png, .jpg, .webp to .exr, .png, and to textures, .ktx2, .dds.\n"
         "Scenes: of pbrt-v4 (.pbrt, .pbrt.gz) and Mitsuba (.xml) to .json, with meshes, volumes\n"
         "and maps in a folder beside it.",

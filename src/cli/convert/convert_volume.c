@@ -50,6 +50,7 @@ int cli_convert_volume(cli_session* session, convert_volume_options* options, co
         options->def.grid = options->grid;
         options->def.exact_grid = true;
     }
+    if (cli_has_extension(output, ".bricks")) options->def.storage = TY_GRID_PAGED; /* larger than memory, maybe */
     if (status == CLI_GO) status = read_grids(session, options, input, grids);
     if (status != CLI_GO) {
         release(grids);

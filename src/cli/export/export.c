@@ -97,6 +97,24 @@ static void put_lightmap(json_writer* json, const export_run* run, const json_t*
     json_close_object(json);
 }
 
+/* The parts of the bake that are not exported, in the form of the notes of tyndall convert. */
+static void put_notes(json_writer* json, const export_run* run) {
+    const json_t *files = json_object_get(run->bake, "files"), *entry;
+    char line[EXPORT_PATH_SIZE + 64];
+    bool copied = false;
+    size_t i;
+    json_array_foreach(files, i, entry) copied = copied || strcmp(kind_of(entry), "gltf") == 0;
+    json_open_array(json, "comment");
+    json_array_foreach(files, i, entry) {
+        if (copied || strcmp(kind_of(entry), "vertices") != 0) continue;
+        snprintf(line, sizeof line, "left out: %s: light at vertices, of which there is no glTF file",
+                 json_string_value(json_object_get(entry, "file")));
+        json_text(json, NULL, line);
+    }
+    if (run->has_more_bands) json_text(json, NULL, "left out: probes: bands above the third");
+    json_close_array(json);
+}
+
 static ty_result print_manifest(ty_context* context, FILE* file, const void* user) {
     (void)context;
     const export_run* run = user;
@@ -108,6 +126,7 @@ static ty_result print_manifest(ty_context* context, FILE* file, const void* use
     json_int(&json, "tyndall_export", 1);
     json_text(&json, "version", ty_version());
     json_text(&json, "engine", engine->name);
+    put_notes(&json, run);
     json_text(&json, "axes", engine->axes_text);
     json_text(&json, "lightmap_quantity",
               engine->per_pi ? "irradiance / pi: times the albedo it is radiance"

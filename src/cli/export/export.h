@@ -47,6 +47,7 @@ typedef struct export_run {
     bool z_up;
     int64_t probe_count; /* written so far */
     int32_t lightmaps;
+    bool has_more_bands; /* probes have terms that are not exported */
 } export_run;
 
 /* ---- probes.c ---- */

@@ -52,7 +52,7 @@ static bool take_probe(const json_t* item, probe* out) {
     return true;
 }
 
-static ty_result read_list(const export_run* run, const char* name, probe_list* list) {
+static ty_result read_list(export_run* run, const char* name, probe_list* list) {
     char path[EXPORT_PATH_SIZE];
     snprintf(path, sizeof path, "%s/%s", run->from, name);
     json_t* root = json_load_file(path, 0, NULL);
@@ -62,6 +62,7 @@ static ty_result read_list(const export_run* run, const char* name, probe_list* 
     bool good = count > 0 && list->probes != NULL;
     for (size_t i = 0; good && i < count; ++i) good = take_probe(json_array_get(items, i), &list->probes[i]);
     list->count = (int64_t)count;
+    if (json_array_size(json_object_get(json_array_get(items, 0), "sh")) > EXPORT_TERMS) run->has_more_bands = true;
     json_decref(root);
     return good ? TY_OK : wrong(run, name);
 }
@@ -108,13 +109,14 @@ static bool take_grid(const json_t* entry, const ty_image* image, probe_list* li
     return true;
 }
 
-static ty_result read_grid(const export_run* run, const json_t* entry, const char* name, probe_list* list) {
+static ty_result read_grid(export_run* run, const json_t* entry, const char* name, probe_list* list) {
     char path[EXPORT_PATH_SIZE];
     ty_image* image = NULL;
     snprintf(path, sizeof path, "%s/%s", run->from, name);
     const ty_result result = ty_image_read(run->session->context, path, &image);
     if (result != TY_OK) return result;
     const bool good = take_grid(entry, image, list);
+    if (plane_of(image, EXPORT_TERMS, 0) != NULL) run->has_more_bands = true;
     ty_image_destroy(image);
     return good ? TY_OK : wrong(run, name);
 }

@@ -3,9 +3,12 @@
 #include "cli/commands.h"
 #include "cli/convert/convert.h"
 #include "cli/fluence/fog_texture.h"
+#include "cli/methods/help_paths.h"
 #include "cli/methods/methods.h"
+#include "cli/session/ranks.h"
 #include "grid/grid.h"
 #include "io/textures/textures.h"
+#include "method/cell_light.h"
 #include "scene/media/medium.h"
 #include "scene/scene.h"
 
@@ -25,9 +28,11 @@ typedef struct fluence_options {
     double lower[3], upper[3];
 } fluence_options;
 
-/* Fluence, then its uncollided part: three channels in each cell, x fastest. */
+/* Fluence, then its uncollided part: three channels in each cell, x fastest. moments: as in ty_cell_moments, with
+ * CLI_FOG_PHASE, for which the first is all but the second; else NULL. */
 typedef struct fluence_cells {
     double* values[PARTS];
+    float* moments;
     size_t cells;
 } fluence_cells;
 
@@ -60,6 +65,11 @@ static int check_options(fluence_options* options) {
     if ((options->quantity != CLI_FOG_SCATTER || options->scattered) && !is_texture(options->output))
         return cli_usage_error("fluence", "--texture and --scattered are for .ktx2 and .dds, and %s is neither",
                                options->output);
+    if (options->quantity == CLI_FOG_PHASE && (strcmp(options->method, "dom") != 0 || options->scattered))
+        return cli_usage_error(
+            "fluence", options->scattered ? "--texture phase leaves out uncollided light anyway, and --scattered is "
+                                            "for the other textures"
+                                          : "--texture phase is of --method dom, which knows directions of light");
     if (options->half && !cli_has_extension(options->output, ".vdb"))
         return cli_usage_error("fluence", "--half is for .vdb, and %s is none", options->output);
     if (options->size_text != NULL) {
@@ -109,7 +119,7 @@ static int complete_options(const ty_scene* scene, fluence_options* options) {
 
 /* ---- light ---- */
 
-#define SOLVE(name, ...)                                                                                               \
+#define SOLVE(name, call)                                                                                              \
     static ty_result solve_##name(cli_session* session, const ty_scene* scene, const fluence_options* options,         \
                                   fluence_cells* out) {                                                                \
         ty_##name##_def def = ty_default_##name##_def();                                                               \
@@ -118,15 +128,21 @@ static int complete_options(const ty_scene* scene, fluence_options* options) {
         def.progress = cli_progress_report;                                                                            \
         def.progress_user = &session->progress;                                                                        \
         if (result == TY_OK) result = ty_##name##_solve(scene, &def, &light, NULL);                                    \
-        if (result == TY_OK)                                                                                           \
-            result = ty_##name##_fluence(light, options->lower, options->upper, options->size, out->values[FLUENCE],   \
-                                         out->values[UNCOLLIDED] __VA_ARGS__);                                         \
+        if (result == TY_OK) result = call;                                                                            \
         ty_##name##_destroy(light);                                                                                    \
         return result;                                                                                                 \
     }
 
-SOLVE(dom)
-SOLVE(fld, , NULL)
+static ty_result split_light(const ty_dom* light, const fluence_options* options, fluence_cells* out) {
+    ty_cell_moments split = {out->values[UNCOLLIDED], out->values[FLUENCE], out->moments};
+    if (out->moments != NULL) return ty_dom_cell_moments(light, options->lower, options->upper, options->size, &split);
+    return ty_dom_fluence(light, options->lower, options->upper, options->size, out->values[FLUENCE],
+                          out->values[UNCOLLIDED]);
+}
+
+SOLVE(dom, split_light(light, options, out))
+SOLVE(fld, ty_fld_fluence(light, options->lower, options->upper, options->size, out->values[FLUENCE],
+                          out->values[UNCOLLIDED], NULL))
 
 static ty_result trace(cli_session* session, const ty_scene* scene, const fluence_options* options,
                        fluence_cells* out) {
@@ -202,8 +218,8 @@ static ty_result write_light(ty_context* context, const ty_scene* scene, const f
                                  .upper = options->upper,
                                  .size = options->size,
                                  .scattered = options->scattered,
-                                 .fluence =
-                                     cells->values[options->quantity == CLI_FOG_UNCOLLIDED ? UNCOLLIDED : FLUENCE],
+                                 .fluence = cells->values[FLUENCE],
+                                 .split = {cells->values[UNCOLLIDED], cells->values[FLUENCE], cells->moments},
                                  .zstd = ty_has_zstd() && !options->plain ? ZSTD_LEVEL : 0};
     return cli_write_fog_texture(context, scene, &fog, options->output);
 }
@@ -214,12 +230,16 @@ static int run(cli_session* session, const char* scene_path, fluence_options* op
     cli_end_on_interrupt(true);
     ty_result result = ty_scene_load(context, scene_path, options->overrides.items, options->overrides.count, &scene);
     cli_end_on_interrupt(false);
-    if (result != TY_OK) return cli_fail_reading(session, result);
-    int status = complete_options(scene, options);
+    int status = result != TY_OK ? cli_fail_reading(session, result) : cli_ranks_greet(session, scene);
+    if (status == CLI_GO) status = complete_options(scene, options);
     fluence_cells cells = {.cells = (size_t)options->size[0] * (size_t)options->size[1] * (size_t)options->size[2]};
     for (int part = 0; part < PARTS && status == CLI_GO; ++part) {
         cells.values[part] = ty_alloc_array(context, 3 * cells.cells, sizeof(double), true);
         if (cells.values[part] == NULL) status = cli_fail_running(session, TY_ERROR_MEMORY);
+    }
+    if (status == CLI_GO && options->quantity == CLI_FOG_PHASE) {
+        cells.moments = ty_alloc_array(context, TY_CELL_TERMS * cells.cells, sizeof(float), true);
+        if (cells.moments == NULL) status = cli_fail_running(session, TY_ERROR_MEMORY);
     }
     if (status == CLI_GO) {
         result = find_light(session, scene, options, &cells);
@@ -229,6 +249,7 @@ static int run(cli_session* session, const char* scene_path, fluence_options* op
     }
     for (int part = 0; part < PARTS; ++part)
         ty_free_array(context, cells.values[part], 3 * cells.cells, sizeof(double));
+    ty_free_array(context, cells.moments, TY_CELL_TERMS * cells.cells, sizeof(float));
     ty_scene_destroy(scene);
     if (status == CLI_DONE && !session->common.quiet)
         printf("wrote %s: %d x %d x %d cells by %s\n", options->output, options->size[0], options->size[1],
@@ -253,9 +274,9 @@ int cli_fluence(int count, char** arguments) {
         {"codec", 0, CLI_TEXT, "NAME", ".vdb: zip, blosc, none; .vti: zip, none (default: zip)", &options.codec, 0, 0,
          NULL},
         {"half", 0, CLI_FLAG, NULL, "store values as half floats (.vdb)", &options.half, 0, 0, NULL},
-        {"texture", 0, CLI_CHOICE, "scatter|fluence|uncollided",
-         "a texture's quantity: light that media scatter and emit per metre (default), fluence, or uncollided light to "
-         "be scattered",
+        {"texture", 0, CLI_CHOICE, "scatter|fluence|phase",
+         "a texture's quantity: light that media scatter and emit per metre (default), fluence, or with two more "
+         "textures light to be scattered by the phase function (dom)",
          &options.quantity, 0, 0, NULL},
         {"scattered", 0, CLI_FLAG, NULL, "a texture without uncollided light, for engines that add their lights' own",
          &options.scattered, 0, 0, NULL},
@@ -280,10 +301,12 @@ int cli_fluence(int count, char** arguments) {
         NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
+    options.method = methods[method];
     if (status == CLI_GO) status = check_options(&options);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "fluence", &given.common);
+    if (status == CLI_GO) status = cli_ranks_open(&session);
     if (status != CLI_GO) return status;
-    options.method = methods[method];
+    if (cli_ranks_helps(&session)) return cli_help_paths(&session, given.positional[0], &options.overrides);
     return cli_session_close(&session, run(&session, given.positional[0], &options));
 }

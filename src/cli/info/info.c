@@ -97,6 +97,14 @@ typedef struct dense_volume {
     ty_volume_notes notes;
 } dense_volume;
 
+const char* cli_storage_name(ty_grid_storage storage) {
+    return storage == TY_GRID_PAGED ? "paged" : storage == TY_GRID_SPARSE ? "sparse" : "dense";
+}
+
+const char* cli_storage_note(ty_grid_storage storage) {
+    return storage == TY_GRID_PAGED ? "paged, with tables of " : storage == TY_GRID_SPARSE ? "sparse, " : "";
+}
+
 static void print_dense(const dense_volume* volume) {
     const ty_grid_info* info = &volume->info;
     char bytes[24];
@@ -109,7 +117,7 @@ static void print_dense(const dense_volume* volume) {
     }
     printf("size             %dx%dx%d\nvalues           %d per voxel, %s when read, %s%s each\n", info->size[0],
            info->size[1], info->size[2], volume->components, info->type == TY_GRID_F16 ? "half" : "float",
-           info->storage == TY_GRID_SPARSE ? "sparse, " : "", bytes);
+           cli_storage_note(info->storage), bytes);
     printf("active           %" PRId64 " voxels\n", info->active);
     printf("range            %.6g to %.6g, mean %.6g\n", (double)info->min, (double)info->max, info->mean);
     if (!info->placed) printf("placed           no\n");
@@ -141,7 +149,7 @@ static void print_dense_json(const dense_volume* volume) {
     json_text(&json, "type", info->type == TY_GRID_F16 ? "half" : "float");
     json_number(&json, "dense_bytes", grid_dense_bytes(info));
     json_int(&json, "bytes", (int64_t)info->bytes);
-    json_text(&json, "storage", info->storage == TY_GRID_SPARSE ? "sparse" : "dense");
+    json_text(&json, "storage", cli_storage_name(info->storage));
     json_int(&json, "active_voxels", info->active);
     json_number(&json, "min", (double)info->min);
     json_number(&json, "max", (double)info->max);
@@ -276,7 +284,7 @@ static file_kind kind_of(const char* path, const unsigned char* head, size_t siz
                  {"\x89HDF", 4, FILE_VOLUME},  {"NRRD", 4, FILE_DENSE},     {"\x76\x2f\x31\x01", 4, FILE_IMAGE},
                  {"#?", 2, FILE_IMAGE},        {"\x89PNG", 4, FILE_IMAGE},  {"\xff\xd8\xff", 3, FILE_IMAGE},
                  {"RIFF", 4, FILE_IMAGE},      {"glTF", 4, FILE_MESH},      {"ply\n", 4, FILE_MESH},
-                 {"ply\r", 4, FILE_MESH}};
+                 {"ply\r", 4, FILE_MESH},      {"TYBRICKS", 8, FILE_DENSE}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (size >= known[i].size && memcmp(head, known[i].magic, known[i].size) == 0) return known[i].kind;
     if (cli_has_extension(path, ".obj") || cli_has_extension(path, ".gltf")) return FILE_MESH;
@@ -326,7 +334,7 @@ static int info_of_file(cli_session* session, const char* path, const cli_list* 
     }
     return cli_fail(CLI_USAGE,
                     "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd, .vti, .vtk, .nc, .dcm, .nii, .tif, "
-                    ".vol), an image (.exr, .hdr, .png, .jpg, .webp) or a mesh (.gltf, .glb, .obj, .ply)",
+                    ".vol, .bricks), an image (.exr, .hdr, .png, .jpg, .webp) or a mesh (.gltf, .glb, .obj, .ply)",
                     path);
 }
 
@@ -350,18 +358,19 @@ int cli_info(int count, char** arguments) {
         {"series", 0, CLI_TEXT, "NAME", "of a folder of DICOM files: its number, description or UID", &raw.series, 0, 0,
          NULL},
     };
-    const cli_syntax syntax = {"info",
-                               "FILE | --media [MEDIUM] [options]",
-                               "Tells what a scene, a volume, an image or a mesh file holds.",
-                               "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc,\n"
-                               "DICOM (a folder or a file of a series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol and\n"
-                               "raw files. Images: .exr, .hdr, .png, .jpg, .webp. Meshes: .gltf, .glb, .obj, .ply, in\n"
-                               "the units of the file. Memory is what a render takes for what is in the file.",
-                               table,
-                               sizeof table / sizeof table[0],
-                               0,
-                               1,
-                               NULL};
+    const cli_syntax syntax = {
+        "info",
+        "FILE | --media [MEDIUM] [options]",
+        "Tells what a scene, a volume, an image or a mesh file holds.",
+        "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc,\n"
+        "DICOM (a folder or a file of a series), NIfTI (.nii, .nii.gz, .hdr), .tif, .vol,\n"
+        ".bricks and raw files. Images: .exr, .hdr, .png, .jpg, .webp. Meshes: .gltf, .glb, .obj, .ply, in\n"
+        "the units of the file. Memory is what a render takes for what is in the file.",
+        table,
+        sizeof table / sizeof table[0],
+        0,
+        1,
+        NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO && given.positional_count == 0 && !media)

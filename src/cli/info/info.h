@@ -18,6 +18,10 @@ int cli_info_media(cli_session* session, const char* medium, bool json);
 void cli_print_material(const ty_mesh_file_entry* entry);
 void cli_write_material(json_writer* json, const ty_mesh_file_entry* entry);
 
+/* The storage of a grid by its name, and what is said before the bytes that it takes. */
+const char* cli_storage_name(ty_grid_storage storage);
+const char* cli_storage_note(ty_grid_storage storage);
+
 /* Prints "(1, 2, 3)" between label and after. */
 void cli_print_vector(const char* label, const double v[3], const char* after);
 

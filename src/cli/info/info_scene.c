@@ -33,7 +33,7 @@ static void print_grid(const char* label, const ty_grid* grid) {
     cli_format_bytes((double)info.bytes, bytes);
     printf("            %s %dx%dx%d %s%s, %.6g to %.6g, mean %.6g, %s%s\n", label, info.size[0], info.size[1],
            info.size[2], info.type == TY_GRID_F16 ? "half" : "float", info.placed ? "" : ", filling the box",
-           (double)info.min, (double)info.max, info.mean, info.storage == TY_GRID_SPARSE ? "sparse, " : "", bytes);
+           (double)info.min, (double)info.max, info.mean, cli_storage_note(info.storage), bytes);
     printf("            %" PRId64 " active voxels\n", info.active);
 }
 
@@ -189,7 +189,7 @@ static void json_grid(json_writer* json, const char* name, const ty_grid* grid) 
     json_number(json, "max", decimal(info.max));
     json_number(json, "mean", info.mean);
     json_int(json, "bytes", (int64_t)info.bytes);
-    json_text(json, "storage", info.storage == TY_GRID_SPARSE ? "sparse" : "dense");
+    json_text(json, "storage", cli_storage_name(info.storage));
     json_int(json, "active_voxels", info.active);
     json_close_object(json);
 }

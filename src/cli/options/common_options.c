@@ -10,6 +10,8 @@ void cli_common_options(cli_common* common, cli_option options[CLI_COMMON_COUNT]
          &common->seed_given},
         {"device", 0, CLI_TEXT, "cpu|host|cuda:N|auto",
          "what traces paths and marches: the processor (default), or a GPU", &common->device, 0, 0, NULL},
+        {"resident", 0, CLI_INT, "MB", "most memory for paged volumes (default 0: as the operating system decides)",
+         &common->resident, 0, INT32_MAX, NULL},
         {"stats", 0, CLI_TEXT, "FILE.json", "write what the run did and took", &common->stats, 0, 0, NULL},
         {"progress", 0, CLI_CHOICE, "auto|plain|json|none", "how progress is shown on stderr", &common->progress, 0, 0,
          NULL},

@@ -83,6 +83,16 @@ static bool parse_int(const char* text, int64_t* out) {
     return true;
 }
 
+int cli_parse_part(const char* command, const char* text, int32_t part[2]) {
+    char rest;
+    int index, count;
+    if (sscanf(text, "%9d/%9d%c", &index, &count, &rest) != 2 || count < 1 || index < 1 || index > count)
+        return cli_usage_error(command, "--part: '%s' is not a part like 1/8, from 1/8 to 8/8", text);
+    part[0] = index;
+    part[1] = count;
+    return CLI_GO;
+}
+
 bool cli_parse_real(const char* text, double* out) {
     if (!is_number_start(text) || strpbrk(text, "xX") != NULL) return false;
     char* end = NULL;

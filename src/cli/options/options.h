@@ -58,6 +58,7 @@ typedef struct cli_common {
     uint64_t seed;
     bool seed_given;
     const char* device; /* NULL: the processor */
+    int32_t resident;   /* MB of paged volumes in memory; 0: any */
     const char* stats;  /* NULL: none */
     int progress;       /* cli_progress_mode */
     bool quiet, help, version;
@@ -101,11 +102,14 @@ int cli_find_choice(const char* choices, const char* text);
 /* Prints a usage error of a command (printf-like) and returns CLI_USAGE. */
 int cli_usage_error(const char* command, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
+/* Parses a part I of N, like 3/8, of an option --part: CLI_GO, or CLI_USAGE after a message of the command. */
+int cli_parse_part(const char* command, const char* text, int32_t part[2]);
+
 /* Number parsing of options: decimal, finite, without leading or trailing characters. */
 bool cli_parse_real(const char* text, double* out);
 bool cli_parse_seed(const char* text, uint64_t* out);
 
-enum { CLI_COMMON_COUNT = 10 };
+enum { CLI_COMMON_COUNT = 11 };
 
 /* The common options of all commands; values go to *common. Options without help text are not listed by --help. */
 void cli_common_options(cli_common* common, cli_option options[CLI_COMMON_COUNT]);

@@ -173,7 +173,7 @@ int render_scene(cli_session* session, const ty_scene* scene, render_options* op
     if (options->denoise && cli_check_denoiser(session, options->denoiser) != CLI_GO) return CLI_USAGE;
     const int possible = cli_check_request(session, scene, method, &request);
     if (possible != CLI_GO) return possible;
-    if (options->key == NULL && method != &cli_method_auto && strcmp(method->name, "path") != 0)
+    if (options->key == NULL && method != &cli_method_auto && strcmp(method->name, "path") != 0 && !method->divides)
         cli_ranks_tell_alone(session, method->name);
     report->method = method->name;
     report->seed = request.seed;
@@ -236,7 +236,8 @@ static int check_options(render_options* options) {
     if (options->png != NULL && !cli_has_extension(options->png, ".png"))
         return cli_usage_error("render", "%s: the extension is not .png", options->png);
     int status = options->frames_text != NULL || options->chain_given ? render_check_sequence(options) : CLI_GO;
-    if (status == CLI_GO && options->part_text != NULL) status = render_parse_part(options);
+    if (status == CLI_GO && options->part_text != NULL)
+        status = cli_parse_part("render", options->part_text, options->part);
     if (status != CLI_GO) return status;
     if (options->aov != NULL && png)
         return cli_usage_error("render", "--aov is for .exr images, and %s is none", options->output);

@@ -31,9 +31,8 @@ int render_scene(cli_session* session, const ty_scene* scene, render_options* op
 
 /* ---- sequence.c ---- */
 
-/* Takes --frames and --part: CLI_GO, or CLI_USAGE after a message. */
+/* Takes --frames: CLI_GO, or CLI_USAGE after a message. */
 int render_check_sequence(render_options* options);
-int render_parse_part(render_options* options);
 /* Renders the frames, and closes the session; on ranks other than 0 those that rank 0 lends. Returns the exit status.
  */
 int render_sequence(cli_session* session, const char* path, render_options* options);

@@ -54,16 +54,6 @@ int render_check_sequence(render_options* options) {
     return CLI_GO;
 }
 
-int render_parse_part(render_options* options) {
-    char rest;
-    int part, parts;
-    if (sscanf(options->part_text, "%9d/%9d%c", &part, &parts, &rest) != 2 || parts < 1 || part < 1 || part > parts)
-        return cli_usage_error("render", "--part: '%s' is not a part like 1/8, from 1/8 to 8/8", options->part_text);
-    options->part[0] = part;
-    options->part[1] = parts;
-    return CLI_GO;
-}
-
 /* ---- a sequence ---- */
 
 typedef struct sequence {

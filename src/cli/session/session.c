@@ -47,6 +47,7 @@ int cli_session_open(cli_session* session, const char* command, const cli_common
     def.log = print_log;
     def.log_user = session;
     def.device = common->device;
+    def.resident_bytes = (int64_t)common->resident * 1000000;
     ty_device* device = NULL;
     const ty_result result = ty_context_create(&def, &session->context);
     if (result == TY_ERROR_ARGUMENT) return cli_usage_error(command, "%s", ty_take_error(NULL));
@@ -54,6 +55,7 @@ int cli_session_open(cli_session* session, const char* command, const cli_common
     if (ty_context_device(session->context, &device) != TY_OK)
         return cli_session_close(session, cli_fail(CLI_USAGE, "%s", ty_take_error(session->context)));
     cli_catch_interrupts();
+    cli_catch_lost_files();
     return CLI_GO;
 }
 

@@ -9,6 +9,7 @@
 #include <signal.h>
 #include <stdatomic.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -16,6 +17,9 @@ static const struct {
     int number;
     const char* name;
 } caught[] = {{SIGINT, "SIGINT"}, {SIGTERM, "SIGTERM"}, {SIGHUP, "SIGHUP"}};
+
+/* The status of bad input, CLI_USAGE. */
+enum { CLI_LOST_FILE = 2 };
 
 enum { CAUGHT_COUNT = sizeof caught / sizeof caught[0], STATUS_BASE = 128 };
 
@@ -75,6 +79,68 @@ void cli_catch_interrupts(void) {
         const bool ignored = sigaction(caught[i].number, NULL, &before) == 0 && before.sa_handler == SIG_IGN;
         if (!ignored || caught[i].number != SIGHUP) sigaction(caught[i].number, &action, NULL);
     }
+}
+
+/* ---- mapped files ---- */
+
+enum { LINE_SIZE = 8192 };
+
+/* Reads the next line of a file, cut to its room, by calls that a signal handler may make. */
+static bool read_line(int descriptor, char line[LINE_SIZE]) {
+    size_t length = 0;
+    char letter = 0;
+    while (letter != '\n' && read(descriptor, &letter, 1) == 1)
+        if (length < LINE_SIZE - 1 && letter != '\n') line[length++] = letter;
+    line[length] = '\0';
+    return letter == '\n';
+}
+
+static uintptr_t hexadecimal(const char** text) {
+    static const char digits[] = "0123456789abcdef";
+    uintptr_t value = 0;
+    const char* digit;
+    for (; **text != '\0' && (digit = strchr(digits, **text)) != NULL; ++*text)
+        value = value << 4 | (uintptr_t)(digit - digits);
+    return value;
+}
+
+/* Name of the file that is mapped at an address; NULL for none. */
+static const char* mapped_file(uintptr_t address, char line[LINE_SIZE]) {
+    const int descriptor = open("/proc/self/maps", O_RDONLY | O_CLOEXEC);
+    const char* name = NULL;
+    while (descriptor >= 0 && name == NULL && read_line(descriptor, line)) {
+        const char* text = line;
+        const uintptr_t first = hexadecimal(&text);
+        const uintptr_t last = *text == '-' ? (++text, hexadecimal(&text)) : 0;
+        if (address >= first && address < last) name = strchr(line, '/');
+    }
+    if (descriptor >= 0) close(descriptor);
+    return name;
+}
+
+static void on_lost_file(int number, siginfo_t* info, void* context) {
+    char line[LINE_SIZE]; /* several threads may be here */
+    const struct sigaction usual = {.sa_handler = SIG_DFL};
+    const char* name = mapped_file((uintptr_t)info->si_addr, line);
+    (void)context;
+    if (name == NULL) {
+        sigaction(number, &usual, NULL); /* the access is repeated, and ends the program */
+        return;
+    }
+    while (atomic_exchange(&ending, true)) pause(); /* another thread ends the program */
+    const char* const parts[] = {"tyndall: ", name, ": it became shorter while it was read, or its disk failed\n"};
+    const char* path = atomic_load(&remove_path);
+    if (path != NULL) unlink(path);
+    ty_remove_unfinished_outputs();
+    for (int i = 0; i < 3; ++i)
+        if (write(STDERR_FILENO, parts[i], strlen(parts[i])) < 0) break;
+    _exit(CLI_LOST_FILE);
+}
+
+void cli_catch_lost_files(void) {
+    struct sigaction action = {.sa_sigaction = on_lost_file, .sa_flags = SA_SIGINFO};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGBUS, &action, NULL);
 }
 
 void cli_end_on_interrupt(bool at_once) {

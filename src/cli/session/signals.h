@@ -9,6 +9,10 @@
  * of files, becomes an error of the call instead of a signal. */
 void cli_start_program(void);
 
+/* Ends the program with status 2 and one line where a mapped file cannot be read any more, because it became shorter or
+ * its disk failed (SIGBUS). */
+void cli_catch_lost_files(void);
+
 /* Installs handlers: SIGINT, SIGTERM and, unless it is ignored as under nohup, SIGHUP cancel the running work; a second
  * signal ends the program at once. The exit status is 128 + the signal's number. */
 void cli_catch_interrupts(void);

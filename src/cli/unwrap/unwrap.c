@@ -104,9 +104,9 @@ static void report(unwrap_run* run, const ty_mesh_def* mesh, const ty_unwrap* un
         json_number(&run->json, "mean_stretch", unwrap->mean_stretch);
         json_close_object(&run->json);
     } else if (!run->session->common.quiet) {
-        printf("%s: %" PRId64 " triangles in %d charts, %d x %d texels, %.0f %% filled, stretch %.2f (mean %.3f)\n",
-               name, unwrap->triangle_count, (int)unwrap->charts, (int)unwrap->width, (int)unwrap->height,
-               100 * unwrap->fill, unwrap->stretch, unwrap->mean_stretch);
+        printf("%s: %" PRId64 " triangles in %d charts, %d x %d texels, %.0f %% filled, stretch %.2f (L2 %.3f)\n", name,
+               unwrap->triangle_count, (int)unwrap->charts, (int)unwrap->width, (int)unwrap->height, 100 * unwrap->fill,
+               unwrap->stretch, unwrap->mean_stretch);
     }
 }
 
@@ -203,8 +203,8 @@ int cli_unwrap(int count, char** arguments) {
                                "LEVEL.glb -o OUT.glb [options]",
                                "Gives the meshes of a glTF file second texture coordinates, for lightmaps.",
                                "LEVEL is .glb or .gltf. Meshes without TEXCOORD_1 are cut into charts, which are\n"
-                               "projected onto planes and packed without overlaps, one map for each node. Vertices at\n"
-                               "the seams become several; everything else is copied as it is.",
+                               "mapped conformally within the stretch and packed without overlaps, one map for each\n"
+                               "node. Vertices at the seams become several; everything else is copied as it is.",
                                table,
                                sizeof table / sizeof table[0],
                                1,

@@ -135,29 +135,74 @@ static double part_of(int32_t index, int32_t from, int32_t to, int32_t at) {
     return fmax(0, weight_of(&coarse, index));
 }
 
+/* The coarser cells that a column of finer cells is part of, two at most where they are coarser. */
+typedef struct column_parts {
+    int32_t at[2];
+    float weight[2];
+} column_parts;
+
+/* Columns of a row that are spread to at a time. */
+enum { COLUMNS = 512 };
+
+typedef struct spread_job {
+    const float* from;
+    float* to;
+    const int32_t *from_size, *to_size;
+    int32_t first, count;        /* columns */
+    column_parts parts[COLUMNS]; /* where the cells of `from` are coarser along x */
+} spread_job;
+
+static void find_columns(spread_job* job) {
+    const int32_t from = job->from_size[0], to = job->to_size[0];
+    for (int32_t x = 0; x < job->count && from <= to; ++x) {
+        const overlap columns = parts_of(job->first + x, from, to);
+        for (int32_t n = 0; n < 2; ++n) {
+            const int32_t at = columns.begin + n;
+            job->parts[x].at[n] = at < columns.end ? at : columns.begin;
+            job->parts[x].weight[n] = at < columns.end ? (float)part_of(job->first + x, from, to, at) : 0;
+        }
+    }
+}
+
+/* Adds a row of coarser cells times weight. */
+static void spread_along(const spread_job* job, float weight, const float* row, float* out) {
+    const int32_t from = job->from_size[0], to = job->to_size[0];
+    if (from <= to) {
+        for (int32_t x = 0; x < job->count; ++x) {
+            const column_parts* parts = &job->parts[x];
+            out[x] += weight * (parts->weight[0] * row[parts->at[0]] + parts->weight[1] * row[parts->at[1]]);
+        }
+        return;
+    }
+    for (int32_t x = 0; x < job->count; ++x) {
+        const overlap columns = parts_of(job->first + x, from, to);
+        for (int32_t i = columns.begin; i < columns.end; ++i)
+            out[x] += weight * (float)part_of(job->first + x, from, to, i) * row[i];
+    }
+}
+
 static void spread_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const average_job* job = user;
+    const spread_job* job = user;
     const int32_t *from = job->from_size, *to = job->to_size;
     const int32_t y = (int32_t)(index % to[1]), z = (int32_t)(index / to[1]);
     const overlap rows = parts_of(y, from[1], to[1]), layers = parts_of(z, from[2], to[2]);
-    float* out = job->to + index * to[0];
     for (int32_t k = layers.begin; k < layers.end; ++k)
         for (int32_t j = rows.begin; j < rows.end; ++j) {
             const double weight = part_of(z, from[2], to[2], k) * part_of(y, from[1], to[1], j);
-            const float* row = job->from + (size_t)from[0] * ((size_t)j + (size_t)from[1] * (size_t)k);
-            for (int32_t x = 0; x < to[0]; ++x) {
-                const overlap columns = parts_of(x, from[0], to[0]);
-                for (int32_t i = columns.begin; i < columns.end; ++i)
-                    out[x] += (float)(weight * part_of(x, from[0], to[0], i) * (double)row[i]);
-            }
+            if (weight > 0)
+                spread_along(job, (float)weight,
+                             job->from + (size_t)from[0] * ((size_t)j + (size_t)from[1] * (size_t)k),
+                             job->to + index * to[0] + job->first);
         }
 }
 
 void ty_grid_spread(ty_context* context, const float* from, const int32_t from_size[3], const int32_t to_size[3],
                     float* to) {
-    average_job job = {.from = from, .to = to};
-    memcpy(job.from_size, from_size, sizeof job.from_size);
-    memcpy(job.to_size, to_size, sizeof job.to_size);
-    ty_parallel_for(context, (int64_t)to_size[1] * to_size[2], spread_row, &job);
+    spread_job job = {.from = from, .to = to, .from_size = from_size, .to_size = to_size};
+    for (; job.first < to_size[0]; job.first += COLUMNS) {
+        job.count = to_size[0] - job.first < COLUMNS ? to_size[0] - job.first : COLUMNS;
+        find_columns(&job);
+        ty_parallel_for(context, (int64_t)to_size[1] * to_size[2], spread_row, &job);
+    }
 }

@@ -1,6 +1,22 @@
 #include "direct/media/medium_gradient.h"
 
 #include "base/context.h"
+#include "base/kernel.h"
+
+/* Relative difference of multiples. */
+static const float MAX_DIFFERENCE = 1e-6f;
+
+bool ty_is_multiple(const float* a, const float* b, size_t count, float* factor) {
+    double product = 0, square = 0;
+    for (size_t i = 0; i < count; ++i) {
+        product += (double)a[i] * (double)b[i];
+        square += (double)b[i] * (double)b[i];
+    }
+    *factor = square > 0 ? (float)(product / square) : 0;
+    for (size_t i = 0; i < count; ++i)
+        if (fabsf(a[i] - *factor * b[i]) > MAX_DIFFERENCE * ty_maxf(fabsf(a[i]), fabsf(*factor * b[i]))) return false;
+    return true;
+}
 
 ty_result ty_medium_gradient_make(const ty_grid_medium* medium, ty_medium_gradient* out) {
     *out = (ty_medium_gradient){.context = medium->context, .cells = medium->cells, .planes = medium->planes};

@@ -21,4 +21,8 @@ void ty_medium_gradient_free(ty_medium_gradient* gradient);
 void ty_medium_gradient_refine(const ty_medium_gradient* coarse, const int32_t coarse_size[3], const int32_t size[3],
                                ty_medium_gradient* out);
 
+/* True if the numbers `a` are those of `b` times a factor, to 1e-6 of each: what follows linearly from one follows from
+ * the other, times the factor. */
+bool ty_is_multiple(const float* a, const float* b, size_t count, float* factor);
+
 #endif

@@ -7,14 +7,25 @@
 #include "direct/lights/discrete_light.h"
 #include "direct/media/grid_medium.h"
 
+/* Memory of directions, which later calls reuse: fresh pages cost more than the light. */
+typedef struct ty_collimated_scratch {
+    float* floats; /* NULL: none yet */
+    size_t count;
+} ty_collimated_scratch;
+
+void ty_collimated_scratch_free(ty_context* context, ty_collimated_scratch* scratch);
+
 /* The loss is the sum over directions, channels and cells of weight[c] color T, with T the mean transmittance from one
  * direction through one plane of extinction. */
 typedef struct ty_collimated_loss {
     const ty_discrete_light* sources; /* directions alone */
     int32_t count;
-    const float* extinction; /* 1/m */
-    int32_t first, channels; /* channels [first, first + channels) of the colors */
-    const float* weight[3];  /* of each of these channels, one per cell */
+    const float* extinction;        /* 1/m */
+    int32_t first, channels;        /* channels [first, first + channels) of the colors */
+    const float* weight[3];         /* of each of these channels, one per cell */
+    const float* multiples;         /* of all three channels over weight[0], which is then the only one; NULL: none */
+    float* transmittance;           /* of each cell: receives the sum of T over the directions; NULL: not asked for */
+    ty_collimated_scratch* scratch; /* NULL: the call's own */
     ty_part_progress* progress;
 } ty_collimated_loss;
 

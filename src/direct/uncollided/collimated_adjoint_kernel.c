@@ -43,15 +43,15 @@ static void begin(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes) {
 static double weigh(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes, float color) {
     const float *blend = rows->blend, *along = rows->along, *mean = tubes->mean;
     float* by_mean = tubes->by_mean;
-    double sum = 0;
+    float sum = 0;
     blend_cells(rows);
 #pragma omp simd reduction(+ : sum)
     for (int32_t t = 0; t < rows->count + 2; ++t) {
         const float weight = color * ty_weighted_sum3(blend[t], blend[t + 1], blend[t + 2], along);
         by_mean[t] += weight;
-        sum += (double)(weight * mean[t]);
+        sum += weight * mean[t];
     }
-    return sum;
+    return (double)sum;
 }
 
 /* m'(x) = (exp(-x) - m(x)) / x, and its series where that loses digits. */

@@ -21,8 +21,8 @@ typedef struct ty_adjoint_tubes {
     float* before;   /* transmittance before the slab */
     float* depth;    /* optical depth within it */
     float* through;  /* on the way: transmittance; on the way back: derivative by it */
-    float* by_mean;  /* scratch, count + 4 each: derivative by the mean transmittance, */
-    float* mean;     /* and that itself */
+    float* by_mean;  /* scratch, count + 4: derivative by the mean transmittance */
+    float* mean;     /* out: mean transmittance */
     float* by_depth; /* out */
 } ty_adjoint_tubes;
 

@@ -22,12 +22,10 @@ static bool count_known(ty_conversion* conversion, const char* text) {
     return false;
 }
 
-void ty_conversion_note_down(ty_conversion* conversion, const char* format, ...) {
+static void keep(ty_conversion* conversion, const char* kind, const char* format, va_list arguments) {
     char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
+    const int length = snprintf(text, sizeof text, "%s: ", kind);
+    vsnprintf(text + length, sizeof text - (size_t)length, format, arguments);
     for (char* at = text; *at != '\0'; ++at)
         if (*at < ' ' || *at > '~') *at = '?'; /* names from files need not be text */
     if (count_known(conversion, text)) return;
@@ -38,6 +36,27 @@ void ty_conversion_note_down(ty_conversion* conversion, const char* format, ...)
         return;
     char* copy = ty_copy_text(conversion->context, text);
     if (copy != NULL) conversion->notes[conversion->note_count++] = (ty_conversion_note){copy, 1};
+}
+
+void ty_conversion_leave_out(ty_conversion* conversion, const char* format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    keep(conversion, "left out", format, arguments);
+    va_end(arguments);
+}
+
+void ty_conversion_approximate(ty_conversion* conversion, const char* format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    keep(conversion, "approximated", format, arguments);
+    va_end(arguments);
+}
+
+void ty_conversion_print_note(const ty_conversion_note* note, char* line, size_t size) {
+    if (note->count > 1)
+        snprintf(line, size, "%s (%d times)", note->text, (int)note->count);
+    else
+        snprintf(line, size, "%s", note->text);
 }
 
 /* ---- content ---- */
@@ -102,7 +121,10 @@ ty_result ty_conversion_add_light(ty_conversion* conversion, json_t* light) {
 
 ty_result ty_conversion_find_part(ty_conversion* conversion, int32_t material, int32_t medium, const double emission[3],
                                   int32_t* index) {
-    for (size_t i = conversion->part_count; i-- > 0;) {
+    /* A medium fills a solid dielectric whose mesh bounds it, and that is one mesh. */
+    const bool filled =
+        medium >= 0 && material >= 0 && json_object_get(conversion->materials[material].keys, "volume") != NULL;
+    for (size_t i = conversion->part_count; i-- > 0 && !filled;) {
         const ty_conversion_part* part = &conversion->parts[i];
         if (part->material != material || part->medium != medium ||
             memcmp(part->emission, emission, sizeof part->emission) != 0)

@@ -29,7 +29,8 @@ typedef struct ty_conversion_medium {
     bool camera;          /* the camera is in it */
 } ty_conversion_medium;
 
-/* Surfaces of one material, emission and medium inside; they become one file. */
+/* Surfaces of one material, emission and medium inside; they become one file. A dielectric with a medium inside is a
+ * part of its own. */
 typedef struct ty_conversion_part {
     int32_t material, medium; /* medium: -1 without */
     double emission[3];
@@ -87,8 +88,12 @@ typedef struct ty_conversion {
 ty_result ty_conversion_open(ty_conversion* conversion, ty_context* context, const char* input, const char* folder,
                              const char* output);
 void ty_conversion_close(ty_conversion* conversion);
-/* Keeps a note; the same text again is counted. */
-void ty_conversion_note_down(ty_conversion* conversion, const char* format, ...) __attribute__((format(printf, 2, 3)));
+/* Keep a note of a part that the scene file has not, or has only nearly; the same text again is counted. */
+void ty_conversion_leave_out(ty_conversion* conversion, const char* format, ...) __attribute__((format(printf, 2, 3)));
+void ty_conversion_approximate(ty_conversion* conversion, const char* format, ...)
+    __attribute__((format(printf, 2, 3)));
+/* A note as one line: "left out: shape "curve" (2 times)". */
+void ty_conversion_print_note(const ty_conversion_note* note, char* line, size_t size);
 
 /* Fails for want of memory. */
 ty_result ty_conversion_no_memory(ty_conversion* conversion);
@@ -99,7 +104,7 @@ ty_result ty_conversion_set(ty_conversion* conversion, json_t* object, const cha
 ty_result ty_conversion_add_material(ty_conversion* conversion, ty_conversion_material* material, int32_t* index);
 ty_result ty_conversion_add_medium(ty_conversion* conversion, ty_conversion_medium* medium, int32_t* index);
 ty_result ty_conversion_add_light(ty_conversion* conversion, json_t* light);
-/* The part with these surfaces, made if there is none. */
+/* The part that surfaces belong to, made if there is none. */
 ty_result ty_conversion_find_part(ty_conversion* conversion, int32_t material, int32_t medium, const double emission[3],
                                   int32_t* index);
 /* Adds a mesh without instances. */

@@ -111,7 +111,7 @@ ty_result ty_conversion_find_file(ty_conversion* conversion, const char* locatio
         if (!conversion->partial)
             return ty_fail(conversion->context, TY_ERROR_INPUT, "%s: the file \"%.200s\" cannot be read: %s", location,
                            name, strerror(error));
-        ty_conversion_note_down(conversion, "the file \"%.200s\" is missing and was left out", name);
+        ty_conversion_leave_out(conversion, "the file \"%.200s\", which is missing", name);
         return TY_OK;
     }
     *reference = refer(conversion, joined);

@@ -223,8 +223,8 @@ static ty_result add_bounded(ty_conversion* conversion, int32_t number, char* co
     for (size_t s = 0; s < conversion->sphere_count && result == TY_OK; ++s) {
         if (conversion->parts[conversion->spheres[s].part].medium != number) continue;
         if (medium->grid)
-            ty_conversion_note_down(conversion, "medium \"%s\": a sphere cuts its grid, which was left whole",
-                                    medium->name);
+            ty_conversion_approximate(conversion, "medium \"%s\": a sphere cuts its grid, which was left whole",
+                                      medium->name);
         result = add_entries(conversion, medium, media,
                              medium->grid ? box_bounds(medium->box) : sphere_bounds(&conversion->spheres[s]));
     }
@@ -232,7 +232,7 @@ static ty_result add_bounded(ty_conversion* conversion, int32_t number, char* co
         if (conversion->parts[p].medium != number || files[p] == NULL) continue;
         json_t* bounds = json_pack("{s:s}", "file", files[p]);
         if (medium->clipped)
-            ty_conversion_note_down(
+            ty_conversion_approximate(
                 conversion, "medium \"%s\": a surface cuts its grid, whose faces fade beyond its box", medium->name);
         if (medium->grid) result = move_bounds(conversion, medium, bounds);
         if (result == TY_OK)
@@ -254,9 +254,9 @@ static ty_result add_around(ty_conversion* conversion, const ty_conversion_mediu
         box[0][a] -= 0.01 * size;
         box[1][a] += 0.01 * size;
     }
-    ty_conversion_note_down(conversion,
-                            "medium \"%s\" has no bounds: it fills the box around the scene, which ends 1 %% beyond it",
-                            medium->name);
+    ty_conversion_approximate(
+        conversion, "medium \"%s\" has no bounds: it fills the box around the scene, which ends 1 %% beyond it",
+        medium->name);
     return add_entries(conversion, medium, media, box_bounds(box));
 }
 
@@ -265,7 +265,7 @@ ty_result ty_conversion_place_media(ty_conversion* conversion, char* const* file
     for (size_t i = 0; i < conversion->medium_count && result == TY_OK; ++i) {
         const ty_conversion_medium* medium = &conversion->media[i];
         if (!medium->inside && !medium->outside) {
-            ty_conversion_note_down(conversion, "medium \"%s\" is not used and was left out", medium->name);
+            ty_conversion_leave_out(conversion, "medium \"%s\", which is not used", medium->name);
             continue;
         }
         double box[2][3];
@@ -278,7 +278,7 @@ ty_result ty_conversion_place_media(ty_conversion* conversion, char* const* file
         else
             result = add_around(conversion, medium, media);
         if (result == TY_OK && medium->inside && !medium->grid && medium->camera)
-            ty_conversion_note_down(
+            ty_conversion_approximate(
                 conversion, "medium \"%s\": the camera is in it, and it fills only what surfaces bound", medium->name);
     }
     return result;

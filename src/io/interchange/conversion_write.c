@@ -74,11 +74,7 @@ static json_t* make_comment(const ty_conversion* conversion) {
              conversion->note_count > 0 ? "; left out or approximated:" : "");
     json_t* lines = json_pack("[s]", line);
     for (size_t i = 0; i < conversion->note_count; ++i) {
-        const ty_conversion_note* note = &conversion->notes[i];
-        if (note->count > 1)
-            snprintf(line, sizeof line, "%s (%d times)", note->text, (int)note->count);
-        else
-            snprintf(line, sizeof line, "%s", note->text);
+        ty_conversion_print_note(&conversion->notes[i], line, sizeof line);
         if (json_array_append_new(lines, json_string(line)) != 0) {
             json_decref(lines);
             return NULL;

@@ -22,11 +22,7 @@ static ty_result read_scene(ty_conversion* conversion, ty_scene_language languag
 static void tell(const ty_conversion* conversion, ty_conversion_say_fn say, void* user) {
     for (size_t i = 0; i < conversion->note_count && say != NULL; ++i) {
         char line[640];
-        const ty_conversion_note* note = &conversion->notes[i];
-        if (note->count > 1)
-            snprintf(line, sizeof line, "%s (%d times)", note->text, (int)note->count);
-        else
-            snprintf(line, sizeof line, "%s", note->text);
+        ty_conversion_print_note(&conversion->notes[i], line, sizeof line);
         say(user, line);
     }
 }

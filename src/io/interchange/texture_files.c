@@ -36,7 +36,7 @@ static ty_result rewrite(ty_conversion* conversion, const ty_image* image, const
             to[i] = encode(planes[c][i], reading);
         }
     }
-    if (clipped) ty_conversion_note_down(conversion, "a texture's values above 1 were clipped");
+    if (clipped) ty_conversion_approximate(conversion, "a texture's values above 1 were clipped");
     result = ty_conversion_write_png(conversion, made, reading->exponent > 0, reference);
     ty_image_destroy(made);
     return result;
@@ -64,8 +64,7 @@ ty_result ty_convert_texture(ty_conversion* conversion, const char* location, co
         if (result == TY_OK) result = rewrite(conversion, image, reading, reference);
         ty_image_destroy(image);
     } else {
-        ty_conversion_note_down(conversion, "the texture \"%.200s\" is in a format that is not read, and was left out",
-                                name);
+        ty_conversion_leave_out(conversion, "the texture \"%.200s\", whose format is not read", name);
     }
     ty_free_text(conversion->context, path);
     return result;

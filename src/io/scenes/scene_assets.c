@@ -12,9 +12,9 @@
 
 const char* const ty_gltf_extensions[] = {".gltf", ".glb", NULL};
 const char* const ty_mesh_extensions[] = {".gltf", ".glb", ".obj", ".ply", NULL};
-const char* const ty_volume_extensions[] = {".vdb",    ".nvdb", ".nrrd",  ".nhdr", ".vti", ".vtk",    ".nc",
-                                            ".cdf",    ".dcm",  ".dicom", ".ima",  ".nii", ".nii.gz", ".hdr",
-                                            ".hdr.gz", ".tif",  ".tiff",  ".vol",  NULL};
+const char* const ty_volume_extensions[] = {".vdb",    ".nvdb", ".nrrd",  ".nhdr", ".vti",    ".vtk",    ".nc",
+                                            ".cdf",    ".dcm",  ".dicom", ".ima",  ".nii",    ".nii.gz", ".hdr",
+                                            ".hdr.gz", ".tif",  ".tiff",  ".vol",  ".bricks", NULL};
 
 bool ty_has_extension(const char* file, const char* const* extensions) {
     const size_t length = strlen(file);
@@ -193,10 +193,10 @@ static ty_result check_volume_type(const ty_scene_reader* reader, const json_t* 
     if (known && raw)
         return ty_reader_fail(reader, &key, TY_ERROR_INPUT, "is for raw files; this one tells what it holds");
     if (known || raw) return TY_OK;
-    return ty_reader_fail(
-        reader, &key, TY_ERROR_INPUT,
-        "cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, "
-        ".dcm and folders of DICOM, .nii, .nii.gz, .hdr, .tif, .vol, and any file with the key \"raw\" beside it");
+    return ty_reader_fail(reader, &key, TY_ERROR_INPUT,
+                          "cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, .nc, "
+                          ".dcm and folders of DICOM, .nii, .nii.gz, .hdr, .tif, .vol, .bricks, and any file with the "
+                          "key \"raw\" beside it");
 }
 
 /* A number, or the name of a variable. */
@@ -220,6 +220,7 @@ static ty_result check_droplets(const ty_scene_reader* reader, const json_t* vol
 static ty_grid_storage read_storage(const json_t* volume) {
     const char* name = json_string_value(json_object_get(volume, "storage"));
     if (name == NULL || strcmp(name, "auto") == 0) return TY_GRID_AUTO;
+    if (strcmp(name, "paged") == 0) return TY_GRID_PAGED;
     return strcmp(name, "sparse") == 0 ? TY_GRID_SPARSE : TY_GRID_DENSE;
 }
 

@@ -6,6 +6,7 @@
 #include "io/scenes/scene_reader.h"
 #include "io/volumes/dicom/dicom.h"
 #include "io/volumes/nifti/nifti.h"
+#include "io/volumes/volume_file.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -130,6 +131,7 @@ ty_result ty_hash_file_and_names(ty_context* context, const char* path, uint64_t
     static const char* const data[] = {"data file:", "datafile:", NULL};
     static const char* const pair[] = {".hdr", ".hdr.gz", NULL};
     if (ty_is_folder(path) || ty_is_dicom_file(path)) return hash_series(context, path, hash);
+    if (ty_bricks_hash(path, hash)) return TY_OK;
     const ty_result result = ty_hash_file(context, path, hash);
     if (result != TY_OK) return result;
     if (ty_has_extension(path, gltf)) return hash_gltf_names(context, path, hash);

@@ -295,10 +295,11 @@ static ty_result check_head(const ty_nanovdb_file* file, const ty_nanovdb_grid* 
 }
 
 static ty_result read_tree(const ty_nanovdb_file* file, const ty_nanovdb_grid* entry, int32_t component,
-                           const uint8_t* bytes, ty_grid** out) {
+                           const uint8_t* bytes, ty_grid_storage storage, ty_grid** out) {
     bool bad = false;
     ty_affine map;
     ty_sparse sparse = ty_sparse_begin(file->context, file->path, entry->name);
+    sparse.storage = storage;
     sparse.type = entry->type == PNANOVDB_GRID_TYPE_HALF ? TY_GRID_F16 : TY_GRID_F32;
     tree t = {.buf = {bytes, entry->size, &bad}, .type = entry->type, .component = component, .sparse = &sparse};
     ty_result result = check_head(file, entry, &t, &map);
@@ -309,7 +310,8 @@ static ty_result read_tree(const ty_nanovdb_file* file, const ty_nanovdb_grid* e
     return result;
 }
 
-ty_result ty_nanovdb_read(ty_context* context, const char* path, const char* name, int32_t component, ty_grid** out) {
+ty_result ty_nanovdb_read(ty_context* context, const char* path, const char* name, int32_t component,
+                          ty_grid_storage storage, ty_grid** out) {
     ty_nanovdb_file file;
     ty_result result = ty_nanovdb_open(context, path, &file);
     if (result != TY_OK) return result;
@@ -319,7 +321,7 @@ ty_result ty_nanovdb_read(ty_context* context, const char* path, const char* nam
     uint8_t* bytes = NULL;
     if (result == TY_OK) result = ty_nanovdb_load(&file, grid, &bytes);
     if (result == TY_OK) {
-        result = read_tree(&file, grid, component, bytes, out);
+        result = read_tree(&file, grid, component, bytes, storage, out);
         ty_free_array(context, bytes, grid->size, 1);
     }
     ty_nanovdb_close(&file);

@@ -51,16 +51,20 @@ ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def
     memcpy(grid.size, def->raw_size, sizeof grid.size);
     ty_result result = check_spacing(context, def, &grid);
     if (result == TY_OK)
-        result =
-            ty_check_volume_size(context, path, (const int64_t[]){grid.size[0], grid.size[1], grid.size[2]}, &voxels);
+        result = ty_check_volume_storage(context, path, def->storage, false,
+                                         (const int64_t[]){grid.size[0], grid.size[1], grid.size[2]}, &voxels);
     if (result == TY_OK) result = ty_check_component(context, path, NULL, def->component, 1);
     const size_t needed = result == TY_OK ? voxels * ty_sample_size(type) : 0;
     if (result == TY_OK) result = find_start(context, path, def, needed, &start);
     ty_sample_file file;
     if (result == TY_OK) result = ty_sample_file_open(context, path, start, &file);
     if (result != TY_OK) return result;
-    const ty_samples samples = {
-        .read = ty_sample_file_read, .user = &file, .type = type, .big_endian = def->raw_big_endian, .step = 1};
+    const ty_samples samples = {.read = ty_sample_file_read,
+                                .user = &file,
+                                .type = type,
+                                .big_endian = def->raw_big_endian,
+                                .step = 1,
+                                .storage = def->storage == TY_GRID_PAGED ? TY_GRID_PAGED : TY_GRID_AUTO};
     result = ty_samples_make_grid(context, &samples, &grid, out);
     ty_sample_file_close(&file);
     return result;

@@ -171,7 +171,7 @@ ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, c
     c.values = ty_alloc_array(context, count, value, false);
     if (c.values == NULL) return TY_ERROR_MEMORY;
     const ty_slice_source source = {convert_slices, &c};
-    const ty_result result = ty_grid_create_from_slices(context, &c.def, TY_GRID_AUTO, &source, def->placed, out);
+    const ty_result result = ty_grid_create_from_slices(context, &c.def, samples->storage, &source, def->placed, out);
     ty_free_array(context, c.values, count, value);
     return result;
 }

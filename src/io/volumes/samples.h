@@ -40,11 +40,12 @@ typedef struct ty_samples {
     ty_sample_type type;
     bool big_endian;
     size_t first, step;      /* in samples: offset of the component, and stride between voxels */
+    ty_grid_storage storage; /* of the grid: TY_GRID_AUTO or TY_GRID_PAGED */
     double slope, intercept; /* a value is slope times its sample plus intercept; slope 0: the sample itself */
 } ty_samples;
 
 /* Creates a grid of def->size voxels, x fastest, placed by def: of ty_sample_grid_type, or float where samples are
- * scaled; as TY_GRID_AUTO stores it. */
+ * scaled; as samples->storage says. */
 ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out);
 
 #endif

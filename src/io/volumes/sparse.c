@@ -204,7 +204,8 @@ static ty_result describe_grid(const ty_sparse* sparse, const ty_affine* index_t
     if (!isfinite(sparse->background))
         return ty_fail(sparse->context, TY_ERROR_INPUT, "%s: the background of grid \"%s\" is not finite", sparse->path,
                        sparse->name);
-    const ty_result result = ty_check_sparse_size(sparse->context, sparse->path, sides, voxels);
+    const ty_result result =
+        ty_check_volume_storage(sparse->context, sparse->path, sparse->storage, true, sides, voxels);
     if (result != TY_OK) return result;
     *def = ty_default_grid_def();
     for (int a = 0; a < 3; ++a) def->size[a] = (int32_t)sides[a];
@@ -284,19 +285,20 @@ static void fill_all_cells(fill_job* job) {
 static ty_result make_blocks(fill_job* job, const ty_grid_def* def, const int32_t shift[3], size_t blocks,
                              ty_grid** out) {
     ty_context* context = job->sparse->context;
-    const size_t stored = blocks * TY_GRID_BLOCK_VOXELS, value_size = ty_grid_value_size(def->type);
     if (ty_grid_blocks_table(context, def->size, shift, &job->blocks) == NULL) return TY_ERROR_MEMORY;
-    const size_t table = ty_grid_table_count(&job->blocks);
-    job->values = ty_alloc_array(context, stored, value_size, false);
-    if (job->values != NULL) {
+    ty_result result;
+    job->blocks.count = (uint32_t)blocks;
+    job->values =
+        ty_grid_blocks_values(context, def->type, job->sparse->storage == TY_GRID_PAGED, &job->blocks, &result);
+    job->blocks.count = 1;
+    if (result == TY_OK) {
         enter_cells(job);
         fill_all_cells(job);
         if (!atomic_load(&job->fail_corrupt)) return ty_grid_adopt_blocks(context, def, &job->blocks, job->values, out);
     }
-    const bool allocated = job->values != NULL;
-    ty_free_array(context, job->values, stored, value_size);
-    ty_free_array(context, job->blocks.table, table, sizeof *job->blocks.table);
-    return allocated ? fail_corrupt(job->sparse) : TY_ERROR_MEMORY;
+    job->blocks.count = (uint32_t)blocks;
+    ty_grid_free_blocks(context, def->type, &job->blocks, job->values);
+    return result == TY_OK ? fail_corrupt(job->sparse) : result;
 }
 
 static ty_result make_dense(fill_job* job, const ty_grid_def* def, size_t voxels, ty_grid** out) {
@@ -326,6 +328,7 @@ ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, 
         table *= (size_t)(def.size[a] + shift[a] + TY_GRID_BLOCK - 1) / TY_GRID_BLOCK;
     }
     const size_t blocks = count_blocks(&job);
-    if (ty_grid_saves_memory(def.type, voxels, table, blocks)) return make_blocks(&job, &def, shift, blocks, out);
+    if (sparse->storage == TY_GRID_PAGED || ty_grid_saves_memory(def.type, voxels, table, blocks))
+        return make_blocks(&job, &def, shift, blocks, out);
     return make_dense(&job, &def, voxels, out);
 }

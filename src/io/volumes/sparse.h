@@ -25,6 +25,7 @@ typedef struct ty_sparse {
     ty_context* context;
     const char *path, *name; /* of the file and the grid, for messages */
     ty_grid_type type;
+    ty_grid_storage storage; /* of the grid: TY_GRID_AUTO or TY_GRID_PAGED */
     float background;
     int64_t active;             /* active voxels */
     int32_t lower[3], upper[3]; /* box of active voxels, inclusive; lower > upper if there are none */
@@ -47,7 +48,7 @@ bool ty_sparse_add_leaf(ty_sparse* sparse, const int32_t origin[3], const uint8_
  * data is corrupt. Called from several threads. */
 typedef bool (*ty_sparse_decode)(const void* user, uint64_t leaf, void* values);
 
-/* Creates the grid of the active box, as TY_GRID_AUTO stores it, placed by index_to_world; an empty grid gives one
+/* Creates the grid of the active box, as sparse->storage says, placed by index_to_world; an empty grid gives one
  * voxel of background at 0. */
 ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, const void* user,
                               const ty_affine* index_to_world, ty_grid** out);

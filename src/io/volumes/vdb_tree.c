@@ -359,7 +359,7 @@ ty_result ty_vdb_measure(const ty_vdb_file* file, const ty_vdb_grid* owner, ty_v
 }
 
 ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, int32_t component,
-                           const ty_affine* index_to_world, ty_grid** out) {
+                           const ty_affine* index_to_world, ty_grid_storage storage, ty_grid** out) {
     tree t = describe(owner, component);
     uint8_t* bytes = NULL;
     ty_result result = ty_vdb_load(file, owner, &bytes, &t.size);
@@ -367,6 +367,7 @@ ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, in
     t.bytes = bytes;
     ty_sparse sparse = ty_sparse_begin(file->context, file->path, owner->name);
     sparse.type = t.half && t.value.bytes == sizeof(float) ? TY_GRID_F16 : TY_GRID_F32;
+    sparse.storage = storage;
     result = read_topology(file, owner, &t, true, &sparse);
     if (result == TY_OK) result = ty_sparse_make_grid(&sparse, decode_leaf, &t, index_to_world, out);
     ty_sparse_end(&sparse);

@@ -13,7 +13,8 @@
 
 enum { PATH_SIZE = 4096 };
 
-static const double voxels_max = 4e9, sparse_voxels_max = 3.2e10;
+/* Blocks of paged grids are numbered by 32 bits. */
+static const double voxels_max = 4e9, sparse_voxels_max = 3.2e10, paged_voxels_max = 2e12;
 
 void ty_init_volume_def(void* def, size_t bytes) {
     const ty_volume_def own = {.grid = "density", .raw_type = "uint8", .series = "", .meters_per_unit = 1};
@@ -40,8 +41,11 @@ ty_result ty_check_volume_size(ty_context* context, const char* path, const int6
     return check_size(context, path, "dense", voxels_max, sides, voxels);
 }
 
-ty_result ty_check_sparse_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels) {
-    return check_size(context, path, "sparse", sparse_voxels_max, sides, voxels);
+ty_result ty_check_volume_storage(ty_context* context, const char* path, ty_grid_storage storage, bool in_tree,
+                                  const int64_t sides[3], size_t* voxels) {
+    if (storage == TY_GRID_PAGED) return check_size(context, path, "paged", paged_voxels_max, sides, voxels);
+    return check_size(context, path, in_tree ? "sparse" : "dense", in_tree ? sparse_voxels_max : voxels_max, sides,
+                      voxels);
 }
 
 ty_result ty_check_component(ty_context* context, const char* path, const char* name, int32_t component,
@@ -112,6 +116,7 @@ static const struct {
     {TY_VOLUME_TIFF, 0, 4, "II+\0", {NULL}}, /* with offsets of 64 bits */
     {TY_VOLUME_TIFF, 0, 4, "MM\0+", {NULL}},
     {TY_VOLUME_MITSUBA, 0, 3, "VOL", {".vol"}},
+    {TY_VOLUME_BRICKS, 0, 8, "TYBRICKS", {".bricks"}},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0], EXTENSIONS = 3 };
 
@@ -154,7 +159,7 @@ static ty_result check_def(ty_context* context, const ty_volume_def** given, ty_
     if (!(def->meters_per_unit > 0 && def->meters_per_unit <= 1e6))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: meters_per_unit is %g, outside (0, 1e6]",
                        def->meters_per_unit);
-    if (def->storage < TY_GRID_AUTO || def->storage > TY_GRID_SPARSE)
+    if (def->storage < TY_GRID_AUTO || def->storage > TY_GRID_PAGED)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: storage is %d, not a ty_grid_storage",
                        (int)def->storage);
     return TY_OK;
@@ -177,16 +182,18 @@ static ty_result find_file(ty_context* context, const char* path, const ty_volum
 
 static ty_result read_format(ty_context* context, ty_volume_format format, const char* file, const ty_volume_def* def,
                              double* radius, ty_grid** out) {
+    const ty_grid_storage storage = def->storage == TY_GRID_PAGED ? TY_GRID_PAGED : TY_GRID_AUTO;
     switch (format) {
-    case TY_VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, out);
-    case TY_VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, out);
-    case TY_VOLUME_NRRD: return ty_nrrd_read(context, file, def->component, out);
+    case TY_VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, storage, out);
+    case TY_VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, storage, out);
+    case TY_VOLUME_NRRD: return ty_nrrd_read(context, file, def->component, storage, out);
     case TY_VOLUME_VTK: return ty_vtk_read(context, file, def, out);
     case TY_VOLUME_NETCDF: return ty_netcdf_read(context, file, def, radius, out);
     case TY_VOLUME_DICOM: return ty_dicom_read(context, file, def->series, def->component, out);
-    case TY_VOLUME_NIFTI: return ty_nifti_read(context, file, def->component, out);
+    case TY_VOLUME_NIFTI: return ty_nifti_read(context, file, def->component, storage, out);
     case TY_VOLUME_TIFF: return ty_tiff_read(context, file, def->component, out);
-    case TY_VOLUME_MITSUBA: return ty_mitsuba_read(context, file, def->component, out);
+    case TY_VOLUME_MITSUBA: return ty_mitsuba_read(context, file, def->component, storage, out);
+    case TY_VOLUME_BRICKS: return ty_bricks_read(context, file, out);
     case TY_VOLUME_RAW: break;
     }
     const ty_result result = check_raw(context, file, def);
@@ -236,6 +243,7 @@ ty_result ty_volume_components(ty_context* context, const char* path, const ty_v
     case TY_VOLUME_NRRD: return ty_nrrd_components(context, file, out);
     case TY_VOLUME_VTK: return ty_vtk_components(context, file, def, out);
     case TY_VOLUME_NETCDF: return ty_netcdf_components(context, file, def, out);
+    case TY_VOLUME_BRICKS:
     case TY_VOLUME_DICOM: *out = 1; return TY_OK;
     case TY_VOLUME_NIFTI: return ty_nifti_components(context, file, out);
     case TY_VOLUME_TIFF: return ty_tiff_components(context, file, out);

@@ -7,22 +7,26 @@
 
 /* Refuses sides outside a grid's limits and more voxels than a dense grid may have; *voxels is the product. */
 ty_result ty_check_volume_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels);
-/* The same for grids in a sparse tree, which may span more. */
-ty_result ty_check_sparse_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels);
+/* The same for grids that may span more: those in a sparse tree, and more so paged ones. */
+ty_result ty_check_volume_storage(ty_context* context, const char* path, ty_grid_storage storage, bool in_tree,
+                                  const int64_t sides[3], size_t* voxels);
 /* Refuses a component that a grid with that many values per voxel does not have. */
 ty_result ty_check_component(ty_context* context, const char* path, const char* name, int32_t component,
                              int32_t components);
 
+/* Readers that take a storage make no dense array on the way to a paged grid; 0 is TY_GRID_AUTO. */
 ty_result ty_vdb_read_component(ty_context* context, const char* path, const char* name, int32_t component,
-                                ty_grid** out);
+                                ty_grid_storage storage, ty_grid** out);
 ty_result ty_vdb_components(ty_context* context, const char* path, const char* name, int32_t* out);
-ty_result ty_nanovdb_read(ty_context* context, const char* path, const char* name, int32_t component, ty_grid** out);
+ty_result ty_nanovdb_read(ty_context* context, const char* path, const char* name, int32_t component,
+                          ty_grid_storage storage, ty_grid** out);
 ty_result ty_nanovdb_components(ty_context* context, const char* path, const char* name, int32_t* out);
 bool ty_is_nanovdb(const char* path);
 /* As ty_vdb_list. */
 ty_result ty_nanovdb_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity,
                           int32_t* count);
-ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
+ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid_storage storage,
+                       ty_grid** out);
 ty_result ty_nrrd_components(ty_context* context, const char* path, int32_t* out);
 /* As ty_volume_read; *radius, where droplets are read, is the mean of their effective radius by extinction,
  * micrometres.
@@ -33,12 +37,20 @@ ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def
 
 ty_result ty_dicom_read(ty_context* context, const char* path, const char* name, int32_t component, ty_grid** out);
 ty_result ty_dicom_components(ty_context* context, const char* path, const char* series, int32_t* out);
-ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
+ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, ty_grid_storage storage,
+                        ty_grid** out);
 ty_result ty_nifti_components(ty_context* context, const char* path, int32_t* out);
 ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
 ty_result ty_tiff_components(ty_context* context, const char* path, int32_t* out);
-ty_result ty_mitsuba_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
+ty_result ty_mitsuba_read(ty_context* context, const char* path, int32_t component, ty_grid_storage storage,
+                          ty_grid** out);
 ty_result ty_mitsuba_components(ty_context* context, const char* path, int32_t* out);
+
+/* Files of bricks (bricks.c): a grid as TY_GRID_PAGED keeps it, mapped where it is read. */
+ty_result ty_bricks_read(ty_context* context, const char* path, ty_grid** out);
+ty_result ty_bricks_write(ty_context* context, const ty_grid* grid, const char* path);
+/* Extends *hash by the head of a file of bricks, in which there is a hash of the rest; false for other files. */
+bool ty_bricks_hash(const char* path, uint64_t* hash);
 
 /* Formats that tell more than their voxels, for `tyndall info`. */
 enum { TY_VOLUME_NOTES_MAX = 12 };
@@ -70,6 +82,7 @@ typedef enum ty_volume_format {
     TY_VOLUME_NIFTI,
     TY_VOLUME_TIFF,
     TY_VOLUME_MITSUBA,
+    TY_VOLUME_BRICKS,
     TY_VOLUME_RAW
 } ty_volume_format;
 /* True if a path ends with an extension, such as ".vdb", in any case. */

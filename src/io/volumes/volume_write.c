@@ -87,15 +87,17 @@ ty_result ty_volume_write(ty_context* context, const ty_volume_field* fields, in
     if (ty_volume_has_extension(path, ".vti")) return write_vti(context, fields, count, codec, path);
     if (ty_volume_has_extension(path, ".nii") || ty_volume_has_extension(path, ".nii.gz"))
         return write_nifti(context, fields, count, codec, path);
+    const bool bricks = ty_volume_has_extension(path, ".bricks");
     const bool nanovdb = ty_volume_has_extension(path, ".nvdb"), mitsuba = ty_volume_has_extension(path, ".vol");
-    if (!nanovdb && !mitsuba && !ty_volume_has_extension(path, ".nrrd"))
+    if (!nanovdb && !mitsuba && !bricks && !ty_volume_has_extension(path, ".nrrd"))
         return ty_fail(context, TY_ERROR_ARGUMENT,
-                       "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz or .vol", path);
+                       "%s: a volume goes to .vdb, .nvdb, .nrrd, .vti, .nii, .nii.gz, .vol or .bricks", path);
     if (count > 1 || fields[0].components > 1)
         return ty_fail(context, TY_ERROR_ARGUMENT, "%s: one field of one value per voxel goes there", path);
     if (nanovdb) return ty_nanovdb_write(context, fields[0].grids[0], fields[0].name, codec ? codec : "zip", path);
     const bool none = codec != NULL && strcmp(codec, "none") == 0;
-    if (mitsuba && codec != NULL && !none) return wrong_codec(context, path, codec);
+    if ((mitsuba || bricks) && codec != NULL && !none) return wrong_codec(context, path, codec);
+    if (bricks) return ty_bricks_write(context, fields[0].grids[0], path);
     if (mitsuba) return ty_mitsuba_write(context, fields[0].grids[0], path);
     if (codec != NULL && !none && strcmp(codec, "gzip") != 0) return wrong_codec(context, path, codec);
     return ty_nrrd_write(context, fields[0].grids[0], none ? TY_NRRD_CODEC_RAW : TY_NRRD_CODEC_GZIP, path);

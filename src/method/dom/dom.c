@@ -12,6 +12,14 @@ static const double medium_until = 0.1, direct_until = 0.4, ordinates_until = 0.
 
 /* ---- solving ---- */
 
+/* Differentiable light keeps its sources. */
+static void keep_sources(ty_dom_job* job) {
+    for (int c = 0; c < 3 && job->def->differentiable; ++c) {
+        job->light->source[c] = job->source[c];
+        job->source[c] = NULL;
+    }
+}
+
 static void end_job(ty_dom_job* job) {
     const size_t terms = (size_t)job->light->bands * (size_t)job->light->bands;
     for (int c = 0; c < 3; ++c) {
@@ -56,6 +64,7 @@ static ty_result solve(ty_volume_call* call) {
     job.light->context = call->context;
     const ty_result result = run_stages(&job, call->fraction);
     memcpy(call->stats, &job.stats, sizeof job.stats);
+    keep_sources(&job);
     end_job(&job);
     return result;
 }
@@ -78,6 +87,8 @@ void ty_dom_destroy(ty_dom* light) {
         ty_free_array(context, light->darkening[c], light->cells, sizeof(float));
         ty_free_array(context, light->similarity[c], light->cells, sizeof(float));
         ty_free_array(context, light->moments[c], light->cells, bytes);
+        ty_free_array(context, light->source[c], light->cells,
+                      (size_t)light->bands * (size_t)light->bands * sizeof(float));
         if (light->face_fluence[c] != NULL)
             ty_free_array(context, light->face_fluence[c], 6 * light->cells, sizeof(float));
         if (light->face_even[c] != NULL) ty_free_array(context, light->face_even[c], 6 * light->cells, sizeof(float));

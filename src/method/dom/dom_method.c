@@ -49,5 +49,6 @@ const ty_method ty_method_dom = {.name = "dom",
                                  .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
                                  .stats = stats,
                                  .stat_count = sizeof stats / sizeof stats[0],
+                                 .divides = true,
                                  TY_VOLUME_METHOD_CALLS(dom),
                                  .describe = describe};

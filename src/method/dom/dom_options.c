@@ -43,6 +43,8 @@ static const ty_option options[] = {
     TY_OPTION_SURFACE_POINTS(ty_dom_def),
     {TY_OPTION_FIELD(ty_dom_def, interreflection), .type = TY_OPTION_BOOL, .preset = 1,
      .doc = "Lights media by what surfaces outside of their box reflect, and these by the media, over and over."},
+    {TY_OPTION_FIELD(ty_dom_def, differentiable), .type = TY_OPTION_BOOL,
+     .doc = "Solves for light that has a gradient: ordinates go through thick cells, too, in place of diffusion."},
     TY_OPTION_SPP(ty_dom_def),
     TY_OPTION_STEP(ty_dom_def, "voxels"),
     TY_OPTION_RAY_SPACING(ty_dom_def),

@@ -59,6 +59,8 @@ struct ty_dom {
     bool shared; /* all channels are the first one's planes, times color */
     float color[3];
     float* moments[3]; /* phi_lm of collided light, W m^-2 */
+    float* source[3];  /* q_lm of first collisions, bands^2 planes of each channel, W m^-3, which gradients take; NULL:
+                          the light is not differentiable */
     /* Of ty_ordinates_def.face_fluence, what scatters last in the cell: less the emission that is seen there, over the
        albedo. NULL: there are no diffusive cells; then extinction, per plane of g, is NULL, too. */
     float* face_fluence[3];

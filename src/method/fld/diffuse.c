@@ -53,6 +53,7 @@ ty_result ty_fld_diffuse(ty_fld_job* job) {
         job->light->cache != NULL ? &job->incident : NULL, &job->progress, &job->light->diffuse, &solved);
     stats->converged = solved.converged;
     stats->memory_bytes = solved.bytes;
+    stats->solve_ranks = solved.ranks;
     memcpy(stats->iterations, solved.iterations, sizeof stats->iterations);
     memcpy(stats->cycles, solved.cycles, sizeof stats->cycles);
     memcpy(stats->residual, solved.residual, sizeof stats->residual);

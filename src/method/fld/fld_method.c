@@ -14,6 +14,7 @@ static const ty_stat stats[] = {
     {TY_STAT_FIELD(ty_fld_stats, emitted), TY_STAT_NUMBER, .count = 3},
     {TY_STAT_FIELD(ty_fld_stats, absorbed), TY_STAT_NUMBER, .count = 3},
     {TY_STAT_FIELD(ty_fld_stats, absorbed_by_surfaces), TY_STAT_NUMBER, .count = 3},
+    {TY_STAT_FIELD(ty_fld_stats, solve_ranks), TY_STAT_INT},
     {TY_STAT_FIELD(ty_fld_stats, leaving), TY_STAT_NUMBER, .count = 3},
     {TY_STAT_FIELD(ty_fld_stats, medium_seconds), TY_STAT_NUMBER, .stage = true},
     {TY_STAT_FIELD(ty_fld_stats, direct_seconds), TY_STAT_NUMBER, .stage = true},
@@ -46,6 +47,7 @@ const ty_method ty_method_fld = {.name = "fld",
                                  .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
                                  .stats = stats,
                                  .stat_count = sizeof stats / sizeof stats[0],
+                                 .divides = true,
                                  TY_VOLUME_METHOD_CALLS(fld),
                                  .describe = describe};
 

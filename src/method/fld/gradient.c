@@ -24,34 +24,36 @@ typedef struct gradient_job {
     ty_fld copy;    /* of the light */
     ty_gradient* gradient;
     float *weight[3], *source_weight[3]; /* dL/dfluence of fine and coarse cells, per channel */
-    float *by_source[3], *by_fine[3];    /* dL/dq of coarse and fine cells */
+    float *by_source[3], *by_fine;       /* dL/dq of coarse cells, and of fine ones for the channel at hand */
     float *extinction[3], *by_extinction[3];
     ty_medium_gradient coarse;
 } gradient_job;
 
+static bool allocate_array(const gradient_job* job, size_t cells, float** out) {
+    *out = ty_alloc_array(job->fld.context, cells, sizeof(float), true);
+    return *out != NULL;
+}
+
 static ty_result allocate(gradient_job* job) {
     const ty_grid_medium *fine = job->fld.fine, *coarse = job->fld.coarse;
-    for (int c = 0; c < 3; ++c) {
-        float** const on_fine[] = {&job->weight[c], &job->by_fine[c], &job->extinction[c], &job->by_extinction[c]};
-        float** const on_coarse[] = {&job->source_weight[c], &job->by_source[c]};
-        for (int i = 0; i < 4; ++i) {
-            *on_fine[i] = ty_alloc_array(job->fld.context, fine->cells, sizeof(float), true);
-            if (*on_fine[i] == NULL) return TY_ERROR_MEMORY;
-        }
-        for (int i = 0; i < 2; ++i) {
-            *on_coarse[i] = ty_alloc_array(job->fld.context, coarse->cells, sizeof(float), true);
-            if (*on_coarse[i] == NULL) return TY_ERROR_MEMORY;
-        }
-    }
-    return ty_medium_gradient_make(coarse, &job->coarse);
+    bool whole = allocate_array(job, fine->cells, &job->by_fine);
+    for (int c = 0; c < 3; ++c)
+        whole = whole && allocate_array(job, fine->cells, &job->weight[c]) &&
+                allocate_array(job, coarse->cells, &job->source_weight[c]) &&
+                allocate_array(job, coarse->cells, &job->by_source[c]);
+    for (int32_t p = 0; p < fine->planes; ++p)
+        whole = whole && allocate_array(job, fine->cells, &job->extinction[p]) &&
+                allocate_array(job, fine->cells, &job->by_extinction[p]);
+    return whole ? ty_medium_gradient_make(coarse, &job->coarse) : TY_ERROR_MEMORY;
 }
 
 /* fine: cells of direct light. */
 static void free_all(gradient_job* job, size_t fine) {
     const size_t coarse = job->fld.coarse != NULL ? job->fld.coarse->cells : 0;
+    ty_free_array(job->fld.context, job->by_fine, fine, sizeof(float));
     for (int c = 0; c < 3; ++c) {
-        float* const on_fine[] = {job->weight[c], job->by_fine[c], job->extinction[c], job->by_extinction[c]};
-        for (int i = 0; i < 4; ++i) ty_free_array(job->fld.context, on_fine[i], fine, sizeof(float));
+        float* const on_fine[] = {job->weight[c], job->extinction[c], job->by_extinction[c]};
+        for (int i = 0; i < 3; ++i) ty_free_array(job->fld.context, on_fine[i], fine, sizeof(float));
         float* const on_coarse[] = {job->source_weight[c], job->by_source[c], job->fld.source[c]};
         for (int i = 0; i < 3; ++i) ty_free_array(job->fld.context, on_coarse[i], coarse, sizeof(float));
     }
@@ -111,8 +113,6 @@ static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
                        "gradient: the light is no solution of this scene: its residual is %g of its source",
                        solved.imbalance);
     ty_medium_gradient_refine(&job->coarse, coarse->box.size, fine->box.size, &job->gradient->media);
-    for (int c = 0; c < 3; ++c)
-        ty_grid_spread(job->fld.context, job->by_source[c], coarse->box.size, fine->box.size, job->by_fine[c]);
     return TY_OK;
 }
 
@@ -122,19 +122,20 @@ static void return_source(gradient_job* job, int32_t channel) {
     const ty_grid_medium* fine = job->fld.fine;
     const int32_t p = fine->planes == 3 ? channel : 0;
     ty_medium_gradient* media = &job->gradient->media;
+    memset(job->by_fine, 0, sizeof(float) * fine->cells);
+    ty_grid_spread(job->fld.context, job->by_source[channel], job->fld.coarse->box.size, fine->box.size, job->by_fine);
     for (int32_t l = 0; l < job->copy.light_count; ++l) {
         float factor;
         const float* fluence = ty_light_fluence_plane(&job->copy.lights[l], channel, &factor);
         for (size_t i = 0; i < fine->cells; ++i) {
-            const float by_scattering = job->by_fine[channel][i] * factor * fluence[i];
+            const float by_scattering = job->by_fine[i] * factor * fluence[i];
             media->scattering[p][i] += by_scattering;
             if (job->copy.reduced && fine->g[p][i] > 0) media->scattering_g[p][i] -= by_scattering;
         }
     }
     for (size_t i = 0; i < fine->cells; ++i)
         job->weight[channel][i] +=
-            job->by_fine[channel][i] *
-            ty_reduced_scattering(fine->scattering[p][i], job->copy.reduced ? fine->g[p][i] : 0.0f);
+            job->by_fine[i] * ty_reduced_scattering(fine->scattering[p][i], job->copy.reduced ? fine->g[p][i] : 0.0f);
 }
 
 /* The adjoint of sigma_t - g sigma_s, by which uncollided light is attenuated. */

@@ -83,7 +83,13 @@ ty_result ty_gradient_add_uncollided(ty_gradient* gradient, const ty_discrete_li
                                    .first = p,
                                    .channels = channels,
                                    .progress = progress};
+        float multiples[3] = {1, 1, 1};
         for (int32_t c = 0; c < channels; ++c) loss.weight[c] = weight[p + c];
+        if (channels == 3 && ty_is_multiple(weight[1], weight[0], medium->cells, &multiples[1]) &&
+            ty_is_multiple(weight[2], weight[0], medium->cells, &multiples[2])) {
+            loss.channels = 1;
+            loss.multiples = multiples;
+        }
         result = ty_collimated_adjoint(medium, &loss, by_extinction[p], gradient->lights);
     }
     return result;

@@ -4,13 +4,16 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "solve/diffusion/limiter_slope.h"
+#include "solve/diffusion/linear.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Krylov vectors until a restart, largest number of linear solves, and their tolerance. */
-enum { KRYLOV = 30, SOLVES_MAX = 150 };
+/* Krylov vectors until a restart; largest number of linear solves; their multigrid cycles at most, and tolerance. */
+enum { KRYLOV = 40, SOLVES_MAX = 150, CYCLES = 1 };
 static const double SOLVE_TOLERANCE = 0.1;
+/* The adjoint need not be more exact than this part of the error of the light. */
+static const double PART_OF_IMBALANCE = 0.3;
 /* Smaller boxes run on one thread: waking the others takes longer. */
 enum { CELLS_FOR_THREADS = 1 << 14 };
 
@@ -28,12 +31,12 @@ typedef struct adjoint_job {
     double* by_extinction;                     /* dD/dsigma */
     double *basis[KRYLOV + 1], *steps[KRYLOV]; /* Krylov vectors, and these preconditioned */
     double *adjoint, *by_diffusivity;          /* lambda, C^T lambda */
-    double* plane_sums;
+    double *plane_sums, *products;             /* products: KRYLOV numbers per plane */
+    double* parts;                             /* of a vector along the first `count` of the basis */
+    int32_t count;
     const double *a, *b; /* operands of a loop over planes */
     double *to, factor;
-    float *right, *solution, *extinction; /* of linear solves */
-    void* memory;
-    size_t memory_bytes;
+    ty_linear_diffusion* linear;
     double start, reported; /* s */
     ty_diffusion_adjoint_stats* stats;
 } adjoint_job;
@@ -364,35 +367,82 @@ static void add(adjoint_job* job, double factor, const double* a, double* to) {
     run_planes(job, add_plane);
 }
 
+/* Cells whose part of a vector stays in the cache. */
+enum { CELLS_AT_ONCE = 1024 };
+
+/* Inner products of the vector at hand with the first basis vectors, per plane. */
+static void project_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    adjoint_job* job = user;
+    double* sums = job->products + z * KRYLOV;
+    const int64_t last = (z + 1) * plane_cells(job);
+    for (int32_t k = 0; k < job->count; ++k) sums[k] = 0;
+    for (int64_t begin = z * plane_cells(job); begin < last; begin += CELLS_AT_ONCE) {
+        const int64_t end = begin + CELLS_AT_ONCE < last ? begin + CELLS_AT_ONCE : last;
+        for (int32_t k = 0; k < job->count; ++k) {
+            double sum = 0;
+#pragma omp simd reduction(+ : sum)
+            for (int64_t i = begin; i < end; ++i) sum += job->to[i] * job->basis[k][i];
+            sums[k] += sum;
+        }
+    }
+    job->plane_sums[z] = 0;
+}
+
+/* Subtracts these parts, and sums the squares of the rest. */
+static void remove_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    adjoint_job* job = user;
+    const int64_t last = (z + 1) * plane_cells(job);
+    double square = 0;
+    for (int64_t begin = z * plane_cells(job); begin < last; begin += CELLS_AT_ONCE) {
+        const int64_t end = begin + CELLS_AT_ONCE < last ? begin + CELLS_AT_ONCE : last;
+        for (int32_t k = 0; k < job->count; ++k) {
+            const double part = job->parts[k];
+#pragma omp simd
+            for (int64_t i = begin; i < end; ++i) job->to[i] -= part * job->basis[k][i];
+        }
+#pragma omp simd reduction(+ : square)
+        for (int64_t i = begin; i < end; ++i) square += job->to[i] * job->to[i];
+    }
+    job->plane_sums[z] = square;
+}
+
+/* Makes a vector orthogonal to the first `count` basis vectors, of which it had `parts`. Returns its length. */
+static double orthogonalise(adjoint_job* job, double* vector, int32_t count, double* parts) {
+    job->to = vector;
+    job->count = count;
+    job->parts = parts;
+    run_planes(job, project_plane);
+    for (int32_t k = 0; k < count; ++k) {
+        parts[k] = 0;
+        for (int32_t z = 0; z < job->def->size[2]; ++z) parts[k] += job->products[(int64_t)z * KRYLOV + k];
+    }
+    return sqrt(run_planes(job, remove_plane));
+}
+
 static void scale(const adjoint_job* job, double factor, double* v) {
     for (int64_t i = 0; i < job->cells; ++i) v[i] *= factor;
 }
 
 /* ---- the generalised minimal residual method ---- */
 
-/* to = about A^-1 v, from 0. */
-static ty_result precondition(adjoint_job* job, const double* v, double* to) {
-    ty_diffusion_def def = *job->def;
-    ty_diffusion_stats solved;
-    def.limiter = TY_LIMITER_NONE;
-    def.solver = TY_DIFFUSION_MULTIGRID;
-    def.extinction = job->extinction;
-    def.min_extinction = 1e-30;
-    def.source = job->right;
-    def.tolerance = SOLVE_TOLERANCE;
-    def.iterations = def.min_iterations = 0;
-    def.start = job->solution;
-    def.memory = job->memory;
-    def.progress = NULL;
-    for (int64_t i = 0; i < job->cells; ++i) {
-        job->right[i] = (float)v[i];
-        job->solution[i] = 0;
-    }
-    const ty_diffusion_out out = {.fluence = job->solution};
-    const ty_result result = ty_diffusion_solve(job->context, &def, &out, &solved);
-    for (int64_t i = 0; i < job->cells && result == TY_OK; ++i) to[i] = (double)job->solution[i];
+/* to = about A^-1 v. */
+static void precondition(adjoint_job* job, const double* v, double* to) {
     job->stats->iterations += 1;
-    job->stats->cycles += solved.cycles;
+    job->stats->cycles += ty_linear_diffusion_solve(job->linear, v, SOLVE_TOLERANCE, CYCLES, to);
+}
+
+/* The linear problem at the solution's D. */
+static ty_result make_linear(adjoint_job* job) {
+    ty_diffusion_def def = *job->def;
+    float* extinction = ty_alloc_array(job->context, (size_t)job->cells, sizeof *extinction, false);
+    if (extinction == NULL) return TY_ERROR_MEMORY;
+    for (int64_t i = 0; i < job->cells; ++i) extinction[i] = (float)(1 / (3 * job->diffusivity[i]));
+    def.extinction = extinction;
+    def.min_extinction = 1e-30;
+    const ty_result result = ty_linear_diffusion_create(job->context, &def, &job->linear);
+    ty_free_array(job->context, extinction, (size_t)job->cells, sizeof *extinction);
     return result;
 }
 
@@ -444,15 +494,10 @@ static ty_result iterate(adjoint_job* job, double norm, double tolerance, double
     int32_t j = 0;
     scale(job, 1 / norm, job->basis[0]);
     while (j < KRYLOV && job->stats->iterations < SOLVES_MAX && fabs(h.right[j]) > target) {
-        result = precondition(job, job->basis[j], job->steps[j]);
-        if (result != TY_OK) return result;
+        precondition(job, job->basis[j], job->steps[j]);
         double* next = job->basis[j + 1];
         apply_adjoint(job, job->steps[j], next);
-        for (int32_t i = 0; i <= j; ++i) {
-            h.column[j][i] = dot(job, next, job->basis[i]);
-            add(job, -h.column[j][i], job->basis[i], next);
-        }
-        h.column[j][j + 1] = sqrt(dot(job, next, next));
+        h.column[j][j + 1] = orthogonalise(job, next, j + 1, h.column[j]);
         if (h.column[j][j + 1] > 0) scale(job, 1 / h.column[j][j + 1], next);
         rotate_column(&h, j++);
         result = report(job, fabs(h.right[j]) / whole, tolerance);
@@ -501,42 +546,33 @@ static ty_result allocate(adjoint_job* job) {
         job->steps[i] = ty_alloc_array(job->context, cells, sizeof(double), false);
         whole = job->steps[i] != NULL;
     }
-    float** const floats[] = {&job->right, &job->solution, &job->extinction};
-    for (int i = 0; i < 3 && whole; ++i) {
-        *floats[i] = ty_alloc_array(job->context, cells, sizeof(float), false);
-        whole = *floats[i] != NULL;
-    }
-    ty_diffusion_def def = *job->def;
-    def.solver = TY_DIFFUSION_MULTIGRID;
-    job->memory_bytes = ty_diffusion_memory(&def);
-    if (whole) job->memory = ty_alloc_array(job->context, job->memory_bytes, 1, false);
     if (whole) job->plane_sums = ty_alloc_array(job->context, (size_t)job->def->size[2], sizeof(double), false);
-    return whole && job->memory != NULL && job->plane_sums != NULL ? TY_OK : TY_ERROR_MEMORY;
+    if (whole) job->products = ty_alloc_array(job->context, (size_t)job->def->size[2], KRYLOV * sizeof(double), false);
+    return whole && job->products != NULL && job->plane_sums != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
 static void free_all(adjoint_job* job) {
     const size_t cells = (size_t)job->cells;
     double* const vectors[] = {job->diffusivity, job->by_fluence,    job->by_slope[0], job->by_slope[1],
                                job->by_slope[2], job->by_extinction, job->adjoint,     job->by_diffusivity};
-    float* const floats[] = {job->right, job->solution, job->extinction};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
         ty_free_array(job->context, vectors[i], cells, sizeof(double));
     for (int i = 0; i <= KRYLOV; ++i) ty_free_array(job->context, job->basis[i], cells, sizeof(double));
     for (int i = 0; i < KRYLOV; ++i) ty_free_array(job->context, job->steps[i], cells, sizeof(double));
-    for (int i = 0; i < 3; ++i) ty_free_array(job->context, floats[i], cells, sizeof(float));
-    ty_free_array(job->context, job->memory, job->memory_bytes, 1);
+    ty_linear_diffusion_destroy(job->linear);
+    ty_free_array(job->context, job->products, (size_t)job->def->size[2], KRYLOV * sizeof(double));
     ty_free_array(job->context, job->plane_sums, (size_t)job->def->size[2], sizeof(double));
 }
 
-static void begin(adjoint_job* job) {
+static ty_result begin(adjoint_job* job) {
     const ty_diffusion_def* def = job->def;
     double longest = 0;
     for (int a = 0; a < 3; ++a) longest = fmax(longest, def->cell[a] * def->size[a]);
     job->min_extinction = def->min_extinction > 0 ? def->min_extinction : 1e-3 / longest;
     run_planes(job, differentiate_plane);
-    for (int64_t i = 0; i < job->cells; ++i) job->extinction[i] = (float)(1 / (3 * job->diffusivity[i]));
     const double source = run_planes(job, square_plane), residual = run_planes(job, imbalance_plane);
     job->stats->imbalance = source > 0 ? sqrt(residual / source) : 0;
+    return make_linear(job);
 }
 
 static void store(adjoint_job* job, const ty_diffusion_adjoint_out* out) {
@@ -563,10 +599,8 @@ ty_result ty_diffusion_adjoint(ty_context* context, const ty_diffusion_def* def,
     job.step[2] = (ptrdiff_t)def->size[0] * def->size[1];
     job.cells = (int64_t)job.step[2] * def->size[2];
     ty_result result = allocate(&job);
-    if (result == TY_OK) {
-        begin(&job);
-        result = solve(&job, weight, tolerance);
-    }
+    if (result == TY_OK) result = begin(&job);
+    if (result == TY_OK) result = solve(&job, weight, fmax(tolerance, PART_OF_IMBALANCE * stats->imbalance));
     if (result == TY_OK) store(&job, out);
     free_all(&job);
     return result;

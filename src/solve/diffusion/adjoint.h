@@ -28,7 +28,8 @@ typedef struct ty_diffusion_adjoint_out {
 
 /* def: of the solve, without faces (TY_ERROR_ARGUMENT), and with boundaries that let no light in; its progress is that
  * of the adjoint, stage "adjoint". fluence: its result,
- * W m^-2; weight: dL/dphi. tolerance: bound of stats->residual. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY;
+ * W m^-2; weight: dL/dphi. tolerance: bound of stats->residual,
+ * or three tenths of the imbalance where that is more. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY;
  * TY_CANCELLED. */
 ty_result ty_diffusion_adjoint(ty_context* context, const ty_diffusion_def* def, const float* fluence,
                                const float* weight, double tolerance, const ty_diffusion_adjoint_out* out,

@@ -13,13 +13,17 @@ typedef struct row_view {
 } row_view;
 
 static bool is_edge(const ty_cells* cells, int32_t y, int32_t z) {
-    return y == 0 || z == 0 || y == cells->box.size[1] - 1 || z == cells->box.size[2] - 1;
+    const ty_box* box = &cells->box;
+    return (y == 0 && ty_box_ends(box, 2)) || (z == 0 && ty_box_ends(box, 4)) ||
+           (y == box->size[1] - 1 && ty_box_ends(box, 3)) || (z == box->size[2] - 1 && ty_box_ends(box, 5));
 }
 
-/* Cells of a row within `depth` cells of a face of the box; returns the number of ranges. */
+/* Cells of a row within `depth` cells of a face of the grid; returns the number of ranges. */
 static int32_t ranges_within(const ty_cells* cells, int32_t depth, int32_t y, int32_t z, int32_t ranges[2][2]) {
-    const int32_t *size = cells->box.size, nx = size[0];
-    const bool is_full = y < depth || z < depth || y >= size[1] - depth || z >= size[2] - depth || 2 * depth >= nx;
+    const int32_t *whole = cells->box.whole, nx = whole[0];
+    const int32_t at_y = y + cells->box.first[1], at_z = z + cells->box.first[2];
+    const bool is_full =
+        at_y < depth || at_z < depth || at_y >= whole[1] - depth || at_z >= whole[2] - depth || 2 * depth >= nx;
     ranges[0][0] = 0;
     ranges[0][1] = is_full ? nx : depth;
     ranges[1][0] = nx - depth;
@@ -47,10 +51,11 @@ TY_INLINE void set_row(const ty_cells* cells, int32_t y, int32_t z, row_view* vi
     view->absorption = cells->absorption != NULL ? cells->absorption + at : cells->zeros;
     view->source = cells->source + at;
     for (int side = 0; side < 6; ++side) set_interior(cells, view, side);
-    if (y == 0) set_side(cells, view, 2, cells->sides[2].step * z);
-    if (y == cells->box.size[1] - 1) set_side(cells, view, 3, cells->sides[3].step * z);
-    if (z == 0) set_side(cells, view, 4, cells->sides[4].step * y);
-    if (z == cells->box.size[2] - 1) set_side(cells, view, 5, cells->sides[5].step * y);
+    const ty_box* box = &cells->box;
+    if (y == 0 && ty_box_ends(box, 2)) set_side(cells, view, 2, cells->sides[2].step * z);
+    if (y == box->size[1] - 1 && ty_box_ends(box, 3)) set_side(cells, view, 3, cells->sides[3].step * z);
+    if (z == 0 && ty_box_ends(box, 4)) set_side(cells, view, 4, cells->sides[4].step * y);
+    if (z == box->size[2] - 1 && ty_box_ends(box, 5)) set_side(cells, view, 5, cells->sides[5].step * y);
 }
 
 TY_INLINE void set_x_side(const ty_cells* cells, int32_t y, int32_t z, int side, row_view* view) {
@@ -115,7 +120,7 @@ EVERY_OTHER(double)
         }                                                                                                              \
         break
 
-/* Ghosts of D beside plane z that make the face means at the box's faces 0. */
+/* Ghosts of D beside plane z that make the face means at the grid's faces 0. */
 static void set_diffusivity_ghosts(const ty_box* box, float* diffusivity, int32_t z) {
     const int32_t nx = box->size[0], ny = box->size[1], nz = box->size[2];
     for (int32_t y = 0; y < ny; ++y) {
@@ -124,15 +129,14 @@ static void set_diffusivity_ghosts(const ty_box* box, float* diffusivity, int32_
         row[nx] = -row[nx - 1];
     }
     float *low = diffusivity + ty_box_at(box, 0, z), *high = diffusivity + ty_box_at(box, ny - 1, z);
-    for (int32_t x = 0; x < nx; ++x) {
-        low[x - box->row] = -low[x];
-        high[x + box->row] = -high[x];
-    }
-    for (int32_t y = 0; y < ny && (z == 0 || z == nz - 1); ++y) {
+    for (int32_t x = 0; x < nx && ty_box_ends(box, 2); ++x) low[x - box->row] = -low[x];
+    for (int32_t x = 0; x < nx && ty_box_ends(box, 3); ++x) high[x + box->row] = -high[x];
+    const bool first = z == 0 && ty_box_ends(box, 4), last = z == nz - 1 && ty_box_ends(box, 5);
+    for (int32_t y = 0; y < ny && (first || last); ++y) {
         float* row = diffusivity + ty_box_at(box, y, z);
         for (int32_t x = 0; x < nx; ++x) {
-            if (z == 0) row[x - box->plane] = -row[x];
-            if (z == nz - 1) row[x + box->plane] = -row[x];
+            if (first) row[x - box->plane] = -row[x];
+            if (last) row[x + box->plane] = -row[x];
         }
     }
 }

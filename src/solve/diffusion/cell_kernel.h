@@ -36,7 +36,7 @@ typedef struct ty_fas_level {
     int32_t children[3]; /* cells of the finer stage per cell along each axis: 1 or 2 */
     double* phi;
     float* diffusivity;                      /* D */
-    float *extinction, *absorption, *source; /* without ghosts, as `restricted` */
+    float *extinction, *absorption, *source; /* without ghosts */
     float* restricted;                       /* phi before a correction; afterwards its relative change */
 } ty_fas_level;
 
@@ -85,10 +85,10 @@ TY_DECLARE_KERNELS(ty_cell_kernels);
 
 /* Linearised problem, on all levels (level_kernel.c). */
 typedef struct ty_level_kernels {
-    /* Gauss-Seidel over the cells of a colour; `begin` is the first half-sweep, which takes e as 0. alone: no other
-     * thread writes the adjacent planes, so that their cells of the same colour may be read. */
-    void (*begin)(const ty_level* level, int32_t color, int32_t z);
-    void (*relax)(const ty_level* level, int32_t color, int32_t z, bool alone);
+    /* Gauss-Seidel over the cells of a colour in rows [rows[0], rows[1]); `begin` is the first half-sweep, which takes
+     * e as 0. alone: no other thread writes the adjacent planes, so that their cells of the same colour may be read. */
+    void (*begin)(const ty_level* level, int32_t color, const int32_t rows[2], int32_t z);
+    void (*relax)(const ty_level* level, int32_t color, const int32_t rows[2], int32_t z, bool alone);
     /* f of a plane of the coarser level: sums of the finer level's residuals; returns their sum of squares. */
     double (*restrict_residual)(const ty_level* fine, const ty_level* coarse, int32_t z);
     /* Adds the coarser level's correction to e of a plane of the finer one. */

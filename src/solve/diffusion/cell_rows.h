@@ -19,6 +19,7 @@ static void NAME(ghosts)(const ty_cells* cells, REAL* phi, int32_t z) {
         row[nx] = NAME(ghost)(&sides[1], row[nx - 1], row[nx - 1 - in], sides[1].value[sides[1].step * z + y]);
     }
     for (int upper = 0; upper < 2; ++upper) {
+        if (!ty_box_ends(box, 2 + upper)) continue;
         const int32_t y = upper ? ny - 1 : 0;
         const ptrdiff_t out = upper ? box->row : -box->row, in = ny > 1 ? -out : 0;
         const ty_side* side = &sides[2 + upper];
@@ -27,7 +28,7 @@ static void NAME(ghosts)(const ty_cells* cells, REAL* phi, int32_t z) {
             row[x + out] = NAME(ghost)(side, row[x], row[x + in], side->value[side->step * z + x]);
     }
     for (int upper = 0; upper < 2; ++upper) {
-        if (z != (upper ? nz - 1 : 0)) continue;
+        if (z != (upper ? nz - 1 : 0) || !ty_box_ends(box, 4 + upper)) continue;
         const ptrdiff_t out = upper ? box->plane : -box->plane, in = nz > 1 ? -out : 0;
         const ty_side* side = &sides[4 + upper];
         for (int32_t y = 0; y < ny; ++y) {

@@ -185,7 +185,7 @@ static double linearise(closed_job* closed) {
     ty_solve_planes(job, &job->cells.box, diffuse_plane, closed);
     ty_solve_planes(job, &job->cells.box, assemble_plane, closed);
     ty_solve_count(job, &job->cells.box, 2);
-    return ty_solve_sum(job, job->cells.box.size[2]).a;
+    return ty_solve_sum(job, &job->cells.box).a;
 }
 
 /* ---- iteration ---- */

@@ -8,9 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Relative difference of weights up to which one channel's count as a multiple of another's. */
-static const float MAX_DIFFERENCE = 1e-6f;
-
 /* Arrays of one number per cell for the solve of one channel. */
 typedef struct channel_arrays {
     float *extinction, *absorption, *fluence, *by_extinction, *by_absorption;
@@ -71,19 +68,10 @@ static void add_media(const ty_diffuse_loss* loss, int32_t plane, float factor, 
     }
 }
 
-/* True if a channel's weights are `factor` times those of another. */
+/* True if a channel's light and weights are multiples of another's; factor: of the weights. */
 static bool is_multiple(const ty_diffuse_loss* loss, int32_t channel, int32_t of, float* factor) {
-    const float *a = loss->weight[channel], *b = loss->weight[of];
-    double product = 0, square = 0;
-    if (!loss->light->shared || loss->medium->planes == 3) return false;
-    for (size_t i = 0; i < loss->medium->cells; ++i) {
-        product += (double)a[i] * (double)b[i];
-        square += (double)b[i] * (double)b[i];
-    }
-    *factor = square > 0 ? (float)(product / square) : 0;
-    for (size_t i = 0; i < loss->medium->cells; ++i)
-        if (fabsf(a[i] - *factor * b[i]) > MAX_DIFFERENCE * ty_maxf(fabsf(a[i]), fabsf(*factor * b[i]))) return false;
-    return true;
+    return loss->light->shared && loss->medium->planes == 1 &&
+           ty_is_multiple(loss->weight[channel], loss->weight[of], loss->medium->cells, factor);
 }
 
 static void note_solve(const ty_diffusion_adjoint_stats* solved, ty_diffusion_adjoint_stats* stats) {

@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "base/kernel.h"
 #include "scene/media/phase.k.h"
+#include "solve/diffusion/joint.h"
 #include "solve/diffusion/surface_light.h"
 #include "solve/diffusion/thickness.h"
 
@@ -46,6 +47,7 @@ typedef struct solve_work {
     float* unscattered[3];            /* with them, where light scatters forwards: sigma_t */
     float* extinction[3];             /* sigma_t (1 - albedo g), 1/m */
     float* absorption[3];
+    bool joint;         /* all ranks make each solve together */
     int32_t concurrent; /* number of concurrent solves */
     void* memory[3];    /* one per concurrent solve */
     size_t memory_size;
@@ -61,6 +63,7 @@ typedef struct solve_work {
 
 static int32_t count_concurrent(const solve_work* work) {
     const int32_t threads = ty_context_threads(work->context);
+    if (work->joint) return 1;
     if (threads > CONCURRENT_THREADS || work->medium->cells > CONCURRENT_CELLS) return 1;
     return threads < 3 ? threads : 3;
 }
@@ -83,11 +86,17 @@ static ty_result begin_work(solve_work* work) {
 
 /* Allocates the solver memory of all concurrent solves. */
 static ty_result allocate_memory(solve_work* work) {
-    work->concurrent = count_concurrent(work);
-    if (work->concurrent > work->count) work->concurrent = work->count;
     ty_diffusion_def def = work->def;
     const ty_diffusion_faces faces = {.count = 0};
+    const char* reason = NULL;
     if (work->surfaces != NULL) def.faces = &faces;
+    work->joint = ty_diffusion_is_joint(work->context, &def, &reason);
+    if (reason != NULL)
+        ty_log(work->context, TY_LOG_WARNING, "rank 0 solves for diffusion on %d x %d x %d cells alone: %s",
+               (int)def.size[0], (int)def.size[1], (int)def.size[2], reason);
+    work->concurrent = count_concurrent(work);
+    if (work->concurrent > work->count) work->concurrent = work->count;
+    if (work->joint) return TY_OK; /* each rank has that of its box */
     work->memory_size = ty_diffusion_memory(&def);
     for (int32_t i = 0; i < work->concurrent; ++i) {
         work->memory[i] = ty_alloc_array(work->context, work->memory_size, 1, false);
@@ -280,11 +289,11 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
         return;
     }
     const ty_diffusion_out out = {.fluence = terms[0], .flux = {terms[1], terms[2], terms[3]}};
-    solve->result = ty_diffusion_solve(work->context, &def, &out, &solve->stats);
+    solve->result = ty_diffusion_solve_jointly(work->context, &def, &out, &solve->stats);
     if (solve->result == TY_OK && !(solve->stats.residual <= max_residual)) {
         def.limiter = TY_LIMITER_NONE;
         def.start = NULL;
-        solve->result = ty_diffusion_solve(work->context, &def, &out, &solve->stats);
+        solve->result = ty_diffusion_solve_jointly(work->context, &def, &out, &solve->stats);
     }
     if (solve->result == TY_OK) ty_diffuse_terms_make(work->medium->box.size, terms, NULL, NULL);
 }
@@ -301,6 +310,8 @@ static void note_solve(ty_diffuse_stats* stats, const channel_solve* solve) {
     stats->absorbed[channel] = solved->absorbed;
     stats->leaving[channel] = solved->leaving;
     stats->surfaces_absorbed[channel] = solved->surfaces_absorbed;
+    stats->ranks = solved->ranks;
+    stats->bytes = solved->bytes;
 }
 
 /* Solves the channels from `first` concurrently; a single solve uses all threads. */
@@ -396,7 +407,7 @@ static ty_result run(solve_work* work, ty_diffuse_light** out) {
         compute_coefficients(work);
         result = solve_channels(work);
     }
-    work->stats->bytes = (double)work->memory_size * work->concurrent;
+    if (!work->joint) work->stats->bytes = (double)work->memory_size * work->concurrent;
     end_work(work);
     *out = result == TY_OK ? work->light : NULL;
     if (result != TY_OK) ty_diffuse_light_destroy(work->light);

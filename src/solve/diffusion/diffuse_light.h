@@ -26,7 +26,8 @@ typedef struct ty_diffuse_stats {
     int32_t iterations[3], cycles[3];
     double residual[3], work[3], emitted[3], absorbed[3], leaving[3]; /* as in ty_diffusion_stats */
     double surfaces_absorbed[3]; /* emitted: includes what surfaces send besides their reflection */
-    double bytes;                /* memory of the solver, for all channels that are solved concurrently */
+    double bytes;                /* memory of the solver, for all channels that are solved concurrently; on each rank */
+    int32_t ranks;               /* that solved together */
 } ty_diffuse_stats;
 
 /* Light that enters the box: irradiance of each side's face cells, W m^-2, laid out as ty_boundary.value. */

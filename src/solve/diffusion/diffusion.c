@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "solve/diffusion/closed_faces.h"
+#include "solve/diffusion/divided.h"
 #include "solve/diffusion/result.h"
 
 #include <math.h>
@@ -42,20 +43,34 @@ float* ty_solve_take_side(ty_arena* arena, const ty_box* box, int side, ty_side*
     return value;
 }
 
+/* A box of the finest level that also takes one of the first whole level, which may be larger than a rank's part. */
+static float* take_largest(const ty_diffusion_job* job, ty_arena* arena) {
+    size_t below = 0, above = 0;
+    for (int32_t i = 0; i <= job->divided && i < job->level_count; ++i) {
+        const ty_box* box = &job->levels[i].box;
+        const size_t origin = (size_t)ty_box_origin(box), rest = ty_box_items(box) - origin;
+        below = origin > below ? origin : below;
+        above = rest > above ? rest : above;
+    }
+    float* base = ty_arena_take(arena, sizeof(float) * (below + above));
+    return base != NULL ? base + below : NULL;
+}
+
 void ty_solve_lay_out(ty_diffusion_job* job, ty_arena* arena) {
     const ty_diffusion_def* def = job->def;
-    job->cells.box = ty_box_make(def->size[0], def->size[1], def->size[2]);
+    ty_divided_begin(job);
     const ty_box* box = &job->cells.box;
     job->phi = ty_solve_take_box(arena, box, def->solver == TY_DIFFUSION_SOR_FLOAT ? sizeof(float) : sizeof(double));
     job->diffusivity = ty_solve_take_box(arena, box, sizeof(float));
-    job->sums = ty_arena_take(arena, sizeof *job->sums * (size_t)box->size[2]);
+    job->sums = ty_arena_take(arena, sizeof *job->sums * (size_t)box->whole[2]);
     job->cells.zeros = ty_arena_take(arena, sizeof(float) * (size_t)box->size[0]);
     for (int side = 0; side < 6; ++side) ty_solve_take_side(arena, box, side, &job->cells.sides[side]);
     if (def->solver != TY_DIFFUSION_MULTIGRID) return;
-    job->direction = ty_solve_take_box(arena, box, sizeof(float));
-    job->change = ty_solve_take_box(arena, box, sizeof(float));
     ty_multigrid_lay_out(job, arena);
+    job->direction = take_largest(job, arena);
+    job->change = take_largest(job, arena);
     ty_fas_lay_out(job, arena);
+    ty_divided_lay_out(job, arena);
 }
 
 size_t ty_diffusion_memory(const ty_diffusion_def* def) {
@@ -79,6 +94,17 @@ static ty_result check_size(ty_context* context, const ty_diffusion_def* def) {
     return TY_OK;
 }
 
+static ty_result check_domain(ty_context* context, const ty_diffusion_def* def) {
+    bool fits = true;
+    for (int axis = 0; axis < 3 && def->domain != NULL; ++axis)
+        fits = fits && def->size[axis] == def->domain->end[axis] - def->domain->first[axis];
+    if (!fits) return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: size: it is not that of the rank's box");
+    if (def->domain != NULL && (def->solver != TY_DIFFUSION_MULTIGRID || def->faces != NULL))
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "diffusion: domain: grids with surfaces, and those of solver sor, are not divided");
+    return TY_OK;
+}
+
 static ty_result check_boundaries(ty_context* context, const ty_diffusion_def* def) {
     for (int side = 0; side < 6; ++side)
         if (def->boundary[side].kind < 0 || def->boundary[side].kind >= TY_BOUNDARY_COUNT)
@@ -90,6 +116,7 @@ static ty_result check_boundaries(ty_context* context, const ty_diffusion_def* d
 static ty_result check(ty_context* context, const ty_diffusion_def* def, const ty_diffusion_out* out) {
     ty_result result = check_size(context, def);
     if (result == TY_OK) result = check_boundaries(context, def);
+    if (result == TY_OK) result = check_domain(context, def);
     if (result != TY_OK) return result;
     if (def->extinction == NULL || def->source == NULL || out->fluence == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT,
@@ -130,7 +157,7 @@ static double source_square(const ty_diffusion_def* def, const ty_box* box, int3
     double source = (double)def->source[ty_box_dense(box, y, z) + x];
     for (int side = 0; side < 6; ++side) {
         const int axis = side / 2;
-        if (at[axis] != ((side & 1) != 0 ? box->size[axis] - 1 : 0)) continue;
+        if (at[axis] != ((side & 1) != 0 ? box->size[axis] - 1 : 0) || !ty_box_ends(box, side)) continue;
         int32_t faces[2];
         ty_solve_side_faces(box, side, faces);
         const ptrdiff_t face = (ptrdiff_t)at[axis == 2 ? 1 : 2] * faces[0] + at[axis == 0 ? 1 : 0];
@@ -174,7 +201,7 @@ static void square_plane(void* user, int64_t index, int32_t worker) {
 static double source_rms(ty_diffusion_job* job) {
     const ty_box* box = &job->cells.box;
     ty_solve_planes(job, box, square_plane, job);
-    return sqrt(ty_solve_sum(job, box->size[2]).a / (double)ty_box_cells(box));
+    return sqrt(ty_solve_sum(job, box).a / (double)ty_box_whole_cells(box));
 }
 
 static void set_side(ty_diffusion_job* job, int side) {
@@ -200,7 +227,7 @@ void ty_solve_set_cells(ty_diffusion_job* job, double rms) {
     for (int axis = 0; axis < 3; ++axis) {
         cells->half_inverse[axis] = (float)(0.5 / (def->streaming * def->cell[axis]));
         cells->coupling[axis] = (float)(0.5 / (def->cell[axis] * def->cell[axis]));
-        longest = fmax(longest, def->cell[axis] * def->size[axis]);
+        longest = fmax(longest, def->cell[axis] * cells->box.whole[axis]);
     }
     cells->extinction = def->extinction;
     cells->absorption = def->absorption;
@@ -250,9 +277,10 @@ void ty_solve_planes(const ty_diffusion_job* job, const ty_box* box, ty_parallel
     ty_solve_tasks(job, box, box->size[2], body, user);
 }
 
-ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, int32_t planes) {
+ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, const ty_box* box) {
+    if (box->cut != 0) return ty_divided_sum(job, box);
     ty_plane_sums total = {0};
-    for (int32_t z = 0; z < planes; ++z) {
+    for (int32_t z = 0; z < box->size[2]; ++z) {
         total.a += job->sums[z].a;
         total.b += job->sums[z].b;
         total.c += job->sums[z].c;
@@ -261,7 +289,22 @@ ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, int32_t planes) {
 }
 
 void ty_solve_count(const ty_diffusion_job* job, const ty_box* box, double passes) {
-    job->stats->work += passes * (double)ty_box_cells(box) / (double)ty_box_cells(&job->cells.box);
+    job->stats->work += passes * (double)ty_box_whole_cells(box) / (double)ty_box_whole_cells(&job->cells.box);
+}
+
+/* False if the caller cancels. */
+static bool report(ty_diffusion_job* job, double residual) {
+    const ty_diffusion_def* def = job->def;
+    if (def->progress == NULL || !ty_report_due(&job->reported)) return true;
+    /* Residuals decrease about geometrically. */
+    const double done = residual > 0 && residual < 1 ? fmin(log(residual) / log(def->tolerance), 1) : 0;
+    const ty_progress progress = ty_progress_at("fluence", done, job->reported - job->start);
+    return def->progress(def->progress_user, &progress);
+}
+
+static ty_result lost_rank(const ty_diffusion_job* job) {
+    const int32_t lost = job->domain != NULL ? ty_comm_lost(job->domain->comm) : -1;
+    return lost < 0 ? TY_OK : ty_fail(job->context, TY_ERROR_UNSUPPORTED, "rank %d does not answer", (int)lost);
 }
 
 ty_result ty_solve_note(ty_diffusion_job* job, double residual) {
@@ -271,11 +314,9 @@ ty_result ty_solve_note(ty_diffusion_job* job, double residual) {
         job->out->history[stats->history_count++] = residual;
     stats->residual = residual;
     stats->converged = residual <= def->tolerance;
-    if (def->progress == NULL || !ty_report_due(&job->reported)) return TY_OK;
-    /* Residuals decrease about geometrically. */
-    const double done = residual > 0 && residual < 1 ? fmin(log(residual) / log(def->tolerance), 1) : 0;
-    const ty_progress progress = ty_progress_at("fluence", done, job->reported - job->start);
-    return def->progress(def->progress_user, &progress) ? TY_OK : TY_CANCELLED;
+    const bool cancelled = ty_divided_any(job, !report(job, residual));
+    const ty_result result = lost_rank(job);
+    return result == TY_OK && cancelled ? TY_CANCELLED : result;
 }
 
 void ty_solve_choose_kernels(ty_diffusion_job* job) {
@@ -298,7 +339,7 @@ static ty_result solve(ty_diffusion_job* job) {
                              : job->def->solver == TY_DIFFUSION_MULTIGRID ? ty_solve_picard(job)
                                                                           : ty_solve_sor(job);
     if (result == TY_OK || result == TY_CANCELLED) ty_solve_store(job);
-    return result;
+    return result == TY_OK ? lost_rank(job) : result;
 }
 
 ty_result ty_diffusion_solve(ty_context* context, const ty_diffusion_def* def, const ty_diffusion_out* out,
@@ -312,7 +353,13 @@ ty_result ty_diffusion_solve(ty_context* context, const ty_diffusion_def* def, c
     ty_solve_choose_kernels(&job);
     const size_t bytes = ty_diffusion_memory(def);
     char* memory = def->memory != NULL ? def->memory : ty_alloc_array(context, bytes, 1, false);
-    if (memory == NULL) return TY_ERROR_MEMORY;
+    job.domain = def->domain;
+    if (ty_divided_any(&job, memory == NULL)) {
+        if (def->memory == NULL) ty_free_array(context, memory, bytes, 1);
+        return TY_ERROR_MEMORY;
+    }
+    job.stats->ranks = def->domain != NULL ? ty_comm_size(def->domain->comm) : 1;
+    job.stats->bytes = (double)bytes;
     memset(memory, 0, bytes); /* initial ghosts are 0 */
     ty_arena arena = {.base = memory};
     ty_solve_lay_out(&job, &arena);

@@ -7,6 +7,8 @@
 #ifndef TY_SOLVE_DIFFUSION_DIFFUSION_H
 #define TY_SOLVE_DIFFUSION_DIFFUSION_H
 
+#include "comm/domain.h"
+
 #include <tyndall/base.h>
 
 /* Table 2 (Koerner 2014). */
@@ -81,7 +83,10 @@ typedef struct ty_diffusion_def {
                                coarser levels */
     ty_progress_fn progress; /* default NULL */
     void* progress_user;
-    void* memory; /* ty_diffusion_memory bytes, aligned to 64; NULL (default): from the context */
+    ty_domain* domain; /* NULL (default): none. Of ty_diffusion_divide: size, arrays and results are those of this
+                          rank's box, with boundary values of its faces (on all ranks or on none); all ranks call
+                          ty_diffusion_solve. With it the solver is TY_DIFFUSION_MULTIGRID, and faces are NULL */
+    void* memory;      /* ty_diffusion_memory bytes, aligned to 64; NULL (default): from the context */
 } ty_diffusion_def;
 
 ty_diffusion_def ty_default_diffusion_def(void);
@@ -106,15 +111,21 @@ typedef struct ty_diffusion_stats {
     double work; /* passes over all cells, in units of one relaxation; coarser grids count by their number of cells */
     double seconds;
     double emitted, absorbed, leaving; /* W: by the source, by the medium, and net through the box's open faces */
+    int32_t ranks;                     /* that solved together, each for its box */
+    double bytes;                      /* memory of the solver on this rank */
     double surfaces_emitted, surfaces_absorbed; /* W: besides what they reflect */
 } ty_diffusion_stats;
 
-/* Bytes required by a def with this size and solver. */
+/* Cuts the grid of a def among ranks, along y and z. False: it has too few cells for so many. */
+bool ty_diffusion_divide(ty_comm* comm, const ty_diffusion_def* def, ty_domain* out);
+
+/* Bytes required by a def with this size, solver and domain. */
 size_t ty_diffusion_memory(const ty_diffusion_def* def);
 
 /* Solves for the fluence. The result does not depend on the number of threads. stats may be NULL. A solve that reaches
  * its maximum of iterations returns TY_OK with stats->converged false; on TY_CANCELLED out holds the latest iterate.
- * Sources are at least 0 unless the limiter is none. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ * Sources are at least 0 unless the limiter is none. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; of a
+ * divided grid, on all ranks that are left, TY_ERROR_UNSUPPORTED: a rank does not answer. */
 ty_result ty_diffusion_solve(ty_context* context, const ty_diffusion_def* def, const ty_diffusion_out* out,
                              ty_diffusion_stats* stats);
 

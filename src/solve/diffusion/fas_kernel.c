@@ -87,11 +87,11 @@ static void restrict_phi(const ty_fas_level* fine, const float* f, const ty_fas_
                     residual_sum[i] += residual[i];
                 }
             }
-        const ptrdiff_t to = ty_box_dense(&coarse->cells.box, y, z);
-        float* restricted = coarse->restricted + to;
-        double* phi = coarse->phi + ty_box_at(&coarse->cells.box, y, z);
+        const ptrdiff_t to = ty_box_at(&coarse->cells.box, y, z);
+        float *restricted = coarse->restricted + to, *source = coarse->source + ty_box_dense(&coarse->cells.box, y, z);
+        double* phi = coarse->phi + to;
         pair_means(sum, nx, coarse->children[0], rows.weight, restricted);
-        pair_means(residual_sum, nx, coarse->children[0], rows.weight, coarse->source + to);
+        pair_means(residual_sum, nx, coarse->children[0], rows.weight, source);
 #pragma omp simd
         for (int32_t i = 0; i < coarse->cells.box.size[0]; ++i) phi[i] = (double)restricted[i];
     }
@@ -110,7 +110,7 @@ static void set_fas_source(const ty_fas_level* stage, const float* f, int32_t z)
 static void relative_change(const ty_fas_level* stage, int32_t z) {
     const ty_box* box = &stage->cells.box;
     for (int32_t y = 0; y < box->size[1]; ++y) {
-        float* restricted = stage->restricted + ty_box_dense(box, y, z);
+        float* restricted = stage->restricted + ty_box_at(box, y, z);
         const double* phi = stage->phi + ty_box_at(box, y, z);
 #pragma omp simd
         for (int32_t i = 0; i < box->size[0]; ++i) {
@@ -124,8 +124,10 @@ static void relative_change(const ty_fas_level* stage, int32_t z) {
 static float neighbours(const ty_fas_level* coarse, int axis, int32_t fine, int32_t at[2]) {
     at[0] = at[1] = fine / coarse->children[axis];
     if (coarse->children[axis] == 1) return 0;
-    const int32_t next = (fine & 1) != 0 ? at[0] + 1 : at[0] - 1;
-    if (next >= 0 && next < coarse->cells.box.size[axis]) at[1] = next;
+    const bool up = (fine & 1) != 0;
+    const int32_t next = up ? at[0] + 1 : at[0] - 1;
+    if ((next >= 0 && next < coarse->cells.box.size[axis]) || !ty_box_ends(&coarse->cells.box, 2 * axis + up))
+        at[1] = next;
     return 0.25f;
 }
 
@@ -135,7 +137,7 @@ static void interpolate_row(const ty_fas_level* coarse, int32_t y, int32_t z, fl
     int32_t ys[2], zs[2];
     const float wy = neighbours(coarse, 1, y, ys), wz = neighbours(coarse, 2, z, zs);
     const float* rows[4];
-    for (int i = 0; i < 4; ++i) rows[i] = coarse->restricted + ty_box_dense(box, ys[i & 1], zs[i >> 1]);
+    for (int i = 0; i < 4; ++i) rows[i] = coarse->restricted + ty_box_at(box, ys[i & 1], zs[i >> 1]);
     const float w0 = (1 - wy) * (1 - wz), w1 = wy * (1 - wz), w2 = (1 - wy) * wz, w3 = wy * wz;
 #pragma omp simd
     for (int32_t i = 0; i < box->size[0]; ++i)

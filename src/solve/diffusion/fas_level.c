@@ -4,7 +4,7 @@
  * its solution where the finer stage has no residuals; the finer phi is multiplied by the relative change of the coarse
  * one. Coarse cells have the mean of their children's mean free paths, not of their extinctions: vacuum stays vacuum.
  */
-#include "solve/diffusion/job.h"
+#include "solve/diffusion/divided.h"
 
 #include <string.h>
 
@@ -30,22 +30,18 @@ void ty_fas_lay_out(ty_diffusion_job* job, ty_arena* arena) {
         const size_t cells = (size_t)ty_box_cells(box);
         stage->phi = ty_solve_take_box(arena, box, sizeof(double));
         stage->diffusivity = ty_solve_take_box(arena, box, sizeof(float));
-        float** const dense[] = {&stage->extinction, &stage->absorption, &stage->source, &stage->restricted};
-        for (int a = 0; a < 4; ++a) *dense[a] = ty_arena_take(arena, sizeof(float) * cells);
+        stage->restricted = ty_solve_take_box(arena, box, sizeof(float));
+        float** const dense[] = {&stage->extinction, &stage->absorption, &stage->source};
+        for (int a = 0; a < 3; ++a) *dense[a] = ty_arena_take(arena, sizeof(float) * cells);
         for (int side = 0; side < 6; ++side) ty_solve_take_side(arena, box, side, &stage->cells.sides[side]);
         job->stage_count = i + 1;
     }
 }
 
 /* Means of the boundary values. */
-static void fill_side(const ty_fas_level* fine, ty_fas_level* coarse, int side) {
+static void fill_side(const ty_fas_level* fine, const ty_fas_level* coarse, int side) {
     const int axis = side / 2, u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-    const ty_side* from = &fine->cells.sides[side];
-    ty_side* to = &coarse->cells.sides[side];
-    const float ratio = (float)coarse->children[axis];
-    to->kind = from->kind;
-    to->a = from->a / (ratio * ratio);
-    to->b = from->b / ratio;
+    const ty_side *from = &fine->cells.sides[side], *to = &coarse->cells.sides[side];
     const int32_t *size = coarse->cells.box.size, *fine_size = fine->cells.box.size, *n = coarse->children;
     for (int32_t j = 0; j < size[v]; ++j)
         for (int32_t i = 0; i < size[u]; ++i) {
@@ -59,13 +55,25 @@ static void fill_side(const ty_fas_level* fine, ty_fas_level* coarse, int side) 
         }
 }
 
+/* Conditions of a stage's sides. */
+static void set_sides(const ty_fas_level* fine, ty_fas_level* coarse) {
+    for (int side = 0; side < 6; ++side) {
+        const ty_side* from = &fine->cells.sides[side];
+        ty_side* to = &coarse->cells.sides[side];
+        const float ratio = (float)coarse->children[side / 2];
+        to->kind = from->kind;
+        to->a = from->a / (ratio * ratio);
+        to->b = from->b / ratio;
+    }
+}
+
 static void restrict_media_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const fas_work* w = user;
     w->job->stage_kernels->restrict_media(w->fine, w->coarse, (int32_t)index);
 }
 
-static void fill_stage(const ty_diffusion_job* job, const ty_fas_level* fine, ty_fas_level* coarse) {
+static void set_stage_cells(const ty_fas_level* fine, ty_fas_level* coarse) {
     ty_cells* cells = &coarse->cells;
     const ty_cells* from = &fine->cells;
     for (int axis = 0; axis < 3; ++axis) {
@@ -81,16 +89,29 @@ static void fill_stage(const ty_diffusion_job* job, const ty_fas_level* fine, ty
     cells->scale = 1;
     cells->limiter = from->limiter;
     cells->larsen_power = from->larsen_power;
-    for (int side = 0; side < 6; ++side) fill_side(fine, coarse, side);
-    fas_work w = {.job = job, .fine = fine, .coarse = coarse};
-    ty_solve_planes(job, &cells->box, restrict_media_plane, &w);
-    ty_solve_count(job, &from->box, 1);
+    set_sides(fine, coarse);
+}
+
+/* Media and boundary values of stage i. */
+static void fill_stage(ty_diffusion_job* job, int32_t i) {
+    ty_fas_level* stage = &job->stages[i];
+    const ty_fas_level* fine = &job->stages[i - 1];
+    set_stage_cells(fine, stage);
+    fas_work w = {.job = job, .fine = fine, .coarse = ty_divided_coarse_stage(job, i - 1)};
+    for (int side = 0; side < 6; ++side)
+        if (ty_box_ends(&w.coarse->cells.box, side)) fill_side(fine, w.coarse, side);
+    ty_solve_planes(job, &w.coarse->cells.box, restrict_media_plane, &w);
+    ty_solve_count(job, &fine->cells.box, 1);
+    if (!ty_divided_gathers(job, i - 1)) return;
+    ty_divided_gather(job, (float*[]){stage->extinction, stage->absorption, stage->source}, 3, false);
+    for (int side = 0; side < 6; ++side)
+        if (job->def->boundary[side].value != NULL) ty_divided_gather_side(job, side);
 }
 
 void ty_fas_restrict_cells(ty_diffusion_job* job) {
     job->stages[0] =
         (ty_fas_level){.cells = job->cells, .children = {1, 1, 1}, .phi = job->phi, .diffusivity = job->diffusivity};
-    for (int32_t i = 1; i < job->stage_count; ++i) fill_stage(job, &job->stages[i - 1], &job->stages[i]);
+    for (int32_t i = 1; i < job->stage_count; ++i) fill_stage(job, i);
 }
 
 /* ---- Picard step ---- */
@@ -125,10 +146,12 @@ double ty_fas_linearise(ty_diffusion_job* job, int32_t i) {
     const ty_box* box = &stage->cells.box;
     fas_work w = {.job = job, .fine = stage, .level = &job->levels[i]};
     ty_solve_planes(job, box, ghosts_plane, &w);
+    ty_divided_exchange_fluence(job, box, stage->phi, NULL);
     ty_solve_planes(job, box, diffuse_plane, &w);
+    ty_divided_exchange(job, box, &stage->diffusivity, 1);
     ty_solve_planes(job, box, assemble_plane, &w);
     ty_solve_count(job, box, 2);
-    return ty_solve_sum(job, box->size[2]).a;
+    return ty_solve_sum(job, box).a;
 }
 
 static void damp_plane(void* user, int64_t index, int32_t worker) {
@@ -144,6 +167,7 @@ static const float* linear_diffusivity(const ty_diffusion_job* job, const ty_fas
     fas_work w = {.job = job, .fine = stage};
     ty_solve_planes(job, &stage->cells.box, damp_plane, &w);
     ty_solve_count(job, &stage->cells.box, 1);
+    ty_divided_exchange(job, &stage->cells.box, &job->direction, 1);
     return job->direction;
 }
 
@@ -187,8 +211,11 @@ static void correct_plane(void* user, int64_t index, int32_t worker) {
 
 /* Corrects phi of stage i - 1 by the relative change of stage i. */
 static void prolong_change(const ty_diffusion_job* job, int32_t i) {
-    fas_work w = {.job = job, .fine = &job->stages[i - 1], .coarse = &job->stages[i]};
-    ty_solve_planes(job, &w.coarse->cells.box, relative_change_plane, &w);
+    const ty_fas_level* stage = &job->stages[i];
+    fas_work w = {.job = job, .fine = &job->stages[i - 1], .coarse = stage};
+    ty_solve_planes(job, &stage->cells.box, relative_change_plane, &w);
+    ty_divided_exchange(job, &stage->cells.box, &stage->restricted, 1);
+    w.coarse = ty_divided_coarse_stage(job, i - 1);
     ty_solve_planes(job, &w.fine->cells.box, correct_plane, &w);
     ty_solve_count(job, &w.fine->cells.box, 1);
 }
@@ -210,12 +237,25 @@ static void visit(ty_diffusion_job* job, int32_t i) {
     smooth(job, i);
 }
 
+/* The first whole stage from all ranks' parts of it. */
+static void gather_restricted(const ty_diffusion_job* job, const ty_fas_level* stage) {
+    const ty_box* box = &stage->cells.box;
+    ty_divided_gather(job, &stage->restricted, 1, true);
+    ty_divided_gather(job, &stage->source, 1, false);
+    for (int32_t z = 0; z < box->size[2]; ++z)
+        for (int32_t y = 0; y < box->size[1]; ++y) {
+            const ptrdiff_t at = ty_box_at(box, y, z);
+            for (int32_t x = 0; x < box->size[0]; ++x) stage->phi[at + x] = (double)stage->restricted[at + x];
+        }
+}
+
 void ty_fas_correct(ty_diffusion_job* job, int32_t i) {
     if (i + 1 >= job->stage_count) return;
     const ty_fas_level *fine = &job->stages[i], *coarse = &job->stages[i + 1];
-    fas_work down = {.job = job, .fine = fine, .coarse = coarse, .level = &job->levels[i]};
-    ty_solve_planes(job, &coarse->cells.box, restrict_plane, &down);
+    fas_work down = {.job = job, .fine = fine, .coarse = ty_divided_coarse_stage(job, i), .level = &job->levels[i]};
+    ty_solve_planes(job, &down.coarse->cells.box, restrict_plane, &down);
     ty_solve_count(job, &fine->cells.box, 1);
+    if (ty_divided_gathers(job, i)) gather_restricted(job, coarse);
     ty_fas_linearise(job, i + 1);
     fas_work here = {.job = job, .fine = coarse, .level = &job->levels[i + 1]};
     ty_solve_planes(job, &coarse->cells.box, fas_source_plane, &here);
@@ -233,8 +273,12 @@ static void set_stage(const ty_fas_level* stage, double first) {
 }
 
 static void set_expected(const ty_fas_level* stage, double first) {
-    const size_t cells = (size_t)ty_box_cells(&stage->cells.box);
-    for (size_t i = 0; i < cells; ++i) stage->restricted[i] = (float)first;
+    const ty_box* box = &stage->cells.box;
+    for (int32_t z = 0; z < box->size[2]; ++z)
+        for (int32_t y = 0; y < box->size[1]; ++y) {
+            float* restricted = stage->restricted + ty_box_at(box, y, z);
+            for (int32_t x = 0; x < box->size[0]; ++x) restricted[x] = (float)first;
+        }
 }
 
 void ty_fas_full_multigrid(ty_diffusion_job* job, double first) {

@@ -3,6 +3,7 @@
 #define TY_SOLVE_DIFFUSION_JOB_H
 
 #include "base/arena.h"
+#include "comm/domain.h"
 #include "solve/diffusion/cell_kernel.h"
 
 enum { TY_LEVELS_MAX = 14 };
@@ -29,6 +30,15 @@ typedef struct ty_diffusion_job {
     int32_t level_count, stage_count;
     float *direction, *change; /* conjugate gradients: search direction p and correction of phi. Limited problems do not
                                   use them, and store the damped D in `direction` */
+    /* Divided grids only (divided.h). Levels and stages from `divided` on are whole on every rank. */
+    ty_domain* domain;
+    int32_t divided;
+    ty_level part_level;     /* this rank's part of the first whole level, */
+    ty_fas_level part_stage; /* and of the first whole stage */
+    ty_plane_sums* all_sums;
+    float* gathered;
+    size_t* offsets;
+
     float damping; /* damping factor of D where the flux is limited; 0: no damping and no sweeps of coarser stages */
 } ty_diffusion_job;
 
@@ -47,8 +57,8 @@ void ty_solve_side_faces(const ty_box* box, int side, int32_t faces[2]);
 /* Loop of body over tasks or planes of a box with denormals flushed to zero; on the calling thread for small boxes. */
 void ty_solve_tasks(const ty_diffusion_job* job, const ty_box* box, int64_t count, ty_parallel_fn body, void* user);
 void ty_solve_planes(const ty_diffusion_job* job, const ty_box* box, ty_parallel_fn body, void* user);
-/* Total over planes, in order. */
-ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, int32_t planes);
+/* Total over the planes of a box, in order. */
+ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, const ty_box* box);
 /* Adds passes over the cells of a box to the statistics. */
 void ty_solve_count(const ty_diffusion_job* job, const ty_box* box, double passes);
 
@@ -61,7 +71,7 @@ ty_result ty_solve_sor(ty_diffusion_job* job);
 ty_result ty_solve_picard(ty_diffusion_job* job);
 
 /* Red and black sweep of Algorithm 1 on stage i, over cells within `depth` cells of a face of the box. Returns the sum
- * of squared residuals. */
+ * of squared residuals (of a divided grid 0). */
 enum { TY_RELAX_ALL = TY_DIFFUSION_SIDE_MAX };
 double ty_fas_relax(ty_diffusion_job* job, int32_t i, double omega, int32_t depth);
 
@@ -79,6 +89,8 @@ void ty_fas_correct(ty_diffusion_job* job, int32_t i);
 /* Initial phi of the finest stage by full multigrid over all stages. */
 void ty_fas_full_multigrid(ty_diffusion_job* job, double first);
 
+/* Cells of the next level, their edges, and the children of one along each axis; false if only one cell is left. */
+bool ty_multigrid_coarsen_size(int32_t size[3], double cell[3], int32_t children[3]);
 /* Levels of multigrid and their memory. */
 void ty_multigrid_lay_out(ty_diffusion_job* job, ty_arena* arena);
 /* Couplings of the levels coarser than one, from its D. */

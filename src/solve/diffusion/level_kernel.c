@@ -84,15 +84,15 @@ TY_INLINE void relax_row_from_zero(const level_row* row, const bool from_diffusi
         r.e[i] = r.f[i] / ty_level_diagonal(faces_at(&r, from_diffusivity, i), r.sink[i]);
 }
 
-static void relax(const ty_level* level, int32_t color, int32_t z, bool alone) {
-    for (int32_t y = 0; y < level->box.size[1]; ++y) {
+static void relax(const ty_level* level, int32_t color, const int32_t rows[2], int32_t z, bool alone) {
+    for (int32_t y = rows[0]; y < rows[1]; ++y) {
         const level_row r = row_of(level, y, z);
         WITH_FACES(relax_row, r, (color + y + z) & 1, level->box.size[0], alone);
     }
 }
 
-static void begin(const ty_level* level, int32_t color, int32_t z) {
-    for (int32_t y = 0; y < level->box.size[1]; ++y) {
+static void begin(const ty_level* level, int32_t color, const int32_t rows[2], int32_t z) {
+    for (int32_t y = rows[0]; y < rows[1]; ++y) {
         const level_row r = row_of(level, y, z);
         WITH_FACES(relax_row_from_zero, r, (color + y + z) & 1, level->box.size[0]);
     }
@@ -247,8 +247,8 @@ static void coarsen(const ty_level* fine, const ty_level* coarse, int32_t z) {
     for (int32_t y = 0; y < coarse->box.size[1]; ++y) {
         coarsen_sinks(fine, coarse, y, z);
         coarsen_along(fine, coarse, y, z);
-        if (y > 0) coarsen_across(fine, coarse, 1, y, z);
-        if (z > 0) coarsen_across(fine, coarse, 2, y, z);
+        if (y > 0 || !ty_box_ends(&coarse->box, 2)) coarsen_across(fine, coarse, 1, y, z);
+        if (z > 0 || !ty_box_ends(&coarse->box, 4)) coarsen_across(fine, coarse, 2, y, z);
     }
 }
 

@@ -41,7 +41,7 @@ typedef struct picard {
 
 /* Rms of f of a linearised problem, from its sum of squares. */
 static double rms(const ty_diffusion_job* job, double squares) {
-    return sqrt(squares / (double)ty_box_cells(&job->cells.box));
+    return sqrt(squares / (double)ty_box_whole_cells(&job->cells.box));
 }
 
 static void select_components(picard* p, double residual) {
@@ -90,7 +90,7 @@ static void iterate(picard* p, double squares) {
 }
 
 static bool is_large(const ty_box* box) {
-    return box->size[0] >= LARGE && box->size[1] >= LARGE && box->size[2] >= LARGE;
+    return box->whole[0] >= LARGE && box->whole[1] >= LARGE && box->whole[2] >= LARGE;
 }
 
 ty_result ty_solve_picard(ty_diffusion_job* job) {

@@ -33,8 +33,9 @@ static double flux_below(const ty_diffusion_job* job, int axis, const int32_t ce
     const ptrdiff_t below = at - steps[axis];
     int32_t cell_below[3] = {cell[0], cell[1], cell[2]};
     --cell_below[axis];
-    if (cell[axis] == 0) return -flux_out(job, 2 * axis, cell, at);
-    if (cell[axis] == box->size[axis]) return flux_out(job, 2 * axis + 1, cell_below, below);
+    if (cell[axis] == 0 && ty_box_ends(box, 2 * axis)) return -flux_out(job, 2 * axis, cell, at);
+    if (cell[axis] == box->size[axis] && ty_box_ends(box, 2 * axis + 1))
+        return flux_out(job, 2 * axis + 1, cell_below, below);
     if (is_closed(job, cell, 2 * axis)) return 0;
     const double mean = 0.5 * ((double)job->diffusivity[at] + (double)job->diffusivity[below]);
     return mean / job->def->cell[axis] * (phi_at(job, below) - phi_at(job, at));
@@ -74,7 +75,7 @@ static double leakage(const ty_diffusion_job* job, int32_t y, int32_t z) {
     for (int side = 0; side < 6; ++side) {
         const int axis = side / 2;
         const int32_t last = box->size[axis] - 1, edge = (side & 1) != 0 ? last : 0;
-        if ((axis == 1 && y != edge) || (axis == 2 && z != edge)) continue;
+        if ((axis == 1 && y != edge) || (axis == 2 && z != edge) || !ty_box_ends(box, side)) continue;
         const double area = cell[0] * cell[1] * cell[2] / cell[axis] / (double)job->cells.scale;
         for (int32_t x = axis == 0 ? edge : 0; x <= (axis == 0 ? edge : box->size[0] - 1); ++x) {
             const int32_t at[3] = {x, y, z};
@@ -105,7 +106,7 @@ static void store_plane(void* user, int64_t index, int32_t worker) {
 void ty_solve_store(ty_diffusion_job* job) {
     const ty_box* box = &job->cells.box;
     ty_solve_planes(job, box, store_plane, job);
-    const ty_plane_sums sums = ty_solve_sum(job, box->size[2]);
+    const ty_plane_sums sums = ty_solve_sum(job, box);
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2];
     job->stats->emitted = sums.a * volume;
     job->stats->absorbed = sums.b * volume;

@@ -1,7 +1,7 @@
 /* Algorithm 1 (Koerner 2014): red-black over-relaxation of the fluence with D updated cell by cell. Beyond the paper, a
  * cell retains a minimum fraction of its fluence per step, without which large relaxation factors diverge, and
  * residuals are evaluated before each cell's step, so that over-relaxation does not understate them. */
-#include "solve/diffusion/job.h"
+#include "solve/diffusion/divided.h"
 
 #include <math.h>
 
@@ -42,14 +42,15 @@ static double pass(sweep* s, int32_t color) {
     const ty_box* box = &s->cells->box;
     s->color = color;
     ty_solve_planes(s->job, box, ghosts_plane, s);
+    ty_divided_exchange_fluence(s->job, box, s->phi, s->diffusivity);
     ty_solve_planes(s->job, box, relax_plane, s);
-    return ty_solve_sum(s->job, box->size[2]).a;
+    return box->cut == 0 ? ty_solve_sum(s->job, box).a : 0;
 }
 
-/* Fraction of a box's cells within `depth` cells of its faces. */
+/* Fraction of a grid's cells within `depth` cells of its faces. */
 static double fraction_within(const ty_box* box, int32_t depth) {
     double interior = 1;
-    for (int a = 0; a < 3; ++a) interior *= fmax(0, 1 - 2.0 * depth / box->size[a]);
+    for (int a = 0; a < 3; ++a) interior *= fmax(0, 1 - 2.0 * depth / box->whole[a]);
     return 1 - interior;
 }
 

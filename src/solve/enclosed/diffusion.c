@@ -140,7 +140,7 @@ static ty_result solve_channel(channel* ch, ty_enclosed_stats* stats) {
     }
     def.extinction = ch->reduced;
     def.absorption = ch->absorption;
-    const ty_result result = ty_dsa_create(body->context, &def, &ch->walls, &ch->dsa);
+    const ty_result result = ty_dsa_create(body->context, &def, &ch->walls, NULL, &ch->dsa);
     if (result != TY_OK) return result;
     ty_dsa_solve(ch->dsa, set_source(ch), reduction, CYCLES);
     take_results(ch, stats);

@@ -103,8 +103,7 @@ double ty_ordinates_faces_receive(ty_ordinates_job* job) {
 static double entering_through(const ty_ordinates_def* def, int face, const int32_t at[3]) {
     const ty_boundary_radiance* boundary = &def->boundary_radiance;
     const int axis = face / 2;
-    const float* radiance =
-        boundary->across[axis] + (ptrdiff_t)ty_boundary_patch(boundary, def->size, axis, at) * def->set->count;
+    const float* radiance = boundary->across[axis] + (ptrdiff_t)ty_ordinates_patch(def, axis, at) * def->set->count;
     double sum = 0;
     for (int32_t d = 0; d < def->set->count; ++d) {
         const double cosine = (double)def->set->direction[axis][d] * ((face & 1) != 0 ? -1 : 1);
@@ -113,7 +112,7 @@ static double entering_through(const ty_ordinates_def* def, int face, const int3
     return sum * def->cell[(axis + 1) % 3] * def->cell[(axis + 2) % 3];
 }
 
-/* Power through all faces of the box but those that surfaces close. */
+/* Power through all faces of the box but those that surfaces close; of a part, its own. */
 double ty_ordinates_entering(const ty_ordinates_def* def) {
     const ty_ordinates_faces* walls = &def->walls;
     const int32_t* size = def->size;
@@ -122,6 +121,7 @@ double ty_ordinates_entering(const ty_ordinates_def* def) {
     for (int face = 0; face < 6; ++face) {
         const int axis = face / 2, low = axis == 0 ? 1 : 0, high = axis == 2 ? 1 : 2;
         int32_t at[3] = {0, 0, 0};
+        if (!ty_ordinates_ends(def, face)) continue;
         for (at[high] = 0; at[high] < size[high]; ++at[high])
             for (at[low] = 0; at[low] < size[low]; ++at[low]) power += entering_through(def, face, at);
     }
@@ -129,7 +129,8 @@ double ty_ordinates_entering(const ty_ordinates_def* def) {
         for (; side < walls->first[row + 1]; ++side) {
             const int32_t at[3] = {walls->x[side], (int32_t)(row % size[1]), (int32_t)(row / size[1])};
             const int face = walls->face[side];
-            if (at[face / 2] == ((face & 1) != 0 ? size[face / 2] - 1 : 0)) power -= entering_through(def, face, at);
+            if (ty_ordinates_ends(def, face) && at[face / 2] == ((face & 1) != 0 ? size[face / 2] - 1 : 0))
+                power -= entering_through(def, face, at);
         }
     return power;
 }
@@ -140,7 +141,7 @@ double ty_ordinates_entering(const ty_ordinates_def* def) {
 typedef struct face_cell {
     ptrdiff_t box, step; /* index in the DSA arrays; step to the cell behind the face */
     ptrdiff_t flux;      /* index of the flux along the axis in low-order arrays; negative: no flux */
-    ptrdiff_t behind;    /* the same for the cell behind the face; negative: outside the box */
+    const float* behind; /* the latest change of it in the cell behind the face; NULL: outside the box */
     float sign;          /* 1: upper face, -1: lower face */
     float edge, d;
 } face_cell;
@@ -151,12 +152,15 @@ static face_cell make_face_cell(const ty_ordinates_job* job, int32_t side, int64
     const bool up = (def->walls.face[side] & 1) != 0;
     const int32_t *size = def->size, at[3] = {def->walls.x[side], (int32_t)(row % size[1]), (int32_t)(row / size[1])};
     const ptrdiff_t low_row = (ptrdiff_t)size[0] * job->low_order_terms, steps[3] = {1, low_row, low_row * size[1]};
-    face_cell c = {.flux = -1, .behind = -1, .sign = up ? 1 : -1, .edge = (float)def->cell[axis]};
+    face_cell c = {.flux = -1, .sign = up ? 1 : -1, .edge = (float)def->cell[axis]};
     c.box = ty_dsa_face_cell(job->dsa, side, row, &c.step);
     c.d = ty_dsa_diffusivity(job->dsa)[c.box];
     if (job->low_order_terms == 1) return c;
     c.flux = row * low_row + (ptrdiff_t)term * size[0] + at[0];
-    if (at[axis] != (up ? size[axis] - 1 : 0)) c.behind = c.flux + (up ? steps[axis] : -steps[axis]);
+    if (at[axis] != (up ? size[axis] - 1 : 0))
+        c.behind = job->changes[job->latest] + c.flux + (up ? steps[axis] : -steps[axis]);
+    else if (!ty_ordinates_ends(def, def->walls.face[side]))
+        c.behind = job->flux_beyond[def->walls.face[side]] + (axis == 0 ? row : at[2] * (int64_t)size[0] + at[0]);
     return c;
 }
 
@@ -164,7 +168,7 @@ static face_cell make_face_cell(const ty_ordinates_job* job, int32_t side, int64
 static float transparent_outflow(const face_cell* c, const float* change) {
     if (c->flux < 0) return 0;
     const float value = c->sign * change[c->flux];
-    return c->behind < 0 ? value / (1 + 4 * c->d / c->edge) : 0.5f * (value + c->sign * change[c->behind]);
+    return c->behind == NULL ? value / (1 + 4 * c->d / c->edge) : 0.5f * (value + c->sign * *c->behind);
 }
 
 double ty_ordinates_faces_residual(ty_ordinates_job* job, bool first) {

@@ -61,7 +61,7 @@ static float boundary_irradiance(const ty_ordinates_def* def, int32_t cell, int 
                            cell / (def->size[0] * def->size[1])};
     if (boundary->across[0] == NULL) return 0;
     const float* radiance =
-        boundary->across[face / 2] + (ptrdiff_t)ty_boundary_patch(boundary, def->size, face / 2, at) * def->set->count;
+        boundary->across[face / 2] + (ptrdiff_t)ty_ordinates_patch(def, face / 2, at) * def->set->count;
     double sum = 0;
     for (int32_t d = 0; d < def->set->count; ++d) {
         const double cosine = (double)def->set->direction[face / 2][d] * ((face & 1) != 0 ? -1 : 1);

@@ -10,11 +10,15 @@ typedef struct ty_dsa ty_dsa;
 
 /* Uses size, cell, extinction, absorption and min_extinction of the def, with Marshak boundaries; its planes are not
  * needed afterwards. walls must outlive the result; with a nonzero count, a side reflects its incident partial current
- * times its albedo (Marshak) and transmits nothing. Errors: TY_ERROR_MEMORY. */
+ * times its albedo (Marshak) and transmits nothing. domain: as of ty_ordinates_def; NULL: none. Errors:
+ * TY_ERROR_MEMORY. */
 ty_result ty_dsa_create(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
-                        ty_dsa** out);
+                        ty_domain* domain, ty_dsa** out);
 void ty_dsa_destroy(ty_dsa* dsa);
 size_t ty_dsa_bytes(const ty_dsa* dsa);
+/* The bytes that a result would have, without making it. */
+size_t ty_dsa_plan(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
+                   ty_domain* domain);
 
 /* Layout of the arrays; D, with ghosts -D of the cell beside them; the source, to be written before each solve, which
  * overwrites it. */
@@ -37,7 +41,7 @@ void ty_dsa_solve(ty_dsa* dsa, double squares, double reduction, int32_t cycles)
  * interpolated by D). */
 const float* ty_dsa_fluence(const ty_dsa* dsa);
 const float* ty_dsa_smoothed_fluence(const ty_dsa* dsa);
-/* Power of the last solution through the box's faces, W. */
+/* Power of the last solution through the box's faces, W; of a part, through those of the whole. */
 double ty_dsa_leakage(const ty_dsa* dsa);
 /* Multigrid cycles so far. */
 int32_t ty_dsa_cycles(const ty_dsa* dsa);

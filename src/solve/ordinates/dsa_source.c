@@ -172,45 +172,54 @@ static void first_residual_plane(void* user, int64_t z, int32_t worker) {
     }
 }
 
-/* Lower and upper face of a row's cells across an axis: true if it is a face of the box. */
-typedef struct faces {
-    bool below, above;
-    float edge;
-} faces;
+/* The flux along an axis in a row's cells, and below and above them; NULL: the box ends there. */
+typedef struct flux_rows {
+    const float *below, *here, *above;
+} flux_rows;
 
 /* Subtracts the divergence of the flux from f. At the box's faces the outflow is that of the boundary in series with
  * the cell's half. */
-static void subtract_outflow(faces at, const float* flux, const float* d, ptrdiff_t step, ptrdiff_t begin,
-                             ptrdiff_t end, float* f) {
-    const float inverse_edge = 1 / at.edge;
-    if (!at.below && !at.above) {
+static void subtract_outflow(flux_rows flux, double edge, const float* d, ptrdiff_t count, float* f) {
+    const float inverse_edge = 1 / (float)edge;
+    if (flux.below != NULL && flux.above != NULL) {
 #pragma omp simd
-        for (ptrdiff_t x = begin; x < end; ++x) f[x] -= 0.5f * inverse_edge * (flux[x + step] - flux[x - step]);
+        for (ptrdiff_t x = 0; x < count; ++x) f[x] -= 0.5f * inverse_edge * (flux.above[x] - flux.below[x]);
         return;
     }
-    for (ptrdiff_t x = begin; x < end; ++x) {
-        const float here = flux[x], outside = here / (1 + 4 * d[x] * inverse_edge);
-        const float above = at.above ? outside : 0.5f * (here + flux[x + step]);
-        const float below = at.below ? outside : 0.5f * (here + flux[x - step]);
+    for (ptrdiff_t x = 0; x < count; ++x) {
+        const float here = flux.here[x], outside = here / (1 + 4 * d[x] * inverse_edge);
+        const float above = flux.above == NULL ? outside : 0.5f * (here + flux.above[x]);
+        const float below = flux.below == NULL ? outside : 0.5f * (here + flux.below[x]);
         f[x] -= inverse_edge * (above - below);
     }
 }
 
+/* A row of the neighbours' flux, from `index` on. */
+static const float* beyond(const ty_ordinates_job* job, int side, ptrdiff_t index) {
+    return job->flux_beyond[side] != NULL ? job->flux_beyond[side] + index : NULL;
+}
+
 static void source_row(const loop* l, const row* r, int32_t y, int32_t z, float* f) {
     const ty_ordinates_job* job = l->job;
-    const ptrdiff_t nx = l->box.size[0], low_row = nx * job->low_order_terms;
+    const int32_t ny = l->box.size[1];
+    const ptrdiff_t nx = l->box.size[0], low_row = nx * job->low_order_terms, low_plane = low_row * ny;
     const float *change = job->changes[job->latest] + r->low_order, *d = l->diffusivity + r->box;
     const double* cell = job->def->cell;
     memcpy(f, change, sizeof(float) * r->cells);
     if (job->low_order_terms == 1) return;
-    const float* along_x = change + (ptrdiff_t)p1_term(0) * nx;
-    subtract_outflow((faces){true, nx == 1, (float)cell[0]}, along_x, d, 1, 0, 1, f);
-    subtract_outflow((faces){false, false, (float)cell[0]}, along_x, d, 1, 1, nx - 1, f);
-    if (nx > 1) subtract_outflow((faces){false, true, (float)cell[0]}, along_x, d, 1, nx - 1, nx, f);
-    subtract_outflow((faces){y == 0, y == l->box.size[1] - 1, (float)cell[1]}, change + (ptrdiff_t)p1_term(1) * nx, d,
-                     low_row, 0, nx, f);
-    subtract_outflow((faces){z == 0, z == l->box.size[2] - 1, (float)cell[2]}, change + (ptrdiff_t)p1_term(2) * nx, d,
-                     low_row * l->box.size[1], 0, nx, f);
+    const float *along[3], *lower_x = beyond(job, 0, (ptrdiff_t)z * ny + y),
+                           *upper_x = beyond(job, 1, (ptrdiff_t)z * ny + y);
+    for (int axis = 0; axis < 3; ++axis) along[axis] = change + (ptrdiff_t)p1_term(axis) * nx;
+    const float *x = along[0], *last = x + nx - 1;
+    subtract_outflow((flux_rows){lower_x, x, nx > 1 ? x + 1 : upper_x}, cell[0], d, 1, f);
+    if (nx > 2) subtract_outflow((flux_rows){x, x + 1, x + 2}, cell[0], d + 1, nx - 2, f + 1);
+    if (nx > 1) subtract_outflow((flux_rows){last - 1, last, upper_x}, cell[0], d + nx - 1, 1, f + nx - 1);
+    subtract_outflow((flux_rows){y > 0 ? along[1] - low_row : beyond(job, 2, z * nx), along[1],
+                                 y + 1 < ny ? along[1] + low_row : beyond(job, 3, z * nx)},
+                     cell[1], d, nx, f);
+    subtract_outflow((flux_rows){z > 0 ? along[2] - low_plane : NULL, along[2],
+                                 z + 1 < l->box.size[2] ? along[2] + low_plane : NULL},
+                     cell[2], d, nx, f);
 }
 
 static double product_of(const float* a, const float* b, size_t count) {
@@ -236,9 +245,12 @@ static void source_plane(void* user, int64_t z, int32_t worker) {
 double ty_ordinates_residual(ty_ordinates_job* job, bool first) {
     loop l = loop_over(job, NULL);
     ty_ordinates_planes(job, first ? first_residual_plane : residual_plane, &l);
+    ty_ordinates_exchange_flux(job);
     ty_ordinates_planes(job, source_plane, &l);
-    const double squares = ty_ordinates_total(job).change;
-    return squares + ty_ordinates_faces_residual(job, first) + ty_ordinates_diffusive_residual(job, first);
+    double squares = ty_ordinates_total(job).change;
+    squares += ty_ordinates_faces_residual(job, first) + ty_ordinates_diffusive_residual(job, first);
+    ty_ordinates_sum_ranks(job, &squares, 1);
+    return squares;
 }
 
 /* ---- correction ---- */
@@ -320,5 +332,6 @@ ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e) {
     ty_ordinates_sums sums = ty_ordinates_total(job);
     ty_ordinates_faces_compare(job, &sums);
     ty_ordinates_diffusive_compare(job, &sums);
+    ty_ordinates_sum_ranks(job, (double*)&sums, sizeof sums / sizeof(double));
     return sums;
 }

@@ -16,6 +16,7 @@ enum { MIN_CELLS = 1 << 14, MIN_SIDE = 8, BANDS = 3, SWEEPS = 2, TERMS = BANDS *
 typedef struct coarse_box {
     ty_ordinates_job* fine;
     ty_ordinates_def def;
+    ty_domain domain; /* of the coarse cells, where the fine ones are a part */
     int32_t ratio[3]; /* fine cells per coarse cell along each axis: 1 or 2 */
     size_t cells;
     float *extinction, *scattering, *g;
@@ -41,12 +42,31 @@ static bool is_anisotropic(const ty_ordinates_job* job) {
     for (int32_t t = 0; t < 4; ++t)
         for (int64_t i = 0; i < job->cells; ++i)
             squares[t > 0] += (double)job->def->source[t][i] * (double)job->def->source[t][i];
+    ty_ordinates_sum_ranks(job, squares, 2);
     return squares[1] > MIN_ANISOTROPY * MIN_ANISOTROPY * squares[0];
 }
 
+/* Cells of the whole along an axis. */
+static int32_t whole_side(const ty_ordinates_def* def, int axis) {
+    return def->domain != NULL ? def->domain->cells[axis] : def->size[axis];
+}
+
+/* True if parts begin at pairs of cells. */
+static bool cuts_between_pairs(const ty_ordinates_def* def) {
+    for (int axis = 0; axis < 3 && def->domain != NULL; ++axis)
+        if (ty_domain_is_cut(def->domain, axis) &&
+            (def->domain->unit[axis] % 2 != 0 || def->domain->cells[axis] < MIN_SIDE))
+            return false;
+    return true;
+}
+
 static bool pays(const ty_ordinates_job* job) {
-    return job->cells >= MIN_CELLS && job->def->walls.count == 0 && job->def->bands >= BANDS &&
-           job->def->source_terms > 1 && is_thin(job) && is_anisotropic(job);
+    const ty_ordinates_def* def = job->def;
+    const int64_t cells = (int64_t)whole_side(def, 0) * whole_side(def, 1) * whole_side(def, 2);
+    if (cells < MIN_CELLS || def->bands < BANDS || def->source_terms == 1 || !cuts_between_pairs(def)) return false;
+    double against = def->walls.count > 0 || !is_thin(job) ? 1 : 0;
+    ty_ordinates_sum_ranks(job, &against, 1);
+    return against <= 0 && is_anisotropic(job);
 }
 
 /* ---- memory ---- */
@@ -64,13 +84,16 @@ static void lay_out(coarse_box* coarse, ty_arena* arena) {
     coarse->def.memory = ty_arena_take(arena, ty_ordinates_memory(&coarse->def));
 }
 
-/* Uses the memory of later fine iterates. Returns false if it is too small, as for boxes of a few cells across. */
+/* Uses the memory of later fine iterates. Returns false if it is too small on some rank, as for boxes of a few cells
+ * across. */
 static bool reuse_memory(coarse_box* coarse) {
     const ty_ordinates_job* fine = coarse->fine;
     char *begin = (char*)fine->moments[1], *end = (char*)fine->changes[fine->depth - 1];
     ty_arena arena = {0};
     lay_out(coarse, &arena);
-    if (arena.used > (size_t)(end - begin)) return false;
+    double small = arena.used > (size_t)(end - begin) ? 1 : 0;
+    ty_ordinates_sum_ranks(fine, &small, 1);
+    if (small > 0) return false;
     arena = (ty_arena){.base = begin};
     lay_out(coarse, &arena);
     return true;
@@ -192,12 +215,27 @@ static bool report(void* user, const ty_progress* coarse_progress) {
     return job->def->progress(job->def->progress_user, &progress);
 }
 
+/* Cells of a domain that are larger by a ratio along an axis; its boxes begin at multiples of that, if it is cut. */
+static void coarsen_domain(ty_domain* domain, int axis, int32_t ratio) {
+    domain->cells[axis] = (domain->cells[axis] + ratio - 1) / ratio;
+    domain->first[axis] /= ratio;
+    domain->end[axis] = (domain->end[axis] + ratio - 1) / ratio;
+    domain->unit[axis] = domain->unit[axis] > ratio ? domain->unit[axis] / ratio : 1;
+}
+
 static bool define(coarse_box* coarse) {
     ty_ordinates_def* def = &coarse->def;
     *def = *coarse->fine->def;
     coarse->cells = 1;
+    if (def->domain != NULL) {
+        coarse->domain = *def->domain;
+        coarse->domain.buffer = NULL;
+        coarse->domain.capacity = 0;
+        def->domain = &coarse->domain;
+    }
     for (int a = 0; a < 3; ++a) {
-        coarse->ratio[a] = def->size[a] >= MIN_SIDE ? 2 : 1;
+        coarse->ratio[a] = whole_side(coarse->fine->def, a) >= MIN_SIDE ? 2 : 1;
+        coarsen_domain(&coarse->domain, a, coarse->ratio[a]);
         def->size[a] = (def->size[a] + coarse->ratio[a] - 1) / coarse->ratio[a];
         def->cell[a] *= coarse->ratio[a];
         coarse->cells *= (size_t)def->size[a];
@@ -222,6 +260,7 @@ ty_result ty_ordinates_coarse_initial_guess(ty_ordinates_job* job) {
     if (!pays(job) || !define(&coarse)) return TY_OK;
     ty_parallel_flushed(job->context, coarse.def.size[2], mean_plane, &coarse);
     const ty_result result = ty_ordinates_solve(job->context, &coarse.def, coarse.moments, NULL, 0, NULL);
+    ty_domain_destroy(&coarse.domain);
     if (result != TY_OK) return result;
     ty_ordinates_planes(job, interpolate_plane, &coarse);
     ty_ordinates_start(job);

@@ -129,6 +129,7 @@ static void select_slot(const iteration* it) {
 /* Relative loss of energy by rounding, uniform over most cells: negligible per sweep, but it accumulates over ten
  * thousand scattering orders. emitted, removed: sums over cells, W/m^3 / sqrt(4 pi); incident: on faces, W. */
 static void measure_energy_deficit(ty_ordinates_job* job, double emitted, double incident, double removed) {
+    if (job->def->closed != NULL) return; /* an adjoint has no energy */
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2];
     const double outgoing = (job->leaving[job->latest] + incident) / (volume * TY_SQRT_4PI_F64);
     job->energy_deficit = removed > 0 ? (emitted - outgoing) / removed - 1 : 0;
@@ -146,18 +147,29 @@ static ty_result sweep(const iteration* it) {
     ++job->stats->sweeps;
     const double interfaces = ty_ordinates_diffusive_receive(job),
                  incident = interfaces + ty_ordinates_faces_receive(job);
-    measure_energy_deficit(job, emitted, incident, ty_ordinates_gather_low_order(job));
-    job->leaving[job->latest] += ty_ordinates_diffusive_leakage(job);
+    const double removed = ty_ordinates_gather_low_order(job), leakage = ty_ordinates_diffusive_leakage(job);
+    double sums[5] = {emitted, job->leaving[job->latest], incident, removed, leakage};
+    ty_ordinates_sum_ranks(job, sums, 5);
+    job->leaving[job->latest] = sums[1];
+    measure_energy_deficit(job, sums[0], sums[2], sums[3]);
+    job->leaving[job->latest] += sums[4];
     return result;
 }
 
-static ty_result report(ty_ordinates_job* job) {
+static bool goes_on(ty_ordinates_job* job) {
     const double change = job->stats->change;
-    if (job->def->progress == NULL || !ty_report_due(&job->reported)) return TY_OK;
+    if (job->def->progress == NULL || !ty_report_due(&job->reported)) return true;
     /* Changes decrease about geometrically. */
     const double done = change > 0 && change < 1 ? fmin(log(change) / log(job->def->tolerance), 1) : 0;
     const ty_progress progress = ty_progress_at("ordinates", done, job->reported - job->start);
-    return job->def->progress(job->def->progress_user, &progress) ? TY_OK : TY_CANCELLED;
+    return job->def->progress(job->def->progress_user, &progress);
+}
+
+/* One rank that is cancelled cancels all. */
+static ty_result report(ty_ordinates_job* job) {
+    double cancelled = goes_on(job) ? 0 : 1;
+    ty_ordinates_sum_ranks(job, &cancelled, 1);
+    return cancelled > 0 ? TY_CANCELLED : ty_ordinates_check_ranks(job);
 }
 
 /* Convergence factor of a sweep. */

@@ -8,7 +8,7 @@
 #include "solve/ordinates/fresnel_faces.h"
 
 /* Number of iterates in Anderson acceleration; maximum cells along an axis. */
-enum { TY_ANDERSON_DEPTH = 5, TY_ORDINATES_SIDE_MAX = 512 };
+enum { TY_ANDERSON_DEPTH = 5, TY_ORDINATES_SIDE_MAX = 1024 };
 
 /* Sums over a plane of cells: squared change and squared iterate; products of the change with the change of each
  * iterate; emitted, absorbed and removed (sigma* phi) power. */
@@ -63,6 +63,12 @@ typedef struct ty_ordinates_job {
     void* interface_memory;
     size_t interface_bytes;
 
+    /* Of a part: the flux along an axis in the neighbours' cells at its lower and upper x and y, of the latest change;
+     * planes of y and z, and of x and z. NULL: the box ends there. */
+    float* flux_beyond[4];
+    float* flux_messages;
+    size_t flux_floats; /* of all of these */
+
     double anderson_weights[TY_ANDERSON_DEPTH]; /* Anderson weights of the iterates in the next mixed iterate; their sum
                                          is 1, or all are 0 (dark) */
     int32_t depth;                              /* capacity for iterates */
@@ -72,6 +78,12 @@ typedef struct ty_ordinates_job {
     double emitted;        /* total power of source, faces and boundary radiance, W; only with diffusive cells */
     bool from_guess;       /* the only iterate is an initial guess, whose change by a sweep is unknown */
 } ty_ordinates_job;
+
+/* A call's state, of which the caller sets context, stats and start; its memory, coefficients, sweep and first iterate;
+ * its end, which frees all of that, also after errors. Errors: those of ty_ordinates_solve. */
+ty_ordinates_job ty_ordinates_begin_job(const ty_ordinates_def* def);
+ty_result ty_ordinates_prepare(ty_ordinates_job* job);
+void ty_ordinates_end_job(ty_ordinates_job* job);
 
 /* Loop over planes of cells, parallel for large boxes, and the total of the planes' sums, in plane order. */
 void ty_ordinates_planes(const ty_ordinates_job* job, ty_parallel_fn body, void* user);
@@ -86,10 +98,10 @@ void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t ter
 /* Pads the job's terms per cell with zeros. */
 void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to);
 /* Forms the mixed iterate with the Anderson weights: low-order moments to `mixed`, its emission to `emission`. Returns
- * the sum of the first term over cells, with the power of faces and boundary radiance. */
+ * the part's sum of the first term over cells, with the power of faces and boundary radiance. */
 double ty_ordinates_emit(ty_ordinates_job* job);
-/* Copies the low-order moments of the latest iterate from its moments and returns the sum of sigma* phi; the second
- * function copies them back when there are no more corrections. */
+/* Copies the low-order moments of the latest iterate from its moments and returns the part's sum of sigma* phi; the
+ * second function copies them back when there are no more corrections. */
 double ty_ordinates_gather_low_order(ty_ordinates_job* job);
 void ty_ordinates_scatter_low_order(ty_ordinates_job* job);
 /* Source of the DSA equation: scattering of (latest iterate - mixed iterate); first: the def's source, for a dark
@@ -97,7 +109,7 @@ void ty_ordinates_scatter_low_order(ty_ordinates_job* job);
 double ty_ordinates_residual(ty_ordinates_job* job, bool first);
 /* Adds the correction e to the latest iterate (NULL: no correction) and stores the iterate's change. */
 ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e);
-/* Emitted and absorbed power, W. */
+/* Emitted and absorbed power of the part, W. */
 ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* moments, int32_t terms);
 
 /* Adds to the sources of cells that are swept the first moments that stand for their known positions within the cells;
@@ -131,6 +143,29 @@ void ty_ordinates_faces_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
 void ty_ordinates_faces_balance(ty_ordinates_job* job, const float* irradiance, double* emitted, double* absorbed);
 /* The part of a side's irradiance that it absorbs, W m^-2. */
 double ty_ordinates_face_absorbs(const ty_ordinates_job* job, int32_t side, float irradiance);
+
+/* ---- parts of a box: no-ops for a whole one ---- */
+
+/* Memory for what lies beyond the cuts. Errors: TY_ERROR_MEMORY. */
+ty_result ty_ordinates_parts_create(ty_ordinates_job* job);
+void ty_ordinates_parts_destroy(ty_ordinates_job* job);
+/* Sums over all ranks, in the order of ranks. */
+void ty_ordinates_sum_ranks(const ty_ordinates_job* job, double* values, int32_t count);
+/* Fetches the neighbours' flux of the latest change. */
+void ty_ordinates_exchange_flux(ty_ordinates_job* job);
+/* TY_OK, or the error of ranks that do not answer. */
+ty_result ty_ordinates_check_ranks(const ty_ordinates_job* job);
+/* True if a face (2 * axis + (1 for the upper one)) of the part is one of the whole box. */
+static inline bool ty_ordinates_ends(const ty_ordinates_def* def, int face) {
+    return def->domain == NULL || ty_domain_neighbour(def->domain, face) < 0;
+}
+/* The patch of boundary_radiance of a cell's face across an axis. */
+static inline int32_t ty_ordinates_patch(const ty_ordinates_def* def, int axis, const int32_t at[3]) {
+    if (def->domain == NULL) return ty_boundary_patch(&def->boundary_radiance, def->size, axis, at);
+    const int32_t* first = def->domain->first;
+    const int32_t whole[3] = {at[0] + first[0], at[1] + first[1], at[2] + first[2]};
+    return ty_boundary_patch(&def->boundary_radiance, def->domain->cells, axis, whole);
+}
 
 /* Makes the first iterate, whose moments are set, the initial guess. */
 void ty_ordinates_start(ty_ordinates_job* job);

@@ -98,7 +98,7 @@ static void lay_out(ty_ordinates_job* job, ty_arena* arena) {
     ty_ordinates_faces_lay_out(job, arena);
 }
 
-static ty_ordinates_job begin_job(const ty_ordinates_def* def) {
+ty_ordinates_job ty_ordinates_begin_job(const ty_ordinates_def* def) {
     return (ty_ordinates_job){.def = def,
                               .cells = (int64_t)def->size[0] * def->size[1] * def->size[2],
                               .terms = def->bands * def->bands,
@@ -107,7 +107,7 @@ static ty_ordinates_job begin_job(const ty_ordinates_def* def) {
 }
 
 size_t ty_ordinates_memory(const ty_ordinates_def* def) {
-    ty_ordinates_job job = begin_job(def);
+    ty_ordinates_job job = ty_ordinates_begin_job(def);
     ty_arena arena = {0};
     lay_out(&job, &arena);
     return arena.used;
@@ -128,22 +128,25 @@ static ty_result allocate(ty_ordinates_job* job) {
     return TY_OK;
 }
 
-static void free_all(ty_ordinates_job* job) {
+void ty_ordinates_end_job(ty_ordinates_job* job) {
     if (job->memory != NULL) ty_free_array(job->context, job->memory, job->bytes, 1);
     ty_sweep_destroy(job->sweep);
     ty_dsa_destroy(job->dsa);
     ty_ordinates_diffusive_free(job);
     ty_fresnel_faces_destroy(job->fresnel);
+    ty_ordinates_parts_destroy(job);
     ty_free_array(job->context, job->displaced, (size_t)job->cells, 3 * sizeof(float));
     ty_free_array(job->context, job->dsa_albedo, (size_t)job->def->walls.count, sizeof(float));
 }
 
 /* ---- solve ---- */
 
-static bool scatters(const ty_ordinates_def* def, int64_t cells) {
-    for (int64_t i = 0; i < cells; ++i)
-        if (def->scattering[i] > 0) return true;
-    return false;
+static bool scatters(const ty_ordinates_job* job) {
+    double scatters = 0;
+    for (int64_t i = 0; i < job->cells && scatters <= 0; ++i)
+        if (job->def->scattering[i] > 0) scatters = 1;
+    ty_ordinates_sum_ranks(job, &scatters, 1);
+    return scatters > 0;
 }
 
 /* Computes sigma* and sets up DSA; without scattering there is no DSA. */
@@ -155,7 +158,7 @@ static ty_result scale(ty_ordinates_job* job) {
     if (!ty_ordinates_scale(job, reduced, absorption))
         return ty_fail(job->context, TY_ERROR_ARGUMENT,
                        "ordinates: extinction, scattering, g or source of a cell is outside its range or not finite");
-    if (!def->accelerated || !scatters(def, job->cells)) return TY_OK;
+    if (!def->accelerated || !scatters(job)) return TY_OK;
     const ty_result result = ty_ordinates_diffusive_find(job, reduced, absorption);
     if (result != TY_OK) return result;
     ty_diffusion_def diffusion = ty_default_diffusion_def();
@@ -163,7 +166,7 @@ static ty_result scale(ty_ordinates_job* job) {
     for (int axis = 0; axis < 3; ++axis) {
         diffusion.size[axis] = def->size[axis];
         diffusion.cell[axis] = def->cell[axis];
-        longest = fmax(longest, def->cell[axis] * def->size[axis]);
+        longest = fmax(longest, def->cell[axis] * (def->domain != NULL ? def->domain->cells[axis] : def->size[axis]));
     }
     diffusion.extinction = reduced;
     diffusion.absorption = absorption;
@@ -175,7 +178,7 @@ static ty_result scale(ty_ordinates_job* job) {
         ty_fresnel_faces_diffuse(def, job->dsa_albedo);
         job->dsa_walls.albedo = job->dsa_albedo;
     }
-    return ty_dsa_create(job->context, &diffusion, &job->dsa_walls, &job->dsa);
+    return ty_dsa_create(job->context, &diffusion, &job->dsa_walls, def->domain, &job->dsa);
 }
 
 /* Initial guess: the caller's moments, or the solution on coarser cells, or the diffusion solution. */
@@ -199,15 +202,18 @@ static ty_result begin(ty_ordinates_job* job) {
     return TY_OK;
 }
 
-static ty_result prepare(ty_ordinates_job* job) {
+ty_result ty_ordinates_prepare(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
     ty_result result = allocate(job);
+    if (result == TY_OK) result = ty_ordinates_parts_create(job);
     if (result == TY_OK) result = scale(job);
     if (result == TY_OK)
         result =
             ty_sweep_create(job->context, def->size, def->cell, def->set, def->bands, job->extinction, &job->sweep);
+    if (result == TY_OK) result = ty_sweep_divide(job->sweep, def->domain);
     if (result == TY_OK) result = ty_sweep_set_boundary_radiance(job->sweep, &def->boundary_radiance);
     if (result != TY_OK) return result;
+    ty_sweep_set_closed(job->sweep, def->closed);
     job->stats->entering = ty_ordinates_entering(def);
     if (job->source_lm != NULL) ty_ordinates_gather(job, def->source, job->terms, job->source_lm);
     result = ty_ordinates_displace(job, job->dsa != NULL ? job->changes[0] : NULL);
@@ -223,9 +229,15 @@ static ty_result prepare(ty_ordinates_job* job) {
 static void note_balance(ty_ordinates_job* job, const float* moments, int32_t terms, const float* irradiance) {
     const ty_ordinates_sums sums = ty_ordinates_balance(job, moments, terms);
     const ty_ordinates_faces* walls = &job->def->walls;
-    job->stats->emitted = sums.emitted;
-    job->stats->absorbed = sums.absorbed;
-    ty_ordinates_faces_balance(job, irradiance, &job->stats->walls_emitted, &job->stats->walls_absorbed);
+    ty_ordinates_stats* stats = job->stats;
+    double powers[5] = {sums.emitted, sums.absorbed, stats->entering};
+    ty_ordinates_faces_balance(job, irradiance, &powers[3], &powers[4]);
+    ty_ordinates_sum_ranks(job, powers, 5);
+    stats->emitted = powers[0];
+    stats->absorbed = powers[1];
+    stats->entering = powers[2];
+    stats->walls_emitted = powers[3];
+    stats->walls_absorbed = powers[4];
     if (walls->irradiance != NULL && walls->count > 0)
         memcpy(walls->irradiance, irradiance, sizeof *irradiance * (size_t)walls->count);
     for (int32_t i = 0; walls->absorbed != NULL && i < walls->count; ++i)
@@ -240,7 +252,8 @@ static ty_result run_final_sweep(ty_ordinates_job* job, ty_sweep* sweep, float* 
     ty_ordinates_emit(job);
     ty_ordinates_widen(job, job->emission, terms, emission);
     ty_ordinates_set_sweep_faces(job, sweep, job->latest);
-    ty_result result = ty_sweep_set_boundary_radiance(sweep, &job->def->boundary_radiance);
+    ty_result result = ty_sweep_divide(sweep, job->def->domain);
+    if (result == TY_OK) result = ty_sweep_set_boundary_radiance(sweep, &job->def->boundary_radiance);
     const double started = ty_wall_seconds();
     if (result == TY_OK) result = ty_sweep_run(sweep, emission, swept, &job->stats->leaving, NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - started;
@@ -250,6 +263,7 @@ static ty_result run_final_sweep(ty_ordinates_job* job, ty_sweep* sweep, float* 
     ty_ordinates_faces_receive(job);
     ty_ordinates_diffusive_reach_faces(job);
     job->stats->leaving += ty_ordinates_diffusive_leakage(job);
+    ty_ordinates_sum_ranks(job, &job->stats->leaving, 1);
     ty_ordinates_diffusive_fill(job, swept, terms);
     ty_ordinates_scatter(job, swept, terms, moments);
     note_balance(job, swept, terms, job->face_irradiance[job->latest]);
@@ -290,14 +304,16 @@ static void store(ty_ordinates_job* job, float* const* moments) {
 }
 
 static ty_result solve(ty_ordinates_job* job, float* const* moments) {
-    ty_result result = prepare(job);
+    ty_result result = ty_ordinates_prepare(job);
     if (result != TY_OK) return result;
     result = ty_ordinates_iterate(job);
     if (job->dsa != NULL) job->stats->cycles += ty_dsa_cycles(job->dsa);
     const bool needs_sweep = job->def->output_order > job->def->bands || job->def->final_set != NULL;
-    if (result == TY_OK && needs_sweep) return sweep_final(job, moments);
-    if (result == TY_OK || result == TY_CANCELLED) store(job, moments);
-    return result;
+    if (result == TY_OK && needs_sweep)
+        result = sweep_final(job, moments);
+    else if (result == TY_OK || result == TY_CANCELLED)
+        store(job, moments);
+    return result == TY_OK ? ty_ordinates_check_ranks(job) : result;
 }
 
 ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, float* const* moments, double* history,
@@ -305,7 +321,7 @@ ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, f
     ty_result result = check(context, def, moments);
     if (result != TY_OK) return result;
     ty_ordinates_stats ignored;
-    ty_ordinates_job job = begin_job(def);
+    ty_ordinates_job job = ty_ordinates_begin_job(def);
     job.context = context;
     job.stats = stats != NULL ? stats : &ignored;
     job.history = history;
@@ -314,7 +330,7 @@ ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, f
     job.start = job.reported = ty_wall_seconds();
     result = solve(&job, moments);
     ty_ordinates_undo_displaced_flux(&job, moments);
-    free_all(&job);
+    ty_ordinates_end_job(&job);
     job.stats->seconds = ty_wall_seconds() - job.start;
     return result;
 }

@@ -12,6 +12,7 @@
 #ifndef TY_SOLVE_ORDINATES_ORDINATES_H
 #define TY_SOLVE_ORDINATES_ORDINATES_H
 
+#include "comm/domain.h"
 #include "solve/angular/quadrature.h"
 
 enum { TY_SCATTERING_ORDER_MAX = 12 };
@@ -61,8 +62,12 @@ static inline int32_t ty_boundary_patch(const ty_boundary_radiance* boundary, co
 }
 
 typedef struct ty_ordinates_def {
-    int32_t size[3]; /* cells along x, y, z: 1..512 each */
-    double cell[3];  /* cell edges, m */
+    int32_t size[3]; /* cells along x, y, z: 1..1024 each */
+    /* The box is this rank's part of a domain, which is cut along x and y alone; all arrays are of the part, but those
+     * of boundary_radiance. The solve is then a call of all ranks, and stats are of the whole. NULL (default): the
+     * whole. */
+    ty_domain* domain;
+    double cell[3]; /* cell edges, m */
     const ty_angular_quadrature* set;
     /* Directions of one final sweep with the converged source, against ray effects of small sets; not together with
      * boundary_radiance; NULL (default): no final sweep. */
@@ -93,6 +98,8 @@ typedef struct ty_ordinates_def {
                        diffusive cell that faces a transport cell: 4 J_out / sqrt(4 pi), i.e. the fluence a viewer in front
                        of that face would see. Negative elsewhere. NULL (default): no output */
     float* face_incident; /* out, with face_fluence: 4 J_in / sqrt(4 pi) at the same faces. NULL (default): no output */
+    const uint16_t*
+        closed; /* of the solution whose adjoint this is (solve/ordinates/adjoint.h); NULL (default): none */
     const float* const* start; /* initial moments, bands^2 planes; NULL (default): 0, or diffusion if accelerated */
     void* memory;              /* ty_ordinates_memory bytes, aligned to 64; NULL (default): from the context */
     ty_progress_fn progress;   /* default NULL */
@@ -100,6 +107,8 @@ typedef struct ty_ordinates_def {
 } ty_ordinates_def;
 
 ty_ordinates_def ty_default_ordinates_def(void);
+/* NULL where a solve of the whole can be divided among ranks; or the reason why not, in words that follow "because". */
+const char* ty_ordinates_undivided(const ty_ordinates_def* whole);
 /* Bytes of the cell arrays of a solve; depends on size, bands, source_terms, walls.count and accelerated. Sweeps and
  * DSA allocate their own memory. */
 size_t ty_ordinates_memory(const ty_ordinates_def* def);
@@ -118,7 +127,7 @@ typedef struct ty_ordinates_stats {
 /* Solves for the moments: output_order^2 planes of one float per cell. history: the estimated remaining error after
  * each sweep, may be NULL. stats may be NULL. A solve that reaches its maximum of sweeps returns TY_OK with
  * stats->converged false; on TY_CANCELLED the moments hold the latest iterate. Errors: TY_ERROR_ARGUMENT,
- * TY_ERROR_MEMORY. */
+ * TY_ERROR_MEMORY; TY_ERROR_INTERNAL: a rank does not answer. */
 ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, float* const* moments, double* history,
                              int32_t history_capacity, ty_ordinates_stats* stats);
 

@@ -89,7 +89,9 @@ static void scale_plane(void* user, int64_t z, int32_t worker) {
 bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption) {
     loop l = {.job = job, .reduced = reduced, .absorption = absorption};
     ty_ordinates_planes(job, scale_plane, &l);
-    return ty_ordinates_total(job).change <= 0;
+    double invalid = ty_ordinates_total(job).change;
+    ty_ordinates_sum_ranks(job, &invalid, 1);
+    return invalid <= 0;
 }
 
 /* ---- planes and cells ---- */

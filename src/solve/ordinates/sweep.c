@@ -1,5 +1,5 @@
 /* Transport sweep: blocks of rows in wavefronts of independent blocks. */
-#include "solve/ordinates/sweep_kernel.h"
+#include "solve/ordinates/sweep_state.h"
 
 #include "base/arena.h"
 #include "base/context.h"
@@ -11,24 +11,6 @@
 enum { TERMS_MAX = TY_SCATTERING_ORDER_MAX * TY_SCATTERING_ORDER_MAX };
 /* Maximum of all kernels. */
 enum { LANES_MAX = 16 };
-/* Rows of a block along y and z: the radiance at its faces fits in the cache. */
-enum { BLOCK_ROWS = 8 };
-
-struct ty_sweep {
-    ty_context* context;
-    const ty_sweep_kernels* kernels;
-    ty_sweep_box box;
-    float* boundary; /* radiance of all patches; NULL: none enters, and that of one patch is */
-    size_t boundary_floats;
-    const float* dark[8];
-    int32_t blocks[2];     /* along y, z */
-    size_t scratch_floats; /* per thread */
-    float* scratch;
-    ty_sweep_sums* sums; /* one per block */
-    double leaving[8];   /* per octant, through faces across y and z */
-    void* memory;
-    size_t bytes;
-};
 
 /* ---- data of all sweeps ---- */
 
@@ -116,12 +98,10 @@ static void fill(ty_sweep* sweep, const tables* t, const double cell[3], const t
         for (int32_t i = 0; i < box->directions; ++i) fill_direction(sweep, t, set, bands, pair, i);
 }
 
-ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3],
-                          const ty_angular_quadrature* set, int32_t bands, const float* extinction, ty_sweep** out) {
+/* A sweep without its memory. */
+static void begin_sweep(ty_context* context, const int32_t size[3], const ty_angular_quadrature* set, int32_t bands,
+                        const float* extinction, ty_sweep* sweep) {
     const ty_sweep_kernels* kernels = TY_BEST_KERNELS(ty_sweep_kernels);
-    *out = NULL;
-    ty_sweep* sweep = ty_alloc_array(context, 1, sizeof *sweep, true);
-    if (sweep == NULL) return TY_ERROR_MEMORY;
     sweep->context = context;
     sweep->kernels = kernels;
     sweep->box = (ty_sweep_box){.size = {size[0], size[1], size[2]},
@@ -130,13 +110,32 @@ ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const doub
                                 .directions = set->first[1],
                                 .terms = bands * bands,
                                 .even = bands * (bands + 1) / 2,
-                                .extinction = extinction};
+                                .extinction = extinction,
+                                .whole = {size[0], size[1], size[2]}};
     sweep->box.padded = round_up(sweep->box.even, kernels->lanes) + round_up(bands * (bands - 1) / 2, kernels->lanes);
-    for (int a = 0; a < 2; ++a) sweep->blocks[a] = round_up(size[a + 1], BLOCK_ROWS) / BLOCK_ROWS;
+    for (int a = 0; a < 2; ++a) sweep->blocks[a] = round_up(size[a + 1], TY_SWEEP_BLOCK_ROWS) / TY_SWEEP_BLOCK_ROWS;
     sweep->scratch_floats = kernels->scratch(&sweep->box);
     ty_arena arena = {0};
     lay_out(sweep, &arena);
     sweep->bytes = arena.used;
+}
+
+size_t ty_sweep_plan(ty_context* context, const int32_t size[3], const ty_angular_quadrature* set, int32_t bands,
+                     const ty_domain* domain, ty_sweep_schedule* schedule) {
+    ty_sweep sweep = {0};
+    begin_sweep(context, size, set, bands, NULL, &sweep);
+    if (domain != NULL) ty_sweep_plan_units(&sweep, domain);
+    *schedule = sweep.schedule;
+    return ty_sweep_bytes(&sweep);
+}
+
+ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3],
+                          const ty_angular_quadrature* set, int32_t bands, const float* extinction, ty_sweep** out) {
+    *out = NULL;
+    ty_sweep* sweep = ty_alloc_array(context, 1, sizeof *sweep, true);
+    if (sweep == NULL) return TY_ERROR_MEMORY;
+    begin_sweep(context, size, set, bands, extinction, sweep);
+    ty_arena arena = {0};
     sweep->memory = arena.base = ty_alloc_array(context, sweep->bytes, 1, true);
     if (sweep->memory == NULL) {
         ty_sweep_destroy(sweep);
@@ -178,9 +177,18 @@ void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls) {
     sweep->box.walls = walls;
 }
 
+void ty_sweep_set_closed(ty_sweep* sweep, const uint16_t* closed) {
+    sweep->box.closed = closed;
+}
+
+const ty_sweep_box* ty_sweep_tables(const ty_sweep* sweep) {
+    return &sweep->box;
+}
+
 void ty_sweep_destroy(ty_sweep* sweep) {
     if (sweep == NULL) return;
     ty_free_array(sweep->context, sweep->boundary, sweep->boundary_floats, sizeof(float));
+    ty_sweep_free_division(sweep);
     if (sweep->memory != NULL) ty_free_array(sweep->context, sweep->memory, sweep->bytes, 1);
     ty_free_array(sweep->context, sweep, 1, sizeof *sweep);
 }
@@ -190,7 +198,7 @@ int32_t ty_sweep_pitch(const ty_sweep* sweep) {
 }
 
 size_t ty_sweep_bytes(const ty_sweep* sweep) {
-    return sizeof *sweep + sweep->bytes;
+    return sizeof *sweep + sweep->bytes + sweep->division_bytes;
 }
 
 double ty_sweep_operations(int32_t bands) {
@@ -211,17 +219,18 @@ static void set_boundary_row(const ty_sweep_box* box, int axis, int32_t octant, 
                              float* faces) {
     const float* boundary = box->boundary_radiance[axis][octant] + group * box->lanes;
     const ptrdiff_t pitch = (ptrdiff_t)box->groups * box->lanes;
-    int32_t at[3] = {0, row[1], row[2]};
-    for (; at[0] < box->size[0]; ++at[0])
-        memcpy(faces + (ptrdiff_t)at[0] * box->lanes,
-               boundary + ty_boundary_patch(&box->patches, box->size, axis, at) * pitch,
+    int32_t at[3] = {box->origin[0], row[1] + box->origin[1], row[2] + box->origin[2]};
+    for (int32_t x = 0; x < box->size[0]; ++x, ++at[0])
+        memcpy(faces + (ptrdiff_t)x * box->lanes,
+               boundary + ty_boundary_patch(&box->patches, box->whole, axis, at) * pitch,
                sizeof(float) * (size_t)box->lanes);
 }
 
-/* Sets the boundary radiance of a block that is the first along an axis. */
-static void set_boundary_faces(const ty_sweep_box* box, const ty_sweep_block* block, const bool first[2]) {
+void ty_sweep_set_boundary(const ty_sweep_box* box, const ty_sweep_block* block, const bool first[2]) {
     const ptrdiff_t row = (ptrdiff_t)box->size[0] * box->lanes;
-    for (int32_t o = 2 * block->pair; o < 2 * block->pair + 2; ++o)
+    const int32_t begin = 2 * block->pair + (block->unpaired > 0 ? 1 : 0),
+                  end = 2 * block->pair + (block->unpaired == 0 ? 1 : 2);
+    for (int32_t o = begin; o < end; ++o)
         for (ptrdiff_t g = 0; g < box->groups; ++g) {
             for (int32_t z = block->begin[1]; z < block->end[1] && first[0]; ++z)
                 set_boundary_row(box, 1, o, g, (const int32_t[3]){0, 0, z},
@@ -239,10 +248,10 @@ static void sweep_block(void* user, int64_t index, int32_t worker) {
     ty_sweep* sweep = job->sweep;
     const int32_t* blocks = sweep->blocks;
     const int32_t at[2] = {(int32_t)(index % blocks[0]), (int32_t)(index / blocks[0])};
-    ty_sweep_block block = {.pair = 0};
+    ty_sweep_block block = {.unpaired = -1};
     for (int a = 0; a < 2; ++a) {
-        const int32_t end = (at[a] + 1) * BLOCK_ROWS, size = sweep->box.size[a + 1];
-        block.begin[a] = at[a] * BLOCK_ROWS;
+        const int32_t end = (at[a] + 1) * TY_SWEEP_BLOCK_ROWS, size = sweep->box.size[a + 1];
+        block.begin[a] = at[a] * TY_SWEEP_BLOCK_ROWS;
         block.end[a] = end < size ? end : size;
     }
     int32_t stages[4], distance[4][2], first = 0, last = 0;
@@ -256,8 +265,8 @@ static void sweep_block(void* user, int64_t index, int32_t worker) {
         if (stages[block.pair] != job->stage) continue;
         block.first = block.pair == first;
         block.last = block.pair == last;
-        set_boundary_faces(&sweep->box, &block,
-                           (const bool[2]){distance[block.pair][0] == 0, distance[block.pair][1] == 0});
+        ty_sweep_set_boundary(&sweep->box, &block,
+                              (const bool[2]){distance[block.pair][0] == 0, distance[block.pair][1] == 0});
         sweep->kernels->cross(&sweep->box, &block, job->emission, job->moments,
                               sweep->scratch + sweep->scratch_floats * (size_t)worker, &sweep->sums[index]);
     }
@@ -279,8 +288,9 @@ static void sum_octant(void* user, int64_t index, int32_t worker) {
     (void)worker;
     ty_sweep* sweep = user;
     const ty_sweep_box* box = &sweep->box;
-    sweep->leaving[index] = sum_faces(box, box->faces_y[index], box->partial_current_weight[1], box->size[2]) +
-                            sum_faces(box, box->faces_z[index], box->partial_current_weight[2], box->size[1]);
+    sweep->leaving[index] = sum_faces(box, box->faces_z[index], box->partial_current_weight[2], box->size[1]);
+    if (ty_sweep_leaves_across_y(sweep, (int32_t)index))
+        sweep->leaving[index] += sum_faces(box, box->faces_y[index], box->partial_current_weight[1], box->size[2]);
 }
 
 ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, double* leaving, double* fixups) {
@@ -289,7 +299,9 @@ ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, d
     memset(sweep->sums, 0, sizeof *sweep->sums * (size_t)blocks);
     if (walls != NULL) memset(walls->incident_power, 0, sizeof(float) * (size_t)walls->count);
     sweep_job job = {.sweep = sweep, .emission = emission, .moments = moments};
-    for (; job.stage < sweep->blocks[0] + sweep->blocks[1] - 1; ++job.stage)
+    const ty_result result = sweep->domain != NULL ? ty_sweep_run_units(sweep, emission, moments) : TY_OK;
+    if (result != TY_OK) return result;
+    for (; sweep->domain == NULL && job.stage < sweep->blocks[0] + sweep->blocks[1] - 1; ++job.stage)
         ty_parallel_flushed(sweep->context, blocks, sweep_block, &job);
     ty_sweep_sums all = {0};
     for (int64_t i = 0; i < blocks; ++i) {

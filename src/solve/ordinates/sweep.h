@@ -11,7 +11,9 @@
 #ifndef TY_SOLVE_ORDINATES_SWEEP_H
 #define TY_SOLVE_ORDINATES_SWEEP_H
 
+#include "comm/domain.h"
 #include "solve/ordinates/ordinates.h"
+#include "solve/ordinates/sweep_schedule.h"
 
 /* Data shared by all sweeps of one box. Arrays given to it belong to the caller and must outlive it. */
 typedef struct ty_sweep ty_sweep;
@@ -20,6 +22,9 @@ typedef struct ty_sweep ty_sweep;
  * TY_ERROR_MEMORY. */
 ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3],
                           const ty_angular_quadrature* set, int32_t bands, const float* extinction, ty_sweep** out);
+/* The box is this rank's part of a domain that is not cut along z and outlives the sweep; NULL: it is the whole. Sweeps
+ * are then calls of all ranks, whose order of work docs/farm.md tells. Errors: TY_ERROR_MEMORY. */
+ty_result ty_sweep_divide(ty_sweep* sweep, const ty_domain* domain);
 /* Sets the radiance that enters; initially there is none. Errors: TY_ERROR_MEMORY. */
 ty_result ty_sweep_set_boundary_radiance(ty_sweep* sweep, const ty_boundary_radiance* boundary);
 
@@ -41,18 +46,25 @@ typedef struct ty_sweep_faces {
 
 /* The struct and its arrays belong to the caller, who may change `emitted` between sweeps. NULL (initially): none. */
 void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls);
+/* Makes the sweep the transpose of one whose set-to-zero fix-ups closed these faces (solve/ordinates/adjoint.h), along
+ * the opposite directions; without boundary faces. NULL (initially): no transpose. The caller keeps the array. */
+void ty_sweep_set_closed(ty_sweep* sweep, const uint16_t* closed);
 void ty_sweep_destroy(ty_sweep* sweep);
 /* Directions of an octant, padded to whole vectors; a multiple of 16 bytes. */
 int32_t ty_sweep_pitch(const ty_sweep* sweep);
 /* Memory in bytes. */
 size_t ty_sweep_bytes(const ty_sweep* sweep);
+/* The memory that a sweep of a box, or of a part, would have, and its blocks, without making it. */
+size_t ty_sweep_plan(ty_context* context, const int32_t size[3], const ty_angular_quadrature* set, int32_t bands,
+                     const ty_domain* domain, ty_sweep_schedule* schedule);
 /* Minimum number of floating-point operations per cell and direction: evaluation of the source from its moments, the
  * diamond difference step and the accumulation of flux moments. */
 double ty_sweep_operations(int32_t bands);
 
 /* emission: q_lm, W m^-3 sr^-1; moments: out, phi_lm, the integrals of psi Y_lm over directions. Both are interleaved:
  * bands^2 values per cell, cells with x fastest; psi is the cell mean. leaving: out, leakage through the box's faces,
- * W; may be NULL. fixups: out, fraction of cells times directions that needed the set-to-zero fix-up; may be NULL. */
+ * W; may be NULL. fixups: out, fraction of cells times directions that needed the set-to-zero fix-up; may be NULL. Of a
+ * part both are the part's. Errors: TY_ERROR_INTERNAL: a rank does not answer. */
 ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, double* leaving, double* fixups);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "base/dispatch.h"
 #include "base/kernel.h"
-#include "base/simd.h"
+#include "solve/ordinates/diamond.k.h"
 
 #include <string.h>
 
@@ -29,120 +29,6 @@ static row_scratch lay_out(const ty_sweep_box* box, float* scratch) {
     return (row_scratch){.inverse = scratch, .psi = {scratch + row, scratch + 2 * row}, .sum = scratch + 3 * row};
 }
 
-/* ---- harmonics ---- */
-
-/* Number of terms rounded up to a multiple of the lanes. */
-TY_INLINE ptrdiff_t padded_terms(ptrdiff_t terms) {
-    return (terms + TY_LANES - 1) / TY_LANES * TY_LANES;
-}
-
-/* Number of harmonics with even parity in x; and of all, with each parity padded to whole lanes. */
-TY_INLINE ptrdiff_t even_terms(ptrdiff_t bands) {
-    return bands * (bands + 1) / 2;
-}
-
-TY_INLINE ptrdiff_t split_terms(ptrdiff_t bands) {
-    return padded_terms(even_terms(bands)) + padded_terms(even_terms(bands - 1));
-}
-
-/* ---- emission ---- */
-
-typedef struct emission_view {
-    const ty_sweep_box* box;
-    const float* y_lm; /* of the group */
-    ptrdiff_t pitch;   /* from one term to the next */
-} emission_view;
-
-TY_INLINE void emit_cells(const emission_view* view, const float* emission, float* up, float* down, const int count,
-                          const int32_t bands) {
-    const int32_t terms = bands * bands, evens = (int32_t)even_terms(bands);
-    const int32_t* order = view->box->order;
-    const float* y = view->y_lm;
-    ty_lanes even[TY_SWEEP_CELLS] = {{0}}, odd[TY_SWEEP_CELLS] = {{0}};
-    int32_t t = 0;
-    for (; t < evens; ++t, y += view->pitch) {
-        const ty_lanes at = ty_lanes_load_aligned(y);
-        const float* from = emission + order[t];
-        for (int i = 0; i < count; ++i) even[i] += from[i * terms] * at;
-    }
-    for (; t < terms; ++t, y += view->pitch) {
-        const ty_lanes at = ty_lanes_load_aligned(y);
-        const float* from = emission + order[t];
-        for (int i = 0; i < count; ++i) odd[i] += from[i * terms] * at;
-    }
-    for (int i = 0; i < count; ++i) {
-        ty_lanes_store_aligned(up + i * TY_LANES, even[i] + odd[i]);
-        ty_lanes_store_aligned(down + i * TY_LANES, even[i] - odd[i]);
-    }
-}
-
-TY_INLINE void emit(const emission_view* view, const float* emission, float* up, float* down, const int32_t bands) {
-    const int32_t nx = view->box->size[0], terms = bands * bands;
-    int32_t x = 0;
-    for (; x + TY_SWEEP_CELLS <= nx; x += TY_SWEEP_CELLS)
-        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * TY_LANES, down + x * TY_LANES, TY_SWEEP_CELLS,
-                   bands);
-    for (; x < nx; ++x)
-        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * TY_LANES, down + x * TY_LANES, 1, bands);
-}
-
-/* ---- diamond difference ---- */
-
-/* State of a sweep along a row in one direction of x. */
-typedef struct stream {
-    ty_lanes psi_x;             /* radiance at the face that the row has reached */
-    float *psi, *psi_y, *psi_z; /* source, then mean radiance, per cell; radiance at the faces along y and z */
-} stream;
-
-/* Set-to-zero fix-up: faces with negative outgoing radiance are set to zero and the cell balance is solved again
- * without their outflow, until no face is negative. Such a face contributes half of its usual inflow term. Returns 2
- * psi. */
-TY_INLINE ty_lanes set_to_zero_fixup(const ty_lanes two_mu_over_h[3], float extinction, ty_lanes source,
-                                     const ty_lanes in[3], ty_lanes out[3], int64_t* fixups) {
-    const ty_lanes none = {0};
-    ty_lanes two_psi, all = source + source;
-    ty_lane_mask open[3], low[3];
-    for (int a = 0; a < 3; ++a) {
-        all += two_mu_over_h[a] * in[a];
-        low[a] = ty_lanes_greater(none, out[a]);
-        open[a] = (ty_lane_mask)~low[a];
-    }
-    do {
-        ty_lanes above = all, below = none + extinction;
-        for (int a = 0; a < 3; ++a) {
-            above = ty_lanes_add_product(open[a], above, two_mu_over_h[a], in[a]);
-            below = ty_lanes_add(open[a], below, two_mu_over_h[a]);
-        }
-        two_psi = ty_lanes_keep(ty_lanes_greater(below, none), above * ty_lanes_invert(below));
-        for (int a = 0; a < 3; ++a) {
-            out[a] = ty_lanes_keep(open[a], two_psi - in[a]);
-            low[a] = ty_lanes_greater(none, out[a]);
-            open[a] = (ty_lane_mask)(open[a] & ~low[a]);
-        }
-    } while (ty_mask_bits((ty_lane_mask)(low[0] | low[1] | low[2])) != 0);
-    *fixups += TY_LANES - __builtin_popcount(ty_mask_bits((ty_lane_mask)(open[0] & open[1] & open[2])));
-    return two_psi;
-}
-
-/* Diamond difference in one cell and direction (Lewis and Miller 1984):
- *     psi = (q + sum_a (2 |mu_a| / h_a) psi_in,a) / (sigma* + sum_a 2 |mu_a| / h_a),   psi_out,a = 2 psi - psi_in,a. */
-TY_INLINE void diamond_difference_step(stream* s, const ty_lanes two_mu_over_h[3], float extinction, ty_lanes inverse,
-                                       ptrdiff_t x, int64_t* fixups) {
-    const ty_lanes source = ty_lanes_load_aligned(s->psi + x * TY_LANES);
-    const ty_lanes in[3] = {s->psi_x, ty_lanes_load_aligned(s->psi_y + x * TY_LANES),
-                            ty_lanes_load_aligned(s->psi_z + x * TY_LANES)};
-    const ty_lanes psi_center =
-        (source + two_mu_over_h[1] * in[1] + two_mu_over_h[2] * in[2]) * inverse + two_mu_over_h[0] * inverse * in[0];
-    ty_lanes two_psi = psi_center + psi_center;
-    ty_lanes out[3] = {two_psi - in[0], two_psi - in[1], two_psi - in[2]};
-    if (__builtin_expect(ty_lanes_signs((ty_int_lanes)out[0] | (ty_int_lanes)out[1] | (ty_int_lanes)out[2]) != 0, 0))
-        two_psi = set_to_zero_fixup(two_mu_over_h, extinction, source, in, out, fixups);
-    s->psi_x = out[0];
-    ty_lanes_store_aligned(s->psi_y + x * TY_LANES, out[1]);
-    ty_lanes_store_aligned(s->psi_z + x * TY_LANES, out[2]);
-    ty_lanes_store_aligned(s->psi + x * TY_LANES, 0.5f * two_psi);
-}
-
 /* Sweeps cells [begin, end) of a row towards +x and -x. */
 static void sweep_cells(const ty_sweep_box* box, int32_t group, const float* extinction, const row_scratch* scratch,
                         int32_t begin, int32_t end, stream streams[2], ty_sweep_sums* sums) {
@@ -163,6 +49,21 @@ static void sweep_cells(const ty_sweep_box* box, int32_t group, const float* ext
     streams[1].psi_x = down.psi_x;
 }
 
+/* The same towards one side alone: o is 0 towards +x. */
+static void sweep_cells_unpaired(const ty_sweep_box* box, int32_t group, const float* extinction, int32_t begin,
+                                 int32_t end, int o, stream* light, ty_sweep_sums* sums) {
+    ty_lanes two_mu_over_h[3];
+    for (int a = 0; a < 3; ++a) two_mu_over_h[a] = ty_lanes_load_aligned(box->two_mu_over_h[a] + group * TY_LANES);
+    const ty_lanes faces = two_mu_over_h[0] + two_mu_over_h[1] + two_mu_over_h[2];
+    stream s = *light;
+    for (int32_t i = begin; i < end; ++i) {
+        const int32_t x = o == 0 ? i : begin + end - 1 - i;
+        diamond_difference_step(&s, two_mu_over_h, extinction[x], ty_lanes_invert(extinction[x] + faces), x,
+                                &sums->fixups);
+    }
+    light->psi_x = s.psi_x;
+}
+
 TY_INLINE void add_leakage(const ty_sweep_box* box, int32_t group, ty_lanes along, ty_sweep_sums* sums) {
     const ty_lanes leaving = ty_lanes_load_aligned(box->partial_current_weight[0] + group * TY_LANES) * along;
     for (int i = 0; i < TY_LANES; ++i) sums->leaving += (double)leaving[i];
@@ -170,11 +71,12 @@ TY_INLINE void add_leakage(const ty_sweep_box* box, int32_t group, ty_lanes alon
 
 /* ---- boundary faces ---- */
 
-/* The boundary faces of a row, for one group of directions in two octants. */
+/* The boundary faces of a row, for one group of directions in two octants, or in one of them. */
 typedef struct row_faces {
     const ty_sweep_box* box;
     int32_t group, octant;
-    int32_t first, end; /* range of sides */
+    int32_t first, end;             /* range of sides */
+    int octants_begin, octants_end; /* of 0 and 1 */
 } row_faces;
 
 /* The value in all lanes. */
@@ -218,7 +120,7 @@ static void exchange_face_radiance(const row_faces* row, const stream streams[2]
         const int32_t axis = walls->face[side] / 2, upper = walls->face[side] & 1;
         const bool comes = (row->octant >> axis & 1) != upper;
         if (axis == 0 || comes != after) continue;
-        for (int o = 0; o < 2; ++o) {
+        for (int o = row->octants_begin; o < row->octants_end; ++o) {
             float* face = (axis == 1 ? streams[o].psi_y : streams[o].psi_z) + walls->x[side] * TY_LANES;
             if (after) add_incident_power(row, row->octant + o, side, ty_lanes_load_aligned(face));
             ty_lanes_store_aligned(face, after ? broadcast(0) : emitted_radiance(row, row->octant + o, side));
@@ -262,8 +164,35 @@ static void sweep_row_segments(const row_faces* row, const float* extinction, co
     exchange_face_radiance(row, streams, true);
 }
 
-static row_faces faces_of_row(const ty_sweep_box* box, int32_t group, int32_t octant, ptrdiff_t row) {
-    row_faces walls = {.box = box, .group = group, .octant = octant};
+/* The same of one octant; light->psi_x is what enters at one end of the row, and becomes what leaves at the other. */
+static void sweep_row_segments_unpaired(const row_faces* row, const float* extinction, stream streams[2],
+                                        ty_sweep_sums* sums) {
+    const ty_sweep_box* box = row->box;
+    const ty_sweep_faces* walls = box->walls;
+    const int o = row->octants_begin;
+    const int32_t octant = row->octant + o, nx = box->size[0];
+    const ty_lanes upwind = streams[o].psi_x;
+    ty_lanes leaving = broadcast(0);
+    exchange_face_radiance(row, streams, false);
+    for (int32_t begin = 0, end; begin < nx; begin = end) {
+        const int32_t low = find_face(row, begin, 0), high = find_face(row, begin, 1);
+        const bool has_low = low < row->end && walls->x[low] == begin, has_high = high < row->end;
+        end = has_high ? walls->x[high] + 1 : nx;
+        const bool lit = o == 0 ? has_low : has_high, stops = o == 0 ? has_high : has_low;
+        const int32_t source = o == 0 ? low : high, target = o == 0 ? high : low;
+        streams[o].psi_x = lit ? emitted_radiance(row, octant, source) : upwind;
+        sweep_cells_unpaired(box, row->group, extinction, begin, end, o, &streams[o], sums);
+        if (stops) add_incident_power(row, octant, target, streams[o].psi_x);
+        if (!stops) leaving = streams[o].psi_x;
+    }
+    streams[o].psi_x = leaving;
+    exchange_face_radiance(row, streams, true);
+}
+
+static row_faces faces_of_row(const ty_sweep_box* box, int32_t group, int32_t octant, ptrdiff_t row, int32_t unpaired) {
+    row_faces walls = {.box = box, .group = group, .octant = octant, .octants_end = 2};
+    if (unpaired >= 0) walls.octants_begin = unpaired;
+    if (unpaired >= 0) walls.octants_end = unpaired + 1;
     if (box->walls == NULL) return walls;
     walls.first = box->walls->first[row];
     walls.end = box->walls->first[row + 1];
@@ -302,6 +231,27 @@ TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, co
         }
 }
 
+/* Moments of one octant alone: terms of both parities in one sequence. */
+TY_INLINE void gather_unpaired(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
+                               const ptrdiff_t terms) {
+    const int32_t first = group * TY_LANES, left = box->directions - first,
+                  directions = left < TY_LANES ? left : TY_LANES;
+    const ptrdiff_t padded = padded_terms(terms);
+    const float* weighted = box->unpaired_y_lm[octant] + first * padded;
+    for (ptrdiff_t x = 0; x < box->size[0]; x += TY_SWEEP_CELLS)
+        for (ptrdiff_t t = 0; t < padded; t += TY_LANES) {
+            const float* light = scratch->psi[octant & 1] + x * TY_LANES;
+            float* to = scratch->sum + x * padded + t;
+            ty_lanes sum[TY_SWEEP_CELLS] = {{0}};
+            for (int i = 0; i < TY_SWEEP_CELLS && group > 0; ++i) sum[i] = ty_lanes_load_aligned(to + i * padded);
+            for (int32_t d = 0; d < directions; ++d) {
+                const ty_lanes w = ty_lanes_load_aligned(weighted + d * padded + t);
+                for (int i = 0; i < TY_SWEEP_CELLS; ++i) sum[i] += light[i * TY_LANES + d] * w;
+            }
+            for (int i = 0; i < TY_SWEEP_CELLS; ++i) ty_lanes_store_aligned(to + i * padded, sum[i]);
+        }
+}
+
 /* Compacts the sums of a row in place by removing the padding between parities. */
 TY_INLINE void remove_padding(float* sum, ptrdiff_t cells, const ptrdiff_t bands) {
     const ptrdiff_t even = even_terms(bands), odd = even_terms(bands - 1);
@@ -312,6 +262,13 @@ TY_INLINE void remove_padding(float* sum, ptrdiff_t cells, const ptrdiff_t bands
         for (ptrdiff_t t = 0; t < odd; t += TY_LANES)
             ty_lanes_store(to + even + t, ty_lanes_load_aligned(from + padded_terms(even) + t));
     }
+}
+
+/* The same of one octant's sums. */
+TY_INLINE void remove_padding_unpaired(float* sum, ptrdiff_t cells, const ptrdiff_t terms) {
+    for (ptrdiff_t x = 1; x < cells && padded_terms(terms) != terms; ++x)
+        for (ptrdiff_t t = 0; t < terms; t += TY_LANES)
+            ty_lanes_store(sum + x * terms + t, ty_lanes_load_aligned(sum + x * padded_terms(terms) + t));
 }
 
 /* Moments of a cell from parity order to (l, m) order. */
@@ -335,7 +292,10 @@ TY_INLINE void reorder_cell(const ty_sweep_box* box, const float* sum, float* mo
 TY_INLINE void store_moments(const ty_sweep_box* box, const ty_sweep_block* block, float* sum, float* moments,
                              const ptrdiff_t bands) {
     const ptrdiff_t cells = box->size[0], terms = bands * bands, items = terms * cells;
-    remove_padding(sum, cells, bands);
+    if (block->unpaired < 0)
+        remove_padding(sum, cells, bands);
+    else
+        remove_padding_unpaired(sum, cells, terms);
     if (block->first) {
         memcpy(moments, sum, sizeof *moments * (size_t)items);
     } else if (block->last) {
@@ -360,13 +320,29 @@ typedef struct row_work {
     const ty_sweep_block* block;
 } row_work;
 
+/* One group of directions of the octant of a block that is swept alone; streams, walls: of the row. */
+TY_INLINE void sweep_unpaired(const row_work* work, const row_faces* walls, const float* extinction, float* across,
+                              stream streams[2], const int32_t bands) {
+    const ty_sweep_box* box = work->box;
+    const int o = work->block->unpaired;
+    streams[o].psi_x = ty_lanes_load_aligned(across);
+    if (walls->first < walls->end)
+        sweep_row_segments_unpaired(walls, extinction, streams, work->sums);
+    else
+        sweep_cells_unpaired(box, walls->group, extinction, 0, box->size[0], o, &streams[o], work->sums);
+    if (work->block->leaves) add_leakage(box, walls->group, streams[o].psi_x, work->sums);
+    ty_lanes_store_aligned(across, streams[o].psi_x);
+    gather_unpaired(box, walls->group, walls->octant + o, &work->scratch, bands * bands);
+}
+
 TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_t z, const int32_t bands) {
     const ty_sweep_box* box = work->box;
     const row_scratch* scratch = &work->scratch;
     const ptrdiff_t nx = box->size[0], ny = box->size[1], nz = box->size[2], row = (z * ny + y) * nx;
     const ptrdiff_t pitch = (ptrdiff_t)box->groups * TY_LANES;
-    const int32_t terms = bands * bands, at[3] = {0, y, z};
-    const ptrdiff_t patch = ty_boundary_patch(&box->patches, box->size, 0, at);
+    const int32_t terms = bands * bands, at[3] = {0, y + box->origin[1], z + box->origin[2]};
+    const int32_t unpaired = work->block->unpaired;
+    const ptrdiff_t patch = ty_boundary_patch(&box->patches, box->whole, 0, at);
     for (int32_t g = 0; g < box->groups; ++g) {
         const emission_view view = {box, box->y_lm[octant / 2] + g * TY_LANES, pitch};
         emit(&view, work->emission + row * terms, scratch->psi[0], scratch->psi[1], bands);
@@ -377,8 +353,15 @@ TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_
                 .psi = scratch->psi[o],
                 .psi_y = box->faces_y[octant + o] + (g * nz + z) * nx * TY_LANES,
                 .psi_z = box->faces_z[octant + o] + (g * ny + y) * nx * TY_LANES};
-        const row_faces walls = faces_of_row(box, g, octant, z * ny + y);
-        if (walls.first < walls.end) {
+        const row_faces walls = faces_of_row(box, g, octant, z * ny + y, unpaired);
+        if (unpaired >= 0) {
+            float* across = box->faces_x[octant + unpaired] + ((g * nz + z) * ny + y) * TY_LANES;
+            sweep_unpaired(work, &walls, box->extinction + row, across, streams, bands);
+            continue;
+        }
+        if (box->closed != NULL) {
+            transpose_row(box, octant, g, row, streams);
+        } else if (walls.first < walls.end) {
             sweep_row_segments(&walls, box->extinction + row, scratch, streams, work->sums);
         } else {
             sweep_cells(box, g, box->extinction + row, scratch, 0, (int32_t)nx, streams, work->sums);

@@ -27,14 +27,27 @@ typedef struct ty_sweep_box {
     const float* boundary_radiance[3][8];
     ty_boundary_radiance patches;  /* their numbers */
     const float* weighted_y_lm[4]; /* octant 2 i: weighted harmonics of each direction, `padded` in `order` */
+    const float* unpaired_y_lm[8]; /* weighted harmonics of each direction of an octant that is swept alone,
+                                      `unpaired` in `order`; NULL: none is */
+    int32_t unpaired_terms;        /* terms, padded to whole lanes */
     /* Upwind radiance of the next cells along y and z: per group, planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];
+    /* Of octants that are swept alone, radiance across x at the ends of rows: what enters, and then what leaves; per
+     * group, a plane of y and z. */
+    float* faces_x[8];
+    int32_t whole[3], origin[3]; /* cells of the box of which this one is a part, and the place of its first cell */
     const ty_sweep_faces* walls; /* NULL: no boundary faces */
+    const uint16_t* closed;      /* as of ty_sweep_set_closed */
 } ty_sweep_box;
+
+/* The tables of a sweep. */
+const ty_sweep_box* ty_sweep_tables(const ty_sweep* sweep);
 
 /* Block of rows for a pair of octants that differ in x only: 2 * pair and 2 * pair + 1. */
 typedef struct ty_sweep_block {
     int32_t pair;
+    int32_t unpaired;         /* bit 0 of the octant that is swept alone, and no pair; negative: both are */
+    bool leaves;              /* alone: the ends of its rows are faces of the whole box */
     int32_t begin[2], end[2]; /* y, z */
     bool first, last;         /* this pair is the first, the last of four to sweep the block */
 } ty_sweep_block;

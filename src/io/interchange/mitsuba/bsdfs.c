@@ -31,7 +31,7 @@ static ty_result mean_of_texture(maker* m, int32_t texture, double rgb[3]) {
     double colors[2][3] = {{0.4, 0.4, 0.4}, {0.2, 0.2, 0.2}};
     bool found;
     const char* type = ty_mitsuba_type(m->scene, texture);
-    ty_conversion_note_down(m->scene->conversion, "texture \"%.60s\" became its mean colour", type);
+    ty_conversion_approximate(m->scene->conversion, "texture \"%.60s\" became its mean colour", type);
     rgb[0] = rgb[1] = rgb[2] = 0.5;
     if (strcmp(type, "checkerboard") != 0) return TY_OK;
     ty_result result = ty_mitsuba_colour(m->scene, texture, "color0", false, colors[0], &found);
@@ -57,7 +57,7 @@ static ty_result use_image(maker* m, int32_t texture, bool number, char** refere
     result = ty_convert_texture(m->scene->conversion, location, found, &reading, reference);
     ty_free_text(m->scene->context, found);
     if (*reference != NULL && m->material.textured && memcmp(uv_map, m->material.uv_map, sizeof uv_map) != 0)
-        ty_conversion_note_down(m->scene->conversion, "a material's second texture takes the mapping of the first");
+        ty_conversion_approximate(m->scene->conversion, "a material's second texture takes the mapping of the first");
     else if (*reference != NULL)
         memcpy(m->material.uv_map, uv_map, sizeof uv_map);
     m->material.textured = m->material.textured || *reference != NULL;
@@ -91,7 +91,7 @@ static ty_result set_colour(maker* m, const char* name, const char* key, double 
 static ty_result read_number(maker* m, const char* name, double* out) {
     const int32_t child = ty_mitsuba_child(m->scene, m->node, name);
     if (child >= 0 && ty_mitsuba_is(m->scene, child, "texture"))
-        ty_conversion_note_down(m->scene->conversion, "bsdf \"%.60s\": the texture of \"%s\" is left out",
+        ty_conversion_leave_out(m->scene->conversion, "bsdf \"%.60s\": the texture of \"%s\"",
                                 ty_mitsuba_type(m->scene, m->node), name);
     return ty_mitsuba_float(m->scene, m->node, name, out);
 }
@@ -107,7 +107,9 @@ static ty_result read_ior(maker* m, const char* name, double* out) {
     return ty_mitsuba_float(m->scene, m->node, name, out);
 }
 
-/* Ours is the square root of alpha; anisotropic ones become the geometric mean. */
+/* Ours is the square root of alpha; anisotropic ones become the geometric mean. Of microfacets a part 1 - exp(-t^2 /
+ * a^2) is flatter than the slope t by Beckmann's distribution, and t^2 / (a^2 + t^2) by GGX: their medians are equal if
+ * the alpha of GGX is that of Beckmann times the root of ln 2. */
 static ty_result set_roughness(maker* m, const char* key, bool rough) {
     double alpha = 0.1, u = -1, v = -1;
     if (!rough) return set_number(m, key, 0);
@@ -115,11 +117,14 @@ static ty_result set_roughness(maker* m, const char* key, bool rough) {
     if (result == TY_OK) result = read_number(m, "alpha_u", &u);
     if (result == TY_OK) result = read_number(m, "alpha_v", &v);
     if (u >= 0 && v >= 0 && u != v)
-        ty_conversion_note_down(m->scene->conversion, "anisotropic roughness became its geometric mean");
+        ty_conversion_approximate(m->scene->conversion, "anisotropic roughness became its geometric mean");
     if (u >= 0 && v >= 0) alpha = sqrt(u * v);
     const char* distribution = ty_mitsuba_string(m->scene, m->node, "distribution");
-    if (distribution == NULL || strcmp(distribution, "ggx") != 0)
-        ty_conversion_note_down(m->scene->conversion, "microfacets of Beckmann's distribution have that of GGX");
+    if (distribution == NULL || strcmp(distribution, "ggx") != 0) {
+        alpha *= sqrt(log(2));
+        ty_conversion_approximate(m->scene->conversion,
+                                  "microfacets of Beckmann's distribution have that of GGX with the same median slope");
+    }
     return result == TY_OK ? set_number(m, key, sqrt(fmin(fmax(alpha, 0), 1))) : result;
 }
 
@@ -146,9 +151,10 @@ static ty_result make_dielectric(maker* m) {
     double ior;
     ty_result result = read_relative_ior(m, 1.5046, &ior);
     if (result != TY_OK) return result;
-    if (ior < 1) ty_conversion_note_down(m->scene->conversion, "an index of refraction below 1 became its reciprocal");
+    if (ior < 1)
+        ty_conversion_approximate(m->scene->conversion, "an index of refraction below 1 became its reciprocal");
     if (ty_mitsuba_child(m->scene, m->node, "specular_reflectance") >= 0)
-        ty_conversion_note_down(m->scene->conversion, "specular_reflectance of a dielectric is left out");
+        ty_conversion_leave_out(m->scene->conversion, "specular_reflectance of a dielectric");
     result = set_colour(m, "specular_transmittance", "base_color", 1, 1);
     if (result == TY_OK) result = set_roughness(m, "roughness", is_rough(m));
     if (result == TY_OK) result = set_number(m, "ior", fmin(fmax(ior < 1 ? 1 / fmax(ior, 0.01) : ior, 1), 100));
@@ -162,8 +168,8 @@ static ty_result make_thin_dielectric(maker* m) {
     ty_result result = read_relative_ior(m, 1.5046, &ior);
     if (result != TY_OK) return result;
     const double f = (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1)), root = sqrt(2 * f / (1 + f));
-    ty_conversion_note_down(m->scene->conversion,
-                            "bsdf \"thindielectric\" became a pane that reflects alike at normal incidence");
+    ty_conversion_approximate(m->scene->conversion,
+                              "bsdf \"thindielectric\" became a pane that reflects alike at normal incidence");
     result = set_colour(m, "specular_transmittance", "base_color", 1, 1);
     if (result == TY_OK) result = set_number(m, "roughness", 0);
     if (result == TY_OK) result = set_number(m, "ior", fmin((1 + root) / (1 - root), 100));
@@ -181,7 +187,7 @@ static ty_result make_conductor(maker* m) {
     if (name == NULL && !has_eta) name = "Cu";
     const bool mirror = name != NULL && strcmp(name, "none") == 0;
     if (name != NULL && !mirror && !ty_named_metal(name, eta, k)) {
-        ty_conversion_note_down(m->scene->conversion, "the metal \"%.60s\" is not known; aluminium was taken", name);
+        ty_conversion_approximate(m->scene->conversion, "the metal \"%.60s\" is not known; aluminium was taken", name);
         ty_named_metal("Al", eta, k);
     }
     for (int c = 0; c < 3; ++c) rgb[c] = tint[c] * (mirror ? 1 : ty_conductor_reflectance(eta[c], k[c]));
@@ -193,7 +199,7 @@ static ty_result make_conductor(maker* m) {
 static ty_result make_plastic(maker* m) {
     double ior;
     ty_result result = read_relative_ior(m, 1.49, &ior);
-    ty_conversion_note_down(m->scene->conversion, "bsdf \"plastic\" became a diffuse base below a dielectric");
+    ty_conversion_approximate(m->scene->conversion, "bsdf \"plastic\" became a diffuse base below a dielectric");
     if (result == TY_OK) result = set_colour(m, "diffuse_reflectance", "base_color", 0.5, 1);
     if (result == TY_OK) result = set_roughness(m, "roughness", is_rough(m));
     return result == TY_OK ? set_number(m, "ior", fmin(fmax(ior, 1), 100)) : result;
@@ -212,7 +218,7 @@ static ty_result make_principled(maker* m) {
     static const char* const left[] = {"anisotropic", "flatness", "spec_tint", "sheen_tint"};
     for (size_t i = 0; i < sizeof left / sizeof left[0]; ++i)
         if (ty_mitsuba_child(m->scene, m->node, left[i]) >= 0)
-            ty_conversion_note_down(m->scene->conversion, "bsdf \"principled\": \"%s\" is left out", left[i]);
+            ty_conversion_leave_out(m->scene->conversion, "bsdf \"principled\": \"%s\"", left[i]);
     const double root = sqrt(0.08 * fmin(fmax(specular, 0), 1)); /* F0 = 0.08 specular */
     if (result == TY_OK) result = set_number(m, "roughness", fmin(fmax(roughness, 0), 1));
     if (result == TY_OK) result = set_number(m, "metallic", fmin(fmax(metallic, 0), 1));
@@ -227,8 +233,8 @@ static ty_result make_principled(maker* m) {
 }
 
 static ty_result make_unknown(maker* m) {
-    ty_conversion_note_down(m->scene->conversion, "bsdf \"%.60s\" became diffuse, with a reflectance of 0.5",
-                            ty_mitsuba_type(m->scene, m->node));
+    ty_conversion_approximate(m->scene->conversion, "bsdf \"%.60s\" became diffuse, with a reflectance of 0.5",
+                              ty_mitsuba_type(m->scene, m->node));
     return set_number(m, "base_color", 0.5);
 }
 
@@ -261,7 +267,7 @@ static ty_result unwrap(ty_mitsuba* scene, int32_t* node) {
             strcmp(type, "normalmap") != 0 && strcmp(type, "blendbsdf") != 0 && strcmp(type, "coating") != 0)
             return TY_OK;
         if (strcmp(type, "twosided") != 0)
-            ty_conversion_note_down(scene->conversion, "bsdf \"%s\": what it wraps is left, as it is", type);
+            ty_conversion_approximate(scene->conversion, "bsdf \"%s\": what it wraps is taken as it is", type);
         const int32_t inner = ty_mitsuba_child_of_tag(scene, *node, "bsdf");
         if (inner < 0) return ty_mitsuba_fail(scene, *node, "the bsdf \"%s\" wraps none", type);
         *node = inner;

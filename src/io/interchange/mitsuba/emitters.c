@@ -45,7 +45,7 @@ static ty_result read_spot(ty_mitsuba* scene, int32_t node) {
     if (beam < 0) beam = 0.75 * cutoff;
     ty_affine_point(&map, (const double[3]){0, 0, 0}, place);
     ty_affine_direction(&map, (const double[3]){0, 0, 1}, direction);
-    ty_conversion_note_down(scene->conversion, "emitter \"spot\": it fades smoothly, not linearly in the angle");
+    ty_conversion_approximate(scene->conversion, "emitter \"spot\": it fades smoothly, not linearly in the angle");
     return ty_conversion_add_light(
         scene->conversion,
         json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "type", "spot", "position", ty_conversion_vector(place, 3),
@@ -139,6 +139,6 @@ static const struct {
 ty_result ty_mitsuba_emitter(ty_mitsuba* scene, int32_t node) {
     for (size_t i = 0; i < sizeof readers / sizeof readers[0]; ++i)
         if (strcmp(readers[i].type, ty_mitsuba_type(scene, node)) == 0) return readers[i].read(scene, node);
-    ty_conversion_note_down(scene->conversion, "the emitter \"%.60s\" is left out", ty_mitsuba_type(scene, node));
+    ty_conversion_leave_out(scene->conversion, "the emitter \"%.60s\"", ty_mitsuba_type(scene, node));
     return TY_OK;
 }

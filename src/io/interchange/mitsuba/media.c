@@ -27,7 +27,7 @@ static ty_result set_phase(maker* m, json_t* entry) {
     } else if (strcmp(type, "rayleigh") == 0) {
         return ty_conversion_set(m->scene->conversion, entry, "phase", json_pack("{s:s}", "type", "rayleigh"));
     } else if (strcmp(type, "isotropic") != 0) {
-        ty_conversion_note_down(m->scene->conversion, "the phase function \"%.60s\" became isotropic", type);
+        ty_conversion_approximate(m->scene->conversion, "the phase function \"%.60s\" became isotropic", type);
     }
     return ty_conversion_set(m->scene->conversion, entry, "g", ty_json_number(fmin(fmax(g, -0.9999), 0.9999)));
 }
@@ -68,7 +68,7 @@ static ty_result read_homogeneous(maker* m) {
         }
         has[2] = true;
     } else if (preset != NULL) {
-        ty_conversion_note_down(m->scene->conversion, "the medium \"%.60s\" is not known", preset);
+        ty_conversion_approximate(m->scene->conversion, "the medium \"%.60s\" is not known", preset);
     }
     for (int c = 0; c < 3 && !has[2] && !has[3]; ++c) {
         s[c] = t[c] * albedo[c];
@@ -226,17 +226,16 @@ static ty_result read_heterogeneous(maker* m) {
     double constant[3] = {0.75, 0.75, 0.75};
     bool found;
     if (ty_mitsuba_child(m->scene, m->node, "emission") >= 0)
-        ty_conversion_note_down(m->scene->conversion, "emission of the medium \"%s\" is left out", m->medium.name);
+        ty_conversion_leave_out(m->scene->conversion, "emission of the medium \"%s\"", m->medium.name);
     if (!is_grid(m->scene, extinction)) {
         if (extinction >= 0 && ty_mitsuba_is(m->scene, extinction, "volume") &&
             strcmp(ty_mitsuba_type(m->scene, extinction), "constvolume") != 0) {
-            ty_conversion_note_down(m->scene->conversion, "medium \"%s\" is left out, as its volume is a \"%.60s\"",
-                                    m->medium.name, ty_mitsuba_type(m->scene, extinction));
+            ty_conversion_leave_out(m->scene->conversion, "medium \"%s\", as its volume is a \"%.60s\"", m->medium.name,
+                                    ty_mitsuba_type(m->scene, extinction));
             return TY_OK;
         }
         if (is_grid(m->scene, scattered))
-            ty_conversion_note_down(m->scene->conversion, "medium \"%s\": the grid of its albedo is left out",
-                                    m->medium.name);
+            ty_conversion_leave_out(m->scene->conversion, "medium \"%s\": the grid of its albedo", m->medium.name);
         /* A constant volume fills the unit cube as its to_world maps it. */
         static const double unit[2][3] = {{0, 0, 0}, {1, 1, 1}};
         memcpy(m->medium.box, unit, sizeof unit);
@@ -251,8 +250,8 @@ static ty_result read_heterogeneous(maker* m) {
     if (result == TY_OK && is_grid(m->scene, scattered)) result = read_volume(m, scattered, &albedo);
     if (result == TY_OK && albedo.components > 0 &&
         memcmp(albedo.to_world.m, density.to_world.m, sizeof albedo.to_world.m) != 0)
-        ty_conversion_note_down(m->scene->conversion, "medium \"%s\": the albedo takes the place of the extinction",
-                                m->medium.name);
+        ty_conversion_approximate(m->scene->conversion, "medium \"%s\": the albedo takes the place of the extinction",
+                                  m->medium.name);
     if (result == TY_OK) result = add_heterogeneous(m, &density, &albedo, constant);
     release(&density);
     release(&albedo);
@@ -280,7 +279,7 @@ ty_result ty_mitsuba_medium(ty_mitsuba* scene, int32_t node, int32_t* index) {
     else if (result == TY_OK && strcmp(type, "heterogeneous") == 0)
         result = read_heterogeneous(&m);
     else if (result == TY_OK)
-        ty_conversion_note_down(scene->conversion, "the medium \"%.60s\" is left out", type);
+        ty_conversion_leave_out(scene->conversion, "the medium \"%.60s\"", type);
     if (result != TY_OK) {
         ty_free_text(scene->context, m.medium.name);
         json_decref(m.medium.entries);

@@ -19,7 +19,7 @@ static ty_result read_element(ty_mitsuba* scene, int32_t node) {
     if (ty_mitsuba_is(scene, node, "integrator")) return ty_mitsuba_integrator(scene, node);
     for (size_t i = 0; i < sizeof inert / sizeof inert[0]; ++i)
         if (ty_mitsuba_is(scene, node, inert[i])) return TY_OK;
-    ty_conversion_note_down(scene->conversion, "the element \"%.60s\" is left out", scene->nodes[node].tag);
+    ty_conversion_leave_out(scene->conversion, "the element \"%.60s\"", scene->nodes[node].tag);
     return TY_OK;
 }
 

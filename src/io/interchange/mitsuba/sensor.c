@@ -29,7 +29,7 @@ static ty_result read_film(ty_mitsuba* scene, int32_t node, int32_t size[2]) {
         size[a] = (int32_t)numbers[a];
     }
     if (ty_mitsuba_child(scene, film, "crop_width") >= 0 || ty_mitsuba_child(scene, film, "crop_height") >= 0)
-        ty_conversion_note_down(scene->conversion, "film: the image is whole, without its crop window");
+        ty_conversion_approximate(scene->conversion, "film: the image is whole, without its crop window");
     return result;
 }
 
@@ -75,12 +75,12 @@ static ty_result read_sampler(ty_mitsuba* scene, int32_t node) {
 static void note_rest(ty_mitsuba* scene, int32_t node) {
     const char* type = ty_mitsuba_type(scene, node);
     if (strcmp(type, "thinlens") == 0)
-        ty_conversion_note_down(scene->conversion, "sensor \"thinlens\": depth of field is left out");
+        ty_conversion_leave_out(scene->conversion, "sensor \"thinlens\": depth of field");
     else if (strcmp(type, "perspective") != 0 && strcmp(type, "orthographic") != 0)
-        ty_conversion_note_down(scene->conversion, "sensor \"%.60s\" became a pinhole camera", type);
+        ty_conversion_approximate(scene->conversion, "sensor \"%.60s\" became a pinhole camera", type);
     if (ty_mitsuba_child(scene, node, "principal_point_offset_x") >= 0 ||
         ty_mitsuba_child(scene, node, "principal_point_offset_y") >= 0)
-        ty_conversion_note_down(scene->conversion, "sensor: the offset of the principal point is left out");
+        ty_conversion_leave_out(scene->conversion, "sensor: the offset of the principal point");
 }
 
 ty_result ty_mitsuba_sensor(ty_mitsuba* scene, int32_t node) {
@@ -88,7 +88,7 @@ ty_result ty_mitsuba_sensor(ty_mitsuba* scene, int32_t node) {
     int32_t size[2], medium = -1;
     double fov_y = 40, position[3], forward[3], up[3], target[3], length = 0, height = 0;
     if (scene->conversion->camera != NULL) {
-        ty_conversion_note_down(scene->conversion, "of several sensors the first is taken");
+        ty_conversion_approximate(scene->conversion, "of several sensors the first is taken");
         return TY_OK;
     }
     ty_result result = ty_mitsuba_transform(scene, node, "to_world", &map);
@@ -104,7 +104,7 @@ ty_result ty_mitsuba_sensor(ty_mitsuba* scene, int32_t node) {
     if (result != TY_OK) return result;
     if (medium >= 0) scene->conversion->media[medium].outside = scene->conversion->media[medium].camera = true;
     if (ty_affine_determinant(&map) < 0)
-        ty_conversion_note_down(scene->conversion, "sensor: its transform mirrors, and the image does not");
+        ty_conversion_approximate(scene->conversion, "sensor: its transform mirrors, and the image does not");
     ty_affine_point(&map, (const double[3]){0, 0, 0}, position);
     ty_affine_direction(&map, (const double[3]){0, 0, 1}, forward);
     ty_affine_direction(&map, (const double[3]){0, 1, 0}, up);
@@ -117,8 +117,8 @@ ty_result ty_mitsuba_sensor(ty_mitsuba* scene, int32_t node) {
     if (orthographic) { /* the film spans -1 to 1 in x */
         back = 1000 * sqrt(height) / aspect;
         fov_y = 2 * atan(1e-3) * 180 / TY_PI_F64;
-        ty_conversion_note_down(scene->conversion,
-                                "sensor \"orthographic\": a distant one with a narrow view was taken");
+        ty_conversion_approximate(scene->conversion,
+                                  "sensor \"orthographic\": a distant one with a narrow view was taken");
     }
     for (int a = 0; a < 3; ++a) {
         forward[a] /= sqrt(length);
@@ -144,7 +144,7 @@ ty_result ty_mitsuba_integrator(ty_mitsuba* scene, int32_t node) {
     const ty_result result = ty_mitsuba_float(scene, node, "max_depth", &depth);
     if (result != TY_OK) return result;
     if (depth >= 0 && depth < 2)
-        ty_conversion_note_down(scene->conversion, "integrator: a max_depth of %g became one scattering", depth);
+        ty_conversion_approximate(scene->conversion, "integrator: a max_depth of %g became one scattering", depth);
     const json_int_t limit = depth < 0 ? 0 : depth < 2 ? 1 : (json_int_t)fmin(depth - 1, 1e9);
     json_t* path = json_pack("{s:I}", "max_depth", limit);
     return ty_conversion_set(scene->conversion, render_of(scene), "path", path);

@@ -49,7 +49,7 @@ static ty_result read_holder(holder* h) {
         result = ty_mitsuba_colour(scene, emitter, "radiance", true, emission, &found);
         if (!found) {
             emission[0] = emission[1] = emission[2] = 1;
-            ty_conversion_note_down(conversion, "an area light of a texture shines evenly");
+            ty_conversion_approximate(conversion, "an area light of a texture shines evenly");
         }
     }
     if (result != TY_OK) return result;
@@ -310,6 +310,6 @@ ty_result ty_mitsuba_shape(ty_mitsuba* scene, int32_t node, const ty_affine* aro
         result = read_holder(&h);
         return result == TY_OK ? readers[i].read(&h) : result;
     }
-    ty_conversion_note_down(scene->conversion, "the shape \"%.60s\" is left out", type);
+    ty_conversion_leave_out(scene->conversion, "the shape \"%.60s\"", type);
     return TY_OK;
 }

@@ -230,7 +230,7 @@ ty_result ty_mitsuba_colour(ty_mitsuba* scene, int32_t node, const char* name, b
     *found = value != NULL;
     if (child >= 0 && value == NULL && ty_mitsuba_is(scene, child, "spectrum")) {
         const char* file = ty_mitsuba_attribute(scene, child, "filename");
-        ty_conversion_note_down(scene->conversion, "the spectrum \"%.100s\" is left out",
+        ty_conversion_leave_out(scene->conversion, "the spectrum \"%.100s\"",
                                 file != NULL ? file : ty_mitsuba_type(scene, child));
     }
     if (!*found) return TY_OK;

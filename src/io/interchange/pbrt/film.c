@@ -20,7 +20,7 @@ static void read_screen(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
     const double* n = window->numbers;
     reader->screen_height = 0.5 * fabs(n[3] - n[2]);
     if (fabs(n[0] + n[1]) > 1e-3 * fabs(n[1] - n[0]) || fabs(n[2] + n[3]) > 1e-3 * fabs(n[3] - n[2]))
-        ty_conversion_note_down(reader->conversion, "Camera: the screen window is off centre, and was centred");
+        ty_conversion_approximate(reader->conversion, "Camera: the screen window is off centre, and was centred");
 }
 
 ty_result ty_pbrt_camera(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
@@ -50,14 +50,14 @@ ty_result ty_pbrt_camera(ty_pbrt* reader, const ty_pbrt_parameters* parameters) 
     if (strcmp(parameters->type, "orthographic") == 0) {
         reader->fov = 2 * atan(1e-3) * 180 / TY_PI_F64;
         back = 1000 * height;
-        ty_conversion_note_down(reader->conversion,
-                                "Camera \"orthographic\": a distant one with a narrow view was taken");
+        ty_conversion_approximate(reader->conversion,
+                                  "Camera \"orthographic\": a distant one with a narrow view was taken");
     } else if (strcmp(parameters->type, "perspective") != 0) {
-        ty_conversion_note_down(reader->conversion, "Camera \"%s\": a pinhole camera of %g degrees was taken",
-                                parameters->type, reader->fov);
+        ty_conversion_approximate(reader->conversion, "Camera \"%s\": a pinhole camera of %g degrees was taken",
+                                  parameters->type, reader->fov);
     }
     if (ty_pbrt_float(parameters, "lensradius", 0) > 0)
-        ty_conversion_note_down(reader->conversion, "Camera: depth of field is left out (lensradius)");
+        ty_conversion_leave_out(reader->conversion, "Camera: depth of field (lensradius)");
     ty_pbrt_float(parameters, "focaldistance", 0);
     for (int a = 0; a < 3; ++a) {
         forward[a] /= length;
@@ -86,12 +86,12 @@ ty_result ty_pbrt_film(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
         if (reader->resolution[a] < 1 || reader->resolution[a] > 65536)
             return ty_pbrt_refuse(parameters, "a resolution of %d is outside 1..65536", (int)reader->resolution[a]);
     if (ty_pbrt_find(parameters, "cropwindow") != NULL || ty_pbrt_find(parameters, "pixelbounds") != NULL)
-        ty_conversion_note_down(reader->conversion, "Film: the image is whole, without its crop window");
+        ty_conversion_approximate(reader->conversion, "Film: the image is whole, without its crop window");
     reader->iso = fmax(ty_pbrt_float(parameters, "iso", 100), 1e-6);
     if (ty_pbrt_string(parameters, "sensor", sensor, sizeof sensor) && strcmp(sensor, "cie1931") != 0)
-        ty_conversion_note_down(reader->conversion, "Film: the colours of the sensor \"%s\" are left out", sensor);
+        ty_conversion_leave_out(reader->conversion, "Film: the colours of the sensor \"%s\"", sensor);
     if (ty_pbrt_float(parameters, "whitebalance", 0) != 0)
-        ty_conversion_note_down(reader->conversion, "Film: white balance is left out");
+        ty_conversion_leave_out(reader->conversion, "Film: white balance");
     return TY_OK;
 }
 

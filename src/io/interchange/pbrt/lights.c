@@ -103,9 +103,8 @@ static ty_result read_map(ty_pbrt* reader, const ty_pbrt_parameters* parameters,
 static ty_result read_infinite(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
     char name[1024];
     if (ty_pbrt_find(parameters, "portal") != NULL)
-        ty_conversion_note_down(reader->conversion,
-                                "LightSource \"infinite\": its portal is left out, so it shines from "
-                                "all sides");
+        ty_conversion_leave_out(reader->conversion,
+                                "LightSource \"infinite\": its portal, so it shines from all sides");
     if (ty_pbrt_string(parameters, "filename", name, sizeof name)) return read_map(reader, parameters, name);
     double rgb[3];
     const ty_result result = read_colour(parameters, "L", rgb);
@@ -125,7 +124,7 @@ ty_result ty_pbrt_light(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
     if (strcmp(parameters->type, "infinite") == 0) return read_infinite(reader, parameters);
     if (strcmp(parameters->type, "goniometric") != 0 && strcmp(parameters->type, "projection") != 0)
         return ty_pbrt_refuse(parameters, "the light \"%s\" is not known", parameters->type);
-    ty_conversion_note_down(reader->conversion, "LightSource \"%s\" is left out", parameters->type);
+    ty_conversion_leave_out(reader->conversion, "LightSource \"%s\"", parameters->type);
     for (size_t i = 0; i < parameters->count; ++i) parameters->items[i].used = true;
     return TY_OK;
 }
@@ -139,7 +138,6 @@ ty_result ty_pbrt_area(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
     area->two_sided = ty_pbrt_bool(parameters, "twosided", false);
     area->power = fmax(ty_pbrt_float(parameters, "power", 0), 0);
     if (ty_pbrt_string(parameters, "filename", name, sizeof name))
-        ty_conversion_note_down(reader->conversion, "AreaLightSource: the image \"%s\" is left out: the light is white",
-                                name);
+        ty_conversion_leave_out(reader->conversion, "AreaLightSource: the image \"%s\": the light is white", name);
     return read_colour(parameters, "L", area->radiance);
 }

@@ -41,7 +41,7 @@ static ty_result find_texture(maker* m, const char* name, bool number, const ty_
 /* All textures of a material share the mapping of the first one. */
 static void share_mapping(maker* m, const double uv_map[4]) {
     if (m->material.textured && memcmp(m->material.uv_map, uv_map, sizeof m->material.uv_map) != 0)
-        ty_conversion_note_down(m->reader->conversion, "a material's second texture takes the mapping of the first");
+        ty_conversion_approximate(m->reader->conversion, "a material's second texture takes the mapping of the first");
     if (!m->material.textured) memcpy(m->material.uv_map, uv_map, sizeof m->material.uv_map);
     m->material.textured = true;
 }
@@ -83,8 +83,8 @@ static ty_result read_number(maker* m, const char* name, double otherwise, doubl
     const ty_result result = find_texture(m, name, true, &texture);
     if (texture == NULL) return result;
     if (texture->file != NULL)
-        ty_conversion_note_down(m->reader->conversion, "material \"%s\": the image of \"%s\" is left out",
-                                m->parameters->type, name);
+        ty_conversion_leave_out(m->reader->conversion, "material \"%s\": the image of \"%s\"", m->parameters->type,
+                                name);
     *out = texture->file != NULL ? otherwise : texture->color[0];
     return TY_OK;
 }
@@ -118,9 +118,9 @@ static ty_result set_roughness(maker* m, const char* prefix, const char* key) {
     for (int i = 1; i < 3 && result == TY_OK; ++i) result = read_number(m, names[i], values[0], &values[i]);
     if (result != TY_OK) return result;
     if (fabs(values[1] - values[2]) > 1e-6)
-        ty_conversion_note_down(m->reader->conversion,
-                                "material \"%s\": anisotropic roughness became its geometric mean",
-                                m->parameters->type);
+        ty_conversion_approximate(m->reader->conversion,
+                                  "material \"%s\": anisotropic roughness became its geometric mean",
+                                  m->parameters->type);
     return set_number(m, key, sqrt(roughness_from(values[1], remapped) * roughness_from(values[2], remapped)));
 }
 
@@ -134,7 +134,7 @@ static ty_result read_ior(maker* m, const char* name, double* out) {
     const ty_result result = ty_pbrt_spectrum_at(m->parameters, name, values, &found);
     *out = values[1];
     if (result == TY_OK && fabs(values[0] - values[2]) > 1e-3)
-        ty_conversion_note_down(m->reader->conversion, "material \"%s\": dispersion is left out", m->parameters->type);
+        ty_conversion_leave_out(m->reader->conversion, "material \"%s\": dispersion", m->parameters->type);
     return result;
 }
 
@@ -147,8 +147,8 @@ static ty_result make_coated_diffuse(maker* m) {
     if (result == TY_OK) result = read_number(m, "thickness", 0.01, &unused);
     ty_pbrt_find(m->parameters, "maxdepth");
     ty_pbrt_find(m->parameters, "nsamples");
-    ty_conversion_note_down(m->reader->conversion,
-                            "material \"coateddiffuse\" became a diffuse base below a dielectric");
+    ty_conversion_approximate(m->reader->conversion,
+                              "material \"coateddiffuse\" became a diffuse base below a dielectric");
     return result;
 }
 
@@ -183,7 +183,7 @@ static ty_result make_coated_conductor(maker* m) {
     if (result == TY_OK) result = set_roughness(m, "interface.", "clearcoat_roughness");
     if (result == TY_OK) result = read_ior(m, "interface.eta", &ior);
     if (result == TY_OK) result = read_number(m, "thickness", 0.01, &unused);
-    ty_conversion_note_down(m->reader->conversion, "material \"coatedconductor\" became metal below a clear coat");
+    ty_conversion_approximate(m->reader->conversion, "material \"coatedconductor\" became metal below a clear coat");
     return result;
 }
 
@@ -191,8 +191,8 @@ static ty_result make_dielectric(maker* m) {
     double ior;
     ty_result result = read_ior(m, "eta", &ior);
     if (result == TY_OK && ior < 1)
-        ty_conversion_note_down(m->reader->conversion,
-                                "material \"dielectric\": an index of refraction below 1 became its reciprocal");
+        ty_conversion_approximate(m->reader->conversion,
+                                  "material \"dielectric\": an index of refraction below 1 became its reciprocal");
     if (result == TY_OK) result = set_number(m, "base_color", 1);
     if (result == TY_OK) result = set_roughness(m, "", "roughness");
     if (result == TY_OK) result = set_number(m, "ior", fmax(ior < 1 ? 1 / fmax(ior, 0.01) : ior, 1));
@@ -206,8 +206,8 @@ static ty_result make_thin_dielectric(maker* m) {
     ty_result result = read_ior(m, "eta", &ior);
     if (result != TY_OK) return result;
     const double f = (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1)), root = sqrt(2 * f / (1 + f));
-    ty_conversion_note_down(m->reader->conversion,
-                            "material \"thindielectric\" became a pane that reflects alike at normal incidence");
+    ty_conversion_approximate(m->reader->conversion,
+                              "material \"thindielectric\" became a pane that reflects alike at normal incidence");
     result = set_number(m, "base_color", 1);
     if (result == TY_OK) result = set_number(m, "roughness", 0);
     if (result == TY_OK) result = set_number(m, "ior", fmin((1 + root) / (1 - root), 100));
@@ -225,9 +225,7 @@ static ty_result make_diffuse_transmission(maker* m) {
         result = find_texture(m, names[i], false, &texture);
         if (texture != NULL && texture->file == NULL) memcpy(colors[i], texture->color, sizeof colors[i]);
         if (texture != NULL && texture->file != NULL)
-            ty_conversion_note_down(m->reader->conversion,
-                                    "material \"diffusetransmission\": the image of \"%s\" is left "
-                                    "out",
+            ty_conversion_leave_out(m->reader->conversion, "material \"diffusetransmission\": the image of \"%s\"",
                                     names[i]);
         if (result == TY_OK && texture == NULL)
             result = ty_pbrt_spectrum(m->parameters, names[i], TY_PBRT_REFLECTANCE, colors[i], &found);
@@ -238,7 +236,7 @@ static ty_result make_diffuse_transmission(maker* m) {
         all += sum[c];
         through += scale * colors[1][c];
     }
-    ty_conversion_note_down(m->reader->conversion, "material \"diffusetransmission\" became a rough thin wall");
+    ty_conversion_approximate(m->reader->conversion, "material \"diffusetransmission\" became a rough thin wall");
     result = set(m, "base_color", ty_conversion_colour(sum, 0, 1));
     if (result == TY_OK) result = set_number(m, "roughness", 1);
     if (result == TY_OK) result = set_number(m, "ior", 1);
@@ -290,7 +288,7 @@ static ty_result make_subsurface(maker* m) {
     ty_conversion_medium medium = {.inside = true, .transform = ty_affine_identity()};
     ty_result result = read_subsurface(m, sigma_a, sigma_s);
     if (result != TY_OK) return result;
-    ty_conversion_note_down(m->reader->conversion, "material \"subsurface\" became a dielectric that a medium fills");
+    ty_conversion_approximate(m->reader->conversion, "material \"subsurface\" became a dielectric that a medium fills");
     medium.name = ty_copy_text(m->reader->context, "subsurface");
     medium.entries = json_pack("[{s:s, s:o, s:o, s:o}]", "name", "subsurface", "sigma_s",
                                ty_conversion_colour(sigma_s, 0, 1e9), "sigma_a", ty_conversion_colour(sigma_a, 0, 1e9),
@@ -302,8 +300,8 @@ static ty_result make_subsurface(maker* m) {
 }
 
 static ty_result make_unknown(maker* m) {
-    ty_conversion_note_down(m->reader->conversion, "material \"%s\" became diffuse, with a reflectance of 0.5",
-                            m->parameters->type);
+    ty_conversion_approximate(m->reader->conversion, "material \"%s\" became diffuse, with a reflectance of 0.5",
+                              m->parameters->type);
     for (size_t i = 0; i < m->parameters->count; ++i) m->parameters->items[i].used = true;
     return set(m, "base_color", ty_json_number(0.5));
 }
@@ -334,7 +332,7 @@ static ty_result choose_of_mix(ty_pbrt* reader, const ty_pbrt_parameters* parame
         return ty_pbrt_refuse(parameters, "material \"mix\" has no two \"string materials\"");
     const ty_pbrt_token* chosen = &names->strings[ty_pbrt_float(parameters, "amount", 0.5) > 0.5 ? 1 : 0];
     snprintf(name, sizeof name, "%.*s", (int)chosen->length, chosen->text);
-    ty_conversion_note_down(reader->conversion, "material \"mix\" became one of its two materials");
+    ty_conversion_approximate(reader->conversion, "material \"mix\" became one of its two materials");
     *index = -1;
     for (size_t i = reader->material_count; i-- > 0;) {
         if (strcmp(reader->materials[i].name, name) != 0) continue;
@@ -350,7 +348,7 @@ static ty_result set_common(maker* m) {
     char name[1024];
     ty_result result = TY_OK;
     if (ty_pbrt_find(m->parameters, "displacement") != NULL)
-        ty_conversion_note_down(m->reader->conversion, "displacement of a material is left out");
+        ty_conversion_leave_out(m->reader->conversion, "displacement of a material");
     if (ty_pbrt_string(m->parameters, "normalmap", name, sizeof name)) {
         static const double plain[4] = {1, 1, 0, 0};
         char location[512];

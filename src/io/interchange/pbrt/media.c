@@ -37,7 +37,7 @@ static ty_result read_coefficients(maker* m) {
     if (ty_pbrt_string(m->parameters, "preset", preset, sizeof preset)) {
         ty_medium_def def = ty_default_medium_def();
         if (!ty_medium_preset(preset, &def)) {
-            ty_conversion_note_down(m->reader->conversion, "the medium \"%s\" is not known", preset);
+            ty_conversion_approximate(m->reader->conversion, "the medium \"%s\" is not known", preset);
         } else {
             /* The same measurements, which are in 1/mm there. */
             for (int c = 0; c < 3; ++c) {
@@ -139,10 +139,10 @@ static ty_result set_temperature(maker* m, json_t* entry, const int32_t size[3],
     const double slope = ty_pbrt_float(m->parameters, "temperaturescale", 1);
     for (size_t i = 0; i < count; ++i) plane[i] = (float)(((double)plane[i] - offset) * slope);
     if (!ty_normalize_temperatures(plane, count, scale, &factor)) return TY_OK;
-    ty_conversion_note_down(m->reader->conversion,
-                            "medium \"%s\": temperatures were replaced by those that emit the "
-                            "luminance of pbrt's normalized black bodies",
-                            m->medium.name);
+    ty_conversion_approximate(
+        m->reader->conversion,
+        "medium \"%s\": temperatures were replaced by those that emit the luminance of pbrt's normalized black bodies",
+        m->medium.name);
     const float* const planes[3] = {plane, NULL, NULL};
     const ty_result result = ty_conversion_write_volume(m->reader->conversion, "temperature", size, planes, 1,
                                                         (const double(*)[3])m->medium.box, &reference);
@@ -164,8 +164,8 @@ static double read_emission_scale(maker* m) {
         high = fmax(high, scale->numbers[i]);
     }
     if (high > low)
-        ty_conversion_note_down(m->reader->conversion, "medium \"%s\": the grid of Lescale became its mean",
-                                m->medium.name);
+        ty_conversion_approximate(m->reader->conversion, "medium \"%s\": the grid of Lescale became its mean",
+                                  m->medium.name);
     return sum / (double)scale->number_count;
 }
 
@@ -245,8 +245,7 @@ static ty_result read_rgb_grid(maker* m) {
         return ty_pbrt_refuse(m->parameters, "the medium \"%s\" has different numbers of sigma_a and sigma_s",
                               m->medium.name);
     if (ty_pbrt_find(m->parameters, "Le") != NULL)
-        ty_conversion_note_down(m->reader->conversion, "medium \"%s\": its grid of emission is left out",
-                                m->medium.name);
+        ty_conversion_leave_out(m->reader->conversion, "medium \"%s\": its grid of emission", m->medium.name);
     ty_pbrt_find(m->parameters, "Lescale");
     const size_t count = any->number_count / 3;
     ty_result result = read_size(m, count, size);
@@ -365,8 +364,8 @@ static ty_result read_nanovdb(maker* m) {
 }
 
 static ty_result leave_out(maker* m) {
-    ty_conversion_note_down(m->reader->conversion, "medium \"%s\" is left out: it is a \"%s\", which is procedural",
-                            m->medium.name, m->parameters->type);
+    ty_conversion_leave_out(m->reader->conversion, "medium \"%s\": it is a \"%s\", which is procedural", m->medium.name,
+                            m->parameters->type);
     for (size_t i = 0; i < m->parameters->count; ++i) m->parameters->items[i].used = true;
     return TY_OK;
 }

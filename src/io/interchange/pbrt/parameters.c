@@ -147,8 +147,8 @@ void ty_pbrt_free_parameters(ty_pbrt_parameters* parameters) {
 void ty_pbrt_note_unused(const ty_pbrt_parameters* parameters, const char* kind) {
     for (size_t i = 0; i < parameters->count; ++i)
         if (!parameters->items[i].used)
-            ty_conversion_note_down(parameters->reader->conversion, "%s \"%s\": the parameter \"%s\" has no effect",
-                                    kind, parameters->type, parameters->items[i].name);
+            ty_conversion_leave_out(parameters->reader->conversion, "%s \"%s\": the parameter \"%s\"", kind,
+                                    parameters->type, parameters->items[i].name);
 }
 
 /* ---- lookups ---- */

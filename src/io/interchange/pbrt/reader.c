@@ -135,7 +135,7 @@ static ty_result read_attribute(ty_pbrt* reader, ty_pbrt_text* text, int32_t lin
 /* With files left out, what they define may be missing, too, and is left out with a note. */
 static bool is_missing(ty_pbrt* reader, const char* kind, const char* name) {
     if (reader->conversion->partial)
-        ty_conversion_note_down(reader->conversion, "the %s \"%s\" is not defined, and was left out", kind, name);
+        ty_conversion_leave_out(reader->conversion, "the %s \"%s\", which is not defined", kind, name);
     return reader->conversion->partial;
 }
 
@@ -164,7 +164,7 @@ static ty_result begin_world(ty_pbrt* reader, const ty_pbrt_text* text, int32_t 
     if (reader->world) return ty_pbrt_fail(reader, text->file, line, "WorldBegin stands here again");
     reader->world = true;
     if (!reader->has_camera) {
-        ty_conversion_note_down(reader->conversion, "there is no camera; one at the origin looks along +z");
+        ty_conversion_approximate(reader->conversion, "there is no camera; one at the origin looks along +z");
         const ty_pbrt_parameters none = {.reader = reader, .file = text->file, .line = line, .type = "perspective"};
         const ty_result result = ty_pbrt_camera(reader, &none);
         if (result != TY_OK) return result;
@@ -340,8 +340,7 @@ static ty_result read_active(ty_pbrt* reader, ty_pbrt_text* text, int32_t line) 
     if (!ty_pbrt_is(&token, "StartTime") && !ty_pbrt_is(&token, "EndTime") && !ty_pbrt_is(&token, "All"))
         return ty_pbrt_fail(reader, text->file, line, "ActiveTransform is none of StartTime, EndTime and All");
     reader->later_time = ty_pbrt_is(&token, "EndTime");
-    if (reader->later_time)
-        ty_conversion_note_down(reader->conversion, "motion is left out: the scene is that of the start time");
+    if (reader->later_time) ty_conversion_leave_out(reader->conversion, "motion: the scene is that of the start time");
     return TY_OK;
 }
 

@@ -44,14 +44,14 @@ static ty_result find_part(ty_pbrt* reader, double area, int32_t* part) {
     if (inside >= 0) conversion->media[inside].inside = true;
     if (outside >= 0) conversion->media[outside].outside = true;
     if (state->area.on && state->material < 0)
-        ty_conversion_note_down(conversion, "AreaLightSource: the light of a shape without a surface is left out");
+        ty_conversion_leave_out(conversion, "AreaLightSource: the light of a shape without a surface");
     if (state->area.on && state->material >= 0) {
         /* power: pi A L over the sides that emit (section 12.4.1 of the book) */
         const double sides = state->area.two_sided ? 2 : 1;
         const double factor = state->area.power > 0 ? state->area.power / (sides * TY_PI_F64 * area) : 1;
         for (int c = 0; c < 3; ++c) emission[c] = state->area.radiance[c] * factor;
         if (state->area.two_sided)
-            ty_conversion_note_down(conversion, "AreaLightSource: of two sides that emit, the front is left");
+            ty_conversion_approximate(conversion, "AreaLightSource: of two sides that emit, the front is left");
     }
     return ty_conversion_find_part(conversion, state->material, inside, emission, part);
 }
@@ -63,7 +63,7 @@ static void map_uv(ty_pbrt* reader, ty_model_mesh* mesh) {
     const double* map = plain;
     if (mesh->uv[0] == NULL) {
         if (material >= 0 && reader->conversion->materials[material].textured)
-            ty_conversion_note_down(reader->conversion, "a mesh without texture coordinates has a textured material");
+            ty_conversion_approximate(reader->conversion, "a mesh without texture coordinates has a textured material");
         return;
     }
     if (material >= 0 && reader->conversion->materials[material].textured)
@@ -151,9 +151,9 @@ static ty_result read_sphere(ty_pbrt* reader, const ty_pbrt_parameters* paramete
     ty_model_mesh mesh = {0};
     const ty_result result = ty_make_sphere(reader->context, radius, fmin(low, high), fmax(low, high), turn, &mesh);
     if (result == TY_OK)
-        ty_conversion_note_down(reader->conversion,
-                                "Shape \"sphere\": those that are textured, cut or scaled unevenly, or "
-                                "in objects, became triangles");
+        ty_conversion_approximate(
+            reader->conversion,
+            "Shape \"sphere\": those that are textured, cut or scaled unevenly, or in objects, became triangles");
     return result == TY_OK ? add_mesh(reader, &mesh) : result;
 }
 
@@ -248,7 +248,7 @@ static ty_result read_patches(ty_pbrt* reader, const ty_pbrt_parameters* paramet
     bool curved = false;
     ty_model_mesh mesh = {0};
     if (ty_pbrt_find(parameters, "emissionfilename") != NULL)
-        ty_conversion_note_down(reader->conversion, "Shape \"bilinearmesh\": the image of its emission is left out");
+        ty_conversion_leave_out(reader->conversion, "Shape \"bilinearmesh\": the image of its emission");
     ty_pbrt_find(parameters, "faceIndices");
     ty_result result = check_indices(parameters, 4, &indices, &count);
     if (result == TY_OK) result = alloc_vertices(reader, parameters, 2 * count, &mesh);
@@ -264,9 +264,8 @@ static ty_result read_patches(ty_pbrt* reader, const ty_pbrt_parameters* paramet
         }
     }
     if (curved)
-        ty_conversion_note_down(reader->conversion,
-                                "Shape \"bilinearmesh\": patches that are no parallelograms became two "
-                                "triangles each");
+        ty_conversion_approximate(
+            reader->conversion, "Shape \"bilinearmesh\": patches that are no parallelograms became two triangles each");
     return add_mesh(reader, &mesh);
 }
 
@@ -277,7 +276,7 @@ static ty_result read_ply(ty_pbrt* reader, const ty_pbrt_parameters* parameters)
     if (!ty_pbrt_string(parameters, "filename", name, sizeof name))
         return ty_pbrt_refuse(parameters, "the mesh has no \"string filename\"");
     if (ty_pbrt_find(parameters, "displacement") != NULL)
-        ty_conversion_note_down(reader->conversion, "Shape \"plymesh\": displacement is left out");
+        ty_conversion_leave_out(reader->conversion, "Shape \"plymesh\": displacement");
     ty_pbrt_find(parameters, "edgelength");
     ty_pbrt_location(reader, parameters->file, parameters->line, location, sizeof location);
     ty_result result = ty_conversion_read_file(reader->conversion, location, name, &bytes, &size);
@@ -288,8 +287,7 @@ static ty_result read_ply(ty_pbrt* reader, const ty_pbrt_parameters* parameters)
     for (size_t i = 0; i < model.mesh_count && result == TY_OK; ++i) {
         ty_model_mesh mesh = model.meshes[i];
         model.meshes[i] = (ty_model_mesh){0};
-        if (mesh.colors != NULL)
-            ty_conversion_note_down(reader->conversion, "Shape \"plymesh\": colours of vertices are left out");
+        if (mesh.colors != NULL) ty_conversion_leave_out(reader->conversion, "Shape \"plymesh\": colours of vertices");
         for (size_t k = 0; k < mesh.vertex_count && mesh.uv[0] != NULL; ++k) /* upwards, as they are in the file */
             mesh.uv[0][2 * k + 1] = 1 - mesh.uv[0][2 * k + 1];
         result = add_mesh(reader, &mesh);
@@ -314,16 +312,16 @@ static bool is_hidden(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
     if (alpha->type == TY_PBRT_FLOAT && alpha->number_count > 0 && alpha->numbers[0] >= 1) return false;
     const bool hidden = alpha->type == TY_PBRT_FLOAT && alpha->number_count > 0 && alpha->numbers[0] <= 0;
     if (hidden && ty_pbrt_now(reader)->area.on)
-        ty_conversion_note_down(reader->conversion, "Shape: a light with an alpha of 0 became visible");
+        ty_conversion_approximate(reader->conversion, "Shape: a light with an alpha of 0 became visible");
     else
-        ty_conversion_note_down(reader->conversion, hidden ? "Shape: one with an alpha of 0 is left out"
-                                                           : "Shape: alpha is left out, so it is opaque");
+        ty_conversion_leave_out(reader->conversion,
+                                hidden ? "Shape: one with an alpha of 0" : "Shape: alpha, so it is opaque");
     return hidden && !ty_pbrt_now(reader)->area.on;
 }
 
 ty_result ty_pbrt_shape(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
     if (reader->in_object && ty_pbrt_now(reader)->area.on)
-        ty_conversion_note_down(reader->conversion, "area lights in objects shine from each of their instances");
+        ty_conversion_approximate(reader->conversion, "area lights in objects shine from each of their instances");
     if (is_hidden(reader, parameters)) {
         for (size_t i = 0; i < parameters->count; ++i) parameters->items[i].used = true;
         return TY_OK;
@@ -332,7 +330,7 @@ ty_result ty_pbrt_shape(ty_pbrt* reader, const ty_pbrt_parameters* parameters) {
         if (strcmp(parameters->type, readers[i].type) == 0) return readers[i].read(reader, parameters);
     if (strcmp(parameters->type, "curve") != 0 && strcmp(parameters->type, "loopsubdiv") != 0)
         return ty_pbrt_refuse(parameters, "the shape \"%s\" is not known", parameters->type);
-    ty_conversion_note_down(reader->conversion, "Shape \"%s\" is left out", parameters->type);
+    ty_conversion_leave_out(reader->conversion, "Shape \"%s\"", parameters->type);
     for (size_t i = 0; i < parameters->count; ++i) parameters->items[i].used = true;
     return TY_OK;
 }

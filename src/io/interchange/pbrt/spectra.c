@@ -76,7 +76,7 @@ static ty_result sample_named(ty_pbrt* reader, const ty_pbrt_parameter* paramete
     if (strncmp(name, "metal-", 6) == 0 && last != NULL && last > name + 6) {
         snprintf(metal, sizeof metal, "%.*s", (int)(last - name - 6), name + 6);
         if (!ty_named_metal(metal, eta, k)) {
-            ty_conversion_note_down(reader->conversion, "the metal \"%s\" is not known; aluminium was taken", metal);
+            ty_conversion_approximate(reader->conversion, "the metal \"%s\" is not known; aluminium was taken", metal);
             ty_named_metal("Al", eta, k);
         }
         memcpy(values, strcmp(last, "-k") == 0 ? k : eta, 3 * sizeof *values);
@@ -119,8 +119,8 @@ static void clip(ty_pbrt* reader, const ty_pbrt_parameter* parameter, double rgb
         rgb[c] = fmax(rgb[c], 0);
     }
     if (lowest < -1e-3 * highest)
-        ty_conversion_note_down(reader->conversion, "\"%s\": a colour outside of Rec. 709 was clipped",
-                                parameter->name);
+        ty_conversion_approximate(reader->conversion, "\"%s\": a colour outside of Rec. 709 was clipped",
+                                  parameter->name);
 }
 
 ty_result ty_pbrt_spectrum(const ty_pbrt_parameters* parameters, const char* name, ty_pbrt_role role, double rgb[3],

@@ -45,14 +45,14 @@ static ty_result read_image(ty_pbrt* reader, const ty_pbrt_parameters* parameter
     if (!ty_pbrt_string(parameters, "filename", name, sizeof name))
         return ty_pbrt_refuse(parameters, "the texture \"%s\" has no \"string filename\"", out->name);
     if (ty_pbrt_string(parameters, "mapping", word, sizeof word) && strcmp(word, "uv") != 0)
-        ty_conversion_note_down(reader->conversion, "Texture: the mapping \"%s\" is taken for that of u and v", word);
+        ty_conversion_approximate(reader->conversion, "Texture: the mapping \"%s\" is taken for that of u and v", word);
     if (ty_pbrt_string(parameters, "encoding", word, sizeof word)) {
         out->linear = strcmp(word, "linear") == 0;
         if (!out->linear && strcmp(word, "sRGB") != 0)
-            ty_conversion_note_down(reader->conversion, "Texture: the encoding \"%s\" is taken for sRGB", word);
+            ty_conversion_approximate(reader->conversion, "Texture: the encoding \"%s\" is taken for sRGB", word);
     }
     if (ty_pbrt_string(parameters, "wrap", word, sizeof word) && strcmp(word, "repeat") != 0)
-        ty_conversion_note_down(reader->conversion, "Texture: the wrap mode \"%s\" is taken for repetition", word);
+        ty_conversion_approximate(reader->conversion, "Texture: the wrap mode \"%s\" is taken for repetition", word);
     ty_pbrt_find(parameters, "filter");
     ty_pbrt_find(parameters, "maxanisotropy");
     out->inverted = ty_pbrt_bool(parameters, "invert", false);
@@ -73,7 +73,7 @@ static ty_result read_scale(ty_pbrt* reader, const ty_pbrt_parameters* parameter
     if (result == TY_OK) result = read_operand(reader, parameters, "scale", out->number, b, &second);
     for (int c = 0; c < 3; ++c) out->color[c] = a[c] * b[c];
     if (first != NULL && second != NULL)
-        ty_conversion_note_down(reader->conversion, "Texture \"scale\": of two images the second is left out");
+        ty_conversion_leave_out(reader->conversion, "Texture \"scale\": of two images the second");
     const ty_pbrt_texture* image = first != NULL ? first : second;
     return result == TY_OK && image != NULL ? share_image(reader, image, out) : result;
 }
@@ -93,8 +93,8 @@ static ty_result read_mix(ty_pbrt* reader, const ty_pbrt_parameters* parameters,
         for (int c = 0; c < 3; ++c) out->color[c] = (1 - amount) * colors[0][c] + amount * colors[1][c];
         return result;
     }
-    ty_conversion_note_down(reader->conversion, "Texture \"%s\": of what it mixes, only \"%s\" is left",
-                            parameters->type, names[larger]);
+    ty_conversion_approximate(reader->conversion, "Texture \"%s\": of what it mixes, only \"%s\" is left",
+                              parameters->type, names[larger]);
     memcpy(out->color, colors[larger], sizeof out->color);
     return result == TY_OK && images[larger] != NULL ? share_image(reader, images[larger], out) : result;
 }
@@ -110,12 +110,11 @@ static ty_result read_value(ty_pbrt* reader, const ty_pbrt_parameters* parameter
     if (strcmp(type, "mix") == 0) {
         double amount[3] = {0.5, 0.5, 0.5};
         const ty_result result = read_operand(reader, parameters, "amount", true, amount, &image);
-        if (image != NULL)
-            ty_conversion_note_down(reader->conversion, "Texture \"mix\": the amount's image is left out");
+        if (image != NULL) ty_conversion_leave_out(reader->conversion, "Texture \"mix\": the amount's image");
         return result == TY_OK ? read_mix(reader, parameters, pair, (const double[2]){0, 1}, amount[0], out) : result;
     }
     for (size_t i = 0; i < parameters->count; ++i) parameters->items[i].used = true;
-    ty_conversion_note_down(reader->conversion, "Texture \"%s\" became its mean colour", type);
+    ty_conversion_approximate(reader->conversion, "Texture \"%s\" became its mean colour", type);
     if (strcmp(type, "checkerboard") == 0) return read_mix(reader, parameters, pair, (const double[2]){1, 0}, 0.5, out);
     if (strcmp(type, "dots") == 0) return read_mix(reader, parameters, dots, (const double[2]){0, 1}, 0.5, out);
     out->color[0] = out->color[1] = out->color[2] = 0.5;

@@ -6,6 +6,7 @@
 #include "direct/surfaces/cut_cells.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
+#include "solve/ordinates/joint_solve.h"
 
 #include <math.h>
 #include <string.h>
@@ -238,7 +239,7 @@ static ty_result solve_without_scattering(ty_dom_job* job, int32_t channel, ty_o
     def->walls = ordinates_walls_of(job, channel, job->wall_radiance[channel]);
     def->boundary_radiance = ty_dom_boundary_radiance(job, job->incident_radiance[channel]);
     if (def->boundary_radiance.across[0] != NULL) def->final_set = NULL;
-    const ty_result result = ty_ordinates_solve(job->context, def, planes->moments, NULL, 0, &stats);
+    const ty_result result = ty_ordinates_solve_jointly(job->context, def, planes->moments, &stats);
     if (result != TY_OK) return result;
     const double scattered = add_first_collisions(job, channel, planes->moments);
     *power = (ty_dom_boundary_power){.emitted = stats.walls_emitted + stats.entering - scattered,

@@ -1,6 +1,7 @@
 /* Solves for the moments of collided light, one per channel. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
+#include "solve/ordinates/joint_solve.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -135,6 +136,13 @@ static ty_ordinates_def define_solve(const ty_dom_job* job) {
     return def;
 }
 
+/* Tells why other ranks do not take part. */
+static void tell_if_undivided(const channel_solve* solve, const ty_ordinates_def* def) {
+    const char* why = ty_ordinates_why_undivided(solve->all->job->context, def);
+    if (why == NULL || why[0] == 0 || solve != solve->all->solves) return;
+    ty_log(solve->all->job->context, TY_LOG_WARNING, "dom: rank 0 solves alone, because %s", why);
+}
+
 static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     const ty_dom_job* job = solve->all->job;
     ty_dom* light = job->light;
@@ -164,7 +172,8 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     float* zeros = NULL;
     ty_result result = ty_dom_solve_boundary_light(solve->all->job, channel, &def, &solve->boundary);
     if (result == TY_OK) result = ty_dom_set_reflection(solve->all->job, channel, &def, &zeros);
-    if (result == TY_OK) result = ty_ordinates_solve(job->context, &def, moments, NULL, 0, &solve->stats);
+    tell_if_undivided(solve, &def);
+    if (result == TY_OK) result = ty_ordinates_solve_jointly(job->context, &def, moments, &solve->stats);
     if (zeros != NULL) ty_free_array(job->context, zeros, (size_t)job->boundary->count, sizeof *zeros);
     return result;
 }
@@ -293,6 +302,7 @@ static ty_result choose_channels(scattering* all) {
 
 static int32_t count_concurrent(const scattering* all) {
     const int32_t threads = ty_context_threads(all->job->context);
+    if (ty_context_queue(all->job->context) != NULL) return 1; /* all ranks help with one at a time */
     if (threads > MAX_CONCURRENT_THREADS || all->job->light->cells > MAX_CONCURRENT_CELLS) return 1;
     return threads < all->count ? threads : all->count;
 }
@@ -302,6 +312,7 @@ static ty_result allocate_memory(scattering* all) {
     if (all->count == 0) return TY_OK;
     const ty_ordinates_def def = define_solve(all->job);
     all->concurrent = count_concurrent(all);
+    if (ty_context_queue(all->job->context) != NULL) return TY_OK; /* a solve takes what its part needs */
     all->memory_size = ty_ordinates_memory(&def);
     for (int32_t i = 0; i < all->concurrent; ++i) {
         all->memory[i] = ty_alloc_array(all->job->context, all->memory_size, 1, false);

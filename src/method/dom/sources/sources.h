@@ -9,6 +9,9 @@ ty_result ty_dom_collect_lights(ty_dom_job* job);
 /* The uncollided fluence of all sources on fine cells, and q_lm. */
 ty_result ty_dom_find_uncollided(ty_dom_job* job);
 
+/* sigma* of fine cells, per plane of the medium, by which uncollided light is attenuated. */
+void ty_dom_uncollided_extinction(const ty_dom_job* job, float* const planes[3]);
+
 /* ---- the first-collision source of one light ---- */
 
 enum { TY_DOM_MEANS = TY_DOM_BANDS_MAX + 1 };

@@ -220,14 +220,21 @@ static void add_emission(ty_dom_job* job) {
         }
 }
 
+void ty_dom_uncollided_extinction(const ty_dom_job* job, float* const planes[3]) {
+    if (job->light->fit.bands > 0)
+        ty_grid_medium_reduce_by(job->fine, job->light->fit.forward_fraction, planes);
+    else
+        ty_grid_medium_reduce(job->fine, job->light->bands, planes);
+}
+
 static ty_result allocate_extinction(direct_job* direct, int32_t fluence, int32_t order) {
     ty_dom_job* job = direct->job;
     for (int32_t p = 0; p < job->fine->planes; ++p) {
         direct->extinction[fluence][p] = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
         if (direct->extinction[fluence][p] == NULL) return TY_ERROR_MEMORY;
     }
-    if (fluence == TY_FLUENCE_ORDER_L && job->light->fit.bands > 0)
-        ty_grid_medium_reduce_by(job->fine, job->light->fit.forward_fraction, direct->extinction[fluence]);
+    if (fluence == TY_FLUENCE_ORDER_L)
+        ty_dom_uncollided_extinction(job, direct->extinction[fluence]);
     else
         ty_grid_medium_reduce(job->fine, order, direct->extinction[fluence]);
     return TY_OK;
