@@ -4,23 +4,17 @@
 #include "checks.h"
 #include "effort.h"
 #include "files.h"
+#include "on_device.h"
 
 #include "device/device.h"
+#include "image/march/device/launch.h"
 #include "method/path/trace/device_launch.h"
+#include "method/screen/device/launch.h"
 
 #include <tyndall/io.h>
 #include <tyndall/path.h>
 
 #include <zlib.h>
-
-static ty_context* context_on(const char* device, int32_t threads) {
-    ty_context_def def = ty_default_context_def();
-    def.threads = threads;
-    def.device = device;
-    ty_context* context = NULL;
-    assert_int_equal(ty_context_create(&def, &context), TY_OK);
-    return context;
-}
 
 static ty_path_def small_def(int32_t spp) {
     ty_path_def def = ty_default_path_def();
@@ -319,6 +313,74 @@ static char* inflate_ptx(const ty_ptx* ptx) {
     return text;
 }
 
+enum { FUNCTIONS_MAX = 256, NAME_MAX_LENGTH = 64, CALLS_MAX = 64 };
+
+/* A function in PTX: its frame, and what it calls. */
+typedef struct ptx_function {
+    char name[NAME_MAX_LENGTH];
+    int frame, call_count, deepest;
+    char calls[CALLS_MAX][NAME_MAX_LENGTH];
+} ptx_function;
+
+static ptx_function functions[FUNCTIONS_MAX];
+static int function_count;
+
+/* The name at the end of a line such as ".func NAME(", or what a call names; false for none. */
+static bool take_name(const char* line, const char* begin, char name[NAME_MAX_LENGTH]) {
+    const char* at = strstr(line, begin);
+    if (at == NULL) return false;
+    const size_t length = strspn(at, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
+    if (length >= NAME_MAX_LENGTH) return false;
+    memcpy(name, at, length);
+    name[length] = '\0';
+    return true;
+}
+
+/* Reads the functions of a program that have a body. */
+static void read_functions(char* text) {
+    char name[NAME_MAX_LENGTH] = "", callee[NAME_MAX_LENGTH];
+    ptx_function* inside = NULL;
+    bool calling = false;
+    function_count = 0;
+    for (char* line = strtok(text, "\n"); line != NULL; line = strtok(NULL, "\n")) {
+        const char* frame = strstr(line, "__local_depot");
+        if (strncmp(line, ".func", 5) == 0 || strncmp(line, ".visible .entry", 15) == 0) take_name(line, "ty_", name);
+        if (line[0] == '{') {
+            assert_true(function_count < FUNCTIONS_MAX);
+            inside = &functions[function_count++];
+            *inside = (ptx_function){.deepest = -1};
+            memcpy(inside->name, name, sizeof name);
+        }
+        if (line[0] == '}') inside = NULL;
+        if (inside == NULL) continue;
+        if (frame != NULL && strstr(line, ".local .align") != NULL) inside->frame = atoi(strchr(frame, '[') + 1);
+        calling = calling || strstr(line, "call") != NULL;
+        if (calling && take_name(line, "ty_", callee)) {
+            assert_true(inside->call_count < CALLS_MAX);
+            memcpy(inside->calls[inside->call_count++], callee, sizeof callee);
+            calling = false;
+        }
+        if (strchr(line, ';') != NULL) calling = false;
+    }
+}
+
+/* The frames of a function and of what it calls, at most. */
+static int stack_below(const char* name) {
+    for (int i = 0; i < function_count; ++i) {
+        ptx_function* f = &functions[i];
+        if (strcmp(f->name, name) != 0) continue;
+        if (f->deepest >= 0) return f->deepest;
+        int most = 0;
+        for (int k = 0; k < f->call_count; ++k) {
+            const int below = stack_below(f->calls[k]);
+            if (below > most) most = below;
+        }
+        return f->deepest = f->frame + most;
+    }
+    fail_msg("%s is called and has no body", name);
+    return 0;
+}
+
 /* The largest frame of a program by ptxas, if that is there; 0 otherwise. */
 static int stack_of(const char* text) {
     char line[256];
@@ -338,29 +400,51 @@ static int stack_of(const char* text) {
     return most;
 }
 
-/* Programs name no function that they do not have, and each has its entry point. Where ptxas is installed and asked
+/* Programs name no function that they do not have, each has its entry point, and a thread's memory is bounded: 4 kB but
+ * for path tracing. Where ptxas is installed and asked
  * for, it accepts them. */
 static void ptx_is_complete(void** state) {
     (void)state;
-    const ty_program* const programs[] = {&ty_program_path_diffuse, &ty_program_path_glossy};
+    /* Bytes of the frames, and of the stack by ptxas, whose frames hold spilled registers, too. */
+    static const struct {
+        const ty_program* program;
+        int frames, stack;
+    } programs[] = {
+        {&ty_program_path_diffuse, 4608, 6144},  {&ty_program_path_glossy, 5376, 6144},
+        {&ty_program_march_pixels, 4096, 4096},  {&ty_program_march_gathered, 4096, 4096},
+        {&ty_program_march_smoothed, 256, 512},  {&ty_program_march_faces, 1024, 1280},
+        {&ty_program_march_edges, 256, 512},     {&ty_program_march_rays, 4096, 4096},
+        {&ty_program_march_between, 4096, 4096}, {&ty_program_march_ranges, 1024, 1280},
+        {&ty_program_march_columns, 4096, 4096}, {&ty_program_march_froxels, 1024, 1280},
+        {&ty_program_screen_split, 256, 512},    {&ty_program_screen_pass, 256, 512},
+        {&ty_program_screen_down, 256, 512},     {&ty_program_screen_up, 256, 512},
+        {&ty_program_screen_finish, 256, 512},
+    };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; ++i) {
+        const ty_program* program = programs[i].program;
         char entry[96];
-        if (programs[i]->ptx->bytes == NULL) {
+        if (program->ptx->bytes == NULL) {
             printf("skipped: this build has no PTX\n");
             skip();
         }
-        char* text = inflate_ptx(programs[i]->ptx);
+        char* text = inflate_ptx(program->ptx);
         const char* external = strstr(text, ".extern");
-        if (external != NULL) fail_msg("%s: %.80s", programs[i]->name, external);
-        snprintf(entry, sizeof entry, ".visible .entry ty_entry_%s(", programs[i]->name);
+        if (external != NULL) fail_msg("%s: %.80s", program->name, external);
+        snprintf(entry, sizeof entry, ".visible .entry ty_entry_%s(", program->name);
         assert_non_null(strstr(text, entry));
         assert_non_null(strstr(text, ".version 6.0\n"));
         assert_non_null(strstr(text, ".target sm_60"));
         if (getenv("TYNDALL_IN_FULL") != NULL && system("ptxas --version > ptxas.txt 2>&1") == 0) {
             const int stack = stack_of(text);
-            printf("%s: %d bytes of stack a thread\n", programs[i]->name, stack);
-            assert_true(stack > 0 && stack <= 6144);
+            printf("%s: %d bytes of stack a thread\n", program->name, stack);
+            assert_true(stack >= 0 && stack <= programs[i].stack);
         }
+        read_functions(text);
+        snprintf(entry, sizeof entry, "ty_entry_%s", program->name);
+        const int frames = stack_below(entry);
+        printf("%s: %d bytes of frames\n", program->name, frames);
+        if (frames > programs[i].frames)
+            fail_msg("%s: frames of %d bytes, and %d are allowed", program->name, frames, programs[i].frames);
         free(text);
     }
 }

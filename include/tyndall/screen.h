@@ -173,9 +173,10 @@ static inline ty_screen_stats ty_default_screen_stats(void) {
 /// Size of the workspace that a call needs, bytes; 0 if the size of the image, or a field that it depends on, is wrong.
 TY_API size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height);
 
-/// Computes J of Eq. 12. workspace: at least ty_screen_workspace() bytes, aligned to 64, and then nothing is allocated;
-/// NULL: it is allocated for the call. Without a medium and environment, valid pixels are returned bit for bit. stats
-/// may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED (reference) leaves the output undefined.
+/// Computes J of Eq. 12. workspace: at least ty_screen_workspace() bytes, aligned to 64, and then the processor
+/// allocates nothing; NULL: it is allocated for the call. Without a medium and environment, valid pixels are returned
+/// bit for bit. stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED (reference) leaves the
+/// output undefined.
 TY_API ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const ty_screen_image* image,
                                  void* workspace, size_t workspace_size, ty_screen_stats* stats);
 

@@ -70,7 +70,7 @@ typedef struct cu_library {
     CU_FUNCTIONS(CU_MEMBER)
 } cu_library;
 
-enum { PROGRAMS_MAX = 16, BLOCK = 64, EVENTS = 2, LOG_BYTES = 1024 };
+enum { PROGRAMS_MAX = 64, BLOCK = 64, EVENTS = 2, LOG_BYTES = 1024 };
 
 /* Registers of a thread at most. Programs would take up to 255, with which few threads fit a multiprocessor, and these
  * cannot hide one another's waiting: measured, 64 is faster than 80, 96, 128 and all. */

@@ -1,11 +1,12 @@
 /* Entry points of programs for devices: a function of one index, which a device runs for many at once.
  *
  * TY_DEVICE_ENTRY(name, type) begins the definition of one; its text uses `arguments`, a pointer to a structure `type`
- * in the device's memory, and `index`. In PTX the entry's name is ty_entry_NAME; built for this machine it is the
- * function ty_host_NAME, which device/host.c calls for blocks of indices. */
+ * in the device's memory, and `index`. In PTX the entry's name is ty_entry_NAME; built for this machine it is a
+ * function in ty_program_NAME, which device/host.c calls for blocks of indices. Denormals count as 0 in both. */
 #ifndef TY_DEVICE_ENTRY_K_H
 #define TY_DEVICE_ENTRY_K_H
 
+#include "base/float_mode.h"
 #include "base/kernel.h"
 #include "device/program.h"
 
@@ -23,7 +24,9 @@
 #define TY_DEVICE_ENTRY(name, type)                                                                                    \
     static void name##_index(TY_GLOBAL const type* arguments, int64_t index);                                          \
     static void name##_block(const void* arguments, int64_t begin, int64_t end) {                                      \
+        const unsigned state = ty_flush_denormals();                                                                   \
         for (int64_t index = begin; index < end; ++index) name##_index(arguments, index);                              \
+        ty_restore_denormals(state);                                                                                   \
     }                                                                                                                  \
     extern const ty_ptx ty_ptx_##name;                                                                                 \
     extern const ty_program ty_program_##name;                                                                         \

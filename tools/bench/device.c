@@ -1,24 +1,16 @@
-/* tyndall bench device: whether a GPU gives the bits of its host twin, and how fast it traces paths, beside the
- * processor. */
-#include "bench/bench.h"
-
-#include "device/device.h"
+/* tyndall bench device: whether a GPU gives the bits of its host twin, and how fast it is beside the processor: paths
+ * here, other programs in device_programs.c. */
+#include "bench/device.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1280, HEIGHT = 720, TEST_WIDTH = 96, TEST_HEIGHT = 64, TEST_SPP = 4, RUNS_MAX = 99 };
+enum { WIDTH = 1280, HEIGHT = 720, TEST_WIDTH = 96, TEST_HEIGHT = 64, TEST_SPP = 4 };
 /* Bytes that are copied for a bandwidth, and samples a pixel on the processor, whose time grows with them evenly. */
 enum { COPIED = 1 << 28, CPU_SPP = 2, DEVICE_SPP = 16 };
 
 static const char* const scenes[] = {"cube_g0.7", "cornell_fog", "cloud_sky", "lamps", "atrium", "demo"};
 enum { SCENES = sizeof scenes / sizeof *scenes };
-
-/* A context of the processor by its own kernels, of the host twin, and of the device that the session has. */
-typedef struct contexts {
-    ty_context *cpu, *host, *device;
-    ty_device* gpu;
-} contexts;
 
 static ty_result open_context(const bench_session* bench, const char* device, ty_context** out) {
     ty_context_def def = ty_default_context_def();
@@ -27,20 +19,20 @@ static ty_result open_context(const bench_session* bench, const char* device, ty
     return ty_context_create(&def, out);
 }
 
-static ty_result open_contexts(const bench_session* bench, contexts* out) {
-    *out = (contexts){.device = bench->session->context};
+static ty_result open_contexts(const bench_session* bench, bench_contexts* out) {
+    *out = (bench_contexts){.device = bench->session->context};
     ty_result result = ty_context_device(out->device, &out->gpu);
     if (result == TY_OK) result = open_context(bench, "cpu", &out->cpu);
     if (result == TY_OK) result = open_context(bench, "host", &out->host);
     return result;
 }
 
-static void close_contexts(contexts* all) {
+static void close_contexts(bench_contexts* all) {
     ty_context_destroy(all->cpu);
     ty_context_destroy(all->host);
 }
 
-static ty_result load(ty_context* context, const char* name, ty_scene** out) {
+ty_result bench_device_load(ty_context* context, const char* name, ty_scene** out) {
     char path[64];
     snprintf(path, sizeof path, "builtin:%s", name);
     return ty_scene_load(context, path, NULL, 0, out);
@@ -62,32 +54,33 @@ static ty_result render_test(const bench_session* bench, ty_context* context, co
     ty_path_def def = path_def(bench, TEST_WIDTH, TEST_HEIGHT, TEST_SPP);
     ty_scene* scene = NULL;
     def.aovs = TY_AOV_ALL;
-    ty_result result = load(context, name, &scene);
+    ty_result result = bench_device_load(context, name, &scene);
     if (result == TY_OK) result = ty_path_render(scene, &def, out, NULL);
     ty_scene_destroy(scene);
     return result;
 }
 
-static int64_t count_unlike(const ty_image* a, const ty_image* b) {
+int64_t bench_count_unlike(const ty_image* a, const ty_image* b) {
+    const size_t pixels = (size_t)ty_image_width(a) * (size_t)ty_image_height(a);
     int64_t unlike = 0;
     for (int32_t c = 0; c < ty_image_channel_count(a); ++c)
-        for (int32_t i = 0; i < TEST_WIDTH * TEST_HEIGHT; ++i)
+        for (size_t i = 0; i < pixels; ++i)
             unlike += memcmp(ty_image_plane_const(a, c) + i, ty_image_plane_const(b, c) + i, sizeof(float)) != 0;
     return unlike;
 }
 
 /* Values of all channels that differ in any bit from the host twin's. */
-static ty_result test_scene(const bench_session* bench, const contexts* all, const char* name, int64_t* unlike) {
+static ty_result test_scene(const bench_session* bench, const bench_contexts* all, const char* name, int64_t* unlike) {
     ty_image *image = NULL, *expected = NULL;
     ty_result result = render_test(bench, all->device, name, &image);
     if (result == TY_OK) result = render_test(bench, all->host, name, &expected);
-    if (result == TY_OK) *unlike = count_unlike(image, expected);
+    if (result == TY_OK) *unlike = bench_count_unlike(image, expected);
     ty_image_destroy(image);
     ty_image_destroy(expected);
     return result;
 }
 
-static ty_result test_all(const bench_session* bench, const contexts* all, int64_t* sum) {
+static ty_result test_all(const bench_session* bench, const bench_contexts* all, int64_t* sum) {
     json_open_object(bench->json, "unlike_values");
     ty_result result = TY_OK;
     *sum = 0;
@@ -107,12 +100,12 @@ static ty_result test_all(const bench_session* bench, const contexts* all, int64
 /* Median wall seconds of a render by one context, and on a device the seconds that its launches took. */
 static ty_result time_scene(const bench_session* bench, ty_context* context, ty_device* gpu, const char* name,
                             int32_t spp, double* seconds, double* launched, uint64_t* vertices) {
-    double all[RUNS_MAX], on_device[RUNS_MAX];
+    double all[BENCH_DEVICE_RUNS_MAX], on_device[BENCH_DEVICE_RUNS_MAX];
     int32_t size[2];
     bench_pixels(bench->options, WIDTH, HEIGHT, size);
     const ty_path_def def = path_def(bench, size[0], size[1], spp);
     ty_scene* scene = NULL;
-    ty_result result = load(context, name, &scene);
+    ty_result result = bench_device_load(context, name, &scene);
     for (int run = -1; run < bench->options->runs && result == TY_OK; ++run) {
         ty_path_stats stats = ty_default_path_stats();
         ty_image* image = NULL;
@@ -131,7 +124,7 @@ static ty_result time_scene(const bench_session* bench, ty_context* context, ty_
 }
 
 /* All times are those of one sample a pixel. */
-static ty_result time_all(const bench_session* bench, const contexts* all) {
+static ty_result time_all(const bench_session* bench, const bench_contexts* all) {
     json_writer* json = bench->json;
     json_open_object(json, "scenes");
     ty_result result = TY_OK;
@@ -157,7 +150,7 @@ static ty_result time_all(const bench_session* bench, const contexts* all) {
 static ty_result time_copies(const bench_session* bench, ty_device* gpu) {
     const ty_device_backend* backend = gpu->backend;
     const size_t bytes = bench->options->quick ? COPIED / 64 : COPIED;
-    double to[RUNS_MAX], from[RUNS_MAX];
+    double to[BENCH_DEVICE_RUNS_MAX], from[BENCH_DEVICE_RUNS_MAX];
     void* memory = malloc(bytes);
     ty_address address = 0;
     ty_result result = memory != NULL ? backend->alloc(gpu, bytes, &address) : TY_ERROR_MEMORY;
@@ -185,7 +178,7 @@ static void print_device(const bench_session* bench, const ty_device_properties*
 }
 
 int bench_device(const bench_session* bench) {
-    contexts all;
+    bench_contexts all;
     int64_t unlike = 0;
     ty_result result = open_contexts(bench, &all);
     if (result == TY_OK && all.gpu == NULL) {
@@ -196,6 +189,7 @@ int bench_device(const bench_session* bench) {
     if (result == TY_OK) result = time_copies(bench, all.gpu);
     if (result == TY_OK) result = test_all(bench, &all, &unlike);
     if (result == TY_OK) result = time_all(bench, &all);
+    if (result == TY_OK) result = bench_device_programs(bench, &all, &unlike);
     close_contexts(&all);
     if (result != TY_OK) return cli_fail_running(bench->session, result);
     if (unlike == 0) return CLI_DONE;

@@ -87,6 +87,25 @@ static void print_bench(FILE* file, const char* bench, const json_t* timings, co
     }
 }
 
+/* Measurements of its programs other than path, beside the device's peaks. */
+static void print_device_programs(FILE* file, const json_t* programs) {
+    const char* name;
+    json_t* of;
+    if (programs == NULL) return;
+    fputs("\n| program | device | its launches | processor | times as fast | of the peak bandwidth | of the peak "
+          "arithmetic | values unlike the host twin's |\n|---|--:|--:|--:|--:|--:|--:|--:|\n",
+          file);
+    json_object_foreach((json_t*)programs, name, of) {
+        fputs("| ", file);
+        cli_print_markdown(file, name);
+        fprintf(file, " | %.2f ms | %.2f ms | %.1f ms | %.1f | %.1f %% | %.1f %% | %.0f |\n",
+                1e3 * bench_number(of, "device_seconds"), 1e3 * bench_number(of, "launched_seconds"),
+                1e3 * bench_number(of, "cpu_seconds"), bench_number(of, "times_as_fast"),
+                100 * bench_number(of, "of_peak_bandwidth"), 100 * bench_number(of, "of_peak_flops"),
+                bench_number(of, "unlike_values"));
+    }
+}
+
 /* Measurements of bench device, by scene, with the name of the GPU. */
 static void print_device(FILE* file, const json_t* results) {
     const char *device = json_string_value(json_object_get(results, "device")), *name;
@@ -106,6 +125,7 @@ static void print_device(FILE* file, const json_t* results) {
                 1e3 * bench_number(of, "cpu_seconds"), bench_number(of, "times_as_fast"),
                 bench_number(of, "mvertices_per_second"), bench_number(unlike, name));
     }
+    print_device_programs(file, json_object_get(results, "programs"));
 }
 
 ty_result bench_print_markdown(ty_context* context, FILE* file, const void* user) {

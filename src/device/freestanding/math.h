@@ -15,6 +15,10 @@
 #define sqrt __builtin_sqrt
 #define isfinite __builtin_isfinite
 
+/* Those of base/kernel.h, which every kernel has. */
+#define expf ty_expf
+#define logf ty_logf
+
 #define TY_MATH static inline __attribute__((unused))
 
 /* Sine and cosine of x in [-pi / 4, pi / 4], to 1 ulp (minimax polynomials). */

@@ -18,19 +18,11 @@ static void find_faces(void* user, int64_t row, int32_t worker) {
     job->kernel(job->request, (int32_t)row - 1, job->width, job->faces + row * (job->width + 2));
 }
 
-static bool differs_from_neighbour(const edges_job* job, int32_t x, int32_t y) {
-    const size_t columns = (size_t)job->width + 2;
-    const int32_t* corner = job->faces + (size_t)y * columns + (size_t)x;
-    for (size_t k = 0; k < 9; ++k)
-        if (corner[k / 3 * columns + k % 3] != corner[columns + 1]) return true;
-    return false;
-}
-
 static void mark_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const edges_job* job = user;
     for (int32_t x = 0; x < job->width; ++x)
-        job->marked[row * job->width + x] = differs_from_neighbour(job, x, (int32_t)row);
+        job->marked[row * job->width + x] = ty_edges_are_at(job->faces, job->width, x, (int32_t)row);
 }
 
 /* Maximum of a medium's density. */
@@ -55,10 +47,9 @@ static float farthest(const ty_march_request* request) {
     return sqrtf(x * x + y * y + z * z);
 }
 
-/* False where all media are thin over the width of a pixel. */
-static bool may_have_edges(const ty_march_request* request, int32_t width, int32_t height) {
+bool ty_edges_may_exist(const ty_march_request* request, int32_t width, int32_t height, int32_t rays) {
     const ty_scene_view* scene = request->scene;
-    if (request->has_field == 0) return false;
+    if (rays <= request->spp || request->has_field == 0) return false;
     const float pixel = farthest(request) * ty_edges_pixel(&request->camera, 0.5f * (float)width, 0.5f * (float)height);
     for (int32_t m = 0; m < scene->medium_count; ++m) {
         const ty_medium_view* medium = &scene->media[m];
@@ -71,7 +62,7 @@ ty_result ty_edges_create(const ty_scene* scene, int32_t width, int32_t height, 
                           ty_march_request* request) {
     ty_context* context = ty_scene_context(scene);
     const size_t pixels = (size_t)width * (size_t)height, bordered = (size_t)(width + 2) * (size_t)(height + 2);
-    if (rays <= request->spp || !may_have_edges(request, width, height)) return TY_OK;
+    if (!ty_edges_may_exist(request, width, height, rays)) return TY_OK;
     request->edges = (ty_edges_view){.rays = rays, .width = width, .pixels = pixels};
     request->edges.marked = ty_alloc_array(context, pixels, 1, false);
     int32_t* faces = ty_alloc_array(context, bordered, sizeof *faces, false);

@@ -13,8 +13,11 @@
 typedef TY_EDGES_KERNEL((*ty_edges_kernel));
 TY_DECLARE_KERNEL_FUNCTION(TY_EDGES_KERNEL, ty_edges_kernel);
 
-/* Finds the pixels whose face differs from that of one of the eight around, and gives them `rays` rays; none where all
- * media are thin. Errors: TY_ERROR_MEMORY. Freed with ty_edges_destroy, also after an error. */
+/* False where pixels at edges get no more rays than others, or all media are thin over the width of a pixel. */
+bool ty_edges_may_exist(const ty_march_request* request, int32_t width, int32_t height, int32_t rays);
+
+/* Finds the pixels whose face differs from that of one of the eight around, and gives them `rays` rays. Errors:
+ * TY_ERROR_MEMORY. Freed with ty_edges_destroy, also after an error. */
 ty_result ty_edges_create(const ty_scene* scene, int32_t width, int32_t height, int32_t rays,
                           ty_march_request* request);
 void ty_edges_destroy(ty_context* context, ty_edges_view* edges);

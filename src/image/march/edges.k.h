@@ -54,4 +54,27 @@ TY_FN int32_t ty_edges_face(TY_GLOBAL const ty_march_request* request, ty_vec di
     return face;
 }
 
+/* The face that the ray through the center of a pixel enters first, before any surface; 0: none. */
+TY_FN int32_t ty_edges_face_of_pixel(TY_GLOBAL const ty_march_request* request, int32_t x, int32_t y) {
+    const ty_camera_view* camera = &request->camera;
+    const ty_vec direction = ty_camera_direction(camera, (float)x + 0.5f, (float)y + 0.5f);
+    const float pixel = ty_edges_pixel(camera, (float)x + 0.5f, (float)y + 0.5f);
+    float distance;
+    const int32_t face = ty_edges_face(request, direction, pixel, &distance);
+    if (face != 0 && request->scene->mesh != NULL &&
+        ty_accel_occluded(request->scene->mesh, camera->origin, direction, distance))
+        return 0;
+    return face;
+}
+
+/* True if the face of a pixel differs from that of one of the eight around. faces: of an image of this width, with a
+ * border of one pixel. */
+TY_FN bool ty_edges_are_at(TY_GLOBAL const int32_t* faces, int32_t width, int32_t x, int32_t y) {
+    const size_t columns = (size_t)width + 2;
+    TY_GLOBAL const int32_t* corner = faces + (size_t)y * columns + (size_t)x;
+    for (size_t k = 0; k < 9; ++k)
+        if (corner[k / 3 * columns + k % 3] != corner[columns + 1]) return true;
+    return false;
+}
+
 #endif

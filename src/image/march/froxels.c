@@ -46,13 +46,13 @@ static size_t end_count(const ty_froxel_view* grid) {
     return (size_t)grid->size[2] + 1;
 }
 
-static size_t froxel_count(const ty_froxel_view* grid) {
+size_t ty_froxels_count(const ty_froxel_view* grid) {
     return (size_t)grid->size[0] * (size_t)grid->size[1] * end_count(grid);
 }
 
 /* z(s) of ty_froxel_slice with r = far / near, for which froxels are as deep as wide in proportion: z = near
  * (far / near)^(s / slices) (Wronski 2014). */
-static void set_ends(ty_froxel_view* grid, const float range[2], float* ends) {
+void ty_froxels_set_ends(ty_froxel_view* grid, const float range[2], float* ends) {
     const float depth = range[1] > range[0] ? range[1] - range[0] : 1;
     const int32_t slices = grid->size[2];
     grid->near = range[1] > range[0] ? range[0] : 0;
@@ -66,24 +66,28 @@ static void set_ends(ty_froxel_view* grid, const float range[2], float* ends) {
     }
 }
 
+ty_froxel_view ty_froxels_lay_out(const int32_t size[3], int32_t width, int32_t height) {
+    ty_froxel_view grid = {.pixels = {(float)width / (float)size[0], (float)height / (float)size[1]}};
+    memcpy(grid.size, size, sizeof grid.size);
+    return grid;
+}
+
 ty_result ty_froxels_create(ty_context* context, ty_march_request* request, const int32_t size[3], int32_t width,
                             int32_t height) {
     ty_froxel_view* grid = &request->froxels;
     float range[2];
-    memcpy(grid->size, size, sizeof grid->size);
-    grid->pixels[0] = (float)width / (float)size[0];
-    grid->pixels[1] = (float)height / (float)size[1];
+    *grid = ty_froxels_lay_out(size, width, height);
     const ty_result result = find_range(context, request, range);
     if (result != TY_OK) return result;
     float* ends = ty_alloc_array(context, end_count(grid), sizeof *ends, false);
     grid->ends = ends;
-    grid->froxels = ty_alloc_array(context, froxel_count(grid), sizeof *grid->froxels, false);
+    grid->froxels = ty_alloc_array(context, ty_froxels_count(grid), sizeof *grid->froxels, false);
     if (ends == NULL || grid->froxels == NULL) return TY_ERROR_MEMORY;
-    set_ends(grid, range, ends);
+    ty_froxels_set_ends(grid, range, ends);
     return TY_OK;
 }
 
 void ty_froxels_destroy(ty_context* context, ty_froxel_view* grid) {
     ty_free_array(context, (float*)(uintptr_t)grid->ends, end_count(grid), sizeof *grid->ends);
-    ty_free_array(context, grid->froxels, froxel_count(grid), sizeof *grid->froxels);
+    ty_free_array(context, grid->froxels, ty_froxels_count(grid), sizeof *grid->froxels);
 }

@@ -17,6 +17,12 @@ typedef struct ty_froxel_kernels {
 } ty_froxel_kernels;
 TY_DECLARE_KERNELS(ty_froxel_kernels);
 
+/* A view of this size without depths and memory. width, height: of the image, pixels. */
+ty_froxel_view ty_froxels_lay_out(const int32_t size[3], int32_t width, int32_t height);
+size_t ty_froxels_count(const ty_froxel_view* grid);
+/* Sets depths between those of the first and the last medium in view, m, and the ends of the slices. */
+void ty_froxels_set_ends(ty_froxel_view* grid, const float range[2], float* ends);
+
 /* Creates the froxels of a request whose scene, camera and spp are set, not yet filled, between the first and the last
  * depth of the media in view. size: columns, rows and slices; width, height: of the image, pixels. To be destroyed
  * after errors, too. Errors: TY_ERROR_MEMORY. */

@@ -100,6 +100,41 @@ TY_FN void ty_froxel_march(TY_GLOBAL const ty_march_request* request, ty_march_r
     }
 }
 
+/* The point of slices at which a column's ray samples them, as a fraction: the center for a single ray; those of
+ * several are spread evenly (a Kronecker sequence). */
+TY_FN float ty_froxel_fraction(int32_t sample) {
+    const float phase = 0.5f + 0.754877666f * (float)sample;
+    return phase - floorf(phase);
+}
+
+/* Widens the range of depths by the media along the rays of a column: first and last, m. */
+TY_FN void ty_froxel_add_column(TY_GLOBAL const ty_march_request* request, int32_t column, int32_t row,
+                                float range[2]) {
+    for (int32_t i = 0; i < request->spp; ++i) {
+        float x, y;
+        ty_froxel_place(request, column, row, i, &x, &y);
+        ty_froxel_add_range(request, x, y, range);
+    }
+}
+
+/* Fills a column; returns the number of steps. */
+TY_FN uint32_t ty_froxel_fill(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, int32_t column,
+                              int32_t row) {
+    TY_GLOBAL const ty_froxel_view* grid = &request->froxels;
+    const size_t nodes = (size_t)grid->size[2] + 1;
+    TY_GLOBAL ty_froxel* froxels = grid->froxels + ((size_t)row * (size_t)grid->size[0] + (size_t)column) * nodes;
+    const float weight = 1.0f / (float)request->spp;
+    uint32_t steps = 0;
+    memset(froxels, 0, nodes * sizeof *froxels);
+    for (int32_t i = 0; i < request->spp; ++i) {
+        float x, y;
+        ty_froxel_place(request, column, row, i, &x, &y);
+        ty_froxel_march(request, ray, x, y, ty_froxel_fraction(i), weight, froxels);
+        steps += ray->steps;
+    }
+    return steps;
+}
+
 /* ---- pixels ---- */
 
 /* The lower of two froxels around a position between 0 and count - 1, and the weight of the other. */
@@ -137,6 +172,25 @@ TY_FN void ty_froxel_interpolate(TY_GLOBAL const ty_march_request* request, floa
             light->single[c] += corner_weight * ty_lerpf(near[0].single[c], near[1].single[c], weight[2]);
             light->multiple[c] += corner_weight * ty_lerpf(near[0].multiple[c], near[1].multiple[c], weight[2]);
         }
+    }
+}
+
+/* A pixel from filled froxels. */
+TY_FN void ty_froxel_look_up(TY_GLOBAL const ty_march_request* request, int32_t x, int32_t y, ty_march_pixel* pixel) {
+    const ty_accel* mesh = request->scene->mesh;
+    memset(pixel, 0, sizeof *pixel);
+    for (int32_t i = 0; i < request->spp; ++i) {
+        float dx, dy;
+        ty_hit hit;
+        ty_march_light light;
+        ty_pixel_place(i, request->spp, &dx, &dy);
+        const float px = (float)x + dx, py = (float)y + dy;
+        const ty_vec direction = ty_camera_direction(&request->camera, px, py);
+        const bool hits =
+            mesh != NULL && ty_accel_intersect(mesh, request->camera.origin, direction, TY_FLOAT_MAX, &hit);
+        const float depth = hits ? hit.distance / ty_froxel_stretch(&request->camera, px, py) : TY_FLOAT_MAX;
+        ty_froxel_interpolate(request, px, py, depth, &light);
+        ty_pixel_add_light(request, &light, direction, hits ? &hit : NULL, pixel);
     }
 }
 

@@ -54,4 +54,26 @@ TY_FN int32_t ty_gathered_between(float place, int32_t count, int32_t pixels, fl
     return first;
 }
 
+/* Mean over a point and those around it, by tent weights: each has other rays, and their errors differ. */
+TY_FN void ty_gathered_smooth(TY_GLOBAL const ty_gathered_view* view, int32_t column, int32_t row,
+                              TY_GLOBAL ty_gathered_point* out) {
+    TY_GLOBAL const ty_gathered_point* center = &view->points[row * view->columns + column];
+    float sum = 0.0f;
+    *out = *center;
+    if (center->exists == 0) return;
+    for (int c = 0; c < 3; ++c) out->irradiance[c] = 0.0f;
+    for (int32_t k = 0; k < 9; ++k) {
+        const int32_t right = k % 3 - 1, down = k / 3 - 1;
+        if (column + right < 0 || column + right >= view->columns || row + down < 0 || row + down >= view->rows)
+            continue;
+        TY_GLOBAL const ty_gathered_point* point = &view->points[(row + down) * view->columns + column + right];
+        const float weight = (right == 0 ? 2.0f : 1.0f) * (down == 0 ? 2.0f : 1.0f) *
+                             ty_gathered_weight(point, center->position, center->normal, center->distance);
+        if (!(weight > 0.0f)) continue;
+        sum += weight;
+        for (int c = 0; c < 3; ++c) out->irradiance[c] += weight * point->irradiance[c];
+    }
+    for (int c = 0; c < 3; ++c) out->irradiance[c] *= 1.0f / sum;
+}
+
 #endif

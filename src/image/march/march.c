@@ -5,6 +5,8 @@
 #include "base/context.h"
 #include "base/progress.h"
 #include "image/aovs.h"
+#include "image/march/channels.k.h"
+#include "image/march/device/device.h"
 #include "image/march/edges.h"
 #include "image/march/froxels.h"
 #include "image/image.h"
@@ -127,17 +129,8 @@ static ty_result create_image(march_job* job) {
     return ty_image_create(job->context, job->def->width, job->def->height, count, names, &job->image);
 }
 
-static float pixel_value(const march_job* job, uint32_t aov, int c, const ty_march_pixel* pixel, size_t index) {
-    const float inverse_spp = 1.0f / (float)job->def->spp;
-    switch (aov) {
-    case TY_AOV_TRANSMITTANCE: return pixel->transmittance[c] * inverse_spp;
-    case TY_AOV_DEPTH: return pixel->hits > 0 ? pixel->depth / pixel->hits : 0;
-    case TY_AOV_SINGLE: return pixel->single[c] * inverse_spp;
-    case TY_AOV_MULTIPLE: return ty_maxf(0, pixel->multiple[c] * inverse_spp);
-    default: break;
-    }
-    const float background = job->unscattered[c] != NULL ? job->unscattered[c][index] : 0;
-    return (pixel->unscattered[c] + pixel->single[c] + ty_maxf(0, pixel->multiple[c])) * inverse_spp + background;
+static float background(const march_job* job, int c, size_t index) {
+    return job->unscattered[c] != NULL ? job->unscattered[c][index] : 0;
 }
 
 static void store_row(const march_job* job, int32_t y, int32_t begin, int32_t end, const ty_march_pixel* pixels) {
@@ -147,7 +140,8 @@ static void store_row(const march_job* job, int32_t y, int32_t begin, int32_t en
         for (int c = 0; ty_aov_is_requested(&ty_aov_groups[g], job->def->aovs) && c < ty_aov_groups[g].count; ++c) {
             float* plane = ty_image_plane(job->image, channel++) + first;
             for (int32_t x = begin; x < end; ++x)
-                plane[x] = pixel_value(job, ty_aov_groups[g].aov, c, &pixels[x - begin], first + (size_t)x);
+                plane[x] = ty_pixel_value(&pixels[x - begin], ty_aov_groups[g].aov, c, job->def->spp,
+                                          background(job, c, first + (size_t)x));
         }
 }
 
@@ -319,38 +313,53 @@ static ty_march_def def_of_camera(const ty_scene* scene, const ty_march_def* giv
     return def;
 }
 
+/* By the processor's own kernels. */
+static ty_result march_here(march_job* job, const ty_scene* scene) {
+    const ty_march_def* def = job->def;
+    ty_march_request* request = &job->packed.request;
+    const bool has_froxels = ty_march_has_froxels(def);
+    job->kernel =
+        request->camera.sampled != 0 ? TY_BEST_KERNELS(ty_march_sampled_kernel) : TY_BEST_KERNELS(ty_march_kernel);
+    job->spaced_kernels = TY_BEST_KERNELS(ty_spaced_kernels);
+    job->froxel_kernels = TY_BEST_KERNELS(ty_froxel_kernels);
+    uint64_t gathering_steps = 0;
+    ty_result result = create_spaced(job);
+    if (result == TY_OK && has_froxels)
+        result = ty_froxels_create(job->context, request, def->froxels, def->width, def->height);
+    if (result == TY_OK && ty_march_gathers(def, request))
+        result = ty_gathered_create(scene, request, def->width, def->height, &gathering_steps);
+    atomic_fetch_add(&job->steps, gathering_steps);
+    if (result == TY_OK && ty_march_has_edges(def))
+        result = ty_edges_create(scene, def->width, def->height, def->edge_rays, request);
+    if (result == TY_OK) result = march(job);
+    free_spaced(job);
+    ty_froxels_destroy(job->context, &request->froxels);
+    ty_gathered_destroy(job->context, &request->gathered);
+    ty_edges_destroy(job->context, &request->edges);
+    return result;
+}
+
 ty_result ty_march(const ty_scene* scene, const ty_march_def* given, ty_image** out, ty_march_stats* stats) {
     const ty_march_def own = def_of_camera(scene, given), *def = &own;
     march_job job = {.context = ty_scene_context(scene), .def = def};
     job.begun = job.reported = ty_wall_seconds();
     job.cpu_begun = ty_cpu_seconds();
-    job.kernel = TY_BEST_KERNELS(ty_march_kernel);
-    job.spaced_kernels = TY_BEST_KERNELS(ty_spaced_kernels);
-    job.froxel_kernels = TY_BEST_KERNELS(ty_froxel_kernels);
     ty_result result = check_def(job.context, def);
     if (def->unscattered != NULL && result == TY_OK) ty_image_rgb_planes(def->unscattered, job.unscattered);
     const ty_camera_def camera = ty_scene_camera(scene);
     if (result == TY_OK && ty_march_has_froxels(def))
         result = ty_camera_check_pinhole(job.context, &camera, "march.froxels");
     if (result == TY_OK) result = ty_march_request_make(scene, def, &job.packed);
-    if (result == TY_OK && job.packed.request.camera.sampled != 0)
-        job.kernel = TY_BEST_KERNELS(ty_march_sampled_kernel);
     if (result == TY_OK) result = create_image(&job);
-    if (result == TY_OK) result = create_spaced(&job);
-    if (result == TY_OK && ty_march_has_froxels(def))
-        result = ty_froxels_create(job.context, &job.packed.request, def->froxels, def->width, def->height);
-    uint64_t gathering_steps = 0;
-    if (result == TY_OK && def->ray_spacing == 1 && !ty_march_has_froxels(def) &&
-        job.packed.request.camera.sampled == 0)
-        result = ty_gathered_create(scene, &job.packed.request, def->width, def->height, &gathering_steps);
-    atomic_fetch_add(&job.steps, gathering_steps);
-    if (result == TY_OK && def->ray_spacing == 1 && !ty_march_has_froxels(def))
-        result = ty_edges_create(scene, def->width, def->height, def->edge_rays, &job.packed.request);
-    if (result == TY_OK) result = march(&job);
-    free_spaced(&job);
-    ty_froxels_destroy(job.context, &job.packed.request.froxels);
-    ty_gathered_destroy(job.context, &job.packed.request.gathered);
-    ty_edges_destroy(job.context, &job.packed.request.edges);
+    const char* isa = ty_isa_name(ty_best_isa());
+    ty_marched_on_device on_device = {.stats = stats != NULL};
+    if (result == TY_OK) result = ty_march_on_device(scene, def, &job.packed, job.image, &on_device);
+    if (on_device.kind != NULL) {
+        isa = on_device.kind;
+        atomic_store(&job.steps, on_device.steps);
+    } else if (result == TY_OK) {
+        result = march_here(&job, scene);
+    }
     ty_march_request_free(&job.packed);
     if (result != TY_OK) {
         ty_image_destroy(job.image);
@@ -362,6 +371,6 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* given, ty_image** 
         *stats = (ty_march_stats){.seconds = ty_wall_seconds() - job.begun,
                                   .cpu_seconds = ty_cpu_seconds() - job.cpu_begun,
                                   .steps = atomic_load(&job.steps),
-                                  .isa = ty_isa_name(ty_best_isa())};
+                                  .isa = isa};
     return TY_OK;
 }

@@ -9,6 +9,16 @@
 #define TY_MARCH_PIECE 0.7f
 #define TY_MARCH_STEP 0.5f
 
+/* Intervals of media that a ray marches through, and lights that are looked up together. On devices a thread's memory
+ * is scarce: scenes with more than TY_MARCH_DEVICE_MEDIA media march on the processor, and of a ray's further intervals
+ * in closed meshes none is seen. */
+enum { TY_MARCH_DEVICE_MEDIA = 5 };
+#if defined(TY_DEVICE)
+enum { TY_MARCH_TRACKS_MAX = TY_MARCH_DEVICE_MEDIA, TY_MARCH_LIGHTS_GROUP = 1 };
+#else
+enum { TY_MARCH_TRACKS_MAX = TY_SPANS_MAX, TY_MARCH_LIGHTS_GROUP = TY_MARCH_LIGHTS_MAX };
+#endif
+
 /* Result of a ray. */
 typedef struct ty_march_light {
     float transmittance[3], emission[3], single[3], multiple[3];
@@ -21,7 +31,7 @@ typedef struct ty_march_ray {
     TY_GLOBAL const ty_march_request* request;
     ty_vec origin, direction;
     int32_t count, active_count;
-    int32_t active[TY_SPANS_MAX];
+    int32_t active[TY_MARCH_TRACKS_MAX];
     float begin;       /* start of the step, m along the ray */
     float offset;      /* end of the first step of an interval, as a fraction of a step */
     float step_scale;  /* factor on the request's step length */
@@ -31,7 +41,7 @@ typedef struct ty_march_ray {
     int32_t has_light; /* 1: there is light to look up */
     uint32_t steps;
     ty_march_light light;
-    ty_track tracks[TY_SPANS_MAX];
+    ty_track tracks[TY_MARCH_TRACKS_MAX];
 } ty_march_ray;
 
 /* ---- light of a step ---- */
@@ -49,10 +59,11 @@ typedef struct ty_march_visibility {
     float octaves[TY_OCTAVES_MAX][3]; /* of each octave, if they scale the view */
 } ty_march_visibility;
 
-/* Adds the radiance scattered and emitted by one medium at a point, times its visibility. Adds to scattering the
- * coefficients for the field's light. */
+/* Adds the radiance scattered and emitted by one medium at a point, times its visibility: that of a group of lights,
+ * and with the first group what the medium emits. Adds to scattering the coefficients for the field's light. */
 TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_near_light* lights,
-                                const ty_march_visibility* visibility, ty_march_scattering* scattering) {
+                                int32_t first, int32_t end, const ty_march_visibility* visibility,
+                                ty_march_scattering* scattering) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     float sigma_s[3], g[3];
     ty_medium_sigma_s(track->medium, point, sigma_s);
@@ -62,7 +73,7 @@ TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec
         scattering->forward[c] += g[c] * sigma_s[c] * track->column;
         scattering->third[c] += g[c] * g[c] * g[c] * sigma_s[c] * track->column;
     }
-    if (track->medium->emits != 0) {
+    if (track->medium->emits != 0 && first == 0) {
         float emission[3];
         ty_medium_emission(track->medium, point, emission);
         for (int32_t c = 0; c < 3; ++c)
@@ -73,9 +84,11 @@ TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec
     const ty_vec wo = ty_scale(ray->direction, -1.0f);
     ty_single_radiance scattered;
     memset(&scattered, 0, sizeof scattered);
-    for (int32_t i = 0; i < request->light_count; ++i)
-        ty_single_scattered(&request->lights[i], point, &lights[i].at, wo, lights[i].transmittance, g,
-                            track->medium->phase, &request->fit, &scattered);
+    for (int32_t i = first; i < end; ++i) {
+        const ty_near_light* near = &lights[i - first];
+        ty_single_scattered(&request->lights[i], point, &near->at, wo, near->transmittance, g, track->medium->phase,
+                            &request->fit, &scattered);
+    }
     for (int32_t c = 0; c < 3; ++c) {
         const float amount = track->column * sigma_s[c], transmitted = visibility->transmitted[c] * amount;
         ray->light.single[c] += transmitted * scattered.first[c];
@@ -87,7 +100,7 @@ TY_FN void ty_march_add_sources(ty_march_ray* ray, const ty_track* track, ty_vec
 /* Adds the light of octaves 1 and above that one medium scatters at a point. Never inlined: compilers would contract
  * the products of its callers in another way, and other methods' images would differ in the last bit. */
 static __attribute__((noinline)) void ty_march_add_octaves(ty_march_ray* ray, const ty_track* track, ty_vec point,
-                                                           const ty_near_light* lights,
+                                                           const ty_near_light* lights, int32_t first, int32_t end,
                                                            const ty_march_visibility* visibility) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     const ty_vec omega = ty_scale(ray->direction, -1.0f);
@@ -97,7 +110,7 @@ static __attribute__((noinline)) void ty_march_add_octaves(ty_march_ray* ray, co
     for (int32_t i = 1; i < request->octaves.count; ++i) {
         const float* passed = request->octaves.scales_view ? visibility->octaves[i] : visibility->transmitted;
         float radiance[3];
-        ty_octave_scattered(request, i, point, lights, omega, g, radiance);
+        ty_octave_scattered(request, i, point, lights, first, end, omega, g, radiance);
         for (int32_t c = 0; c < 3; ++c) ray->light.multiple[c] += passed[c] * track->column * sigma_s[c] * radiance[c];
     }
 }
@@ -144,17 +157,24 @@ TY_FN void ty_march_add_field_light(ty_march_ray* ray, ty_vec point, float extin
 /* Adds the light of a step to the ray, looked up `at` metres along it. */
 TY_FN void ty_march_add_light(ty_march_ray* ray, float at, const ty_march_visibility* visibility) {
     TY_GLOBAL const ty_march_request* request = ray->request;
-    ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
-    ty_near_light lights[TY_MARCH_LIGHTS_MAX];
+    ty_march_scattering scattering;
+    ty_near_light lights[TY_MARCH_LIGHTS_GROUP];
     const ty_vec point = ty_mad(ray->origin, ray->direction, at);
     const float extinction = ty_march_extinction(ray, at);
-    ty_near_lookup(request, point, extinction, lights);
-    for (int32_t i = 0; i < ray->active_count; ++i) {
-        const ty_track* track = &ray->tracks[ray->active[i]];
-        if (!(track->column > 0.0f)) continue;
-        ty_march_add_sources(ray, track, point, lights, visibility, &scattering);
-        if (request->octaves.count > 1) ty_march_add_octaves(ray, track, point, lights, visibility);
-    }
+    int32_t first = 0;
+    do {
+        const int32_t after = first + TY_MARCH_LIGHTS_GROUP;
+        const int32_t end = after < TY_MARCH_LIGHTS_MAX && after < request->light_count ? after : request->light_count;
+        ty_near_lookup(request, point, extinction, first, end, lights);
+        memset(&scattering, 0, sizeof scattering);
+        for (int32_t i = 0; i < ray->active_count; ++i) {
+            const ty_track* track = &ray->tracks[ray->active[i]];
+            if (!(track->column > 0.0f)) continue;
+            ty_march_add_sources(ray, track, point, lights, first, end, visibility, &scattering);
+            if (request->octaves.count > 1) ty_march_add_octaves(ray, track, point, lights, first, end, visibility);
+        }
+        first = after;
+    } while (first < TY_MARCH_LIGHTS_MAX && first < request->light_count);
     if (request->has_field != 0) ty_march_add_field_light(ray, point, extinction, visibility->scaled, &scattering);
     ++ray->steps;
 }
@@ -356,7 +376,7 @@ TY_FN void ty_march_begin(ty_march_ray* ray, TY_GLOBAL const ty_march_request* r
         light_per_metre = ty_march_cells_per_metre(&request->light, direction);
     else if (request->has_field != 0)
         light_per_metre = ty_march_cells_per_metre(&request->field.lattice, direction);
-    for (int32_t i = 0; i < spans.count; ++i) {
+    for (int32_t i = 0; i < spans.count && ray->count < TY_MARCH_TRACKS_MAX; ++i) {
         TY_GLOBAL const ty_medium_view* medium = &scene->media[spans.medium[i]];
         if (!(medium->sigma_t_max > 0.0f)) continue;
         ty_track* track = &ray->tracks[ray->count++];

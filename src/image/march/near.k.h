@@ -248,20 +248,20 @@ TY_FN bool ty_near_is_needed(TY_GLOBAL const ty_march_request* request, float ex
     return false;
 }
 
-/* All lights at a point of the given mean extinction, 1/m. */
-TY_FN void ty_near_lookup(TY_GLOBAL const ty_march_request* request, ty_vec point, float extinction,
-                          ty_near_light* lights) {
-    if (request->light_count == 0) return;
+/* Lights [first, end) at a point of the given mean extinction, 1/m. */
+TY_FN void ty_near_lookup(TY_GLOBAL const ty_march_request* request, ty_vec point, float extinction, int32_t first,
+                          int32_t end, ty_near_light* lights) {
+    if (first == end) return;
     const bool traced = ty_near_is_needed(request, extinction);
-    for (int32_t i = 0; i < request->light_count; ++i) {
+    for (int32_t i = first; i < end; ++i) {
         TY_GLOBAL const ty_light_fluence* light = &request->lights[i];
-        if (traced && light->kind < TY_FLUENCE_P1 && ty_near_follow(request, light, point, extinction, &lights[i]))
-            continue;
-        lights[i].at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
-        lights[i].falloff = 1.0f;
-        for (int32_t c = 0; c < 3; ++c) lights[i].depth[c] = 0.0f;
+        ty_near_light* out = &lights[i - first];
+        if (traced && light->kind < TY_FLUENCE_P1 && ty_near_follow(request, light, point, extinction, out)) continue;
+        out->at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
+        out->falloff = 1.0f;
+        for (int32_t c = 0; c < 3; ++c) out->depth[c] = 0.0f;
         for (int32_t f = 0; f < TY_FLUENCE_COUNT; ++f)
-            for (int32_t c = 0; c < 3; ++c) lights[i].transmittance[f][c] = 1.0f;
+            for (int32_t c = 0; c < 3; ++c) out->transmittance[f][c] = 1.0f;
     }
 }
 

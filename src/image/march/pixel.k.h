@@ -104,14 +104,65 @@ TY_FN void ty_pixel_add_light(TY_GLOBAL const ty_march_request* request, const t
 }
 
 /* Marches a ray of the camera through (x, y) up to the surface that it hits, and adds it; hit: NULL for none. */
-TY_FN void ty_pixel_add_ray(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, ty_vec direction,
-                            const ty_hit* hit, float x, float y, float offset, ty_march_pixel* pixel) {
-    ty_march_follow(ray, request, request->camera.origin, direction, hit != NULL ? hit->distance : TY_FLOAT_MAX, offset,
-                    1.0f);
-    const ty_march_light light = ray->light;
-    ty_pixel_add_light(request, &light, direction, hit, pixel);
+TY_FN void ty_pixel_add_ray(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, ty_vec origin,
+                            ty_vec direction, const ty_hit* hit, float x, float y, float offset,
+                            ty_march_pixel* pixel) {
+    ty_march_follow(ray, request, origin, direction, hit != NULL ? hit->distance : TY_FLOAT_MAX, offset, 1.0f);
+    const float transmittance[3] = {ray->light.transmittance[0], ray->light.transmittance[1],
+                                    ray->light.transmittance[2]};
+    ty_pixel_add_light(request, &ray->light, direction, hit, pixel);
     if (hit != NULL && request->has_field != 0)
-        ty_reflect_media(request, ray, direction, hit, x, y, offset, light.transmittance, pixel->multiple);
+        ty_reflect_media(request, ray, direction, hit, x, y, offset, transmittance, pixel->multiple);
+}
+
+/* All rays of a pixel. sampled: nonzero for a lens or a moving camera, each of whose rays has a camera of its own.
+ * Returns the number of steps. */
+TY_FN uint32_t ty_pixel_march(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, int32_t x, int32_t y,
+                              int32_t sampled, ty_march_pixel* pixel) {
+    const ty_accel* mesh = request->scene->mesh;
+    const int32_t rays = ty_pixel_rays(request, x, y);
+    uint32_t steps = 0;
+    memset(pixel, 0, sizeof *pixel);
+    for (int32_t i = 0; i < rays; ++i) {
+        float dx, dy;
+        ty_hit hit;
+        if (rays == request->spp)
+            ty_pixel_place(i, rays, &dx, &dy);
+        else
+            ty_pixel_place_at_edge(x, y, i, rays, &dx, &dy);
+        const ty_camera_view camera = sampled != 0 ? ty_pixel_camera(&request->camera, x, y, i) : request->camera;
+        const ty_vec direction = ty_camera_direction(&camera, (float)x + dx, (float)y + dy);
+        const bool hits = mesh != NULL && ty_accel_intersect(mesh, camera.origin, direction, TY_FLOAT_MAX, &hit);
+        ty_pixel_add_ray(request, ray, camera.origin, direction, hits ? &hit : NULL, (float)x + dx, (float)y + dy,
+                         ty_pixel_offset(request, x, y, i, rays), pixel);
+        steps += ray->steps;
+    }
+    if (rays != request->spp) ty_pixel_scale(pixel, (float)request->spp / (float)rays);
+    return steps;
+}
+
+/* ---- points at which irradiance is gathered ---- */
+
+/* Gathers at the point of a column and a row; returns the number of steps. */
+TY_FN uint32_t ty_pixel_gather(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, int32_t column,
+                               int32_t row) {
+    TY_GLOBAL const ty_gathered_view* view = &request->gathered;
+    TY_GLOBAL ty_gathered_point* point = &view->points[row * view->columns + column];
+    const ty_vec direction = ty_camera_direction(&request->camera, (float)ty_gathered_pixel(column, view->width) + 0.5f,
+                                                 (float)ty_gathered_pixel(row, view->height) + 0.5f);
+    ty_surface_point surface;
+    ty_hit hit;
+    point->exists = 0;
+    if (!ty_accel_intersect(request->scene->mesh, request->camera.origin, direction, TY_FLOAT_MAX, &hit)) return 0;
+    const ty_vec cells = ty_cell_coordinates(&request->surface_field.lattice, hit.position);
+    if (ty_cell_inside(&request->surface_field.lattice, cells)) return 0;
+    ty_surface_evaluate(&request->scene->surfaces[hit.surface], &hit, direction, &surface);
+    point->exists = 1;
+    point->position = hit.position;
+    point->normal = surface.ns;
+    point->distance = hit.distance;
+    return ty_reflect_gather(request, ray, ty_hit_leave(&hit, surface.ng), surface.ng, surface.ns, TY_REFLECT_RAYS,
+                             ty_pixel_offset(request, column, row, 0, request->spp), point->irradiance);
 }
 
 #endif

@@ -12,6 +12,14 @@ bool ty_march_has_froxels(const ty_march_def* def) {
     return def->froxels[0] != 0 || def->froxels[1] != 0 || def->froxels[2] != 0;
 }
 
+bool ty_march_gathers(const ty_march_def* def, const ty_march_request* request) {
+    return ty_march_has_edges(def) && request->camera.sampled == 0;
+}
+
+bool ty_march_has_edges(const ty_march_def* def) {
+    return def->ray_spacing == 1 && !ty_march_has_froxels(def);
+}
+
 static ty_cell_lattice lattice_of_box(const ty_grid_box* box) {
     ty_cell_lattice lattice;
     float lower[3], per_cell[3];

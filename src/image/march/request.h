@@ -22,5 +22,9 @@ ty_result ty_march_request_make(const ty_scene* scene, const ty_march_def* def, 
 void ty_march_request_free(ty_packed_request* packed);
 
 bool ty_march_has_froxels(const ty_march_def* def);
+/* True where pixels march rays of their own, all of one origin: then irradiance may be gathered at points. */
+bool ty_march_gathers(const ty_march_def* def, const ty_march_request* request);
+/* True where pixels at edges may have more rays than others. */
+bool ty_march_has_edges(const ty_march_def* def);
 
 #endif

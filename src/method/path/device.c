@@ -13,6 +13,7 @@ enum { SOBOL, RAYS, OUTLINES, REQUEST, ODD_REQUEST, SUMS, AOV_SUMS, VERTICES, AR
 struct ty_path_device {
     const ty_path_run* run;
     ty_device* device;
+    ty_device_arrays arrays;
     ty_packed_scene* scene;
     const ty_program* program;
     ty_address array[ARRAYS];
@@ -25,22 +26,14 @@ static const void* as_pointer(ty_address address) {
     return (const void*)(uintptr_t)address;
 }
 
-/* Makes array i on the device. from: NULL leaves it as it is. */
-static ty_result place(ty_path_device* on, int i, const void* from, size_t bytes) {
-    const ty_device_backend* backend = on->device->backend;
-    ty_result result = backend->alloc(on->device, bytes, &on->array[i]);
-    if (result == TY_OK && from != NULL) result = backend->write(on->device, on->array[i], from, bytes);
-    return result;
-}
-
 /* A request with the device's pointers. */
-static ty_result place_request(ty_path_device* on, int i, const ty_path_request* request) {
+static ty_address place_request(ty_path_device* on, const ty_path_request* request) {
     ty_path_request own = *request;
     own.scene = as_pointer(on->scene->view);
     own.sobol = as_pointer(on->array[SOBOL]);
     own.rays = as_pointer(on->array[RAYS]);
     own.outlines = as_pointer(on->array[OUTLINES]);
-    return place(on, i, &own, sizeof own);
+    return ty_device_place(&on->arrays, &own, sizeof own);
 }
 
 static ty_result place_items(ty_path_device* on) {
@@ -52,24 +45,27 @@ static ty_result place_items(ty_path_device* on) {
     if (on->sums == NULL || on->vertices == NULL || (run->aov_sums != NULL && on->aov_sums == NULL))
         return TY_ERROR_MEMORY;
     for (size_t i = 0; i < count; ++i) on->sums[i] = run->items[i].sums;
-    ty_result result = place(on, SUMS, on->sums, count * sizeof *on->sums);
-    if (result == TY_OK) result = place(on, VERTICES, on->vertices, count * sizeof *on->vertices);
-    if (result == TY_OK && run->aov_sums != NULL)
-        result = place(on, AOV_SUMS, run->aov_sums, count * sizeof *run->aov_sums);
-    return result;
+    on->array[SUMS] = ty_device_place(&on->arrays, on->sums, count * sizeof *on->sums);
+    on->array[VERTICES] = ty_device_place(&on->arrays, on->vertices, count * sizeof *on->vertices);
+    if (run->aov_sums != NULL)
+        on->array[AOV_SUMS] = ty_device_place(&on->arrays, run->aov_sums, count * sizeof *run->aov_sums);
+    return on->arrays.result;
 }
 
 static ty_result place_all(ty_path_device* on, const ty_path_request* odd) {
     const ty_path_run* run = on->run;
+    ty_device_arrays* arrays = &on->arrays;
     ty_result result = ty_scene_pack(on->device, run->scene, &run->view, &on->scene);
-    if (result == TY_OK) result = place(on, SOBOL, &run->sobol, sizeof run->sobol);
-    if (result == TY_OK && run->request.rays != NULL)
-        result = place(on, RAYS, run->request.rays, 6 * (size_t)run->item_count * sizeof *run->request.rays);
-    if (result == TY_OK && run->outlines != NULL) result = place(on, OUTLINES, run->outlines, (size_t)run->item_count);
-    if (result == TY_OK) result = place_request(on, REQUEST, &run->request);
-    if (result == TY_OK) result = place_request(on, ODD_REQUEST, odd);
-    if (result == TY_OK) result = place_items(on);
-    if (result == TY_OK) result = place(on, ARGUMENTS, NULL, sizeof(ty_path_launch));
+    if (result != TY_OK) return result;
+    on->array[SOBOL] = ty_device_place(arrays, &run->sobol, sizeof run->sobol);
+    if (run->request.rays != NULL)
+        on->array[RAYS] =
+            ty_device_place(arrays, run->request.rays, 6 * (size_t)run->item_count * sizeof *run->request.rays);
+    if (run->outlines != NULL) on->array[OUTLINES] = ty_device_place(arrays, run->outlines, (size_t)run->item_count);
+    on->array[REQUEST] = place_request(on, &run->request);
+    on->array[ODD_REQUEST] = place_request(on, odd);
+    on->array[ARGUMENTS] = ty_device_place(arrays, NULL, sizeof(ty_path_launch));
+    result = place_items(on);
     if (result != TY_OK) return result;
     on->program = on->scene->glossy ? &ty_program_path_glossy : &ty_program_path_diffuse;
     return on->device->backend->load(on->device, on->program);
@@ -85,7 +81,7 @@ ty_result ty_path_device_create(ty_path_run* run, const ty_path_request* odd, ty
     ty_path_device* on = ty_alloc_array(run->context, 1, sizeof *on, true);
     if (on == NULL) return TY_ERROR_MEMORY;
     on->run = run;
-    on->device = device;
+    on->device = on->arrays.device = device;
     ty_path_find_outlines(run);
     pthread_mutex_lock(&device->busy);
     result = place_all(on, odd);
@@ -100,7 +96,7 @@ void ty_path_device_destroy(ty_path_device* on) {
     if (on == NULL) return;
     ty_context* context = on->run->context;
     const size_t count = (size_t)on->run->item_count;
-    for (int i = 0; i < ARRAYS; ++i) on->device->backend->free(on->device, on->array[i]);
+    ty_device_free(&on->arrays);
     ty_packed_scene_destroy(on->scene);
     pthread_mutex_unlock(&on->device->busy);
     ty_free_array(context, on->sums, count, sizeof *on->sums);
@@ -115,7 +111,6 @@ const char* ty_path_device_kind(const ty_path_device* on) {
 
 ty_result ty_path_device_trace(ty_path_device* on, bool odd, int64_t begin, int64_t end, uint32_t first,
                                uint32_t count) {
-    const ty_device_backend* backend = on->device->backend;
     const ty_path_launch launch = {.request = as_pointer(on->array[odd ? ODD_REQUEST : REQUEST]),
                                    .sums = (void*)(uintptr_t)on->array[SUMS],
                                    .aov_sums = (void*)(uintptr_t)on->array[AOV_SUMS],
@@ -123,21 +118,20 @@ ty_result ty_path_device_trace(ty_path_device* on, bool odd, int64_t begin, int6
                                    .begin = begin,
                                    .first_sample = first,
                                    .count = count};
-    ty_result result = backend->write(on->device, on->array[ARGUMENTS], &launch, sizeof launch);
-    if (result == TY_OK) result = backend->launch(on->device, on->program, on->array[ARGUMENTS], end - begin);
-    if (result == TY_OK) result = backend->wait(on->device);
-    return result;
+    ty_device_write(&on->arrays, on->array[ARGUMENTS], &launch, sizeof launch);
+    ty_device_launch(&on->arrays, on->program, on->array[ARGUMENTS], end - begin);
+    ty_device_wait(&on->arrays);
+    return on->arrays.result;
 }
 
 ty_result ty_path_device_read(ty_path_device* on, const ty_path_sums** sums, const ty_path_aov_sums** aov_sums,
                               uint64_t* vertices) {
-    const ty_device_backend* backend = on->device->backend;
     const size_t count = (size_t)on->run->item_count;
-    ty_result result = backend->read(on->device, on->sums, on->array[SUMS], count * sizeof *on->sums);
-    if (result == TY_OK && on->aov_sums != NULL)
-        result = backend->read(on->device, on->aov_sums, on->array[AOV_SUMS], count * sizeof *on->aov_sums);
-    if (result == TY_OK)
-        result = backend->read(on->device, on->vertices, on->array[VERTICES], count * sizeof *on->vertices);
+    ty_device_read(&on->arrays, on->sums, on->array[SUMS], count * sizeof *on->sums);
+    if (on->aov_sums != NULL)
+        ty_device_read(&on->arrays, on->aov_sums, on->array[AOV_SUMS], count * sizeof *on->aov_sums);
+    ty_device_read(&on->arrays, on->vertices, on->array[VERTICES], count * sizeof *on->vertices);
+    const ty_result result = on->arrays.result;
     *vertices = 0;
     for (size_t i = 0; i < count && result == TY_OK; ++i) *vertices += on->vertices[i];
     *sums = on->sums;

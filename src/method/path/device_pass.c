@@ -1,13 +1,10 @@
 /* Passes on a device: launches of a few hundredths of a second, whose samples are merged from time to time. */
 #define _POSIX_C_SOURCE 200809L
 #include "base/context.h"
+#include "device/arrays.h"
 #include "method/path/sampling.h"
 
-#include <math.h>
 #include <string.h>
-
-/* Target duration of one launch, seconds: short enough to cancel, and for the watchdogs of drivers. */
-static const double launch_seconds = 0.03;
 
 /* Duration of samples at most that are in no state yet because they are not merged. */
 static const double merge_seconds = 0.5;
@@ -51,15 +48,6 @@ static bool merge_range(device_range* range) {
     return true;
 }
 
-/* Paths of the next launch, after one that took some seconds: a few blocks at least, and more by steps of two, as the
- * time of paths varies over an image. */
-static uint32_t next_launch(uint32_t paths, double seconds) {
-    if (seconds < 0.5 * launch_seconds) return paths < 1 << 30 ? 2 * paths : paths;
-    if (seconds < 2 * launch_seconds) return paths;
-    const uint32_t fewer = (uint32_t)(paths * fmax(launch_seconds / seconds, 0.0625));
-    return fewer > TY_PATH_BLOCK ? fewer : TY_PATH_BLOCK;
-}
-
 /* Launches one slice of a range's items, whole blocks, for `samples` samples. */
 static bool launch_slice(device_range* range, uint32_t samples) {
     ty_sampling* pass = range->pass;
@@ -71,7 +59,7 @@ static bool launch_slice(device_range* range, uint32_t samples) {
     const double begun = ty_wall_seconds();
     pass->failed = ty_path_device_trace(pass->device, odd, range->ahead, end, first, samples);
     const double seconds = ty_wall_seconds() - begun;
-    pass->launch_paths = next_launch(pass->launch_paths, seconds);
+    pass->launch_paths = ty_device_next_launch(pass->launch_paths, seconds, TY_PATH_BLOCK);
     range->ahead = end;
     range->more = samples;
     const double part = (double)(end - range->begin) / (double)(range->end - range->begin);

@@ -21,7 +21,7 @@ typedef struct ty_sampling {
     double reported;
     pthread_rwlock_t items; /* read-locked while blocks are merged concurrently, write-locked while a state is copied */
     uint64_t vertices_before;    /* this run */
-    uint32_t launch_paths;       /* paths of one launch, that take about launch_seconds */
+    uint32_t launch_paths;       /* paths of one launch, that take about TY_DEVICE_LAUNCH_SECONDS */
     uint8_t* state;              /* NULL: no state is saved */
     uint32_t* saved_counts;      /* samples of each block in the saved state */
     bool whole_due;              /* the next state is a whole one */

@@ -175,12 +175,11 @@ static void find_transport(const ty_screen_params* params, ty_screen_down_fracti
     const float *distance = c->distance, *measure = c->measure[channel];
 #pragma omp simd
     for (int32_t i = 0; i < count; ++i) {
-        const ty_screen_light_split light =
-            ty_screen_split_light(sigma_s, sigma_a, airlight, forward, 1.0f, distance[i]);
-        const float passed = ty_screen_down_fraction_at(down_fraction, measure[i]) * light.scattered;
-        f->passed[i] = passed;
-        f->stays[i] = light.attenuated + (light.scattered - passed);
-        f->airlight[i] = light.airlight;
+        const ty_screen_transport t =
+            ty_screen_transport_at(sigma_s, sigma_a, airlight, forward, down_fraction, distance[i], measure[i]);
+        f->passed[i] = t.passed;
+        f->stays[i] = t.stays;
+        f->airlight[i] = t.airlight;
     }
 }
 
@@ -235,8 +234,7 @@ static void split_level(const ty_screen_level* level, int32_t y, float* const ou
         float *light_passed = out[channel], *moment_passed = out[3 + channel];
 #pragma omp simd
         for (int32_t i = 0; i < level->width; ++i) {
-            const float fraction =
-                ty_screen_down_fraction_at(down_fraction, ty_screen_mean_measure(light[i], moment[i]));
+            const float fraction = ty_screen_passed_fraction(down_fraction, light[i], moment[i]);
             light_passed[i] = fraction * light[i];
             moment_passed[i] = fraction * moment[i];
         }
@@ -331,17 +329,12 @@ static void interpolate_rows(const ty_screen_taps* taps, const ty_screen_level* 
     }
 }
 
-static float upsample_texel(const ty_screen_taps* taps, const float* row, int32_t width, int32_t x) {
-    const int32_t nearest = x / 2, second_offset = (x & 1) != 0 ? 1 : -1;
-    return taps->up[0] * row[nearest] + taps->up[1] * row[max_index(min_index(nearest + second_offset, width - 1), 0)] +
-           taps->up[2] * row[max_index(min_index(nearest - second_offset, width - 1), 0)];
-}
-
 /* Adds the upsampled row of the next level to a row of `width` pixels. */
 static void add_upsampled_row(const ty_screen_taps* taps, const float* row, int32_t next_width, int32_t width,
                               float* out, ptrdiff_t step) {
     const int32_t begin = min_index(1, next_width), end = max_index(min_index(next_width - 1, width / 2), begin);
-    for (int32_t x = 0; x < min_index(2 * begin, width); ++x) out[x * step] += upsample_texel(taps, row, next_width, x);
+    for (int32_t x = 0; x < min_index(2 * begin, width); ++x)
+        out[x * step] += ty_screen_upsample(taps, row, next_width, x);
     const float nearest_weight = taps->up[0], second_weight = taps->up[1], third_weight = taps->up[2];
     if (step == 1) {
 #pragma omp simd
@@ -357,7 +350,7 @@ static void add_upsampled_row(const ty_screen_taps* taps, const float* row, int3
             out[(2 * i + 1) * step] += nearest_term + second_weight * row[i + 1] + third_weight * row[i - 1];
         }
     }
-    for (int32_t x = 2 * end; x < width; ++x) out[x * step] += upsample_texel(taps, row, next_width, x);
+    for (int32_t x = 2 * end; x < width; ++x) out[x * step] += ty_screen_upsample(taps, row, next_width, x);
 }
 
 static void merge_up(const ty_screen_taps* taps, const ty_screen_level* level, const ty_screen_level* next, int32_t y,
@@ -367,10 +360,8 @@ static void merge_up(const ty_screen_taps* taps, const ty_screen_level* level, c
         float* light = level->plane[channel] + y * level->stride;
         const float* moment = level->plane[3 + channel] + y * level->stride;
 #pragma omp simd
-        for (int32_t i = 0; i < level->width; ++i) {
-            light[i] -=
-                ty_screen_down_fraction_at(down_fraction, ty_screen_mean_measure(light[i], moment[i])) * light[i];
-        }
+        for (int32_t i = 0; i < level->width; ++i)
+            light[i] -= ty_screen_passed_fraction(down_fraction, light[i], moment[i]) * light[i];
         interpolate_rows(taps, next, channel, y, scratch);
         add_upsampled_row(taps, scratch, next->width, level->width, light, 1);
     }

@@ -1,14 +1,14 @@
 /* Scattering pyramid: the fraction of light that stays at a level, the fraction passed to the next, and the filters
  * between levels.
  *
- * A texel holds, per channel, light E and its moment Q = E times a measure of spread: the variance of its Gaussian, Eq. 2
- * (Elek 2013), or the optical thickness it was scattered over. Both are linear, so filtering keeps Q / E the
+ * A texel holds, per channel, light E and its moment Q = E times a measure of spread: the variance of its Gaussian, Eq.
+ * 2 (Elek 2013), or the optical thickness it was scattered over. Both are linear, so filtering keeps Q / E the
  * light-weighted mean. Descending one level and ascending again adds a known variance; light whose variance lies
  * between those of two levels is divided between them such that the variance of the sum is right. */
 #ifndef TY_METHOD_SCREEN_SCATTER_K_H
 #define TY_METHOD_SCREEN_SCATTER_K_H
 
-#include "base/kernel.h"
+#include "method/screen/split.k.h"
 
 /* Polynomial fractions: terms in z = 2 t / T_MAX - 1, t = tau / (tau + SCALE), clamped to T_MAX (tau = 76). */
 #define TY_SCREEN_FRACTION_TERMS 8
@@ -36,6 +36,26 @@ TY_FN float ty_screen_mean_measure(float light, float moment) {
     return moment / (light + 1e-30f);
 }
 
+/* The fraction of a texel's light that is passed on. */
+TY_FN float ty_screen_passed_fraction(ty_screen_down_fraction fraction, float light, float moment) {
+    return ty_screen_down_fraction_at(fraction, ty_screen_mean_measure(light, moment));
+}
+
+/* Transport of one channel per unit radiance: the part passed to level 1, the part that stays, and the airlight. */
+typedef struct ty_screen_transport {
+    float passed, stays, airlight;
+} ty_screen_transport;
+
+TY_FN ty_screen_transport ty_screen_transport_at(float sigma_s, float sigma_a, float airlight, float forward,
+                                                 ty_screen_down_fraction down_fraction, float distance, float measure) {
+    const ty_screen_light_split light = ty_screen_split_light(sigma_s, sigma_a, airlight, forward, 1.0f, distance);
+    ty_screen_transport transport;
+    transport.passed = ty_screen_down_fraction_at(down_fraction, measure) * light.scattered;
+    transport.stays = light.attenuated + (light.scattered - transport.passed);
+    transport.airlight = light.airlight;
+    return transport;
+}
+
 /* The symmetric filter between levels, weights from the center outwards; the same in both directions, except that two
  * taps are upsampled with four, which avoids blocks. Four taps: Burt 1981, as in Elek 2013; six: binomial. */
 typedef struct ty_screen_taps {
@@ -61,6 +81,20 @@ TY_FN float ty_screen_up_weight(ty_screen_taps taps, int32_t fine, int32_t coars
     third = third < 0 ? 0 : third >= count ? count - 1 : third;
     return (coarse == nearest ? taps.up[0] : 0.0f) + (coarse == second ? taps.up[1] : 0.0f) +
            (coarse == third ? taps.up[2] : 0.0f);
+}
+
+/* The texel of `count` that is nearest to i; min and max, by which compilers contract the sums of the callers alike. */
+TY_FN int32_t ty_screen_nearest(int32_t i, int32_t count) {
+    const int32_t low = i < count - 1 ? i : count - 1;
+    return low > 0 ? low : 0;
+}
+
+/* A texel of a row that is upsampled from one of `width` texels of the next level. */
+TY_FN float ty_screen_upsample(TY_GLOBAL const ty_screen_taps* taps, TY_GLOBAL const float* row, int32_t width,
+                               int32_t x) {
+    const int32_t nearest = x / 2, offset = (x & 1) != 0 ? 1 : -1;
+    return taps->up[0] * row[nearest] + taps->up[1] * row[ty_screen_nearest(nearest + offset, width)] +
+           taps->up[2] * row[ty_screen_nearest(nearest - offset, width)];
 }
 
 #define TY_SCREEN_DOWN_WEIGHTS 6
@@ -101,6 +135,35 @@ TY_FN float ty_screen_taps_variance(ty_screen_taps taps) {
     const float down = 2.0f * (taps.down[0] * 0.25f + taps.down[1] * 2.25f + taps.down[2] * 6.25f);
     const float up = taps.up[0] * 0.25f + taps.up[1] * 2.25f + taps.up[2] * 6.25f;
     return down + up;
+}
+
+/* Texel (x, y) of a plane that is upsampled from one of width x height texels of the next level. */
+TY_FN float ty_screen_upsample_plane(TY_GLOBAL const ty_screen_taps* taps, TY_GLOBAL const float* plane, int32_t width,
+                                     int32_t height, int32_t x, int32_t y) {
+    const int32_t offset = (y & 1) != 0 ? 1 : -1;
+    const int32_t rows[3] = {y / 2, ty_screen_nearest(y / 2 + offset, height),
+                             ty_screen_nearest(y / 2 - offset, height)};
+    float sum = 0.0f;
+    for (int32_t i = 0; i < taps->reach_up; ++i)
+        sum += taps->up[i] * ty_screen_upsample(taps, plane + (ptrdiff_t)rows[i] * width, width, x);
+    return sum;
+}
+
+/* Texel (x, y) of the next level of a plane of `width` columns, by the weights of ty_screen_down_weights along both
+ * axes. */
+TY_FN float ty_screen_downsample_plane(TY_GLOBAL const float* plane, int32_t width,
+                                       TY_GLOBAL const float across[TY_SCREEN_DOWN_WEIGHTS],
+                                       TY_GLOBAL const float down[TY_SCREEN_DOWN_WEIGHTS], int32_t x, int32_t y) {
+    float sum = 0.0f;
+    for (int32_t j = 0; j < TY_SCREEN_DOWN_WEIGHTS; ++j) {
+        TY_GLOBAL const float* row = plane + (ptrdiff_t)(2 * y - 2 + j) * width;
+        float along = 0.0f;
+        if (!(down[j] > 0.0f)) continue;
+        for (int32_t i = 0; i < TY_SCREEN_DOWN_WEIGHTS; ++i)
+            if (across[i] > 0.0f) along += across[i] * row[2 * x - 2 + i];
+        sum += down[j] * along;
+    }
+    return sum;
 }
 
 #endif

@@ -1,5 +1,5 @@
 /* Entry points, and the work common to all variants. */
-#include "method/screen/job.h"
+#include "method/screen/device/device.h"
 
 #include "base/context.h"
 #include "base/parallel.h"
@@ -215,10 +215,17 @@ size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, 
     return usable ? workspace(context, &known, width, height) : 0;
 }
 
+static ty_result scatter(ty_screen_job* job) {
+    ty_device* device = NULL;
+    const ty_result result = ty_context_device(job->context, &device);
+    if (result != TY_OK) return result;
+    return device != NULL ? ty_screen_scatter_on_device(job, device) : ty_screen_scatter(job);
+}
+
 static ty_result run(ty_screen_job* job) {
     if (!has_medium(job->def)) return copy_image(job);
     switch (job->def->variant) {
-    case TY_SCREEN_SCATTER: return ty_screen_scatter(job);
+    case TY_SCREEN_SCATTER: return scatter(job);
     case TY_SCREEN_GATHER: return ty_screen_gather(job);
     case TY_SCREEN_REFERENCE: return ty_screen_reference(job);
     }

@@ -2,23 +2,13 @@
 #ifndef TY_SCENE_PACKED_PACKED_H
 #define TY_SCENE_PACKED_PACKED_H
 
-#include "device/device.h"
+#include "device/arrays.h"
 #include "scene/scene.h"
 
-/* Arrays in a device's memory, each taken once. */
-typedef struct ty_packed_array {
-    const void* from; /* NULL: a structure of the packed scene's own */
-    size_t bytes;
-    ty_address address;
-} ty_packed_array;
-
 typedef struct ty_packed_scene {
-    ty_device* device;
     ty_address view; /* a ty_scene_view whose pointers are the device's */
     bool glossy;     /* some surface is not Lambertian */
-    size_t bytes;    /* in the device's memory */
-    ty_packed_array* arrays;
-    size_t count, capacity;
+    ty_device_arrays arrays;
 } ty_packed_scene;
 
 /* Packs `view`, which is that of the scene or one with fewer media or other lights. Errors: TY_ERROR_MEMORY,
