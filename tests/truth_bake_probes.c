@@ -208,8 +208,8 @@ static void print_table(ty_context* context, int32_t spp) {
     }
 }
 
-/* Bounds of all light by collisions: of the mean, and of the RMSE with and without noise; measured with 2048 paths: 0.84
- * to 1.00, 3 to 19 % and 0 to 15 %, and in forward fog 45 %, most of which is noise, and 19 to 21 %. */
+/* Bounds of all light by collisions: of the mean, and of the RMSE with and without noise; measured with 2048 paths:
+ * 0.84 to 1.00, 3 to 19 % and 0 to 15 %, and in forward fog 45 %, most of which is noise, and 19 to 21 %. */
 static void walks_end_the_errors(void** state) {
     probe_difference d[2][ORIGINS];
     double seconds[2];

@@ -37,7 +37,8 @@ static void quadrature_conserves_energy(void** state) {
 
 typedef struct source_case {
     double albedo, tau;
-    int32_t spp; /* of 256 items, for an error of a third of a per cent; quick runs take half of them, full ones twice as many */
+    int32_t spp; /* of 256 items, for an error of a third of a per cent; quick runs take half of them, full ones twice
+                    as many */
 } source_case;
 
 static const source_case source_cases[] = {

@@ -72,8 +72,8 @@ TY_API ty_result ty_scene_editor_set_volume(ty_scene_editor* editor, const char*
 /// Gives the scene a mesh, which is copied: "memory:NAME" stands for it wherever the document may name a mesh file. Its
 /// material is that of the geometry that names it, or its own. Otherwise as ty_scene_editor_set_volume().
 TY_API ty_result ty_scene_editor_set_mesh(ty_scene_editor* editor, const char* name, const ty_mesh_def* def);
-/// Gives the scene an image, whose R, G, B, and A if there is one, are copied: "memory:NAME" stands for it as the map of
-/// an environment light, or as a texture of a material, of 8 bits for 0..1, in sRGB of colours, as those of files.
+/// Gives the scene an image, whose R, G, B, and A if there is one, are copied: "memory:NAME" stands for it as the map
+/// of an environment light, or as a texture of a material, of 8 bits for 0..1, in sRGB of colours, as those of files.
 /// Otherwise as ty_scene_editor_set_volume().
 TY_API ty_result ty_scene_editor_set_image(ty_scene_editor* editor, const char* name, const ty_image* image);
 /// Forgets the content of a name, if there is any. The scene keeps what it was made of until a change makes that anew.

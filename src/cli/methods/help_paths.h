@@ -5,8 +5,8 @@
 #include "cli/options/options.h"
 #include "cli/session/session.h"
 
-/* Reads the scene, as rank 0 does, traces paths for rank 0, and takes part in its solves; then closes the session, and returns the exit status.
- * scene_path NULL: there is none, and no work. */
+/* Reads the scene, as rank 0 does, traces paths for rank 0, and takes part in its solves; then closes the session, and
+ * returns the exit status. scene_path NULL: there is none, and no work. */
 int cli_help_paths(cli_session* session, const char* scene_path, const cli_list* overrides);
 
 #endif

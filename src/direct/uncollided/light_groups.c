@@ -161,7 +161,8 @@ ty_result ty_light_groups_solve(const ty_scene* scene, const ty_grid_medium* med
         .extinction = extinction,
         .samples = samples->items,
         .groups = groups,
-        .group_count = ty_light_groups_find(scene, &medium->box, samples->items, samples->count, max_dedicated, 0, groups),
+        .group_count =
+            ty_light_groups_find(scene, &medium->box, samples->items, samples->count, max_dedicated, 0, groups),
         .progress = progress,
     };
     const ty_result result = light_groups(&job, fields, &fields[max_dedicated], fluences, count);
