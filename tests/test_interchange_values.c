@@ -211,7 +211,14 @@ static void mitsuba_values_are_converted(void** state) {
          {1, 0, 0.2158605},
          3,
          1e-6},
+        /* Beckmann, the default: by the median slope alpha sqrt(ln 2) */
         {"<shape type='sphere'><bsdf type='roughconductor'><float name='alpha' value='0.25'/></bsdf></shape>",
+         "geometry.0.material.roughness",
+         {0.456222153},
+         1,
+         1e-9},
+        {"<shape type='sphere'><bsdf type='roughconductor'><string name='distribution' value='ggx'/>"
+         "<float name='alpha' value='0.25'/></bsdf></shape>",
          "geometry.0.material.roughness",
          {0.5},
          1,

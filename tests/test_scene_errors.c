@@ -141,7 +141,8 @@ static const bad_case bad_cases[] = {
      "s.json:4: media[0].density.gird: unknown key; did you mean \"grid\"?"},
     {DENSITY("\"file\": \"a.dat\""), NULL,
      "s.json:4: media[0].density.file: cannot read volumes of this type; known: .vdb, .nvdb, .nrrd, .nhdr, .vti, .vtk, "
-     ".nc, .dcm and folders of DICOM, .nii, .nii.gz, .hdr, .tif, .vol, and any file with the key \"raw\" beside it"},
+     ".nc, .dcm and folders of DICOM, .nii, .nii.gz, .hdr, .tif, .vol, .bricks, and any file with the key \"raw\" "
+     "beside it"},
     {DENSITY("\"file\": \"a.nrrd\", \"grid\": \"a\""), NULL,
      "s.json:4: media[0].density.grid: is for .vdb, .nvdb, .vti, .vtk and .nc files; others hold one grid"},
     {DENSITY("\"file\": \"gone.nvdb\""), NULL,

@@ -111,7 +111,7 @@ class Run:
             self.cancelled = True
             self.process.send_signal(signal.CTRL_BREAK_EVENT if WINDOWS else signal.SIGINT)
 
-    def finish(self, seconds=20):
+    def finish(self, seconds=120):
         """Waits for the end; a program that does not end is killed. Returns the exit status."""
         try:
             self.process.wait(seconds)

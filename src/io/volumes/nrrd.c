@@ -140,7 +140,11 @@ static ty_result read_gzip(const source* s, const ty_nrrd* nrrd, uint64_t begin,
     ty_gzip_file file;
     ty_result result = ty_gzip_file_open(s->context, s->path, begin, skip, size, &file);
     if (result != TY_OK) return result;
-    if (skip > SIZE_MAX / 2 || size + skip > file.packed * TY_INFLATE_RATIO_MAX) {
+    const uint64_t longest = longest_data(nrrd);
+    if (file.packed > longest) {
+        result = ty_fail(s->context, TY_ERROR_INPUT, "%s: %llu bytes, of which its header accounts for %llu at most",
+                         s->path, (unsigned long long)(begin + file.packed), (unsigned long long)(begin + longest));
+    } else if (skip > SIZE_MAX / 2 || size + skip > file.packed * TY_INFLATE_RATIO_MAX) {
         result = wrong_size(s, nrrd, false, (size_t)file.packed);
     } else {
         samples->read = ty_gzip_file_read;
