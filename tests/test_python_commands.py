@@ -15,30 +15,16 @@ import urllib.request
 
 import tyndall
 
-try:
-    import numpy as np
-except ImportError:
-    print("skipped: python3-numpy is not installed")
-    sys.exit(0)
+from python_cases import FOG, TOOL, cloud, np
+
 try:
     import torch
 except ImportError:
     torch = None
 
 PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "python.md"
-FOG = {"camera": {"position": [0, 0, 4], "resolution": [24, 16]},
-       "media": [{"bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 2, "sigma_a": 0.1, "g": 0.3}],
-       "lights": [{"type": "directional", "direction": [0, -1, 0], "irradiance": [3, 2, 1]}],
-       "render": {"method": "path", "spp": 4}}
 QUAD = ([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]])
 UV = [[0, 1], [1, 1], [1, 0], [0, 0]]
-
-
-def cloud(n=12):
-    """A ball of density, (n, n, n) float32."""
-    at = (np.arange(n) + 0.5) / n - 0.5
-    z, y, x = np.meshgrid(at, at, at, indexing="ij")
-    return np.maximum(0, 1 - 2 * np.sqrt(x * x + y * y + z * z)).astype(np.float32)
 
 
 def textured(value, key="base_color", **more):
@@ -351,8 +337,11 @@ class Torch(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1 and os.path.exists(sys.argv[1]):
-        os.environ["TYNDALL"] = sys.argv.pop(1)
+    if np is None:
+        print("skipped: python3-numpy is not installed")
+        sys.exit(0)
+    if TOOL is not None:
+        os.environ["TYNDALL"] = TOOL
     logging.basicConfig(level=logging.ERROR)
     if torch is None:
         print("skipped in part: python3-torch is not installed")
