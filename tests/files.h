@@ -37,15 +37,21 @@ static inline void strict_free(void* user, void* pointer, size_t size) {
     free(pointer);
 }
 
-static inline ty_context* strict_context(strict_memory* memory) {
+/* device: as in ty_context_def. */
+static inline ty_context* strict_device_context(strict_memory* memory, const char* device) {
     ty_context_def def = ty_default_context_def();
     def.threads = 2;
+    def.device = device;
     def.alloc = strict_alloc;
     def.free = strict_free;
     def.alloc_user = memory;
     ty_context* context = NULL;
     assert_int_equal(ty_context_create(&def, &context), TY_OK);
     return context;
+}
+
+static inline ty_context* strict_context(strict_memory* memory) {
+    return strict_device_context(memory, NULL);
 }
 
 /* Refuses the first allocation of some work and all after it, then the second and so on: the work fails with a message

@@ -223,4 +223,24 @@ static inline void check_voxels(ty_context* context, parameters p) {
     ty_scene_destroy(scene);
 }
 
+/* One and three threads find the same bits of the derivatives by media and lights. */
+static inline void check_threads(const parameters* p) {
+    double weights[3 * CELLS], numbers[2][16];
+    make_weights(weights, false);
+    for (int i = 0; i < 2; ++i) {
+        ty_context* context = make_context(1 + 2 * i);
+        ty_scene* scene = make(context, p);
+        ty_gradient_stats stats = ty_default_gradient_stats();
+        ty_gradient* gradient = find(scene, p, weights, &stats);
+        assert_int_equal(ty_gradient_medium(gradient, scene, 0, numbers[i], numbers[i] + 3, numbers[i] + 6), TY_OK);
+        assert_int_equal(ty_gradient_light(gradient, 0, numbers[i] + 9), TY_OK);
+        assert_int_equal(ty_gradient_light(gradient, 1, numbers[i] + 12), TY_OK);
+        numbers[i][15] = stats.residual;
+        ty_gradient_destroy(gradient);
+        ty_scene_destroy(scene);
+        ty_context_destroy(context);
+    }
+    assert_memory_equal(numbers[0], numbers[1], sizeof numbers[0]);
+}
+
 #endif

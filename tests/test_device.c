@@ -284,16 +284,9 @@ static ty_result render_once(ty_context* context, void* user) {
 static void memory_may_run_out(void** state) {
     (void)state;
     strict_memory memory = {.limit = 1 << 28, .until_refusal = -1};
-    ty_context_def def = ty_default_context_def();
-    def.threads = 2;
-    def.alloc = strict_alloc;
-    def.free = strict_free;
-    def.alloc_user = &memory;
-    def.device = "host";
-    ty_context* context = NULL;
+    ty_context* context = strict_device_context(&memory, "host");
     ty_device* device = NULL;
     ty_scene* scene = NULL;
-    assert_int_equal(ty_context_create(&def, &context), TY_OK);
     assert_int_equal(ty_context_device(context, &device), TY_OK);
     assert_int_equal(ty_scene_load(context, "builtin:cornell_fog", NULL, 0, &scene), TY_OK);
     assert_true(check_short_memory(context, &memory, render_once, scene) > 20);

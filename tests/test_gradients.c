@@ -29,26 +29,11 @@ static void voxels_of_density(void** state) {
 
 static void threads_do_not_matter(void** state) {
     (void)state;
-    double weights[3 * CELLS], numbers[2][16];
-    make_weights(weights, false);
-    for (int i = 0; i < 2; ++i) {
-        ty_context* context = make_context(1 + 2 * i);
-        parameters p = colored();
-        p.def.resolution = 96; /* so that slabs and boxes are divided among threads */
-        p.def.environment_beams = 3;
-        p.def.tolerance = 1e-4;
-        ty_scene* scene = make(context, &p);
-        ty_gradient_stats stats = ty_default_gradient_stats();
-        ty_gradient* gradient = find(scene, &p, weights, &stats);
-        assert_int_equal(ty_gradient_medium(gradient, scene, 0, numbers[i], numbers[i] + 3, numbers[i] + 6), TY_OK);
-        assert_int_equal(ty_gradient_light(gradient, 0, numbers[i] + 9), TY_OK);
-        assert_int_equal(ty_gradient_light(gradient, 1, numbers[i] + 12), TY_OK);
-        numbers[i][15] = stats.residual;
-        ty_gradient_destroy(gradient);
-        ty_scene_destroy(scene);
-        ty_context_destroy(context);
-    }
-    assert_memory_equal(numbers[0], numbers[1], sizeof numbers[0]);
+    parameters p = colored();
+    p.def.resolution = 96; /* so that slabs and boxes are divided among threads */
+    p.def.environment_beams = 3;
+    p.def.tolerance = 1e-4;
+    check_threads(&p);
 }
 
 static bool stop(void* user, const ty_progress* progress) {

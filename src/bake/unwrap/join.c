@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NEIGHBOURS_MAX = 32, TRIES = 2, PASSES = 4, TRIANGLES_MAX = 20000, SIDE_MAX = 2048 };
+enum { TRIES = 2, PASSES = 4, TRIANGLES_MAX = 20000, SIDE_MAX = 2048 };
 
 /* Cosine between normals beyond which an edge is a crease, which stays between charts: light is not the same on its two
  * sides, and filtering would mix it. */
@@ -80,10 +80,9 @@ static ty_result map_together(joiner* j, int64_t count, bool* made) {
     return TY_OK;
 }
 
-/* Neighbours across edges that are no creases, and the number of these edges. */
-static int find_neighbours(const joiner* j, int32_t chart, int32_t found[NEIGHBOURS_MAX],
-                           int32_t edges[NEIGHBOURS_MAX]) {
-    int count = 0;
+/* Neighbours across edges that are no creases. */
+static ty_unwrap_borders find_neighbours(const joiner* j, int32_t chart) {
+    ty_unwrap_borders found = {0};
     for (int32_t t = j->groups[chart].head; t >= 0; t = j->next[t])
         for (int side = 0; side < 3; ++side) {
             const int32_t across = j->faces[t].neighbour[side];
@@ -91,16 +90,9 @@ static int find_neighbours(const joiner* j, int32_t chart, int32_t found[NEIGHBO
             const float *a = j->faces[t].normal, *b = j->faces[across].normal;
             const int32_t other = root_of(j, j->faces[across].chart);
             if (other == chart || a[0] * b[0] + a[1] * b[1] + a[2] * b[2] < crease_cosine) continue;
-            int k = 0;
-            while (k < count && found[k] != other) ++k;
-            if (k == NEIGHBOURS_MAX) continue;
-            if (k == count) {
-                found[count] = other;
-                edges[count++] = 0;
-            }
-            ++edges[k];
+            ty_unwrap_count_edge(&found, other);
         }
-    return count;
+    return found;
 }
 
 static void link(joiner* j, int32_t from, int32_t to) {
@@ -114,21 +106,20 @@ static void link(joiner* j, int32_t from, int32_t to) {
 
 /* Joins a group to one of the neighbours with the longest borders. */
 static ty_result join(joiner* j, int32_t chart, bool* joined) {
-    int32_t found[NEIGHBOURS_MAX], edges[NEIGHBOURS_MAX];
-    const int count = find_neighbours(j, chart, found, edges);
+    ty_unwrap_borders found = find_neighbours(j, chart);
     for (int attempt = 0; attempt < TRIES; ++attempt) {
         int best = -1;
-        for (int k = 0; k < count; ++k)
-            if (edges[k] > 0 && (best < 0 || edges[k] > edges[best])) best = k;
+        for (int k = 0; k < found.count; ++k)
+            if (found.edges[k] > 0 && (best < 0 || found.edges[k] > found.edges[best])) best = k;
         if (best < 0) return TY_OK;
-        edges[best] = 0;
-        if (j->groups[chart].count + j->groups[found[best]].count > TRIANGLES_MAX) continue;
+        found.edges[best] = 0;
+        if (j->groups[chart].count + j->groups[found.chart[best]].count > TRIANGLES_MAX) continue;
         bool made;
-        const int64_t total = list_group(j, chart, list_group(j, found[best], 0));
+        const int64_t total = list_group(j, chart, list_group(j, found.chart[best], 0));
         const ty_result result = map_together(j, total, &made);
         if (result != TY_OK) return result;
         if (!made) continue;
-        link(j, chart, found[best]);
+        link(j, chart, found.chart[best]);
         *joined = true;
         return TY_OK;
     }

@@ -6,8 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { NEIGHBOURS_MAX = 32 };
-
 /* A chart, which may hold others after it. */
 typedef struct group {
     double normal[3]; /* sum of areas times normals, of all in it */
@@ -57,39 +55,28 @@ static bool fit_together(const merger* m, int32_t a, int32_t b) {
     return fits(m, a, normal) && fits(m, b, normal);
 }
 
-/* Neighbouring groups and the number of edges to each. */
-static int find_neighbours(const merger* m, int32_t chart, int32_t found[NEIGHBOURS_MAX],
-                           int32_t edges[NEIGHBOURS_MAX]) {
-    int count = 0;
+static ty_unwrap_borders find_neighbours(const merger* m, int32_t chart) {
+    ty_unwrap_borders found = {0};
     for (int32_t c = chart; c >= 0; c = m->groups[c].next)
         for (int64_t i = 0; i < 3 * m->groups[c].count; ++i) {
             const int32_t across = m->faces[m->by_chart[m->groups[c].first + i / 3]].neighbour[i % 3];
             const int32_t other = across < 0 ? chart : root_of(m, m->faces[across].chart);
-            int k = 0;
-            if (other == chart) continue;
-            while (k < count && found[k] != other) ++k;
-            if (k == NEIGHBOURS_MAX) continue;
-            if (k == count) {
-                found[count] = other;
-                edges[count++] = 0;
-            }
-            ++edges[k];
+            if (other != chart) ty_unwrap_count_edge(&found, other);
         }
-    return count;
+    return found;
 }
 
 /* Joins a group to the neighbour with the longest border, counted in edges, that it fits. */
 static void join(const merger* m, int32_t chart) {
-    int32_t found[NEIGHBOURS_MAX], edges[NEIGHBOURS_MAX];
-    const int count = find_neighbours(m, chart, found, edges);
+    const ty_unwrap_borders found = find_neighbours(m, chart);
     int32_t best = -1;
-    for (int k = 0; k < count; ++k)
-        if ((best < 0 || edges[k] > edges[best]) && fit_together(m, chart, found[k])) best = k;
+    for (int k = 0; k < found.count; ++k)
+        if ((best < 0 || found.edges[k] > found.edges[best]) && fit_together(m, chart, found.chart[k])) best = k;
     if (best < 0) return;
-    group *to = &m->groups[found[best]], *from = &m->groups[chart];
+    group *to = &m->groups[found.chart[best]], *from = &m->groups[chart];
     for (int k = 0; k < 3; ++k) to->normal[k] += from->normal[k];
     to->area += from->area;
-    from->root = found[best];
+    from->root = found.chart[best];
     m->groups[to->last].next = chart;
     to->last = from->last;
 }

@@ -45,6 +45,26 @@ typedef struct ty_unwrap_face {
     int32_t chart;
 } ty_unwrap_face;
 
+/* Neighbours of a chart, at most so many, and the number of edges to each. */
+enum { TY_UNWRAP_NEIGHBOURS_MAX = 32 };
+typedef struct ty_unwrap_borders {
+    int count;
+    int32_t chart[TY_UNWRAP_NEIGHBOURS_MAX], edges[TY_UNWRAP_NEIGHBOURS_MAX];
+} ty_unwrap_borders;
+
+/* Counts an edge to a chart. */
+static inline void ty_unwrap_count_edge(ty_unwrap_borders* borders, int32_t chart) {
+    int k = 0;
+    while (k < borders->count && borders->chart[k] != chart) ++k;
+    if (k == TY_UNWRAP_NEIGHBOURS_MAX) return;
+    if (k == borders->count) {
+        borders->chart[k] = chart;
+        borders->edges[k] = 0;
+        ++borders->count;
+    }
+    ++borders->edges[k];
+}
+
 /* Normals, areas and neighbours: triangles are neighbours where two alone share an edge between equal positions.
  * welded: for each vertex the first one at its position. Errors: TY_ERROR_MEMORY. */
 ty_result ty_unwrap_find_faces(ty_context* context, const ty_unwrap_mesh* mesh, ty_unwrap_face* faces,

@@ -211,16 +211,16 @@ TY_INLINE void split_parity(const row_scratch* scratch, int32_t cells) {
     }
 }
 
-TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
-                      const ptrdiff_t bands) {
+/* Adds a group's directions to the moments of a row: terms below `odd` are of psi[0], the others of psi[1]. */
+TY_INLINE void gather_terms(const ty_sweep_box* box, int32_t group, const float* weighted_y_lm,
+                            const float* const psi[2], float* row_sum, const ptrdiff_t padded, const ptrdiff_t odd) {
     const int32_t first = group * TY_LANES, left = box->directions - first,
                   directions = left < TY_LANES ? left : TY_LANES;
-    const ptrdiff_t padded = split_terms(bands), odd = padded_terms(even_terms(bands));
-    const float* weighted = box->weighted_y_lm[octant / 2] + first * padded;
+    const float* weighted = weighted_y_lm + first * padded;
     for (ptrdiff_t x = 0; x < box->size[0]; x += TY_SWEEP_CELLS)
         for (ptrdiff_t t = 0; t < padded; t += TY_LANES) {
-            const float* light = scratch->psi[t < odd ? 0 : 1] + x * TY_LANES;
-            float* to = scratch->sum + x * padded + t;
+            const float* light = psi[t < odd ? 0 : 1] + x * TY_LANES;
+            float* to = row_sum + x * padded + t;
             ty_lanes sum[TY_SWEEP_CELLS] = {{0}};
             for (int i = 0; i < TY_SWEEP_CELLS && group > 0; ++i) sum[i] = ty_lanes_load_aligned(to + i * padded);
             for (int32_t d = 0; d < directions; ++d) {
@@ -231,25 +231,19 @@ TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, co
         }
 }
 
+TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
+                      const ptrdiff_t bands) {
+    const float* const psi[2] = {scratch->psi[0], scratch->psi[1]};
+    gather_terms(box, group, box->weighted_y_lm[octant / 2], psi, scratch->sum, split_terms(bands),
+                 padded_terms(even_terms(bands)));
+}
+
 /* Moments of one octant alone: terms of both parities in one sequence. */
 TY_INLINE void gather_unpaired(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
                                const ptrdiff_t terms) {
-    const int32_t first = group * TY_LANES, left = box->directions - first,
-                  directions = left < TY_LANES ? left : TY_LANES;
+    const float* const psi[2] = {scratch->psi[octant & 1], scratch->psi[octant & 1]};
     const ptrdiff_t padded = padded_terms(terms);
-    const float* weighted = box->unpaired_y_lm[octant] + first * padded;
-    for (ptrdiff_t x = 0; x < box->size[0]; x += TY_SWEEP_CELLS)
-        for (ptrdiff_t t = 0; t < padded; t += TY_LANES) {
-            const float* light = scratch->psi[octant & 1] + x * TY_LANES;
-            float* to = scratch->sum + x * padded + t;
-            ty_lanes sum[TY_SWEEP_CELLS] = {{0}};
-            for (int i = 0; i < TY_SWEEP_CELLS && group > 0; ++i) sum[i] = ty_lanes_load_aligned(to + i * padded);
-            for (int32_t d = 0; d < directions; ++d) {
-                const ty_lanes w = ty_lanes_load_aligned(weighted + d * padded + t);
-                for (int i = 0; i < TY_SWEEP_CELLS; ++i) sum[i] += light[i * TY_LANES + d] * w;
-            }
-            for (int i = 0; i < TY_SWEEP_CELLS; ++i) ty_lanes_store_aligned(to + i * padded, sum[i]);
-        }
+    gather_terms(box, group, box->unpaired_y_lm[octant], psi, scratch->sum, padded, padded);
 }
 
 /* Compacts the sums of a row in place by removing the padding between parities. */
