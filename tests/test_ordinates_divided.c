@@ -1,4 +1,5 @@
 /* Solves by discrete ordinates whose box is cut among ranks, against those of one rank. */
+#include "box_parts.h"
 #include "checks.h"
 #include "ranks.h"
 #include "solve/ordinates/ordinates.h"
@@ -27,75 +28,12 @@ static size_t cells_of(const int32_t size[3]) {
 
 /* ---- parts ---- */
 
-static void copy_part(const whole* w, const ty_domain* d, float* all, float* part, bool out) {
-    const size_t nx = (size_t)(d->end[0] - d->first[0]);
-    for (int32_t z = d->first[2]; z < d->end[2]; ++z)
-        for (int32_t y = d->first[1]; y < d->end[1]; ++y, part += nx) {
-            float* row = all + (size_t)d->first[0] + (size_t)w->def.size[0] * (size_t)(y + w->def.size[1] * z);
-            memcpy(out ? row : part, out ? part : row, nx * sizeof(float));
-        }
-}
-
 static float* take_part(const whole* w, const ty_domain* d, float* all) {
-    const int32_t size[3] = {d->end[0] - d->first[0], d->end[1] - d->first[1], d->end[2] - d->first[2]};
+    int32_t size[3];
+    size_of_part(d, size);
     float* part = calloc(cells_of(size), sizeof *part);
-    copy_part(w, d, all, part, false);
+    copy_part(w->def.size, d, 1, all, part, false);
     return part;
-}
-
-/* Sides of a part: some cells are closed towards their upper neighbours, and these towards them. */
-typedef struct sides {
-    int32_t *first, *x, *global, count;
-    uint8_t* face;
-    float *albedo, *emission, *irradiance;
-} sides;
-
-static bool closes(const whole* w, const int32_t at[3], int axis) {
-    const int32_t i = at[0] + w->def.size[0] * (at[1] + w->def.size[1] * at[2]);
-    return w->walls && i % 11 == 3 && axis == i % 3;
-}
-
-static bool has_side(const whole* w, const int32_t at[3], int face) {
-    int32_t below[3] = {at[0], at[1], at[2]};
-    if ((face & 1) != 0) return closes(w, at, face / 2);
-    return --below[face / 2] >= 0 && closes(w, below, face / 2);
-}
-
-static sides make_sides(const whole* w, const ty_domain* d, const int32_t size[3]) {
-    const size_t rows = (size_t)size[1] * (size_t)size[2], most = rows * (size_t)size[0] * 6;
-    sides s = {calloc(rows + 1, sizeof(int32_t)),
-               calloc(most, sizeof(int32_t)),
-               calloc(most, sizeof(int32_t)),
-               0,
-               calloc(most, 1),
-               calloc(most, sizeof(float)),
-               calloc(most, sizeof(float)),
-               calloc(most, sizeof(float))};
-    for (int32_t row = 0; row < (int32_t)rows; ++row) {
-        s.first[row] = s.count;
-        for (int32_t x = 0; x < size[0]; ++x)
-            for (int face = 0; face < 6; ++face) {
-                const int32_t at[3] = {d->first[0] + x, d->first[1] + row % size[1], d->first[2] + row / size[1]};
-                if (!has_side(w, at, face)) continue;
-                s.x[s.count] = x;
-                s.face[s.count] = (uint8_t)face;
-                s.albedo[s.count] = 0.15f * (float)(face + 1);
-                s.emission[s.count] = face == 2 ? 3 : 0;
-                s.global[s.count++] = 6 * (at[0] + w->def.size[0] * (at[1] + w->def.size[1] * at[2])) + face;
-            }
-    }
-    s.first[rows] = s.count;
-    return s;
-}
-
-static void free_sides(sides* s) {
-    free(s->first);
-    free(s->x);
-    free(s->global);
-    free(s->face);
-    free(s->albedo);
-    free(s->emission);
-    free(s->irradiance);
 }
 
 static void solve_part(ty_comm* comm, void* user) {
@@ -104,21 +42,25 @@ static void solve_part(ty_comm* comm, void* user) {
     ty_domain d;
     require(ty_domain_create(comm, w->def.size, w->cuts, unit, 1, &d));
     ty_ordinates_def def = w->def;
-    for (int a = 0; a < 3; ++a) def.size[a] = d.end[a] - d.first[a];
+    size_of_part(&d, def.size);
     const size_t cells = cells_of(def.size);
     float *extinction = take_part(w, &d, w->extinction), *scattering = take_part(w, &d, w->scattering),
           *g = take_part(w, &d, w->g), *source[TERMS_MAX], *moments[TERMS_MAX];
     for (int32_t t = 0; t < def.source_terms; ++t) source[t] = take_part(w, &d, w->source[t]);
     const int32_t kept = def.output_order * def.output_order;
     for (int32_t t = 0; t < kept; ++t) moments[t] = calloc(cells, sizeof(float));
-    sides s = make_sides(w, &d, def.size);
+    part_sides s = make_sides(w->def.size, &d, w->walls ? 11 : 0);
+    for (int32_t i = 0; i < s.count; ++i) {
+        s.given[0][i] = 0.15f * (float)(s.face[i] + 1);
+        s.given[1][i] = s.face[i] == 2 ? 3 : 0;
+    }
     def.walls = (ty_ordinates_faces){.count = s.count,
                                      .first = s.first,
                                      .x = s.x,
                                      .face = s.face,
-                                     .albedo = s.albedo,
-                                     .emission = s.emission,
-                                     .irradiance = s.irradiance};
+                                     .albedo = s.given[0],
+                                     .emission = s.given[1],
+                                     .irradiance = s.found};
     def.domain = comm != NULL ? &d : NULL;
     def.extinction = extinction;
     def.scattering = scattering;
@@ -134,8 +76,8 @@ static void solve_part(ty_comm* comm, void* user) {
         require(false);
     }
     pthread_mutex_lock(&result_lock);
-    for (int32_t t = 0; t < kept; ++t) copy_part(w, &d, w->moments[t], moments[t], true);
-    for (int32_t i = 0; i < s.count; ++i) w->irradiance[s.global[i]] = s.irradiance[i];
+    for (int32_t t = 0; t < kept; ++t) copy_part(w->def.size, &d, 1, w->moments[t], moments[t], true);
+    for (int32_t i = 0; i < s.count; ++i) w->irradiance[s.global[i]] = s.found[i];
     w->bytes = fmax(w->bytes, stats.bytes);
     w->stats = stats;
     pthread_mutex_unlock(&result_lock);

@@ -1,4 +1,5 @@
 /* Sweeps of boxes that are cut among ranks: schedules, and moments against those of the whole box. */
+#include "box_parts.h"
 #include "checks.h"
 #include "ranks.h"
 #include "solve/ordinates/sweep.h"
@@ -78,70 +79,6 @@ static ty_angular_quadrature directions;
 static float around[3][8 * 4 * TY_ORDINATES_MAX];
 static const double edges[3] = {0.2, 0.3, 0.1};
 
-/* Sides of a part: every seventh cell of the whole is closed towards its upper neighbours, and so are the neighbours.
- */
-typedef struct sides {
-    int32_t *first, *x, *global;
-    uint8_t* face;
-    float *emitted, *power;
-    int32_t count;
-} sides;
-
-static bool closes(const whole* w, const int32_t at[3], int axis) {
-    const int32_t i = at[0] + w->size[0] * (at[1] + w->size[1] * at[2]);
-    return w->walls && i % 7 == 3 && axis == i % 3;
-}
-
-static bool has_side(const whole* w, const int32_t at[3], int face) {
-    int32_t below[3] = {at[0], at[1], at[2]};
-    if ((face & 1) != 0) return closes(w, at, face / 2);
-    return --below[face / 2] >= 0 && closes(w, below, face / 2);
-}
-
-static sides make_sides(const whole* w, const int32_t first[3], const int32_t size[3]) {
-    const size_t rows = (size_t)size[1] * (size_t)size[2], most = rows * (size_t)size[0] * 6;
-    sides s = {calloc(rows + 1, sizeof(int32_t)),
-               calloc(most, sizeof(int32_t)),
-               calloc(most, sizeof(int32_t)),
-               calloc(most, 1),
-               calloc(most, sizeof(float)),
-               calloc(most, sizeof(float)),
-               0};
-    for (int32_t row = 0; row < (int32_t)rows; ++row) {
-        s.first[row] = s.count;
-        for (int32_t x = 0; x < size[0]; ++x)
-            for (int face = 0; face < 6; ++face) {
-                const int32_t at[3] = {first[0] + x, first[1] + row % size[1], first[2] + row / size[1]};
-                if (!has_side(w, at, face)) continue;
-                s.x[s.count] = x;
-                s.face[s.count] = (uint8_t)face;
-                s.global[s.count] = 6 * (at[0] + w->size[0] * (at[1] + w->size[1] * at[2])) + face;
-                s.emitted[s.count++] = 0.1f * (float)(face + 1);
-            }
-    }
-    s.first[rows] = s.count;
-    return s;
-}
-
-static void free_sides(sides* s) {
-    free(s->first);
-    free(s->x);
-    free(s->global);
-    free(s->face);
-    free(s->emitted);
-    free(s->power);
-}
-
-/* Copies rows of cells between a part and the whole, `terms` floats a cell. */
-static void copy_part(const whole* w, const ty_domain* d, size_t terms, float* all, float* part, bool out) {
-    const size_t nx = (size_t)(d->end[0] - d->first[0]);
-    for (int32_t z = d->first[2]; z < d->end[2]; ++z)
-        for (int32_t y = d->first[1]; y < d->end[1]; ++y, part += nx * terms) {
-            float* row = all + ((size_t)d->first[0] + (size_t)w->size[0] * (size_t)(y + w->size[1] * z)) * terms;
-            memcpy(out ? row : part, out ? part : row, nx * terms * sizeof(float));
-        }
-}
-
 static pthread_mutex_t sum_lock = PTHREAD_MUTEX_INITIALIZER;
 
 static void sweep_part(ty_comm* comm, void* user) {
@@ -149,15 +86,17 @@ static void sweep_part(ty_comm* comm, void* user) {
     static const int32_t unit[3] = {1, 1, 1};
     ty_domain d;
     require(ty_domain_create(comm, w->size, w->cuts, unit, 1, &d));
-    const int32_t size[3] = {d.end[0] - d.first[0], d.end[1] - d.first[1], d.end[2] - d.first[2]};
+    int32_t size[3];
+    size_of_part(&d, size);
     const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     float *extinction = calloc(cells, sizeof(float)), *emission = calloc(cells * TERMS, sizeof(float)),
           *moments = calloc(cells * TERMS, sizeof(float));
-    copy_part(w, &d, 1, w->extinction, extinction, false);
-    copy_part(w, &d, TERMS, w->emission, emission, false);
-    sides s = make_sides(w, d.first, size);
+    copy_part(w->size, &d, 1, w->extinction, extinction, false);
+    copy_part(w->size, &d, TERMS, w->emission, emission, false);
+    part_sides s = make_sides(w->size, &d, w->walls ? 7 : 0);
+    for (int32_t i = 0; i < s.count; ++i) s.given[0][i] = 0.1f * (float)(s.face[i] + 1);
     const ty_sweep_faces faces = {
-        .count = s.count, .first = s.first, .x = s.x, .face = s.face, .emitted = s.emitted, .incident_power = s.power};
+        .count = s.count, .first = s.first, .x = s.x, .face = s.face, .emitted = s.given[0], .incident_power = s.found};
     const ty_boundary_radiance boundary = {.across = {around[0], around[1], around[2]}, .patches = {2, 2, 2}};
     ty_context_def def = ty_default_context_def();
     ty_context* context = NULL;
@@ -173,8 +112,8 @@ static void sweep_part(ty_comm* comm, void* user) {
         require(ty_sweep_run(sweep, emission, moments, &sums[0], &sums[1]) == TY_OK);
     require(ty_comm_sum(comm, sums, 2));
     pthread_mutex_lock(&sum_lock);
-    copy_part(w, &d, TERMS, w->moments, moments, true);
-    for (int32_t i = 0; i < s.count; ++i) w->power[s.global[i]] = s.power[i];
+    copy_part(w->size, &d, TERMS, w->moments, moments, true);
+    for (int32_t i = 0; i < s.count; ++i) w->power[s.global[i]] = s.found[i];
     w->leaving = sums[0];
     w->fixups = sums[1];
     pthread_mutex_unlock(&sum_lock);
