@@ -199,10 +199,7 @@ ty_result ty_fld_gradient(const ty_fld* light, const ty_scene* scene, const ty_f
     ty_gradient_stats totals;
     const ty_coverage_box cells = {lower, upper, size};
     *out = NULL;
-    ty_result result = ty_volume_take_def(&ty_volume_fld, context, def, own);
-    if (result == TY_OK) result = ty_take_stats(context, stats, "ty_default_gradient_stats", &totals, sizeof totals);
-    if (result == TY_OK) result = ty_gradient_check_scene(scene, "fld");
-    if (result == TY_OK) result = ty_coverage_check(context, &cells);
+    ty_result result = ty_gradient_begin(scene, &ty_volume_fld, def, own, &cells, stats, &totals);
     if (result != TY_OK) return result;
     gradient_job job = {.fld = {.context = context, .scene = scene, .def = (const ty_fld_def*)own}, .copy = *light};
     job.fld.light = &job.copy;

@@ -36,7 +36,7 @@ void ty_gradient_destroy(ty_gradient* gradient) {
     ty_free_array(gradient->context, gradient, 1, sizeof *gradient);
 }
 
-ty_result ty_gradient_check_scene(const ty_scene* scene, const char* method) {
+static ty_result check_scene(const ty_scene* scene, const char* method) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     if (view->mesh != NULL)
@@ -53,6 +53,16 @@ ty_result ty_gradient_check_scene(const ty_scene* scene, const char* method) {
                            "gradient: media[%d].emission: %s is not differentiated for media that emit", (int)m,
                            method);
     return TY_OK;
+}
+
+ty_result ty_gradient_begin(const ty_scene* scene, const ty_volume_method* method, const void* def, void* own,
+                            const ty_coverage_box* cells, const ty_gradient_stats* stats, ty_gradient_stats* totals) {
+    ty_context* context = ty_scene_context(scene);
+    ty_result result = ty_volume_take_def(method, context, def, own);
+    if (result == TY_OK) result = ty_take_stats(context, stats, "ty_default_gradient_stats", totals, sizeof *totals);
+    if (result == TY_OK) result = check_scene(scene, method->name);
+    if (result == TY_OK) result = ty_coverage_check(context, cells);
+    return result;
 }
 
 void ty_gradient_spread_weights(const ty_coverage_box* cells, const double* weights, const ty_grid_box* box,
