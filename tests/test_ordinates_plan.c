@@ -1,8 +1,8 @@
 /* Plans of divided solves, against what solves take, and for large grids. */
 #include "checks.h"
 #include "ranks.h"
-#include "solve/ordinates/joint_solve.h"
-#include "solve/ordinates/plan.h"
+#include "solve/ordinates/divided/joint_solve.h"
+#include "solve/ordinates/divided/plan.h"
 
 enum { TERMS = 9 };
 

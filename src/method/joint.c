@@ -1,8 +1,8 @@
 #include "method/joint.h"
 
 #include "scene/scene.h"
-#include "solve/diffusion/joint.h"
-#include "solve/ordinates/joint_solve.h"
+#include "solve/diffusion/divided/joint.h"
+#include "solve/ordinates/divided/joint_solve.h"
 
 static void take_part_in_diffusion(ty_comm* comm, void* user, const uint8_t* bytes, size_t size) {
     const ty_joint_helper* helper = user;

@@ -3,7 +3,7 @@
 #define TY_METHOD_DIFFUSE_INTERREFLECTION_H
 
 #include "image/march/irradiance_cache.h"
-#include "solve/diffusion/diffuse_light.h"
+#include "solve/diffusion/light/diffuse_light.h"
 
 /* Fraction of the light that media emit or scatter for the first time below which what surfaces return is neglected. */
 #define TY_INTERREFLECTION_MIN 2e-2

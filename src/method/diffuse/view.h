@@ -3,7 +3,7 @@
 #define TY_METHOD_DIFFUSE_VIEW_H
 
 #include "image/march/cuts.h"
-#include "solve/diffusion/diffuse_light.h"
+#include "solve/diffusion/light/diffuse_light.h"
 
 typedef struct ty_diffuse_view {
     ty_context* context;

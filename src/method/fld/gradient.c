@@ -7,7 +7,7 @@
 #include "direct/lights/discretize.h"
 #include "direct/uncollided/first_collision_source.h"
 #include "method/fld/job.h"
-#include "solve/diffusion/diffuse_adjoint.h"
+#include "solve/diffusion/light/diffuse_adjoint.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "direct/single/single.k.h"
 #include "direct/uncollided/uncollided.h"
-#include "solve/diffusion/diffuse_light.h"
+#include "solve/diffusion/light/diffuse_light.h"
 #include "method/diffuse/interreflection.h"
 #include "method/volume_method.h"
 

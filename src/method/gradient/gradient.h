@@ -22,9 +22,9 @@ struct ty_gradient {
 /* A gradient of zeros for lights of a scene on a medium, which it takes, also after an error. Errors: TY_ERROR_MEMORY.
  */
 ty_result ty_gradient_create(const ty_scene* scene, ty_grid_medium* medium, ty_gradient** out);
-/* What begins ty_METHOD_gradient: takes a caller's def to own, as ty_volume_take_def, and stats to totals, and checks
- * the cells. Fails for scenes with surfaces, media that emit, and lights that are neither directions nor environments.
- * Errors: TY_ERROR_ARGUMENT. */
+/* The beginning of ty_METHOD_gradient: takes a caller's def to own, as ty_volume_take_def, and stats to totals, and
+ * checks the cells. Fails for scenes with surfaces, media that emit, and lights that are neither directions nor
+ * environments. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_gradient_begin(const ty_scene* scene, const ty_volume_method* method, const void* def, void* own,
                             const ty_coverage_box* cells, const ty_gradient_stats* stats, ty_gradient_stats* totals);
 /* Adds dL/dfluence of a caller's cells to that of a box's cells, plane by plane. */

@@ -13,7 +13,7 @@
 
 #include "direct/media/grid_medium.h"
 #include "direct/single/single.k.h"
-#include "solve/diffusion/diffuse_light.h"
+#include "solve/diffusion/light/diffuse_light.h"
 
 /* Arrays on merged cells: emission, W m^-3; corrections of the diffusion's fluence and of its flux along x, y and z,
  * W m^-2. */

@@ -7,7 +7,7 @@
 #include "method/pop/merge/merge.h"
 #include "method/diffuse/interreflection.h"
 #include "method/pop/ordinate/ordinate.h"
-#include "solve/diffusion/diffuse_light.h"
+#include "solve/diffusion/light/diffuse_light.h"
 
 struct ty_pop {
     ty_context* context;

@@ -5,7 +5,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "solve/diffusion/closed_faces.h"
-#include "solve/diffusion/divided.h"
+#include "solve/diffusion/divided/divided.h"
 #include "solve/diffusion/result.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
  * its solution where the finer stage has no residuals; the finer phi is multiplied by the relative change of the coarse
  * one. Coarse cells have the mean of their children's mean free paths, not of their extinctions: vacuum stays vacuum.
  */
-#include "solve/diffusion/divided.h"
+#include "solve/diffusion/divided/divided.h"
 
 #include <string.h>
 

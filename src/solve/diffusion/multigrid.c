@@ -5,7 +5,7 @@
  * wrong for cells with little exchange, symmetric cycles continue as preconditioner of conjugate gradients. Sizes are
  * arbitrary: an odd axis ends with a coarse cell of one child. Axes with long cells are coarsened later than those with
  * short ones (semicoarsening). */
-#include "solve/diffusion/divided.h"
+#include "solve/diffusion/divided/divided.h"
 
 #include <string.h>
 

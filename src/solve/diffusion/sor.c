@@ -1,7 +1,7 @@
 /* Algorithm 1 (Koerner 2014): red-black over-relaxation of the fluence with D updated cell by cell. Beyond the paper, a
  * cell retains a minimum fraction of its fluence per step, without which large relaxation factors diverge, and
  * residuals are evaluated before each cell's step, so that over-relaxation does not understate them. */
-#include "solve/diffusion/divided.h"
+#include "solve/diffusion/divided/divided.h"
 
 #include <math.h>
 

@@ -4,7 +4,7 @@
 #include "base/context.h"
 #include "comm/regroup.h"
 #include "solve/diffusion/cells.k.h"
-#include "solve/diffusion/divided.h"
+#include "solve/diffusion/divided/divided.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include "direct/surfaces/cut_cells.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
-#include "solve/ordinates/joint_solve.h"
+#include "solve/ordinates/divided/joint_solve.h"
 
 #include <math.h>
 #include <string.h>

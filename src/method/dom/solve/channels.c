@@ -1,7 +1,7 @@
 /* Solves for the moments of collided light, one per channel. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
-#include "solve/ordinates/joint_solve.h"
+#include "solve/ordinates/divided/joint_solve.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -1,4 +1,4 @@
-#include "solve/diffusion/linear.h"
+#include "solve/diffusion/adjoint/linear.h"
 
 #include "base/context.h"
 #include "solve/diffusion/job.h"

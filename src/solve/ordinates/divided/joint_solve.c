@@ -1,4 +1,4 @@
-#include "solve/ordinates/joint_solve.h"
+#include "solve/ordinates/divided/joint_solve.h"
 
 #include "base/arena.h"
 #include "base/context.h"

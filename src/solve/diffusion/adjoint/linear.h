@@ -1,7 +1,7 @@
 /* Linear diffusion without a limiter on a box of cells for a sequence of sources: its coefficients are prepared once.
  */
-#ifndef TY_SOLVE_DIFFUSION_LINEAR_H
-#define TY_SOLVE_DIFFUSION_LINEAR_H
+#ifndef TY_SOLVE_DIFFUSION_ADJOINT_LINEAR_H
+#define TY_SOLVE_DIFFUSION_ADJOINT_LINEAR_H
 
 #include "solve/diffusion/diffusion.h"
 

@@ -1,9 +1,9 @@
 /* Largest extinction of cells of diffusion. */
-#ifndef TY_SOLVE_DIFFUSION_THICKNESS_H
-#define TY_SOLVE_DIFFUSION_THICKNESS_H
+#ifndef TY_SOLVE_DIFFUSION_LIGHT_THICKNESS_H
+#define TY_SOLVE_DIFFUSION_LIGHT_THICKNESS_H
 
 #include "direct/media/grid_medium.h"
-#include "solve/diffusion/diffuse_surfaces.h"
+#include "solve/diffusion/light/diffuse_surfaces.h"
 
 #include <math.h>
 

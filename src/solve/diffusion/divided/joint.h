@@ -1,6 +1,6 @@
 /* A solve for the fluence that all ranks make together: rank 0 has the whole grid, and hands every rank its box. */
-#ifndef TY_SOLVE_DIFFUSION_JOINT_H
-#define TY_SOLVE_DIFFUSION_JOINT_H
+#ifndef TY_SOLVE_DIFFUSION_DIVIDED_JOINT_H
+#define TY_SOLVE_DIFFUSION_DIVIDED_JOINT_H
 
 #include "comm/joint.h"
 #include "solve/diffusion/diffusion.h"

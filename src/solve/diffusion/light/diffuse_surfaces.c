@@ -1,5 +1,5 @@
 /* Sides of closed faces with their radiosity, and the sources of cells beside them. */
-#include "solve/diffusion/diffuse_surfaces.h"
+#include "solve/diffusion/light/diffuse_surfaces.h"
 
 #include "base/context.h"
 

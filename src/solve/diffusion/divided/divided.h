@@ -1,8 +1,8 @@
 /* A grid divided among ranks (comm/domain.h): each has a box of the finest levels, with a layer of its neighbours'
  * cells, and all have the coarser ones whole. Rows along x are not cut, so that loops over them are those of one rank;
  * what a cell gets does not depend on the cuts. Without a domain all calls do nothing. */
-#ifndef TY_SOLVE_DIFFUSION_DIVIDED_H
-#define TY_SOLVE_DIFFUSION_DIVIDED_H
+#ifndef TY_SOLVE_DIFFUSION_DIVIDED_DIVIDED_H
+#define TY_SOLVE_DIFFUSION_DIVIDED_DIVIDED_H
 
 #include "solve/diffusion/job.h"
 

@@ -1,8 +1,8 @@
 /* Diffuse light of one channel between surfaces. */
-#ifndef TY_SOLVE_DIFFUSION_SURFACE_LIGHT_H
-#define TY_SOLVE_DIFFUSION_SURFACE_LIGHT_H
+#ifndef TY_SOLVE_DIFFUSION_LIGHT_SURFACE_LIGHT_H
+#define TY_SOLVE_DIFFUSION_LIGHT_SURFACE_LIGHT_H
 
-#include "solve/diffusion/diffuse_light.h"
+#include "solve/diffusion/light/diffuse_light.h"
 
 /* Diffuse radiance (phi + 3 E . omega) / (4 pi), Eq. 7 (Koerner 2014), from fluence and face fluxes, in place: a cell
  * has the mean flux of its two faces along each axis. surfaces, side_flux: the flux of closed faces; NULL: none. */

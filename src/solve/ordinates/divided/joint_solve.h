@@ -1,7 +1,7 @@
 /* Solves by discrete ordinates that rank 0 of a command divides among all its ranks (comm/joint.h). Rank 0 sends the
  * others the arrays of their parts, all solve, and rank 0 gathers the results. */
-#ifndef TY_SOLVE_ORDINATES_JOINT_SOLVE_H
-#define TY_SOLVE_ORDINATES_JOINT_SOLVE_H
+#ifndef TY_SOLVE_ORDINATES_DIVIDED_JOINT_SOLVE_H
+#define TY_SOLVE_ORDINATES_DIVIDED_JOINT_SOLVE_H
 
 #include "comm/joint.h"
 #include "solve/ordinates/ordinates.h"

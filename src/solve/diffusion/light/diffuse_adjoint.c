@@ -1,9 +1,9 @@
-#include "solve/diffusion/diffuse_adjoint.h"
+#include "solve/diffusion/light/diffuse_adjoint.h"
 
 #include "base/constants.h"
 #include "base/context.h"
 #include "base/kernel.h"
-#include "solve/diffusion/thickness.h"
+#include "solve/diffusion/light/thickness.h"
 
 #include <math.h>
 #include <string.h>

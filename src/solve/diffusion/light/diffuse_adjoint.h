@@ -1,10 +1,10 @@
 /* Adjoint of diffuse light: derivatives of a weighted sum of its fluence by the sources and by the media of cells. */
-#ifndef TY_SOLVE_DIFFUSION_DIFFUSE_ADJOINT_H
-#define TY_SOLVE_DIFFUSION_DIFFUSE_ADJOINT_H
+#ifndef TY_SOLVE_DIFFUSION_LIGHT_DIFFUSE_ADJOINT_H
+#define TY_SOLVE_DIFFUSION_LIGHT_DIFFUSE_ADJOINT_H
 
 #include "direct/media/medium_gradient.h"
-#include "solve/diffusion/adjoint.h"
-#include "solve/diffusion/diffuse_light.h"
+#include "solve/diffusion/adjoint/adjoint.h"
+#include "solve/diffusion/light/diffuse_light.h"
 
 typedef struct ty_diffuse_loss {
     const ty_diffuse_light* light; /* without faces, as ty_diffuse_light_solve_between made it of the following */

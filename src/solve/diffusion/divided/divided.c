@@ -1,4 +1,4 @@
-#include "solve/diffusion/divided.h"
+#include "solve/diffusion/divided/divided.h"
 
 #include <string.h>
 

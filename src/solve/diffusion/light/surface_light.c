@@ -3,7 +3,7 @@
  * sigma_s' phi_s, are one more source of collided light, which surfaces reflect and absorb. Pictures of surfaces have
  * their unscattered light already, so collided light alone lights them, with that part of phi_s which has scattered
  * straight on: the difference to a solve with sigma_t. */
-#include "solve/diffusion/surface_light.h"
+#include "solve/diffusion/light/surface_light.h"
 
 #include "base/context.h"
 

@@ -8,8 +8,8 @@
  * (Giles and Pierce 2000). dR/dphi = C E - A: A is the linear problem at the diffusivity D of the solution, which is
  * symmetric; C = dR/dD, E = dD/dphi. A solve without a limiter with 1 / (3 D) as its extinction applies the inverse of
  * A, which preconditions the generalised minimal residual method (Saad 1993). */
-#ifndef TY_SOLVE_DIFFUSION_ADJOINT_H
-#define TY_SOLVE_DIFFUSION_ADJOINT_H
+#ifndef TY_SOLVE_DIFFUSION_ADJOINT_ADJOINT_H
+#define TY_SOLVE_DIFFUSION_ADJOINT_ADJOINT_H
 
 #include "solve/diffusion/diffusion.h"
 

@@ -1,9 +1,9 @@
-#include "solve/ordinates/plan.h"
+#include "solve/ordinates/divided/plan.h"
 
 #include "base/context.h"
 #include "comm/regroup.h"
 #include "solve/ordinates/job.h"
-#include "solve/ordinates/joint_solve.h"
+#include "solve/ordinates/divided/joint_solve.h"
 
 /* ---- ranks that are not there ---- */
 

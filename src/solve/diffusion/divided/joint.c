@@ -1,4 +1,4 @@
-#include "solve/diffusion/joint.h"
+#include "solve/diffusion/divided/joint.h"
 
 #include "base/context.h"
 

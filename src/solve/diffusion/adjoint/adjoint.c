@@ -1,10 +1,10 @@
-#include "solve/diffusion/adjoint.h"
+#include "solve/diffusion/adjoint/adjoint.h"
 
 #include "base/context.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "solve/diffusion/limiter_slope.h"
-#include "solve/diffusion/linear.h"
+#include "solve/diffusion/adjoint/limiter_slope.h"
+#include "solve/diffusion/adjoint/linear.h"
 
 #include <math.h>
 #include <string.h>

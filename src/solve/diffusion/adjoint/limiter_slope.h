@@ -1,6 +1,6 @@
 /* Derivatives of the flux limiters by R, in double precision. */
-#ifndef TY_SOLVE_DIFFUSION_LIMITER_SLOPE_H
-#define TY_SOLVE_DIFFUSION_LIMITER_SLOPE_H
+#ifndef TY_SOLVE_DIFFUSION_ADJOINT_LIMITER_SLOPE_H
+#define TY_SOLVE_DIFFUSION_ADJOINT_LIMITER_SLOPE_H
 
 #include "solve/diffusion/diffusion.h"
 

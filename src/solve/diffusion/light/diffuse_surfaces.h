@@ -1,6 +1,6 @@
 /* Surfaces between cells of diffuse light, lit by uncollided light. */
-#ifndef TY_SOLVE_DIFFUSION_DIFFUSE_SURFACES_H
-#define TY_SOLVE_DIFFUSION_DIFFUSE_SURFACES_H
+#ifndef TY_SOLVE_DIFFUSION_LIGHT_DIFFUSE_SURFACES_H
+#define TY_SOLVE_DIFFUSION_LIGHT_DIFFUSE_SURFACES_H
 
 #include "direct/surfaces/boundary_faces.h"
 #include "direct/surfaces/cut_cells.h"

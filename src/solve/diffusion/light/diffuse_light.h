@@ -1,11 +1,11 @@
 /* Diffuse light of media on cells: one diffusion solve per channel, and the resulting radiance field. */
-#ifndef TY_SOLVE_DIFFUSION_DIFFUSE_LIGHT_H
-#define TY_SOLVE_DIFFUSION_DIFFUSE_LIGHT_H
+#ifndef TY_SOLVE_DIFFUSION_LIGHT_DIFFUSE_LIGHT_H
+#define TY_SOLVE_DIFFUSION_LIGHT_DIFFUSE_LIGHT_H
 
 #include "base/progress.h"
 #include "direct/single/source_field.h"
 #include "solve/diffusion/diffusion.h"
-#include "solve/diffusion/diffuse_surfaces.h"
+#include "solve/diffusion/light/diffuse_surfaces.h"
 
 typedef struct ty_diffuse_light {
     ty_context* context;

@@ -1,12 +1,12 @@
 /* Diffuse light: one solve per channel by Eq. 20 (Koerner 2014), and the field made from it. */
-#include "solve/diffusion/diffuse_light.h"
+#include "solve/diffusion/light/diffuse_light.h"
 
 #include "base/context.h"
 #include "base/kernel.h"
 #include "scene/media/phase.k.h"
-#include "solve/diffusion/joint.h"
-#include "solve/diffusion/surface_light.h"
-#include "solve/diffusion/thickness.h"
+#include "solve/diffusion/divided/joint.h"
+#include "solve/diffusion/light/surface_light.h"
+#include "solve/diffusion/light/thickness.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -1,5 +1,5 @@
 /* Interpolation of diffuse light to finer cells, as an initial guess. */
-#include "solve/diffusion/diffuse_light.h"
+#include "solve/diffusion/light/diffuse_light.h"
 
 #include "base/context.h"
 #include "base/kernel.h"

@@ -1,4 +1,4 @@
-#include "solve/diffusion/limiter_slope.h"
+#include "solve/diffusion/adjoint/limiter_slope.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* Needs of a divided solve by discrete ordinates: memory, stages and messages, for any number of ranks. */
-#ifndef TY_SOLVE_ORDINATES_PLAN_H
-#define TY_SOLVE_ORDINATES_PLAN_H
+#ifndef TY_SOLVE_ORDINATES_DIVIDED_PLAN_H
+#define TY_SOLVE_ORDINATES_DIVIDED_PLAN_H
 
 #include "solve/ordinates/ordinates.h"
 
