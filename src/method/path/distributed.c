@@ -112,7 +112,7 @@ ty_result ty_sampling_distribute(ty_sampling* pass) {
     const ty_job offered = {TY_JOB_PATH, pass, lend, pack, accept};
     if (!ty_blocks_create(&pass->blocks, ty_sampling_blocks(run))) return TY_ERROR_MEMORY;
     atomic_store(&pass->blocks.end, 0); /* until the first pass */
-    pass->queue = queue; /* before other ranks ask */
+    pass->queue = queue;                /* before other ranks ask */
     if (!ty_queue_begin(queue, &offered, &job, sizeof job)) pass->queue = NULL;
     return TY_OK;
 }
