@@ -151,6 +151,7 @@ static void light_passes_a_pane(void** state) {
 }
 
 static void milk_lights_the_floor(void** state) {
+    skip_under_sanitizers();
     ty_scene* scene = make_milk(*state, false);
     compare("milk", scene, 0.12, 0.05);
     ty_scene_destroy(scene);

@@ -1,4 +1,5 @@
 /* The method that auto chooses for scenes of each kind, its expectations and reasons, and what it finds in scenes. */
+#include "effort.h"
 #include "fld_maker.h"
 
 /* Numbers of scenes that are put together here. */
@@ -218,6 +219,7 @@ static void overlapping_media_add_up(void** state) {
 
 /* The same whatever the number of threads. */
 static void threads_do_not_change_the_choice(void** state) {
+    skip_under_address_sanitizer();
     const setup room = {1, 1, 0.3f, LAMP, true, true};
     ty_context* one = make_context(1);
     ty_scene *scene = set_up(*state, &room), *same = set_up(one, &room);

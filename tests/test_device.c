@@ -100,7 +100,7 @@ static void surfaces_are_as_on_the_processor(void** state) {
     (void)state;
     static const char* const scenes[] = {"builtin:cornell_fog", "builtin:lamps", "builtin:atrium",
                                          TYNDALL_SOURCE_DIR "/scenes/glass_of_milk.json"};
-    ty_path_def def = small_def(fewer_under_sanitizers(8, 8)), other = def;
+    ty_path_def def = small_def(fewer_under_sanitizers(fewer(8, 2), 4)), other = def;
     other.seed = 7;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i) {
         rendering cpu = render_on("cpu", 2, scenes[i], &def), host = render_on("host", 2, scenes[i], &def);

@@ -2,6 +2,7 @@
  * their samples. */
 #include "base/random.k.h"
 #include "checks.h"
+#include "effort.h"
 #include "scene/bsdf/dielectric.k.h"
 #include "scene/bsdf/tables.h"
 
@@ -57,7 +58,7 @@ static void white_furnaces_stay_white(void** state) {
     double worst = 0;
     for (size_t e = 0; e < COUNT(etas); ++e)
         for (size_t r = 0; r < COUNT(roughnesses); ++r)
-            for (size_t i = 0; i < COUNT(cosines); ++i) {
+            for (size_t i = 0; i < COUNT(cosines); i += in_full() ? 1 : 2) {
                 const ty_rough_dielectric d = prepare(etas[e], roughnesses[r], at_cosine(cosines[i]), true);
                 const double out = furnace(&d);
                 worst = fmax(worst, fabs(out - 1));

@@ -75,7 +75,7 @@ static void kept_tables_do_not_matter(void** state) {
     defs[1].ground[1] = 0.7f, defs[2].ozone = 0, defs[3].scattering = TY_SKY_ISOTROPIC, defs[4].haze = 2;
     ty_image* expected = NULL;
     assert_int_equal(ty_sky_create_image(context, &first, &expected, NULL), TY_OK);
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < (in_full() ? 5 : 2); ++i) {
         ty_image *other = make_sky(context, &defs[i], NULL), *again = make_sky(context, &first, NULL);
         assert_memory_equal(ty_image_plane(again, 1), ty_image_plane(expected, 1), 128 * 64 * sizeof(float));
         assert_memory_not_equal(ty_image_plane(other, 1), ty_image_plane(expected, 1), 128 * 64 * sizeof(float));

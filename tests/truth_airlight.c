@@ -171,7 +171,7 @@ static void check(ty_context* context, const char* name, const ty_light_def* lig
 static void airlight_of_the_sun_is_right(void** state) {
     ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 2);
     set3(sun.direction, -0.5, -1, -0.35);
-    check(*state, "sun, g 0", &sun, 0, EVEN);
+    if (in_full()) check(*state, "sun, g 0", &sun, 0, EVEN);
     check(*state, "sun, g 0.7", &sun, 0.7, EVEN);
     check(*state, "sun, g 0.4, uneven", &sun, 0.4, UNEVEN);
 }
@@ -179,7 +179,7 @@ static void airlight_of_the_sun_is_right(void** state) {
 static void airlight_of_a_point_light_is_right(void** state) {
     ty_light_def point = light_of(TY_LIGHT_POINT, 2);
     set3(point.position, 0.4, 1.3, -0.3);
-    check(*state, "point, g 0", &point, 0, EVEN);
+    if (in_full()) check(*state, "point, g 0", &point, 0, EVEN);
     check(*state, "point, g 0.7", &point, 0.7, EVEN);
     check(*state, "point, g 0.4, uneven", &point, 0.4, UNEVEN);
 }
@@ -190,7 +190,7 @@ static void airlight_of_a_spot_light_is_right(void** state) {
     set3(spot.direction, -0.5, -1, -0.4);
     spot.cone = 60;
     spot.penumbra = 0.3;
-    check(*state, "spot, g 0", &spot, 0, EVEN);
+    if (in_full()) check(*state, "spot, g 0", &spot, 0, EVEN);
     check(*state, "spot, g 0.7", &spot, 0.7, EVEN);
     check(*state, "spot, g 0.4, uneven", &spot, 0.4, UNEVEN);
 }

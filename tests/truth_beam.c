@@ -101,7 +101,7 @@ static void check(ty_context* context, const char* what, airlight a, int32_t spp
 static void sunlight_fades_exactly(void** state) {
     airlight a = {.sigma_s = 0.4, .sigma_t = 0.5, .radius = 1.2, .light = light_of(TY_LIGHT_DIRECTIONAL, 3)};
     set3(a.light.direction, 1, -2, 0.5);
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; i += in_full() ? 1 : 2) {
         a.g = anisotropies[i];
         check(*state, "sunlight in a ball", a, 1 << 15);
     }
@@ -115,7 +115,7 @@ static void spot_lights_fade_exactly(void** state) {
     set3(a.light.position, 0.1, 1.8, -0.2);
     set3(a.light.direction, 0, -1, 0);
     a.light.cone = 16;
-    for (int i = 0; i < 6; ++i) {
+    for (int i = 0; i < 6; i += in_full() ? 1 : 2) {
         a.g = anisotropies[i % 3];
         a.light.penumbra = penumbras[i / 3];
         check(*state, i < 3 ? "spot, sharp" : "spot, fading", a, 1 << 14);

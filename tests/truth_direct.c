@@ -148,7 +148,7 @@ static void finer_cells_come_nearer(void** state) {
 
 static void point_lights_are_right(void** state) {
     static const double places[3][3] = {{0.31, 0.4, -0.2}, {0.2, 1.2, 0.3}, {-3, 2, 4}};
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; i += in_full() ? 1 : 2) {
         ty_scene* scene = noise_scene(*state, SHADOWED, 2);
         ty_light_def lamp = light_of(TY_LIGHT_POINT, 3);
         memcpy(lamp.position, places[i], sizeof lamp.position);

@@ -52,7 +52,7 @@ static void the_cube_is_as_bright_as_measured(void** state) {
     static truth expected;
     for (int i = 0; i < 4; ++i) {
         const cube_case* c = &cases[i];
-        if (c->g == 0.5 && !in_full()) continue;
+        if (c->g > 0 && c->g < 0.9 && !in_full()) continue; /* 0 and 0.96 enclose them */
         ty_scene* scene = cube_in_light(*state, c->g);
         double first = 0;
         trace(scene, c->g, &expected);

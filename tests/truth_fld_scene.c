@@ -108,14 +108,14 @@ static void burning_smoke(void** state) {
     char path[1024], file[1200];
     snprintf(file, sizeof file, heat, data_path(data, path));
     check_case(*state,
-               &(scene_case){"scenes/plume_fire.json", data, {DENSITY, file}, 36, 48, fewer(256, 2), 0.4, 0, 0});
+               &(scene_case){"scenes/plume_fire.json", data, {DENSITY, file}, 36, 48, fewer(256, 4), 0.4, 0, 0});
 }
 
 /* Bone and skin, a tenth as dense as the scene has them. */
 static void translucent_head(void** state) {
     static const char data[] = "volumes/headsq_ct_64x64x93_i16.nrrd";
     static const char* const thin = "media[0].sigma_t=500";
-    check_case(*state, &(scene_case){"scenes/ct_head.json", data, {DENSITY, thin}, 48, 48, fewer(256, 2), 0.16, 0, 0});
+    check_case(*state, &(scene_case){"scenes/ct_head.json", data, {DENSITY, thin}, 48, 48, fewer(256, 4), 0.16, 0, 0});
 }
 
 int main(void) {
