@@ -8,6 +8,7 @@
 
 #include "device/device.h"
 #include "image/march/device/launch.h"
+#include "method/lpv/propagate/device/launch.h"
 #include "method/path/trace/device_launch.h"
 #include "method/screen/device/launch.h"
 
@@ -411,7 +412,8 @@ static void ptx_is_complete(void** state) {
         {&ty_program_march_columns, 4096, 4096}, {&ty_program_march_froxels, 1024, 1280},
         {&ty_program_screen_split, 256, 512},    {&ty_program_screen_pass, 256, 512},
         {&ty_program_screen_down, 256, 512},     {&ty_program_screen_up, 256, 512},
-        {&ty_program_screen_finish, 256, 512},
+        {&ty_program_screen_finish, 256, 512},   {&ty_program_lpv_two, 256, 512},
+        {&ty_program_lpv_three, 256, 512},       {&ty_program_lpv_sums, 0, 256},
     };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; ++i) {
         const ty_program* program = programs[i].program;
