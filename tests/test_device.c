@@ -8,6 +8,7 @@
 
 #include "device/device.h"
 #include "image/march/device/launch.h"
+#include "method/lpv/propagate/device/launch.h"
 #include "method/path/trace/device_launch.h"
 #include "method/screen/device/launch.h"
 
@@ -340,6 +341,7 @@ static void read_functions(char* text) {
         if (strncmp(line, ".func", 5) == 0 || strncmp(line, ".visible .entry", 15) == 0) take_name(line, "ty_", name);
         if (line[0] == '{') {
             assert_true(function_count < FUNCTIONS_MAX);
+            for (int i = 0; i < function_count; ++i) assert_string_not_equal(functions[i].name, name);
             inside = &functions[function_count++];
             *inside = (ptx_function){.deepest = -1};
             memcpy(inside->name, name, sizeof name);
@@ -393,9 +395,8 @@ static int stack_of(const char* text) {
     return most;
 }
 
-/* Programs name no function that they do not have, each has its entry point, and a thread's memory is bounded: 4 kB but
- * for path tracing. Where ptxas is installed and asked
- * for, it accepts them. */
+/* Programs name no function that they do not have, each has its entry point, and a thread's frames are bounded: at most
+ * 4 kB. Where ptxas is installed and asked for, it accepts them. */
 static void ptx_is_complete(void** state) {
     (void)state;
     /* Bytes of the frames, and of the stack by ptxas, whose frames hold spilled registers, too. */
@@ -403,7 +404,7 @@ static void ptx_is_complete(void** state) {
         const ty_program* program;
         int frames, stack;
     } programs[] = {
-        {&ty_program_path_diffuse, 4608, 6144},  {&ty_program_path_glossy, 5376, 6144},
+        {&ty_program_path_diffuse, 4096, 6144},  {&ty_program_path_glossy, 4096, 6144},
         {&ty_program_march_pixels, 4096, 4096},  {&ty_program_march_gathered, 4096, 4096},
         {&ty_program_march_smoothed, 256, 512},  {&ty_program_march_faces, 1024, 1280},
         {&ty_program_march_edges, 256, 512},     {&ty_program_march_rays, 4096, 4096},
@@ -411,7 +412,8 @@ static void ptx_is_complete(void** state) {
         {&ty_program_march_columns, 4096, 4096}, {&ty_program_march_froxels, 1024, 1280},
         {&ty_program_screen_split, 256, 512},    {&ty_program_screen_pass, 256, 512},
         {&ty_program_screen_down, 256, 512},     {&ty_program_screen_up, 256, 512},
-        {&ty_program_screen_finish, 256, 512},
+        {&ty_program_screen_finish, 256, 512},   {&ty_program_lpv_two, 256, 512},
+        {&ty_program_lpv_three, 256, 512},       {&ty_program_lpv_sums, 0, 256},
     };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; ++i) {
         const ty_program* program = programs[i].program;

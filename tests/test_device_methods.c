@@ -1,5 +1,5 @@
-/* Marching and screen-space scattering on the host backend, against the processor's own kernels. `tyndall bench device`
- * tests GPUs against the host backend. */
+/* Marching, propagation and screen-space scattering on the host backend, against the processor's own kernels. `tyndall
+ * bench device` tests GPUs against the host backend. */
 #define _POSIX_C_SOURCE 200809L
 #include "checks.h"
 #include "effort.h"
@@ -10,6 +10,7 @@
 #include "image/march/device/device.h"
 #include "image/march/march.h"
 #include "image/march/march.k.h"
+#include "method/lpv/propagate/propagate.h"
 
 #include <tyndall/dom.h>
 #include <tyndall/fld.h>
@@ -286,6 +287,88 @@ static ty_result march_once(ty_context* context, void* user) {
     return result;
 }
 
+/* ---- propagation in lattices ---- */
+
+enum { SIDE = 11, LATTICE = SIDE * SIDE * SIDE };
+
+typedef struct propagation {
+    int32_t bands;
+    bool blocked;
+    ty_lpv_mode mode;
+    double most; /* largest difference of a term over the largest light */
+} propagation;
+
+/* Light of all terms that exist; SIDE is no multiple of the strips or blocks of rows. */
+static ty_result propagate(ty_context* context, const propagation* of, ty_progress_fn progress, float* out,
+                           ty_lattice_power* power) {
+    ty_lattice* lattice = NULL;
+    const ty_lpv_def def = {.mode = of->mode, .tolerance = 0.01};
+    ty_result result = ty_lattice_create_sample(context, SIDE, of->bands, of->blocked, &lattice);
+    if (result == TY_OK) result = ty_lattice_propagate(lattice, &def, NULL, NULL, progress, NULL, power);
+    for (int32_t i = 0; i < 3 * of->bands * of->bands && result == TY_OK && out != NULL; ++i)
+        memcpy(out + (size_t)i * LATTICE, lattice->light[i / (of->bands * of->bands)][i % (of->bands * of->bands)],
+               LATTICE * sizeof *out);
+    ty_lattice_destroy(lattice);
+    return result;
+}
+
+static void propagate_on(const char* device, int32_t threads, const propagation* of, float* out,
+                         ty_lattice_power* power) {
+    ty_context* context = context_on(device, threads);
+    if (propagate(context, of, NULL, out, power) != TY_OK) fail_msg("%s", ty_take_error(context));
+    ty_context_destroy(context);
+}
+
+/* Measured: at most 2.5e-7 of the largest light. */
+static void light_propagates_as_on_the_processor(void** state) {
+    (void)state;
+    static float cpu[27 * LATTICE], host[27 * LATTICE], three[27 * LATTICE];
+    static const propagation all[] = {{2, false, TY_LPV_MODE_LINKS, 1e-6},
+                                      {2, true, TY_LPV_MODE_LINKS, 1e-6},
+                                      {2, true, TY_LPV_MODE_PUBLISHED, 1e-6},
+                                      {3, false, TY_LPV_MODE_PUBLISHED, 1e-6},
+                                      {3, true, TY_LPV_MODE_LINKS, 1e-6}};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i) {
+        ty_lattice_power power[3];
+        const size_t count = (size_t)(3 * all[i].bands * all[i].bands) * LATTICE;
+        propagate_on("cpu", 2, &all[i], cpu, &power[0]);
+        propagate_on("host", 1, &all[i], host, &power[1]);
+        propagate_on("host", 3, &all[i], three, &power[2]);
+        double most = 0, largest = 0;
+        for (size_t k = 0; k < count; ++k) {
+            most = fmax(most, fabs((double)host[k] - (double)cpu[k]));
+            largest = fmax(largest, fabs((double)cpu[k]));
+        }
+        printf("bands %d, blocked %d, mode %d: %.1e, %d iterations\n", all[i].bands, all[i].blocked, (int)all[i].mode,
+               most / largest, power[0].iterations);
+        assert_true(most <= all[i].most * largest);
+        assert_memory_equal(host, three, count * sizeof *host);
+        assert_int_equal(power[0].iterations, power[1].iterations);
+        for (int c = 0; c < 3; ++c) {
+            assert_close(power[1].entered[c], power[0].entered[c], 1e-6 * power[0].entered[c]);
+            assert_close(power[1].blocked[c], power[0].blocked[c], 1e-5 * power[0].entered[c]);
+            assert_close(power[1].escaped[c], power[0].escaped[c], 1e-5 * power[0].entered[c]);
+            assert_close(power[1].left[c], power[0].left[c], 1e-5 * power[0].entered[c]);
+        }
+    }
+}
+
+static ty_result propagate_once(ty_context* context, void* user) {
+    ty_lattice_power power;
+    return propagate(context, user, NULL, NULL, &power);
+}
+
+/* The device is free again after that. */
+static void propagation_is_cancelled(void** state) {
+    (void)state;
+    propagation of = {2, true, TY_LPV_MODE_LINKS, 0};
+    ty_lattice_power power;
+    ty_context* context = context_on("host", 2);
+    assert_int_equal(propagate(context, &of, never, NULL, &power), TY_CANCELLED);
+    assert_int_equal(propagate_once(context, &of), TY_OK);
+    ty_context_destroy(context);
+}
+
 static ty_screen_def haze(void);
 static ty_result scatter_once(ty_context* context, void* user);
 
@@ -299,6 +382,8 @@ static void memory_may_run_out(void** state) {
     assert_int_equal(ty_scene_load(context, "builtin:cube_g0", NULL, 0, &scene), TY_OK);
     assert_true(check_short_memory(context, &memory, march_once, scene) > 20);
     assert_true(check_short_memory(context, &memory, scatter_once, NULL) > 10);
+    propagation of = {2, true, TY_LPV_MODE_LINKS, 0};
+    assert_true(check_short_memory(context, &memory, propagate_once, &of) > 20);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }
@@ -418,6 +503,8 @@ int main(void) {
         cmocka_unit_test(many_media_are_marched_by_the_processor),
         cmocka_unit_test(steps_are_counted),
         cmocka_unit_test(marching_is_cancelled),
+        cmocka_unit_test(light_propagates_as_on_the_processor),
+        cmocka_unit_test(propagation_is_cancelled),
         cmocka_unit_test(memory_may_run_out),
         cmocka_unit_test(light_is_scattered_as_on_the_processor),
     };

@@ -3,41 +3,15 @@
 #ifndef TY_BASE_SIMD_H
 #define TY_BASE_SIMD_H
 
-#include <stdbool.h>
-#include <stdint.h>
-#include <string.h>
+#include "base/lanes.k.h"
 
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
 
-/* For functions that must be inlined because some of their arguments are constants. */
-#define TY_INLINE static inline __attribute__((always_inline, unused))
-
-#if defined(__AVX512F__)
-enum { TY_LANE_BYTES = 64 };
-#elif defined(__AVX__)
-enum { TY_LANE_BYTES = 32 };
-#else
-enum { TY_LANE_BYTES = 16 };
-#endif
-enum { TY_LANES = TY_LANE_BYTES / sizeof(float) };
-
-typedef float ty_lanes __attribute__((vector_size(TY_LANE_BYTES)));
-typedef int32_t ty_int_lanes __attribute__((vector_size(TY_LANE_BYTES)));
 typedef float ty_memory_lanes __attribute__((vector_size(TY_LANE_BYTES), may_alias)); /* in arrays of floats */
 
 /* ---- memory ---- */
-
-TY_INLINE ty_lanes ty_lanes_load(const float* from) {
-    ty_lanes value;
-    memcpy(&value, from, sizeof value);
-    return value;
-}
-
-TY_INLINE void ty_lanes_store(float* to, ty_lanes value) {
-    memcpy(to, &value, sizeof value);
-}
 
 /* Of addresses that are multiples of TY_LANE_BYTES. */
 TY_INLINE ty_lanes ty_lanes_load_aligned(const float* from) {
@@ -117,10 +91,6 @@ TY_INLINE ty_lanes ty_lanes_add(ty_lane_mask mask, ty_lanes sum, ty_lanes a) {
 }
 
 /* ---- arithmetic ---- */
-
-TY_INLINE ty_lanes ty_lanes_abs(ty_lanes value) {
-    return (ty_lanes)((ty_int_lanes)value & 0x7fffffff);
-}
 
 /* 1 / value to 2 ulp: one step of Newton's iteration where a division would keep the whole unit busy. */
 TY_INLINE ty_lanes ty_lanes_invert(ty_lanes value) {

@@ -22,10 +22,10 @@ static float seen_emission(const ty_path_run* run, float x, float y) {
     const ty_camera_view* camera = &run->request.camera;
     const ty_vec direction = ty_camera_direction(camera, x, y);
     ty_hit hit;
-    ty_surface_point point;
+    ty_surface_look look;
     if (!ty_accel_intersect(run->view.mesh, camera->origin, direction, TY_FLOAT_MAX, &hit)) return 0;
-    ty_surface_evaluate_color(&run->view.surfaces[hit.surface], &hit, direction, &point);
-    return ty_luminance(point.emission[0], point.emission[1], point.emission[2]);
+    ty_surface_evaluate_color(&run->view.surfaces[hit.surface], &hit, direction, &look);
+    return ty_luminance(look.emission[0], look.emission[1], look.emission[2]);
 }
 
 static void find_in_row(void* user, int64_t row, int32_t worker) {

@@ -50,7 +50,7 @@ __attribute__((flatten)) static inline void ty_surface_evaluate_fetched(const ty
         ty_surface_evaluate(surface, hit, direction, out);
         return;
     }
-    ty_surface_evaluate_color(surface, hit, direction, out);
+    ty_surface_point_look(surface, hit, direction, out);
     out->glossy = 0;
 }
 

@@ -75,6 +75,13 @@ typedef struct ty_surface {
     float curvature;                         /* shapes: 1 / radius of a sphere, 1/m; else 0 */
 } ty_surface;
 
+/* Colour, emission and normals at a hit, as in ty_surface_point. */
+typedef struct ty_surface_look {
+    float albedo[3], emission[3];
+    ty_vec ng, ns;
+    int32_t light;
+} ty_surface_look;
+
 /* Surface properties at a hit. */
 typedef struct ty_surface_point {
     float albedo[3];   /* of the side that the ray hits; glossy surfaces: directional albedo towards the ray's origin */
@@ -196,7 +203,7 @@ TY_FN void ty_surface_mean_emission(TY_GLOBAL const ty_surface* surface, int32_t
 
 /* Colour, emission and normals at a hit of a ray along direction. */
 TY_FN void ty_surface_evaluate_color(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
-                                     ty_surface_point* out) {
+                                     ty_surface_look* out) {
     const bool front = ty_dot(hit->normal, direction) < 0.0f;
     float rgba[4], smooth[3];
     out->ng = front ? hit->normal : ty_scale(hit->normal, -1.0f);
@@ -228,6 +235,20 @@ TY_FN void ty_surface_evaluate_color(TY_GLOBAL const ty_surface* surface, const 
     out->ns = ty_scale(normal, ((cosine < 0.0f) == front ? -1.0f : 1.0f) / sqrtf(square));
 }
 
+/* The same as a part of the surface's properties. */
+TY_FN void ty_surface_point_look(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
+                                 ty_surface_point* out) {
+    ty_surface_look look;
+    ty_surface_evaluate_color(surface, hit, direction, &look);
+    for (int c = 0; c < 3; ++c) {
+        out->albedo[c] = look.albedo[c];
+        out->emission[c] = look.emission[c];
+    }
+    out->ng = look.ng;
+    out->ns = look.ns;
+    out->light = look.light;
+}
+
 /* ---- glossy surfaces: scene/surfaces/gloss.c, or on other devices the text of surface_gloss.k.h ---- */
 
 /* The BSDF of a glossy surface, and its directional albedo in place of the base colour. */
@@ -244,7 +265,7 @@ TY_FN_APART void ty_surface_drop_compensation(ty_surface_point* point);
 /* Surface properties at a hit of a ray along direction. */
 TY_FN_CALLED void ty_surface_evaluate(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
                                       ty_surface_point* out) {
-    ty_surface_evaluate_color(surface, hit, direction, out);
+    ty_surface_point_look(surface, hit, direction, out);
     out->glossy = surface->gloss != NULL;
     if (out->glossy != 0) ty_surface_evaluate_gloss(surface, hit, direction, out);
 }

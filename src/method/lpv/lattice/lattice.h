@@ -9,11 +9,10 @@
 
 #include "base/sh.k.h"
 #include "direct/media/grid_medium.h"
+#include "method/lpv/lattice/link_directions.h"
 #include "method/lpv/lattice/reduced_media.h"
 
 #include <tyndall/lpv.h>
-
-enum { TY_LPV_LINKS = 26, TY_LPV_HALF_LINKS = 13 };
 
 /* Surfaces inside a cell that lie in front of the cell's center, one mean plane per direction that they face (+x, -x,
  * +y ...): the mean normal, then the distance from the center to the plane, in cells. A zero normal marks no surface.
@@ -75,19 +74,6 @@ ty_result ty_lattice_find_border_scale(ty_lattice* lattice);
 /* Boxes of the lattices that def asks for, from the finest cascade to the coarsest. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_lattice_place(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
                            int32_t* count);
-
-/* The index of the link along (dx, dy, dz), each -1, 0 or 1 and not all 0. Link k + 13 is opposite to link k < 13. */
-static inline int32_t ty_lpv_link(int32_t dx, int32_t dy, int32_t dz) {
-    const int32_t place = (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1);
-    return place < TY_LPV_HALF_LINKS ? place : 3 * TY_LPV_HALF_LINKS - place;
-}
-/* The direction of a link: the inverse of ty_lpv_link. */
-static inline void ty_lpv_link_step(int32_t link, int32_t step[3]) {
-    const int32_t place = link < TY_LPV_HALF_LINKS ? link : 3 * TY_LPV_HALF_LINKS - link;
-    step[0] = place % 3 - 1;
-    step[1] = place / 3 % 3 - 1;
-    step[2] = place / 9 - 1;
-}
 
 /* A lattice for benchmarks: light in a few cells, and optionally walls across part of the links. Errors:
  * TY_ERROR_MEMORY. */

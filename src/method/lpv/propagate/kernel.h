@@ -3,7 +3,10 @@
 #define TY_METHOD_LPV_PROPAGATE_KERNEL_H
 
 #include "base/dispatch.h"
-#include "method/lpv/lattice/lattice.h"
+#include "base/sh.k.h"
+#include "method/lpv/lattice/link_directions.h"
+
+#include <tyndall/lpv.h>
 
 /* Cells that share one set of blocked links; rows are padded to whole blocks. */
 enum { TY_LPV_BLOCK = 16 };

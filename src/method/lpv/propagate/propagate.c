@@ -4,7 +4,7 @@
 #include "base/constants.h"
 #include "base/context.h"
 #include "base/progress.h"
-#include "method/lpv/propagate/propagation.h"
+#include "method/lpv/propagate/device/device.h"
 
 enum { ITERATIONS_MAX = 4096, ITERATIONS_PUBLISHED = 8 };
 
@@ -46,12 +46,22 @@ static iteration_plan plan_iterations(const ty_lpv_def* def) {
     return (iteration_plan){.max = ITERATIONS_MAX, .tolerance = def->tolerance};
 }
 
-static ty_result iterate(ty_lpv_propagation* propagation, const ty_lpv_def* def, const double size[3],
-                         double absorbed[3], ty_part_progress* progress, ty_lattice_power* power) {
+/* on: NULL: by the processor. */
+static ty_result step(ty_lpv_propagation* propagation, ty_lpv_device* on, bool adds, ty_lpv_sums* sums) {
+    if (on != NULL) return ty_lpv_device_step(on, adds, sums);
+    *sums = ty_lpv_propagation_step(propagation, adds);
+    return TY_OK;
+}
+
+static ty_result iterate(ty_lpv_propagation* propagation, ty_lpv_device* on, const ty_lpv_def* def,
+                         const double size[3], double absorbed[3], ty_part_progress* progress,
+                         ty_lattice_power* power) {
     const iteration_plan plan = plan_iterations(def);
     for (bool done = false; !done && power->iterations < plan.max; ++power->iterations) {
         if (ty_part_show(progress, "propagation", (double)power->iterations / plan.max) != TY_OK) return TY_CANCELLED;
-        const ty_lpv_sums sums = ty_lpv_propagation_step(propagation, power->iterations % 2 == 0);
+        ty_lpv_sums sums;
+        const ty_result result = step(propagation, on, power->iterations % 2 == 0, &sums);
+        if (result != TY_OK) return result;
         done = book(&sums, size, plan.tolerance, power, absorbed);
     }
     return TY_OK;
@@ -74,7 +84,11 @@ ty_result ty_lattice_propagate(ty_lattice* lattice, const ty_lpv_def* def, float
     const ty_lpv_sums injected = ty_lpv_propagation_inject(&propagation, own_cell_sh);
     enter(&injected, power_of_term, power, size, absorbed);
     const double prepared = ty_wall_seconds();
-    result = iterate(&propagation, def, size, absorbed, &part, power);
+    ty_lpv_device* on = NULL;
+    result = ty_lpv_device_create(&propagation, &on);
+    if (result == TY_OK) result = iterate(&propagation, on, def, size, absorbed, &part, power);
+    if (result == TY_OK && on != NULL) result = ty_lpv_device_finish(on);
+    ty_lpv_device_destroy(on);
     const double arrived = ty_wall_seconds();
     ty_lpv_propagation_gather(&propagation, own_cell_sh, power->iterations % 2 == 0);
     ty_lpv_propagation_destroy(&propagation);

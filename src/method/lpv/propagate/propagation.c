@@ -258,6 +258,20 @@ static void point_at(const ty_lpv_propagation* propagation, int32_t y, int32_t z
     }
 }
 
+ty_lpv_row ty_lpv_propagation_begin_row(const ty_lpv_propagation* propagation) {
+    return (ty_lpv_row){.count = propagation->lattice->box.size[0],
+                        .terms = propagation->lattice->terms,
+                        .pitch = propagation->pitch,
+                        .link_functions = &propagation->link_functions,
+                        .transmission = (const uint8_t* const*)propagation->lattice->transmission};
+}
+
+void ty_lpv_propagation_move_row(const ty_lpv_propagation* propagation, int32_t y, int32_t z, ty_lpv_row* row) {
+    const int32_t last = propagation->lattice->box.size[1] - 1;
+    if (y < 2 || y == last) find_border(propagation, y, z, row); /* equal for all rows between */
+    point_at(propagation, y, z, row);
+}
+
 static double add_lanes(const float lanes[TY_LPV_BLOCK]) {
     double sum = 0;
     for (int32_t i = 0; i < TY_LPV_BLOCK; ++i) sum += (double)lanes[i];
@@ -276,17 +290,12 @@ static void add_slab(const ty_lpv_lane_sums* row, ty_lpv_sums* sums) {
 
 static void step_slab(const ty_lpv_propagation* propagation, int32_t z) {
     const int32_t* size = propagation->lattice->box.size;
-    ty_lpv_row row = {.count = size[0],
-                      .terms = propagation->lattice->terms,
-                      .pitch = propagation->pitch,
-                      .link_functions = &propagation->link_functions,
-                      .transmission = (const uint8_t* const*)propagation->lattice->transmission};
+    ty_lpv_row row = ty_lpv_propagation_begin_row(propagation);
     propagation->slabs[z] = (ty_lpv_sums){.arrived = {0}};
     ty_lpv_lane_sums sums;
     memset(&sums, 0, sizeof sums);
     for (int32_t y = 0; y < size[1]; ++y) {
-        if (y < 2 || y == size[1] - 1) find_border(propagation, y, z, &row); /* equal for all rows between */
-        point_at(propagation, y, z, &row);
+        ty_lpv_propagation_move_row(propagation, y, z, &row);
         propagation->kernels->step(&row, &sums);
     }
     add_slab(&sums, &propagation->slabs[z]);

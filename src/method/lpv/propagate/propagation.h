@@ -2,6 +2,7 @@
 #ifndef TY_METHOD_LPV_PROPAGATE_PROPAGATION_H
 #define TY_METHOD_LPV_PROPAGATE_PROPAGATION_H
 
+#include "method/lpv/lattice/lattice.h"
 #include "method/lpv/propagate/kernel.h"
 #include "method/lpv/propagate/transfer.h"
 
@@ -53,6 +54,11 @@ static inline const float* ty_lpv_propagation_factor(const ty_lpv_propagation* p
     return propagation->factors[channel < propagation->planes ? channel : 0] +
            (size_t)factor * propagation->factor_floats + row * (size_t)(propagation->blocks * TY_LPV_BLOCK);
 }
+
+/* The row that all others of a lattice begin as, and its move to (y, z): rows of a slab are visited with y ascending
+ * from 0. */
+ty_lpv_row ty_lpv_propagation_begin_row(const ty_lpv_propagation* propagation);
+void ty_lpv_propagation_move_row(const ty_lpv_propagation* propagation, int32_t y, int32_t z, ty_lpv_row* row);
 
 /* One step from `from` to `to`, which are then swapped. adds: whether both are added to sum. */
 ty_lpv_sums ty_lpv_propagation_step(ty_lpv_propagation* propagation, bool adds);

@@ -4,6 +4,15 @@
 
 #include "method/path/trace/path.k.h"
 
+/* Kernels without fluxes know no columns. */
+#ifndef TY_PATH_FLUXES
+#define TY_PATH_FLUXES 1
+#endif
+
+TY_FN bool ty_path_takes_columns(const ty_path_request* request) {
+    return TY_PATH_FLUXES != 0 && request->kind == TY_PATH_COLUMNS;
+}
+
 /* The quantity of an item: those of all levels, then absorption, then the radiance of all views. */
 TY_FN int32_t ty_column_quantity(const ty_path_columns* columns, int64_t item) {
     return (int32_t)(item / ((int64_t)columns->size[0] * columns->size[1]));

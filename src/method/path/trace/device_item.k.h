@@ -2,6 +2,8 @@
 #ifndef TY_METHOD_PATH_TRACE_DEVICE_ITEM_K_H
 #define TY_METHOD_PATH_TRACE_DEVICE_ITEM_K_H
 
+#define TY_PATH_FLUXES 0 /* the processor traces those of columns */
+
 #include "device/entry.k.h"
 #include "method/path/trace/device_launch.h"
 #include "method/path/trace/items.k.h"

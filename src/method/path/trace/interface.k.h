@@ -100,12 +100,12 @@ TY_FN int32_t ty_interface_find(const ty_scene_view* scene, const ty_interior_li
 TY_FN void ty_interface_tint(const ty_scene_view* scene, int32_t interface, const ty_interior_list* inside,
                              const ty_interior_list* beyond, const ty_hit* hit, ty_vec direction, float tint[3]) {
     TY_GLOBAL const ty_surface* surface = &scene->surfaces[hit->surface];
-    ty_surface_point point;
-    ty_surface_evaluate_color(surface, hit, direction, &point);
-    for (int c = 0; c < 3; ++c) tint[c] = beyond->top != inside->top ? point.albedo[c] : 1.0f;
+    ty_surface_look look;
+    ty_surface_evaluate_color(surface, hit, direction, &look);
+    for (int c = 0; c < 3; ++c) tint[c] = beyond->top != inside->top ? look.albedo[c] : 1.0f;
     if (interface != TY_INTERFACE_PANE) return;
     const ty_bsdf_parameters pane = surface->gloss->factor;
-    ty_bsdf_pane_transmittance(&pane, point.albedo, fabsf(ty_dot(point.ns, direction)), tint);
+    ty_bsdf_pane_transmittance(&pane, look.albedo, fabsf(ty_dot(look.ns, direction)), tint);
 }
 
 /* A pane lets the path pass or reflects it, by chance. */

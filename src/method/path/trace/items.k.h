@@ -42,7 +42,7 @@ static void start(ty_path* path, const ty_path_request* request, int64_t item) {
         /* The path goes against the light; 0 - x, so that no component becomes -0. */
         path->direction =
             ty_vec_make((float)((0 - ray[3]) / length), (float)((0 - ray[4]) / length), (float)((0 - ray[5]) / length));
-    } else if (request->kind == TY_PATH_COLUMNS) {
+    } else if (ty_path_takes_columns(request)) {
         ty_path_begin_column(path, request->columns, item);
     } else {
         const float factor[3] = {1.0f, 1.0f, 1.0f};
@@ -105,7 +105,8 @@ static void find_first_hit(const ty_path* path, ty_sampler* random, first_hit* o
 }
 
 /* Adds the first-hit channels. Separate random numbers leave the path's own sequence unchanged. */
-static void add_first_hit(const ty_path* path, uint64_t number, uint32_t sample, ty_path_aov_sums* aov_sums) {
+TY_FN_CALLED void ty_path_add_first_hit(const ty_path* path, uint64_t number, uint32_t sample,
+                                        ty_path_aov_sums* aov_sums) {
     const ty_scene_view* scene = path->request->scene;
     ty_sampler random = ty_sampler_begin(path->request->sobol, ~path->request->seed, number, sample);
     first_hit first;
@@ -127,7 +128,7 @@ static void add_first_hit(const ty_path* path, uint64_t number, uint32_t sample,
 
 /* Adds emission of surfaces that the camera sees: the mean over rays of their own, which the samples of a pixel
  * stratify. A ray costs little beside a path, and outlines of small lamps would make most of the noise of a pixel. */
-static void add_seen_emission(ty_path* path, int64_t item, uint64_t number, uint32_t sample) {
+TY_FN_CALLED void ty_path_add_seen_emission(ty_path* path, int64_t item, uint64_t number, uint32_t sample) {
     const ty_path_request* request = path->request;
     const ty_scene_view* scene = request->scene;
     const int32_t x = request->crop[0] + (int32_t)(item % request->crop[2]);
@@ -137,16 +138,16 @@ static void add_seen_emission(ty_path* path, int64_t item, uint64_t number, uint
         ty_sampler random = ty_sampler_begin(request->sobol, request->seed ^ outline_seed, number, ray);
         const float dx = ty_sobol_next(&random), dy = ty_sobol_next(&random);
         const ty_vec direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
-        ty_intersection end;
+        ty_hit hit;
+        ty_surface_look look;
         float transmittance[3];
-        if (!ty_accel_intersect(scene->mesh, request->camera.origin, direction, TY_FLOAT_MAX, &end.hit)) continue;
-        ty_surface_evaluate_color(&scene->surfaces[end.hit.surface], &end.hit, direction, &end.point);
-        if (!(ty_max3(end.point.emission) > 0.0f)) continue;
-        ty_transmittance(scene->media, scene->medium_count, request->camera.origin, direction, end.hit.distance,
-                         &random, transmittance);
+        if (!ty_accel_intersect(scene->mesh, request->camera.origin, direction, TY_FLOAT_MAX, &hit)) continue;
+        ty_surface_evaluate_color(&scene->surfaces[hit.surface], &hit, direction, &look);
+        if (!(ty_max3(look.emission) > 0.0f)) continue;
+        ty_transmittance(scene->media, scene->medium_count, request->camera.origin, direction, hit.distance, &random,
+                         transmittance);
         for (int c = 0; c < 3; ++c)
-            path->radiance[TY_PATH_UNCOLLIDED][c] +=
-                transmittance[c] * end.point.emission[c] * (1.0f / TY_OUTLINE_RAYS);
+            path->radiance[TY_PATH_UNCOLLIDED][c] += transmittance[c] * look.emission[c] * (1.0f / TY_OUTLINE_RAYS);
     }
 }
 
@@ -168,9 +169,9 @@ TY_FN TY_PATH_KERNEL(ty_path_sample_items) {
     const unsigned thread_state = ty_flush_denormals();
     uint64_t vertices = 0;
     ty_path_request direct; /* of columns, for direct light */
-    if (request->kind == TY_PATH_COLUMNS) ty_column_request_direct(request, &direct);
+    if (ty_path_takes_columns(request)) ty_column_request_direct(request, &direct);
     for (int64_t item = begin; item < end; ++item) {
-        const bool is_direct = request->kind == TY_PATH_COLUMNS && ty_column_is_direct(request->columns, item);
+        const bool is_direct = ty_path_takes_columns(request) && ty_column_is_direct(request->columns, item);
         const ty_path_request* own = is_direct ? &direct : request;
         const uint64_t number = random_item(request, item);
         ty_path_aov_sums* sums_of_item = aov_sums != NULL ? &aov_sums[item - begin] : NULL;
@@ -178,10 +179,10 @@ TY_FN TY_PATH_KERNEL(ty_path_sample_items) {
             ty_path path;
             ty_path_begin(&path, own, number, i);
             start(&path, own, item);
-            if (sums_of_item != NULL && request->first_hit != 0) add_first_hit(&path, number, i, sums_of_item);
+            if (sums_of_item != NULL && request->first_hit != 0) ty_path_add_first_hit(&path, number, i, sums_of_item);
             if (i >= TY_OUTLINE_FIRST && request->outlines != NULL && request->outlines[item] != 0) {
                 path.found = TY_FOUND_SURFACES;
-                add_seen_emission(&path, item, number, i);
+                ty_path_add_seen_emission(&path, item, number, i);
             }
             vertices += ty_path_follow(&path);
             if (own != request) ty_column_keep_direct(&path);

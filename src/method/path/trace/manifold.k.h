@@ -78,7 +78,7 @@ TY_FN bool ty_manifold_interact(const ty_scene_view* scene, const ty_hit* hit, c
     if (gloss->factor.roughness > 0.0f || gloss->factor.transmission < 1.0f || gloss->factor.metallic > 0.0f ||
         gloss->textured != 0)
         return false;
-    ty_surface_point point;
+    ty_surface_look point;
     ty_surface_evaluate_color(surface, hit, ray->direction, &point);
     const float ratio = scene->interiors[ray->inside.top].ior / scene->interiors[beyond->top].ior;
     const float cosine = -ty_dot(point.ns, ray->direction), square = ty_refracted_cosine2(cosine, 1.0f / ratio);
@@ -238,7 +238,7 @@ TY_FN bool ty_manifold_start(const ty_path* path, const ty_manifold_vertex* vert
     const ty_scene_view* scene = path->request->scene;
     ty_hit hit;
     ty_interior_list beyond;
-    ty_surface_point point;
+    ty_surface_look point;
     if (!ty_accel_intersect(scene->mesh, vertex->origin, *direction, TY_FLOAT_MAX, &hit) ||
         ty_interface_find(scene, &vertex->inside, &hit, *direction, &beyond) != TY_INTERFACE_REFRACTS)
         return false;
