@@ -1,5 +1,6 @@
 /* Vectors of floats as wide as the instruction set that a kernel is built for, in the vector extensions that gcc and
- * clang share; intrinsics stand only where both compile the plain code to something slower. */
+ * clang share; intrinsics stand only where both compile the plain code to something slower. A thread of a device has one
+ * lane. */
 #ifndef TY_BASE_SIMD_H
 #define TY_BASE_SIMD_H
 
@@ -7,14 +8,16 @@
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__SSE2__)
+#if defined(__SSE2__) && !defined(TY_DEVICE)
 #include <immintrin.h>
 #endif
 
 /* For functions that must be inlined because some of their arguments are constants. */
 #define TY_INLINE static inline __attribute__((always_inline, unused))
 
-#if defined(__AVX512F__)
+#if defined(TY_DEVICE)
+enum { TY_LANE_BYTES = 4 };
+#elif defined(__AVX512F__)
 enum { TY_LANE_BYTES = 64 };
 #elif defined(__AVX__)
 enum { TY_LANE_BYTES = 32 };
@@ -59,7 +62,9 @@ typedef ty_int_lanes ty_lane_mask;
 
 /* The sign bits of the lanes: bit i belongs to lane i. */
 TY_INLINE uint32_t ty_lanes_signs(ty_int_lanes value) {
-#if defined(__AVX512F__)
+#if defined(TY_DEVICE)
+    return (uint32_t)(value[0] < 0);
+#elif defined(__AVX512F__)
     return _mm512_movepi32_mask((__m512i)value);
 #elif defined(__AVX__)
     return (uint32_t)_mm256_movemask_ps((__m256)value);

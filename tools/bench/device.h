@@ -19,7 +19,17 @@ ty_result bench_device_load(ty_context* context, const char* name, ty_scene** ou
 /* Values of all channels of two images of one size that differ in any bit. */
 int64_t bench_count_unlike(const ty_image* a, const ty_image* b);
 
-/* Marching and screen-space scattering: an object `programs`, whose members have times beside the processor's,
+/* Times of a program, and what they are of. */
+typedef struct bench_measurement {
+    double seconds, launched, cpu;
+    double bytes, operations;
+    int64_t unlike;
+} bench_measurement;
+
+/* A solve by discrete ordinates, whose sweeps run on the device. */
+ty_result bench_device_ordinates(const bench_session* bench, const bench_contexts* all, bench_measurement* m);
+
+/* Marching, screen-space scattering and sweeps: an object `programs`, whose members have times beside the processor's,
  * fractions of the device's peak bandwidth and arithmetic (0: unknown), and values unlike the host twin's, which are
  * added to *unlike. */
 ty_result bench_device_programs(const bench_session* bench, const bench_contexts* all, int64_t* unlike);

@@ -1,4 +1,4 @@
-/* Programs of devices other than path: the marcher and screen-space scattering, their bits and times. Bytes and
+/* Programs of devices other than path: the marcher, screen-space scattering and sweeps, their bits and times. Bytes and
  * operations are counted in the text of the kernels; most bytes of a march come from caches. */
 #include "bench/device.h"
 
@@ -20,15 +20,8 @@ static const double step_bytes = 8 * 16 * 4 + 3 * 8 * 4 + 2 * 8 * 4, step_operat
 /* Of a pixel of screen: attenuation and spread of three channels 200, the filters of level 0 120, other levels 90. */
 static const double screen_operations = 410;
 
-/* Times, and what they are of. */
-typedef struct measurement {
-    double seconds, launched, cpu;
-    double bytes, operations;
-    int64_t unlike;
-} measurement;
-
 static void print(const bench_session* bench, const char* name, const ty_device_properties* device,
-                  const measurement* m) {
+                  const bench_measurement* m) {
     const double bandwidth = device->bandwidth > 0 ? m->bytes / m->launched / device->bandwidth : 0;
     const double flops = device->flops > 0 ? m->operations / m->launched / device->flops : 0;
     json_open_object(bench->json, name);
@@ -124,7 +117,7 @@ static ty_result time_march(const bench_session* bench, const ty_scene* scene, c
 
 /* The scene of each context is its own. */
 static ty_result measure_march(const bench_session* bench, const bench_contexts* all, const struct march_case* of,
-                               measurement* m) {
+                               bench_measurement* m) {
     ty_context* const contexts[3] = {all->cpu, all->host, all->device};
     ty_scene* scenes[3] = {NULL, NULL, NULL};
     ty_image* images[3] = {NULL, NULL, NULL};
@@ -219,7 +212,7 @@ static int64_t unlike_pictures(const picture* a, const picture* b) {
     return unlike;
 }
 
-static ty_result measure_screen(const bench_session* bench, const bench_contexts* all, measurement* m) {
+static ty_result measure_screen(const bench_session* bench, const bench_contexts* all, bench_measurement* m) {
     int32_t size[2];
     bench_pixels(bench->options, SCREEN_WIDTH, SCREEN_HEIGHT, size);
     picture on_device = {0}, on_host = {0};
@@ -242,14 +235,24 @@ static ty_result measure_screen(const bench_session* bench, const bench_contexts
     return result;
 }
 
+/* ---- all ---- */
+
+static const struct {
+    const char* name;
+    ty_result (*measure)(const bench_session* bench, const bench_contexts* all, bench_measurement* m);
+} others[] = {{"screen_scatter", measure_screen}, {"dom_solve_64", bench_device_ordinates}};
+enum { OTHERS = sizeof others / sizeof *others };
+
 ty_result bench_device_programs(const bench_session* bench, const bench_contexts* all, int64_t* unlike) {
     ty_result result = TY_OK;
     json_open_object(bench->json, "programs");
-    for (int i = 0; i < MARCH_CASES + 1 && result == TY_OK; ++i) {
-        measurement m = {.unlike = 0};
-        result = i < MARCH_CASES ? measure_march(bench, all, &march_cases[i], &m) : measure_screen(bench, all, &m);
+    for (int i = 0; i < MARCH_CASES + OTHERS && result == TY_OK; ++i) {
+        bench_measurement m = {.unlike = 0};
+        result = i < MARCH_CASES ? measure_march(bench, all, &march_cases[i], &m)
+                                 : others[i - MARCH_CASES].measure(bench, all, &m);
         if (result == TY_OK)
-            print(bench, i < MARCH_CASES ? march_cases[i].name : "screen_scatter", &all->gpu->properties, &m);
+            print(bench, i < MARCH_CASES ? march_cases[i].name : others[i - MARCH_CASES].name, &all->gpu->properties,
+                  &m);
         *unlike += m.unlike;
     }
     json_close_object(bench->json);
