@@ -14,7 +14,7 @@
 
 enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
 
-/* What changes at each image: constants of the request and of each launch, the structures that hold pointers. */
+/* Bytes that change at each image: constants of the request and of each launch, the structures that hold pointers. */
 enum { CONSTANTS = 8 << 10 };
 
 typedef struct viewer {

@@ -1,4 +1,4 @@
-/* What an acceleration structure keeps for scenes that are packed for devices again and again. */
+/* The parts of an acceleration structure that serve scenes which are packed for devices again and again. */
 #ifndef TY_SCENE_SURFACES_ACCEL_KEPT_H
 #define TY_SCENE_SURFACES_ACCEL_KEPT_H
 

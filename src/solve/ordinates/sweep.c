@@ -5,6 +5,7 @@
 #include "base/context.h"
 #include "base/parallel.h"
 #include "solve/angular/harmonics.h"
+#include "solve/ordinates/device/device.h"
 
 #include <string.h>
 

@@ -2,7 +2,6 @@
 #ifndef TY_SOLVE_ORDINATES_SWEEP_STATE_H
 #define TY_SOLVE_ORDINATES_SWEEP_STATE_H
 
-#include "solve/ordinates/device/device.h"
 #include "solve/ordinates/sweep_kernel.h"
 #include "solve/ordinates/sweep_schedule.h"
 
@@ -28,7 +27,7 @@ struct ty_sweep {
     float* message; /* of the largest face */
     void* division_memory;
     size_t division_bytes;
-    ty_sweep_device* on_device; /* NULL: none, or not made yet */
+    struct ty_sweep_device* on_device; /* NULL: none, or not made yet */
 };
 
 /* Sets rows of upwind faces of a block that is the first along y, z to the boundary radiance. */

@@ -4,7 +4,7 @@
 
 #include "solve/ordinates/sweep_kernel.h"
 
-/* What a sweep has on a device. */
+/* The memory of a sweep on a device. */
 typedef struct ty_sweep_device ty_sweep_device;
 
 /* *out is NULL where the processor is to sweep, because the context has no device. Errors: those of

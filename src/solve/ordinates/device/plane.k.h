@@ -15,7 +15,7 @@ TY_FN int32_t ty_plane_cell(TY_GLOBAL const ty_ordinates_launch* launch, int32_t
     return i >= 0 && i < launch->size[0] ? ty_plane_place(launch, octant, 0, i) : -1;
 }
 
-/* Whether a cell is in an octant's plane. */
+/* True if a cell is in an octant's plane. */
 TY_FN bool ty_plane_has(TY_GLOBAL const ty_ordinates_launch* launch, int32_t octant, const int32_t at[3]) {
     return ty_plane_place(launch, octant, 0, at[0]) + ty_plane_place(launch, octant, 1, at[1]) +
                ty_plane_place(launch, octant, 2, at[2]) ==
