@@ -186,7 +186,7 @@ static void bake_on(const char* device, const bake_case* of, baked* out) {
 }
 
 /* Within rounding, after which few paths part; so are receivers that are done before others. Measured: 3e-7 of the
- * mean, by sharp shadows 2e-3; behind glass REFRACTED. */
+ * mean, and 2e-3 where a path parts. */
 static void receivers_are_as_on_the_processor(void** state) {
     (void)state;
     static baked cpu, host;
