@@ -1,6 +1,6 @@
 /* Vectors of floats as wide as the instruction set that a kernel is built for, in the vector extensions that gcc and
- * clang share; intrinsics stand only where both compile the plain code to something slower. A thread of a device has one
- * lane. */
+ * clang share; intrinsics stand only where both compile the plain code to something slower. A thread of a device has
+ * one lane. */
 #ifndef TY_BASE_SIMD_H
 #define TY_BASE_SIMD_H
 
