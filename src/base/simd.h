@@ -1,11 +1,12 @@
 /* Vectors of floats as wide as the instruction set that a kernel is built for, in the vector extensions that gcc and
- * clang share; intrinsics stand only where both compile the plain code to something slower. */
+ * clang share; intrinsics stand only where both compile the plain code to something slower. A thread of a device has
+ * one lane. */
 #ifndef TY_BASE_SIMD_H
 #define TY_BASE_SIMD_H
 
 #include "base/lanes.k.h"
 
-#if defined(__SSE2__)
+#if defined(__SSE2__) && !defined(TY_DEVICE)
 #include <immintrin.h>
 #endif
 
@@ -33,7 +34,9 @@ typedef ty_int_lanes ty_lane_mask;
 
 /* The sign bits of the lanes: bit i belongs to lane i. */
 TY_INLINE uint32_t ty_lanes_signs(ty_int_lanes value) {
-#if defined(__AVX512F__)
+#if defined(TY_DEVICE)
+    return (uint32_t)(value[0] < 0);
+#elif defined(__AVX512F__)
     return _mm512_movepi32_mask((__m512i)value);
 #elif defined(__AVX__)
     return (uint32_t)_mm256_movemask_ps((__m256)value);

@@ -21,14 +21,23 @@ typedef struct ty_device_arrays {
 
 /* An array with the contents of `from`; NULL leaves them undefined. 0 for no bytes, and after a failure. */
 ty_address ty_device_place(ty_device_arrays* arrays, const void* from, size_t bytes);
-/* The same of an array that may be placed again, and has one copy; 0 for NULL, too. */
-ty_address ty_device_place_once(ty_device_arrays* arrays, const void* from, size_t bytes);
+/* An array of zeros. */
+ty_address ty_device_place_zeros(ty_device_arrays* arrays, size_t bytes);
+/* An array that nothing changes on the device, such as a structure: equal ones have one copy (store.h). */
+ty_address ty_device_place_constant(ty_device_arrays* arrays, const void* from, size_t bytes);
+/* The same of an array that may be placed again; 0 for NULL, too. origin: as for ty_device_store_copy. */
+ty_address ty_device_place_once(ty_device_arrays* arrays, const void* from, size_t bytes,
+                                const ty_device_origin* origin);
 /* Sets the pointer at `field` to an address. */
 void ty_device_point(void* field, ty_address address);
 /* Exchanges the pointer at `field`, to `count` elements of `element` bytes, for that of their one copy. */
 void ty_device_take(ty_device_arrays* arrays, void* field, size_t count, size_t element);
+/* The same of an array that does not change. */
+void ty_device_take_from(ty_device_arrays* arrays, void* field, size_t count, size_t element,
+                         const ty_device_origin* origin);
 /* Copies to and from the device, and launches, in the order of calls, unless something has failed. */
 void ty_device_write(ty_device_arrays* arrays, ty_address to, const void* from, size_t bytes);
+void ty_device_clear(ty_device_arrays* arrays, ty_address to, size_t bytes);
 void ty_device_read(ty_device_arrays* arrays, void* to, ty_address from, size_t bytes);
 void ty_device_launch(ty_device_arrays* arrays, const ty_program* program, ty_address arguments, int64_t count);
 void ty_device_wait(ty_device_arrays* arrays);

@@ -50,6 +50,7 @@ enum { CU_VERSION_MIN = 9000, CU_ARCHITECTURE_MIN = 60 };
     X(alloc, "cuMemAlloc_v2", (ty_address * out, size_t bytes))                                                        \
     X(free, "cuMemFree_v2", (ty_address address))                                                                      \
     X(write, "cuMemcpyHtoD_v2", (ty_address to, const void* from, size_t bytes))                                       \
+    X(clear, "cuMemsetD8_v2", (ty_address to, unsigned char value, size_t bytes))                                      \
     X(read, "cuMemcpyDtoH_v2", (void* to, ty_address from, size_t bytes))                                              \
     X(load, "cuModuleLoadDataEx",                                                                                      \
       (cu_module_handle * out, const void* image, unsigned options, int* names, void** values))                        \
@@ -247,6 +248,12 @@ static ty_result write_memory(ty_device* device, ty_address to, const void* from
     return check(cuda, "a copy to it", cuda->cu.write(to, from, bytes));
 }
 
+static ty_result clear_memory(ty_device* device, ty_address to, size_t bytes) {
+    const cuda_device* cuda = (const cuda_device*)device;
+    enter(cuda);
+    return check(cuda, "a clearing of its memory", cuda->cu.clear(to, 0, bytes));
+}
+
 static ty_result read_memory(ty_device* device, void* to, ty_address from, size_t bytes) {
     const cuda_device* cuda = (const cuda_device*)device;
     enter(cuda);
@@ -365,6 +372,7 @@ const ty_device_backend ty_device_cuda = {.name = "cuda",
                                           .alloc = alloc_memory,
                                           .free = free_memory,
                                           .write = write_memory,
+                                          .clear = clear_memory,
                                           .read = read_memory,
                                           .load = load,
                                           .launch = launch,

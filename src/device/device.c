@@ -1,6 +1,7 @@
 #include "device/device.h"
 
 #include "base/context.h"
+#include "device/store.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,9 @@
 static const ty_device_backend* const backends[] = {&ty_device_host, &ty_device_cuda};
 
 enum { NUMBER_MAX = 1023 };
+
+/* Uses that idle memory outlasts: an image takes at most four, of its media, its surfaces and both halves of paths. */
+enum { KEEP = 8 };
 
 /* The backend of a name such as "cuda:1", and the number in it, by default 0; NULL for other names. */
 static const ty_device_backend* find_backend(const char* name, int32_t* number) {
@@ -53,6 +57,7 @@ ty_result ty_device_open(ty_context* context, const char* name, ty_device** out)
 
 void ty_device_close(ty_device* device) {
     if (device == NULL) return;
+    ty_device_store_close(device);
     pthread_mutex_destroy(&device->busy);
     device->backend->destroy(device);
 }
@@ -73,4 +78,14 @@ ty_result ty_context_device(ty_context* context, ty_device** out) {
     const ty_result result = ty_context_slot(context, open_slot, close_slot, &device);
     *out = device;
     return result;
+}
+
+ty_result ty_context_keep_on_device(ty_context* context) {
+    ty_device* device = NULL;
+    const ty_result result = ty_context_device(context, &device);
+    if (result != TY_OK || device == NULL) return result;
+    pthread_mutex_lock(&device->busy);
+    device->keep = KEEP;
+    pthread_mutex_unlock(&device->busy);
+    return TY_OK;
 }

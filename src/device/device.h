@@ -9,6 +9,7 @@
 #include <pthread.h>
 
 typedef struct ty_device ty_device;
+typedef struct ty_device_piece ty_device_piece;
 
 /* The functions of a kind of device. All calls of one device come from one thread at a time. */
 typedef struct ty_device_backend {
@@ -20,6 +21,8 @@ typedef struct ty_device_backend {
     ty_result (*alloc)(ty_device* device, size_t bytes, ty_address* out);
     void (*free)(ty_device* device, ty_address address);
     ty_result (*write)(ty_device* device, ty_address to, const void* from, size_t bytes);
+    /* Sets all bits to 0. */
+    ty_result (*clear)(ty_device* device, ty_address to, size_t bytes);
     /* Waits for what was launched. */
     ty_result (*read)(ty_device* device, void* to, ty_address from, size_t bytes);
     /* Loads a program, so that its first launch takes no longer than others. */
@@ -40,12 +43,26 @@ typedef struct ty_device_properties {
     int32_t processors;
 } ty_device_properties;
 
+/* Where an array comes from that does not change, so that a device that has it need not compare its contents: the array
+ * at an address is the same as long as `version` is. */
+typedef struct ty_device_origin {
+    uint64_t version;
+    void (*release)(void* owner); /* NULL: the version alone tells */
+    void* (*retain)(void* owner);
+    void* owner; /* is retained while the device has the array, so that its address is not used anew */
+} ty_device_origin;
+
 /* First member of each backend's device. */
 struct ty_device {
     const ty_device_backend* backend;
     ty_context* context;
     ty_device_properties properties;
-    pthread_mutex_t busy; /* held by the thread whose calls these are */
+    pthread_mutex_t busy;    /* held by the thread whose calls these are */
+    uint64_t bytes_written;  /* copied to it, all in all */
+    int32_t keep;            /* uses that idle memory outlasts (store.h) */
+    uint64_t uses;           /* so far: sets of arrays that were placed and freed */
+    ty_device_piece* pieces; /* memory in use and idle */
+    size_t piece_count, piece_capacity;
 };
 
 extern const ty_device_backend ty_device_host, ty_device_cuda;
@@ -57,5 +74,9 @@ void ty_device_close(ty_device* device);
 
 /* The device of a context, by ty_context_def.device, opened by the first call; NULL: none. */
 ty_result ty_context_device(ty_context* context, ty_device** out);
+
+/* Lets a context's device, where it has one, keep scenes and other arrays in its memory for renders to come: what did
+ * not change is not copied again. Errors: those of ty_context_device. */
+ty_result ty_context_keep_on_device(ty_context* context);
 
 #endif

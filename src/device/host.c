@@ -59,6 +59,12 @@ static ty_result write_memory(ty_device* device, ty_address to, const void* from
     return TY_OK;
 }
 
+static ty_result clear_memory(ty_device* device, ty_address to, size_t bytes) {
+    (void)device;
+    memset(pointer(to), 0, bytes);
+    return TY_OK;
+}
+
 static ty_result read_memory(ty_device* device, void* to, ty_address from, size_t bytes) {
     (void)device;
     memcpy(to, pointer(from), bytes);
@@ -109,6 +115,7 @@ const ty_device_backend ty_device_host = {.name = "host",
                                           .alloc = alloc_memory,
                                           .free = free_memory,
                                           .write = write_memory,
+                                          .clear = clear_memory,
                                           .read = read_memory,
                                           .load = load,
                                           .launch = launch,

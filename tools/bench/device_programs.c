@@ -1,4 +1,4 @@
-/* Programs of devices other than path: the marcher and screen-space scattering, their bits and times. Bytes and
+/* Programs of devices other than path: the marcher, screen-space scattering and sweeps, their bits and times. Bytes and
  * operations are counted in the text of the kernels; most bytes of a march come from caches. */
 #include "bench/device.h"
 
@@ -20,8 +20,8 @@ static const double step_bytes = 8 * 16 * 4 + 3 * 8 * 4 + 2 * 8 * 4, step_operat
 /* Of a pixel of screen: attenuation and spread of three channels 200, the filters of level 0 120, other levels 90. */
 static const double screen_operations = 410;
 
-void bench_print_measurement(const bench_session* bench, const char* name, const ty_device_properties* device,
-                             const bench_measurement* m) {
+static void print(const bench_session* bench, const char* name, const ty_device_properties* device,
+                  const bench_measurement* m) {
     const double bandwidth = device->bandwidth > 0 ? m->bytes / m->launched / device->bandwidth : 0;
     const double flops = device->flops > 0 ? m->operations / m->launched / device->flops : 0;
     json_open_object(bench->json, name);
@@ -235,18 +235,24 @@ static ty_result measure_screen(const bench_session* bench, const bench_contexts
     return result;
 }
 
+/* ---- all ---- */
+
+static const struct {
+    const char* name;
+    ty_result (*measure)(const bench_session* bench, const bench_contexts* all, bench_measurement* m);
+} others[] = {{"screen_scatter", measure_screen}, {"lpv_propagation", bench_measure_propagation}, {"dom_solve_64", bench_measure_ordinates}};
+enum { OTHERS = sizeof others / sizeof *others };
+
 ty_result bench_device_programs(const bench_session* bench, const bench_contexts* all, int64_t* unlike) {
     ty_result result = TY_OK;
     json_open_object(bench->json, "programs");
-    for (int i = 0; i < MARCH_CASES + 2 && result == TY_OK; ++i) {
+    for (int i = 0; i < MARCH_CASES + OTHERS && result == TY_OK; ++i) {
         bench_measurement m = {.unlike = 0};
-        const char* name = i < MARCH_CASES    ? march_cases[i].name
-                           : i == MARCH_CASES ? "screen_scatter"
-                                              : "lpv_propagation";
-        result = i < MARCH_CASES    ? measure_march(bench, all, &march_cases[i], &m)
-                 : i == MARCH_CASES ? measure_screen(bench, all, &m)
-                                    : bench_measure_propagation(bench, all, &m);
-        if (result == TY_OK) bench_print_measurement(bench, name, &all->gpu->properties, &m);
+        result = i < MARCH_CASES ? measure_march(bench, all, &march_cases[i], &m)
+                                 : others[i - MARCH_CASES].measure(bench, all, &m);
+        if (result == TY_OK)
+            print(bench, i < MARCH_CASES ? march_cases[i].name : others[i - MARCH_CASES].name, &all->gpu->properties,
+                  &m);
         *unlike += m.unlike;
     }
     json_close_object(bench->json);

@@ -18,7 +18,8 @@ const bench_entry bench_entries[BENCH_COUNT] = {
     {"bake", "baking: overhead of radiance caches and impulse responses, and speedup over paths", bench_bake},
     {"view", "the live viewer: latency and frame rate, seen by a headless client", bench_view},
     {"load", "reading volumes of every format", bench_load},
-    {"device", "a GPU beside the processor: path, marching, screen, and whether it gives the bits of its host twin",
+    {"device",
+     "a GPU beside the processor: path, marching, screen, sweeps, and whether it gives the bits of its host twin",
      bench_device},
     {"edit", "changes of a scene that is shown, beside loading it", bench_edit},
 };

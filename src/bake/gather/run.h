@@ -42,7 +42,8 @@ ty_result ty_bake_solve_enclosed(const ty_bake_run* run, const ty_scene* scene, 
 /* Checks def and receivers and allocates memory. Call ty_bake_run_end whatever it returns. */
 ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def,
                             const ty_bake_receiver* receivers, int64_t count, int32_t terms);
-/* Samples all receivers until they are done. Returns TY_OK or TY_CANCELLED; sums and light are valid either way. */
+/* Samples all receivers until they are done. After TY_OK and TY_CANCELLED sums and light are valid. Other errors are
+ * those of ty_context_device and ty_scene_pack. */
 ty_result ty_bake_sample(ty_bake_run* run);
 void ty_bake_run_end(ty_bake_run* run);
 

@@ -1,18 +1,20 @@
 /* Sampling of receivers in passes, with progress, an error bound and cancellation. */
 #include "bake/cache/cache.h"
 #include "bake/impulse/impulse.h"
+#include "bake/receivers/device/device.h"
 #include "bake/receivers/distributed.h"
 
 #include "base/context.h"
 #include "base/progress.h"
 #include "base/check.h"
+#include "device/arrays.h"
 #include "scene/interiors.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Samples of the first pass; receivers per progress report at first, whole blocks. */
-enum { PASS_FIRST = 16, CHUNK_FIRST = 8 * TY_BAKE_BLOCK };
+/* Samples of the first pass; receivers per progress report at first, whole blocks, and of a device's first launch. */
+enum { PASS_FIRST = 16, CHUNK_FIRST = 8 * TY_BAKE_BLOCK, LAUNCH_FIRST = 1 << 12 };
 /* Paths per gather ray beside the light cache: by default, and with an error bound. */
 enum { FOG_EVERY = 32, FOG_EVERY_BOUND = 4 };
 
@@ -247,23 +249,35 @@ static bool report(const ty_bake_run* run, double fraction, double seconds, uint
     return run->def->progress == NULL || run->def->progress(run->def->progress_user, &progress);
 }
 
-/* One pass over all receivers, in chunks of about 0.1 s. */
-static ty_result sample_pass(ty_bake_run* run, ty_bake_shared* shared, uint32_t first, uint32_t count, double begun) {
+/* One pass over all receivers, in chunks of about 0.1 s, on a device of a launch. */
+static ty_result sample_pass(ty_bake_run* run, ty_bake_shared* shared, ty_bake_device* on_device, uint32_t first,
+                             uint32_t count, double begun) {
     int64_t chunk = CHUNK_FIRST;
+    ty_result result = TY_OK;
+    uint32_t launch = LAUNCH_FIRST;
     ty_bake_shared_begin_pass(shared, first, count);
     for (int64_t at = 0; at < run->count;) {
         pass p = {run, shared, at, at + chunk < run->count ? at + chunk : run->count, first, count};
         const double start = ty_wall_seconds();
-        ty_parallel_for(run->context, (p.end - p.begin + TY_BAKE_BLOCK - 1) / TY_BAKE_BLOCK, sample_block, &p);
+        if (on_device != NULL) {
+            p.end = at + launch < run->count ? at + launch : run->count;
+            result = ty_bake_device_sample(on_device, p.begin, p.end, first, count);
+            if (result != TY_OK) return result;
+        } else {
+            ty_parallel_for(run->context, (p.end - p.begin + TY_BAKE_BLOCK - 1) / TY_BAKE_BLOCK, sample_block, &p);
+        }
         const double now = ty_wall_seconds();
         at = p.end;
+        launch = ty_device_next_launch(launch, now - start, TY_BAKE_BLOCK);
         if (now - start < 0.5 * chunk_seconds) chunk *= 2;
         if (now - start > 2 * chunk_seconds && chunk > CHUNK_FIRST) chunk /= 2;
         const double samples = first + (double)count * (double)at / (double)run->count;
-        if (!report(run, samples / run->def->spp, now - begun, first)) return TY_CANCELLED;
+        if (result == TY_OK && !report(run, samples / run->def->spp, now - begun, first)) result = TY_CANCELLED;
+        if (result != TY_OK) break;
     }
-    ty_bake_shared_end_pass(shared);
-    return TY_OK;
+    const ty_result read = on_device != NULL ? ty_bake_device_read(on_device) : TY_OK;
+    if (result == TY_OK) ty_bake_shared_end_pass(shared);
+    return read == TY_OK ? result : read;
 }
 
 static double brightness(const ty_bake_run* run, int64_t receiver) {
@@ -293,16 +307,21 @@ ty_result ty_bake_sample(ty_bake_run* run) {
     const double begun = ty_wall_seconds();
     const uint32_t spp = (uint32_t)run->def->spp;
     ty_bake_shared shared;
+    ty_bake_device* on_device = NULL;
     ty_result result = ty_bake_shared_open(&shared, run);
     if (result != TY_OK) return result;
-    if (ty_bake_impulse_emits(run)) result = ty_bake_impulse_begin(run); /* while the other ranks do the same */
+    if (shared.queue == NULL) result = ty_bake_device_create(run, &on_device);
+    if (result == TY_OK && ty_bake_impulse_emits(run))
+        result = ty_bake_impulse_begin(run); /* while the other ranks do the same */
     for (uint32_t done = 0; done < spp && result == TY_OK;) {
         const uint32_t max_count = done > 0 ? done : PASS_FIRST,
                        count = spp - done < max_count ? spp - done : max_count;
-        result = sample_pass(run, &shared, done, count, begun);
+        result = sample_pass(run, &shared, on_device, done, count, begun);
         done += count;
         if (result == TY_OK && end_receivers(run)) break;
+        if (result == TY_OK && on_device != NULL && run->def->error > 0) result = ty_bake_device_write_done(on_device);
     }
+    ty_bake_device_destroy(on_device);
     ty_bake_shared_close(&shared);
     run->stats.seconds = ty_wall_seconds() - begun;
     for (int64_t i = 0; i < run->count; ++i) {

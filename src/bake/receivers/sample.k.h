@@ -3,6 +3,7 @@
 #define TY_BAKE_RECEIVERS_SAMPLE_K_H
 
 #include "bake/impulse/collisions.k.h"
+#include "bake/receivers/path_sample.k.h"
 
 /* Adds the direct light of one light sample; false if no light is visible. */
 TY_FN bool ty_gather_add_light(ty_gather* g, ty_visible_light* visible) {
@@ -44,30 +45,6 @@ TY_FN void ty_gather_first_ray(ty_gather* g, const ty_intersection* end, const t
     }
     ty_gather_add_rgb(g, TY_BAKE_INDIRECT, light, basis);
     ty_gather_add_rgb(g, TY_BAKE_MULTIPLE, scattered, basis);
-}
-
-/* One path of TY_BAKE_PATH, including scattering by media. */
-TY_FN void ty_gather_path(ty_gather* g) {
-    ty_path* path = &g->path;
-    ty_light_sample sample;
-    float basis[TY_BAKE_TERMS_MAX], chosen;
-    const float factor[3] = {1.0f, 1.0f, 1.0f};
-    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
-    const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
-    const float cosine = light != NULL && !probe ? ty_dot(g->normal, sample.wi) : 1.0f;
-    if (light != NULL && cosine > 0.0f && (probe || ty_dot(g->face, sample.wi) > 0.0f)) {
-        ty_path_add_vertex_light(path, light, chosen, &sample, factor, probe ? TY_INV_4PI : cosine * (1.0f / TY_PI),
-                                 0.0f);
-        ty_gather_basis(g, sample.wi, basis);
-        ty_gather_add_rgb(g, TY_BAKE_DIRECT, path->radiance[TY_PATH_UNCOLLIDED], basis);
-        memset(path->radiance, 0, sizeof path->radiance);
-    }
-    if (!ty_gather_sample_direction(g)) return;
-    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / path->pdf;
-    ty_gather_basis(g, path->direction, basis);
-    g->rays += 2 * ty_path_follow(path);
-    for (int32_t path_class = 0; path_class < TY_PATH_CLASS_COUNT; ++path_class)
-        ty_gather_add_rgb(g, path_class, path->radiance[path_class], basis);
 }
 
 /* One sample of a receiver; true if its ray hit a back face. */

@@ -6,6 +6,7 @@
 #include "cli/screen/screen_options.h"
 #include "cli/session/ranks.h"
 #include "cli/view/live.h"
+#include "device/device.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -111,7 +112,11 @@ static int load_and_serve(cli_session* session, const cli_arguments* given, view
                                .tev = options->tev != NULL ? &tev : NULL};
     view_live* live = NULL;
     cli_end_on_interrupt(true);
-    int status = view_live_open(&def, &live);
+    int status = CLI_GO;
+    if (ty_context_keep_on_device(session->context) == TY_OK)
+        status = view_live_open(&def, &live);
+    else
+        status = cli_fail(CLI_FAILED, "%s", ty_take_error(session->context));
     cli_end_on_interrupt(false);
     if (status == CLI_GO && options->tev != NULL) status = cli_tev_open(&tev, session, options->tev, path);
     if (status == CLI_GO) status = serve(session, live, options);

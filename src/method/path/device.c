@@ -36,6 +36,11 @@ static ty_address place_request(ty_path_device* on, const ty_path_request* reque
     return ty_device_place(&on->arrays, &own, sizeof own);
 }
 
+/* from: NULL for sums of no samples. */
+static ty_address place_sums(ty_path_device* on, const void* from, size_t bytes) {
+    return from != NULL ? ty_device_place(&on->arrays, from, bytes) : ty_device_place_zeros(&on->arrays, bytes);
+}
+
 static ty_result place_items(ty_path_device* on) {
     const ty_path_run* run = on->run;
     const size_t count = (size_t)run->item_count;
@@ -44,11 +49,15 @@ static ty_result place_items(ty_path_device* on) {
     if (run->aov_sums != NULL) on->aov_sums = ty_alloc_array(run->context, count, sizeof *on->aov_sums, false);
     if (on->sums == NULL || on->vertices == NULL || (run->aov_sums != NULL && on->aov_sums == NULL))
         return TY_ERROR_MEMORY;
-    for (size_t i = 0; i < count; ++i) on->sums[i] = run->items[i].sums;
-    on->array[SUMS] = ty_device_place(&on->arrays, on->sums, count * sizeof *on->sums);
-    on->array[VERTICES] = ty_device_place(&on->arrays, on->vertices, count * sizeof *on->vertices);
+    bool resumed = false;
+    for (size_t i = 0; i < count; ++i) {
+        on->sums[i] = run->items[i].sums;
+        resumed = resumed || run->items[i].count > 0;
+    }
+    on->array[SUMS] = place_sums(on, resumed ? on->sums : NULL, count * sizeof *on->sums);
+    on->array[VERTICES] = place_sums(on, NULL, count * sizeof *on->vertices);
     if (run->aov_sums != NULL)
-        on->array[AOV_SUMS] = ty_device_place(&on->arrays, run->aov_sums, count * sizeof *run->aov_sums);
+        on->array[AOV_SUMS] = place_sums(on, resumed ? run->aov_sums : NULL, count * sizeof *run->aov_sums);
     return on->arrays.result;
 }
 
@@ -57,11 +66,12 @@ static ty_result place_all(ty_path_device* on, const ty_path_request* odd) {
     ty_device_arrays* arrays = &on->arrays;
     ty_result result = ty_scene_pack(on->device, run->scene, &run->view, &on->scene);
     if (result != TY_OK) return result;
-    on->array[SOBOL] = ty_device_place(arrays, &run->sobol, sizeof run->sobol);
+    on->array[SOBOL] = ty_device_place_constant(arrays, &run->sobol, sizeof run->sobol);
     if (run->request.rays != NULL)
         on->array[RAYS] =
             ty_device_place(arrays, run->request.rays, 6 * (size_t)run->item_count * sizeof *run->request.rays);
-    if (run->outlines != NULL) on->array[OUTLINES] = ty_device_place(arrays, run->outlines, (size_t)run->item_count);
+    if (run->outlines != NULL)
+        on->array[OUTLINES] = ty_device_place_constant(arrays, run->outlines, (size_t)run->item_count);
     on->array[REQUEST] = place_request(on, &run->request);
     on->array[ODD_REQUEST] = place_request(on, odd);
     on->array[ARGUMENTS] = ty_device_place(arrays, NULL, sizeof(ty_path_launch));

@@ -3,6 +3,7 @@
 #include "scene/surfaces/accel.h"
 
 #include "base/context.h"
+#include "scene/surfaces/accel_kept.h"
 #include "scene/surfaces/traced_shapes.h"
 
 #include <embree3/rtcore.h>
@@ -20,6 +21,8 @@ struct ty_accel {
     int32_t first_mesh;         /* index of surfaces[0] in the scene view */
     _Atomic int64_t bytes;
     _Atomic bool failed; /* a call of Embree failed, in any thread */
+    uint64_t version;
+    ty_bvh_data* hierarchy;
 };
 
 /* Embree geometry IDs: all quads, all spheres, then one per mesh. */
@@ -144,10 +147,13 @@ static bool start_arena(RTCDevice device) {
     return rtcGetDeviceError(device) == RTC_ERROR_NONE;
 }
 
+static _Atomic uint64_t accels_made;
+
 static ty_result begin_accel(ty_context* context, ty_accel** out) {
     ty_accel* mesh = ty_alloc_array(context, 1, sizeof *mesh, true);
     if (mesh == NULL) return TY_ERROR_MEMORY;
     mesh->context = context;
+    mesh->version = 2 * atomic_fetch_add(&accels_made, 1) + 1; /* odd, as no address is */
     char config[64];
     /* All of TBB's slots are for threads of the context, which join the build, so that TBB starts none of its own: it
      * ends the process when the system has no thread to give. */
@@ -218,11 +224,20 @@ ty_result ty_accel_create(ty_context* context, const ty_accel_input* input, ty_a
 void ty_accel_destroy(ty_accel* mesh) {
     if (mesh == NULL) return;
     ty_context* context = mesh->context;
+    ty_bvh_destroy(mesh->hierarchy);
     if (mesh->scene != NULL) rtcReleaseScene(mesh->scene);
     if (mesh->device != NULL) rtcReleaseDevice(mesh->device);
     ty_free_array(context, mesh->quads, mesh->quad_count, sizeof *mesh->quads);
     ty_free_array(context, mesh->spheres, mesh->sphere_count, sizeof *mesh->spheres);
     ty_free_array(context, mesh, 1, sizeof *mesh);
+}
+
+uint64_t ty_accel_version(const ty_accel* mesh) {
+    return mesh->version;
+}
+
+ty_bvh_data** ty_accel_hierarchy(ty_accel* mesh) {
+    return &mesh->hierarchy;
 }
 
 size_t ty_accel_bytes(const ty_accel* mesh) {

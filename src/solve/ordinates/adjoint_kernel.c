@@ -49,8 +49,8 @@ static int32_t bands_of(const ty_sweep_box* box) {
 static void emit_row(const ty_sweep_box* box, const float* emission, int32_t pair, int32_t group, ptrdiff_t row,
                      float* const to[2]) {
     const ptrdiff_t pitch = (ptrdiff_t)box->groups * TY_LANES;
-    const emission_view view = {box, box->y_lm[pair] + group * TY_LANES, pitch};
-    emit(&view, emission + row * box->terms, to[0], to[1], bands_of(box));
+    const emission_view view = {box->order, box->y_lm[pair] + group * TY_LANES, pitch};
+    emit(&view, emission + row * box->terms, box->size[0], to[0], to[1], bands_of(box));
 }
 
 /* A cell's step, after which the lanes with closed faces are noted. */

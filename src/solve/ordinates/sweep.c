@@ -5,6 +5,7 @@
 #include "base/context.h"
 #include "base/parallel.h"
 #include "solve/angular/harmonics.h"
+#include "solve/ordinates/device/device.h"
 
 #include <string.h>
 
@@ -189,6 +190,7 @@ void ty_sweep_destroy(ty_sweep* sweep) {
     if (sweep == NULL) return;
     ty_free_array(sweep->context, sweep->boundary, sweep->boundary_floats, sizeof(float));
     ty_sweep_free_division(sweep);
+    ty_sweep_device_destroy(sweep->on_device);
     if (sweep->memory != NULL) ty_free_array(sweep->context, sweep->memory, sweep->bytes, 1);
     ty_free_array(sweep->context, sweep, 1, sizeof *sweep);
 }
@@ -293,13 +295,24 @@ static void sum_octant(void* user, int64_t index, int32_t worker) {
         sweep->leaving[index] += sum_faces(box, box->faces_y[index], box->partial_current_weight[1], box->size[2]);
 }
 
+/* A device sweeps whole boxes without boundary faces, and no transposes. */
+static bool may_be_on_device(const ty_sweep* sweep) {
+    return sweep->domain == NULL && sweep->box.walls == NULL && sweep->box.closed == NULL;
+}
+
 ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, double* leaving, double* fixups) {
     const int64_t blocks = (int64_t)sweep->blocks[0] * sweep->blocks[1];
     const ty_sweep_faces* walls = sweep->box.walls;
+    ty_result result = TY_OK;
+    if (may_be_on_device(sweep) && sweep->on_device == NULL)
+        result = ty_sweep_device_create(sweep->context, &sweep->box, &sweep->on_device);
+    if (result != TY_OK) return result;
+    if (may_be_on_device(sweep) && sweep->on_device != NULL)
+        return ty_sweep_device_run(sweep->on_device, emission, moments, leaving, fixups);
     memset(sweep->sums, 0, sizeof *sweep->sums * (size_t)blocks);
     if (walls != NULL) memset(walls->incident_power, 0, sizeof(float) * (size_t)walls->count);
     sweep_job job = {.sweep = sweep, .emission = emission, .moments = moments};
-    const ty_result result = sweep->domain != NULL ? ty_sweep_run_units(sweep, emission, moments) : TY_OK;
+    result = sweep->domain != NULL ? ty_sweep_run_units(sweep, emission, moments) : TY_OK;
     if (result != TY_OK) return result;
     for (; sweep->domain == NULL && job.stage < sweep->blocks[0] + sweep->blocks[1] - 1; ++job.stage)
         ty_parallel_flushed(sweep->context, blocks, sweep_block, &job);

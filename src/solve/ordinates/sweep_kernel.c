@@ -338,8 +338,8 @@ TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_
     const int32_t unpaired = work->block->unpaired;
     const ptrdiff_t patch = ty_boundary_patch(&box->patches, box->whole, 0, at);
     for (int32_t g = 0; g < box->groups; ++g) {
-        const emission_view view = {box, box->y_lm[octant / 2] + g * TY_LANES, pitch};
-        emit(&view, work->emission + row * terms, scratch->psi[0], scratch->psi[1], bands);
+        const emission_view view = {box->order, box->y_lm[octant / 2] + g * TY_LANES, pitch};
+        emit(&view, work->emission + row * terms, (int32_t)nx, scratch->psi[0], scratch->psi[1], bands);
         stream streams[2];
         for (int o = 0; o < 2; ++o)
             streams[o] = (stream){

@@ -5,9 +5,6 @@
 #include "base/dispatch.h"
 #include "solve/ordinates/sweep.h"
 
-/* Cells of a row that are evaluated together. */
-enum { TY_SWEEP_CELLS = 8 };
-
 /* Data shared by all blocks. Directions of an octant are grouped by SIMD lanes, the last group padded with directions
  * of zero weight; the octants are mirror images of each other. Bits 0 to 2 of an octant's number: its directions are
  * negative along x, y and z. */

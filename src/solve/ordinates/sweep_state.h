@@ -27,6 +27,7 @@ struct ty_sweep {
     float* message; /* of the largest face */
     void* division_memory;
     size_t division_bytes;
+    struct ty_sweep_device* on_device; /* NULL: none, or not made yet */
 };
 
 /* Sets rows of upwind faces of a block that is the first along y, z to the boundary radiance. */

@@ -62,7 +62,7 @@ static ty_address place_lights(march_device* on, const ty_light_fluence* lights,
     }
     memcpy(own, lights, (size_t)count * sizeof *own);
     for (int32_t i = 0; i < count; ++i) take_light(on, &own[i]);
-    const ty_address address = ty_device_place(&on->arrays, own, (size_t)count * sizeof *own);
+    const ty_address address = ty_device_place_constant(&on->arrays, own, (size_t)count * sizeof *own);
     ty_free_array(context, own, (size_t)count, sizeof *own);
     return address;
 }

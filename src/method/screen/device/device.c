@@ -64,7 +64,7 @@ static ty_address place_weights(screen_device* on, int32_t k, int axis) {
     }
     for (int32_t i = 0; i < count; ++i)
         ty_screen_down_weights(on->pyramid.taps, level->area[axis], fine, i, weights + i * TY_SCREEN_DOWN_WEIGHTS);
-    const ty_address address = ty_device_place(&on->arrays, weights, floats * sizeof *weights);
+    const ty_address address = ty_device_place_constant(&on->arrays, weights, floats * sizeof *weights);
     ty_free_array(on->job->context, weights, floats, sizeof *weights);
     return address;
 }
