@@ -41,7 +41,7 @@ bool ty_queue_greet(ty_work_queue* queue, const char* text, double seconds, char
 /* Lets the others go, with the status that their commands shall end with. True if all have answered. */
 bool ty_queue_destroy(ty_work_queue* queue, int32_t status);
 
-/* What the others shall know before each of the following jobs, a text (ty_queue_listener); it is copied. */
+/* Sets a text that comes before each of the following jobs (ty_queue_listener); it is copied. */
 void ty_queue_tell(ty_work_queue* queue, const char* text);
 /* Offers a job, described by bytes, to the others; one job at a time. False: they
  * have one, and it shall not be ended. */

@@ -35,7 +35,7 @@ typedef struct scaling_sweep {
                              apart */
 } scaling_sweep;
 
-/* What a rank does in a sweep, by ty_ordinates_plan_ranks or by the published KBA. */
+/* The work of a rank in a sweep, by ty_ordinates_plan_ranks or by the published KBA. */
 typedef struct scaling_stages {
     int32_t ranks[2];       /* along i and j */
     double units, stages;   /* blocks of work, and stages until all ranks have done theirs */
@@ -54,7 +54,7 @@ double scaling_sweep_seconds(const scaling_sweep* sweep, const scaling_network* 
 
 /* ---- Multigrid with halos ---- */
 
-/* What a rank does in a cycle, by ty_diffusion_plan_ranks. */
+/* The work of a rank in a cycle, by ty_diffusion_plan_ranks. */
 typedef struct scaling_cycle {
     double cells, messages, bytes;
 } scaling_cycle;
