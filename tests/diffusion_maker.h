@@ -118,14 +118,14 @@ typedef struct closed_box {
 
 static inline closed_box close_box(const problem* p, int axis, int32_t split, float albedo, float radiosity) {
     const int32_t* size = p->def.size;
-    const size_t rows = (size_t)size[1] * (size_t)size[2], most = 6 * p->cells;
+    const size_t rows = (size_t)size[1] * (size_t)size[2], max_sides = 6 * p->cells;
     closed_box box = {.first = calloc(rows + 1, sizeof *box.first),
-                      .x = calloc(most, sizeof *box.x),
-                      .face = calloc(most, 1),
+                      .x = calloc(max_sides, sizeof *box.x),
+                      .face = calloc(max_sides, 1),
                       .closed = calloc(p->cells, 1),
-                      .albedo = make_floats(most),
-                      .radiosity = make_floats(most),
-                      .staircase = make_floats(most)};
+                      .albedo = make_floats(max_sides),
+                      .radiosity = make_floats(max_sides),
+                      .staircase = make_floats(max_sides)};
     int32_t count = 0;
     for (size_t row = 0; row < rows; ++row) {
         box.first[row] = count;

@@ -41,14 +41,14 @@ static size_t array_bytes(const ty_joint_faces* part, int array, const rank_box*
 }
 
 /* Bytes that an array takes on any rank. */
-static size_t most_bytes(const ty_joint_faces* part, int array) {
-    size_t most = 1;
+static size_t max_bytes(const ty_joint_faces* part, int array) {
+    size_t max = 1;
     for (int32_t r = 0; r < ty_comm_size(part->domain->comm); ++r) {
         const rank_box box = box_of(part->domain, r);
-        const size_t bytes = array_bytes(part, array, &box, part->most);
-        most = bytes > most ? bytes : most;
+        const size_t bytes = array_bytes(part, array, &box, part->max_sides);
+        max = bytes > max ? bytes : max;
     }
-    return most;
+    return max;
 }
 
 /* The row of the grid that is row i of a box; rows along x are whole. */
@@ -93,7 +93,7 @@ static void fill(const ty_joint_faces* part, const rank_box* box, void* const ar
 static bool allocate(ty_joint_faces* part, void* arrays[TY_SIDE_ARRAYS]) {
     bool complete = true;
     for (int array = 0; array < TY_SIDE_ARRAYS; ++array) {
-        arrays[array] = ty_alloc_array(part->context, most_bytes(part, array), 1, false);
+        arrays[array] = ty_alloc_array(part->context, max_bytes(part, array), 1, false);
         complete = complete && arrays[array] != NULL;
     }
     return complete;
@@ -124,7 +124,8 @@ ty_result ty_joint_faces_take(ty_joint_faces* part) {
         part->counts[r] = count_sides(part, &box);
     }
     if (!ty_comm_broadcast(comm, part->counts, sizeof(int32_t) * (size_t)ranks)) return TY_ERROR_UNSUPPORTED;
-    for (int32_t r = 0; r < ranks; ++r) part->most = part->counts[r] > part->most ? part->counts[r] : part->most;
+    for (int32_t r = 0; r < ranks; ++r)
+        part->max_sides = part->counts[r] > part->max_sides ? part->counts[r] : part->max_sides;
     missing = allocate(part, part->own) && (own > 0 || allocate(part, part->other)) ? 0 : 1;
     ty_comm_max(comm, &missing, 1);
     if (missing > 0) return TY_ERROR_MEMORY;
@@ -169,7 +170,7 @@ bool ty_joint_faces_give(const ty_joint_faces* part, float* flux, float* irradia
 void ty_joint_faces_free(ty_joint_faces* part) {
     if (part->counts == NULL) return;
     for (int array = 0; array < TY_SIDE_ARRAYS; ++array) {
-        const size_t bytes = most_bytes(part, array);
+        const size_t bytes = max_bytes(part, array);
         ty_free_array(part->context, part->own[array], bytes, 1);
         ty_free_array(part->context, part->other[array], bytes, 1);
     }

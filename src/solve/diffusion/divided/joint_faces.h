@@ -13,7 +13,7 @@ typedef struct ty_joint_faces {
     ty_domain* domain;
     const ty_diffusion_faces* whole; /* of the grid, on rank 0 */
     bool has_radiosity;
-    int32_t *counts, most;       /* sides of each rank; the most of any */
+    int32_t *counts, max_sides;  /* sides of each rank; the most of any */
     void* own[TY_SIDE_ARRAYS];   /* of this rank's box */
     void* other[TY_SIDE_ARRAYS]; /* on rank 0: of another rank's */
     ty_diffusion_faces faces;    /* of this rank's box */
