@@ -6,6 +6,8 @@
 
 #include "checks.h"
 
+#include <string.h>
+
 typedef struct problem {
     ty_diffusion_def def;
     ty_diffusion_out out;
@@ -103,6 +105,58 @@ static inline double largest_difference(const float* a, const float* b, size_t c
         if (scale > 0) largest = fmax(largest, fabs((double)a[i] - (double)b[i]) / scale);
     }
     return largest;
+}
+
+/* A box of cells whose outer faces are closed, and those between the cells `split` - 1 and `split` along
+ * an axis (0: none). */
+typedef struct closed_box {
+    ty_diffusion_faces faces;
+    int32_t *first, *x;
+    uint8_t *face, *closed;
+    float *albedo, *radiosity, *staircase;
+} closed_box;
+
+static inline closed_box close_box(const problem* p, int axis, int32_t split, float albedo, float radiosity) {
+    const int32_t* size = p->def.size;
+    const size_t rows = (size_t)size[1] * (size_t)size[2], max_sides = 6 * p->cells;
+    closed_box box = {.first = calloc(rows + 1, sizeof *box.first),
+                      .x = calloc(max_sides, sizeof *box.x),
+                      .face = calloc(max_sides, 1),
+                      .closed = calloc(p->cells, 1),
+                      .albedo = make_floats(max_sides),
+                      .radiosity = make_floats(max_sides),
+                      .staircase = make_floats(max_sides)};
+    int32_t count = 0;
+    for (size_t row = 0; row < rows; ++row) {
+        box.first[row] = count;
+        int32_t at[3] = {0, (int32_t)row % size[1], (int32_t)row / size[1]};
+        for (; at[0] < size[0]; ++at[0])
+            for (uint8_t face = 0; face < 6; ++face) {
+                const bool up = (face & 1) != 0;
+                const bool outer = at[face / 2] == (up ? size[face / 2] - 1 : 0);
+                if (!outer && !(face / 2 == axis && split > 0 && at[axis] == (up ? split - 1 : split))) continue;
+                box.closed[row * (size_t)size[0] + (size_t)at[0]] |= (uint8_t)(1 << face);
+                box.x[count] = at[0];
+                box.face[count] = face;
+                box.albedo[count] = albedo;
+                box.radiosity[count] = radiosity;
+                box.staircase[count++] = 1;
+            }
+    }
+    box.first[rows] = count;
+    box.faces =
+        (ty_diffusion_faces){count, box.first, box.x, box.face, box.closed, box.albedo, box.radiosity, box.staircase};
+    return box;
+}
+
+static inline void free_box(closed_box* box) {
+    free(box->first);
+    free(box->x);
+    free(box->face);
+    free(box->closed);
+    free(box->albedo);
+    free(box->radiosity);
+    free(box->staircase);
 }
 
 #endif

@@ -48,6 +48,24 @@ test_json() {
   said out.txt '"albedo": \[0.5, 0.5, 0.5\]'
 }
 
+# Memory and messages of a large grid that is divided among ranks.
+test_plan() {
+  large='-D render.dom.resolution=1024 -D render.fld.resolution=1024 -D render.fld.ratio=1'
+  expect 0 info builtin:cube_g0.7 --ranks 1024 $large --json
+  valid_json out.txt
+  said out.txt '"cells_of_a_rank": \[32, 32, 1024\]'
+  said out.txt '"units": 488'
+  said out.txt '"stages": 548'
+  said out.txt '"stages_corner_by_corner": 736'
+  said out.txt '"ranks_along_x_y_z": \[1, 32, 32\]'
+  said out.txt '"divided_levels": 4'
+  expect 0 info builtin:cube_g0.7 --ranks 16384
+  said out.txt '^  refused: "ordinates: there are too few cells for 16384 ranks"$'
+  said out.txt '^  refused: "diffusion: 32 x 32 x 32 cells are too few for 16384 ranks"$'
+  usage_error '--ranks is for scenes' info tetra.obj --ranks 4
+  usage_error 'there are no media to divide' info scene.json --ranks 4 -D 'media=[]'
+}
+
 test_meshes() {
   printf 'newmtl red\nKd 1 0 0\nnewmtl lamp\nKe 5 5 5\n' > two.mtl
   { echo 'mtllib two.mtl'; cat tetra.obj; echo 'usemtl lamp'; echo 'f 1 2 3'; } > two.obj
@@ -114,6 +132,7 @@ test_pictures() {
 write_files
 test_text
 test_json
+test_plan
 test_meshes
 test_pictures
 finish 60

@@ -189,7 +189,7 @@ static void solve_twice(ty_comm* comm, void* user) {
         ty_joint_rank rank = {comm, solvers, &sum};
         const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_JOINT] = ty_joint_job_worker(&rank)};
         ty_queue_hello(comm, 0, "");
-        require(ty_queue_serve(comm, workers, &all) == 0 && all);
+        require(ty_queue_serve(comm, workers, NULL, &all) == 0 && all);
         require(sum == 3 * (1 + 2) + 2 * (0 + 1 + 2));
         return;
     }

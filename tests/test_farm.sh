@@ -362,8 +362,17 @@ test_divided() {
   cmp fluence1.vti fluence3.vti || fail "the fluences differ"
   ranks 0 2 render builtin:nebulae --method fld --size 16x12 -D render.fld.resolution=24 -o small.exr
   said err.txt 'rank 0 solves for diffusion on .* alone: there are too few cells'
-  ranks 0 2 render builtin:cornell_fog --method fld --size 16x12 -o walls.exr
-  said err.txt 'rank 0 solves for diffusion on .* alone: surfaces'
+  # Surfaces between cells, and over-relaxation.
+  walls="builtin:cornell_fog --method fld --size 16x12 -D render.fld.ratio=1 -D render.fld.resolution=26 -q"
+  sor="builtin:nebulae --method fld --size 16x12 -D render.fld.ratio=1 -D render.fld.resolution=24 -D render.fld.solver=sor -D render.fld.iterations=8 -q"
+  for scene in "$walls" "$sor"; do
+    # shellcheck disable=SC2086
+    expect 0 render $scene -o alone.exr --threads 1
+    # shellcheck disable=SC2086
+    ranks 0 2 render $scene -o shared.exr --stats shared.json
+    said shared.json '"solve_ranks": 2'
+    same alone.exr shared.exr
+  done
 }
 
 # A command without shares runs once; so does one that is not there.

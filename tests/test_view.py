@@ -2,7 +2,7 @@
 """`tyndall view` as its clients see it: what is shown is what `tyndall render` writes, changes of several clients, what is saved,
 what is refused; and the page in a headless browser where there is one.
 usage: test_view.py TYNDALL"""
-import atexit, itertools, json, math, os, re, signal, struct, subprocess, sys, tempfile, threading, time
+import atexit, itertools, json, math, os, re, shutil, signal, struct, subprocess, sys, tempfile, threading, time
 import test_view_page as pages
 from websocket import BINARY, TEXT, Refused, WebSocket, request
 
@@ -25,8 +25,8 @@ SCENE = """{
 
 
 class Viewer:
-    def __init__(self, scene, *options):
-        self.process = subprocess.Popen([TYNDALL, "view", scene, "--no-open", *options], stdout=subprocess.PIPE,
+    def __init__(self, scene, *options, launcher=()):
+        self.process = subprocess.Popen([*launcher, TYNDALL, "view", scene, "--no-open", *options], stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, text=True)
         atexit.register(self.process.kill)  # where a check fails
         self.address = self.process.stdout.readline().strip()
@@ -480,6 +480,42 @@ def check_pages():
     other.stop()
 
 
+def ranks_seconds(launcher):
+    """Processor seconds of the ranks other than 0."""
+    sums = {}
+    for rank in open(f"/proc/{launcher}/task/{launcher}/children").read().split():
+        words = open(f"/proc/{rank}/environ", "rb").read().split(b"\0")
+        number = next(int(word.split(b"=")[1]) for word in words if word.startswith(b"OMPI_COMM_WORLD_RANK="))
+        times = open(f"/proc/{rank}/stat").read().rpartition(")")[2].split()[11:13]
+        sums[number] = sum(map(int, times)) / os.sysconf("SC_CLK_TCK")
+    return [sums[number] for number in sorted(sums)]
+
+
+def check_ranks():
+    """Under mpirun the other ranks go on with an edited scene, whose image is that of one process."""
+    if shutil.which("mpirun") is None or not os.path.exists(os.path.join(os.path.dirname(TYNDALL), "tyndall-mpi.so")):
+        return
+    viewer = Viewer("scene.json", "--method", "path", "--threads", "1", "--no-compare", "--size", "480x320",
+                    launcher=["mpirun", "--allow-run-as-root", "--oversubscribe", "-q", "-n", "4"])
+    client = viewer.connect()
+
+    def converge(revision):
+        client.wait(lambda: client.status is not None and client.status["revision"] >= revision
+                    and client.status["path"]["spp"] >= 16, "16 samples")
+
+    converge(client.set("media[0].g", 0.6))
+    revision = client.set("media[0].g", 0.75)
+    before = ranks_seconds(viewer.process.pid)
+    converge(revision)
+    used = [now - then for now, then in zip(ranks_seconds(viewer.process.pid), before)]
+    assert len(used) == 4 and sum(used[1:]) > 0.25 * used[0] > 0, used  # measured 0.64
+    render("scene.json", "--method", "path", "--size", "480x320", "--spp", "16", "-D", "media[0].g=0.75", "-o", "alone.exr")
+    open("ranks.exr", "wb").write(viewer.image("method")[2])
+    found = difference("ranks.exr", "alone.exr")["all"]
+    assert abs(found["mean_ratio"] - 1) < 0.01, found  # 2.0 with g = 0.4
+    viewer.stop()
+
+
 def check_start():
     """What cannot start says so in one line."""
     def fails(*arguments):
@@ -525,6 +561,7 @@ def main():
             check_pages()
         check_surfaces()
         check_milk()
+        check_ranks()
         os.chdir(here)
     print("test_view: passed" + (", but for the page: there is no browser" if page == 77 else ""))
     return 0

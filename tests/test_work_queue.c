@@ -37,7 +37,7 @@ static void* help(void* user) {
     if (ty_comm_join(&box_backend, 10, told->rank, &comm) == TY_OK) {
         ty_queue_hello(comm, 0, told->text);
         bool together = false;
-        if (ty_queue_serve(comm, workers, &together) != 3 || !together) abort();
+        if (ty_queue_serve(comm, workers, NULL, &together) != 3 || !together) abort();
         ty_comm_close(comm, true, 0);
     }
     ty_scene_destroy(scene);

@@ -83,13 +83,20 @@ static bool join(ty_comm* comm, double seconds, int32_t rank) {
     return joined;
 }
 
-ty_result ty_comm_join(const ty_comm_backend* backend, double seconds, int32_t rank, ty_comm** out) {
+static ty_comm* create(const ty_comm_backend* backend) {
     ty_comm* comm = calloc(1, sizeof *comm);
-    if (comm == NULL) return TY_ERROR_MEMORY;
+    if (comm == NULL) return NULL;
     comm->backend = backend;
-    comm->patience = patience_factor * seconds;
+    comm->size = 1;
     comm->lost = -1;
     pthread_mutex_init(&comm->lock, NULL);
+    return comm;
+}
+
+ty_result ty_comm_join(const ty_comm_backend* backend, double seconds, int32_t rank, ty_comm** out) {
+    ty_comm* comm = create(backend);
+    if (comm == NULL) return TY_ERROR_MEMORY;
+    comm->patience = patience_factor * seconds;
     if (join(comm, seconds, rank)) {
         *out = comm;
         return TY_OK;
@@ -114,6 +121,16 @@ ty_result ty_comm_open(const char* module, double seconds, ty_comm** out) {
         return ty_fail(NULL, TY_ERROR_UNSUPPORTED, "%s cannot be loaded: %s", module,
                        handle == NULL ? dlerror() : "it is of another build");
     return ty_comm_join(backend, seconds, rank, out);
+}
+
+static void close_planned(void) {
+}
+
+ty_comm* ty_comm_plan(int32_t ranks) {
+    static const ty_comm_backend planned = {.version = TY_COMM_BACKEND_VERSION, .close = close_planned};
+    ty_comm* comm = ranks > 1 ? create(&planned) : NULL;
+    if (comm != NULL) comm->size = ranks;
+    return comm;
 }
 
 void ty_comm_close(ty_comm* comm, bool all, int status) {

@@ -19,6 +19,8 @@ bool ty_comm_launched(int32_t* rank, int32_t* size);
 ty_result ty_comm_open(const char* module, double seconds, ty_comm** out);
 /* The same through a table of functions, for the rank that a launcher told. */
 ty_result ty_comm_join(const ty_comm_backend* backend, double seconds, int32_t rank, ty_comm** out);
+/* So many ranks that are not there, for plans: only their number may be asked for. NULL: one rank, or no memory. */
+ty_comm* ty_comm_plan(int32_t ranks);
 /* Leaves. `all`: every rank is known to leave; otherwise some have died, and the call does not wait for them. Where the
  * others do not leave within ten seconds the program ends with a status. */
 void ty_comm_close(ty_comm* comm, bool all, int status);

@@ -36,6 +36,8 @@ struct ty_work_queue {
     ty_job job;
     uint64_t number; /* of the current job, or of the last one */
     ty_buffer head;  /* the message that describes the job */
+    char* told;      /* what comes before the job in it; NULL: nothing */
+    pthread_mutex_t telling;
     ty_buffer in, out;
     pthread_t thread;
     _Atomic bool begun; /* a job is under way; another thread of the command may begin one */
@@ -90,10 +92,12 @@ ty_work_queue* ty_queue_create(ty_comm* comm) {
     ty_work_queue* queue = calloc(1, sizeof *queue);
     if (queue == NULL) return NULL;
     queue->comm = comm;
+    pthread_mutex_init(&queue->telling, NULL);
     queue->others = calloc((size_t)ty_comm_size(comm), sizeof *queue->others);
     for (int32_t i = 0; queue->others != NULL && i < ty_comm_size(comm); ++i)
         queue->others[i] = (other_rank){FREE, 1, 0};
     if (queue->others != NULL) return queue;
+    pthread_mutex_destroy(&queue->telling);
     free(queue);
     return NULL;
 }
@@ -208,14 +212,32 @@ static void* run_job(void* user) {
     return NULL;
 }
 
+void ty_queue_tell(ty_work_queue* queue, const char* text) {
+    char* copy = strdup(text);
+    if (copy == NULL) ty_comm_abort(queue->comm, 1);
+    pthread_mutex_lock(&queue->telling);
+    free(queue->told);
+    queue->told = copy;
+    pthread_mutex_unlock(&queue->telling);
+}
+
+/* The message of a job: its head, what was told, and the description. */
+static void write_head(ty_work_queue* queue, const ty_job* job, const void* bytes, size_t size) {
+    pthread_mutex_lock(&queue->telling);
+    const size_t told = queue->told != NULL ? strlen(queue->told) + 1 : 0;
+    const ty_message_head head = {.job = queue->number, .kind = job->kind, .first = (int64_t)told};
+    queue->head.size = 0;
+    ty_buffer_add(&queue->head, &head, sizeof head);
+    ty_buffer_add(&queue->head, queue->told, told);
+    pthread_mutex_unlock(&queue->telling);
+    ty_buffer_add(&queue->head, bytes, size);
+}
+
 bool ty_queue_begin(ty_work_queue* queue, const ty_job* job, const void* bytes, size_t size) {
     if (atomic_exchange(&queue->begun, true)) return false;
     queue->job = *job;
     ++queue->number;
-    const ty_message_head head = {.job = queue->number, .kind = job->kind};
-    queue->head.size = 0;
-    ty_buffer_add(&queue->head, &head, sizeof head);
-    ty_buffer_add(&queue->head, bytes, size);
+    write_head(queue, job, bytes, size);
     for (int32_t i = 1; i < ty_comm_size(queue->comm); ++i) {
         queue->others[i].items = 1;
         if (queue->others[i].state == FREE) offer(queue, i);
@@ -286,6 +308,8 @@ bool ty_queue_destroy(ty_work_queue* queue, int32_t status) {
             ty_message_send(queue->comm, i, TY_TAG_QUIT, &head, NULL, 0);
     free(queue->others);
     free(queue->head.bytes);
+    free(queue->told);
+    pthread_mutex_destroy(&queue->telling);
     free(queue->in.bytes);
     free(queue->out.bytes);
     free(queue);

@@ -41,6 +41,8 @@ bool ty_queue_greet(ty_work_queue* queue, const char* text, double seconds, char
 /* Lets the others go, with the status that their commands shall end with. True if all have answered. */
 bool ty_queue_destroy(ty_work_queue* queue, int32_t status);
 
+/* Sets a text that comes before each of the following jobs (ty_queue_listener); it is copied. */
+void ty_queue_tell(ty_work_queue* queue, const char* text);
 /* Offers a job, described by bytes, to the others; one job at a time. False: they
  * have one, and it shall not be ended. */
 bool ty_queue_begin(ty_work_queue* queue, const ty_job* job, const void* bytes, size_t size);
@@ -65,10 +67,17 @@ typedef struct ty_job_worker {
     void* user;
 } ty_job_worker;
 
+/* Takes in what rank 0 tells, before the first job after it and again before others; false: it cannot, and rank 0 goes
+ * on without it. */
+typedef struct ty_queue_listener {
+    bool (*hear)(void* user, const char* text);
+    void* user;
+} ty_queue_listener;
+
 /* Greets rank 0 with a text: of what it has read, or, with status != 0, why it cannot start. */
 void ty_queue_hello(ty_comm* comm, int32_t status, const char* text);
 /* Works until rank 0 lets it go, and returns the status that rank 0 gives. workers: TY_JOB_KINDS of them; one without
- * `begin` refuses its jobs. *all: no rank is lost. */
-int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers, bool* all);
+ * `begin` refuses its jobs. listener: NULL: jobs after a text are refused. *all: no rank is lost. */
+int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers, const ty_queue_listener* listener, bool* all);
 
 #endif

@@ -26,6 +26,7 @@ void ty_queue_hello(ty_comm* comm, int32_t status, const char* text) {
 typedef struct service {
     ty_comm* comm;
     const ty_job_worker *workers, *worker; /* of the job; NULL: none */
+    const ty_queue_listener* listener;
     void* job;
     ty_buffer in, out;
 } service;
@@ -35,12 +36,20 @@ static void end_job(service* s) {
     s->worker = NULL;
 }
 
+/* True if nothing was told before the job, or it was taken in. A joint solve needs nothing but what it comes with. */
+static bool hear(const service* s, int32_t kind, const char* told, size_t size) {
+    if (size == 0 || kind == TY_JOB_JOINT) return true;
+    return told[size - 1] == '\0' && s->listener != NULL && s->listener->hear(s->listener->user, told);
+}
+
 /* Asks for the first task, or refuses the job. */
 static void begin_job(service* s, const ty_message_head* head) {
     end_job(s);
     const ty_job_worker* worker = head->kind >= 0 && head->kind < TY_JOB_KINDS ? &s->workers[head->kind] : NULL;
-    const bool able = worker != NULL && worker->begin != NULL &&
-                      worker->begin(worker->user, s->in.bytes + sizeof *head, s->in.size - sizeof *head, &s->job);
+    const uint8_t* bytes = s->in.bytes + sizeof *head;
+    const size_t size = s->in.size - sizeof *head, told = (size_t)head->first <= size ? (size_t)head->first : 0;
+    const bool able = worker != NULL && worker->begin != NULL && hear(s, head->kind, (const char*)bytes, told) &&
+                      worker->begin(worker->user, bytes + told, size - told, &s->job);
     if (able) s->worker = worker;
     const ty_message_head answer = {.job = head->job, .status = able ? 0 : 1};
     ty_message_send(s->comm, 0, TY_TAG_ASK, &answer, NULL, 0);
@@ -62,8 +71,8 @@ static void do_task(service* s, const ty_message_head* head) {
     ty_comm_send(s->comm, 0, TY_TAG_ASK, s->out.bytes, s->out.size);
 }
 
-int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers, bool* all) {
-    service s = {.comm = comm, .workers = workers};
+int32_t ty_queue_serve(ty_comm* comm, const ty_job_worker* workers, const ty_queue_listener* listener, bool* all) {
+    service s = {.comm = comm, .workers = workers, .listener = listener};
     ty_message_head head = {.status = 0};
     for (bool going = true; going;) {
         ty_comm_message found;

@@ -27,57 +27,39 @@ double scaling_tasks_seconds(const scaling_tasks* tasks, const scaling_network* 
 
 /* ---- Sweeps over columns: Koch, Baker and Alcouffe (1992) ---- */
 
-typedef enum scaling_schedule {
-    SCALING_KBA,    /* the pipeline is filled at each of the four corners: Baker & Koch (1998) */
-    SCALING_MINIMAL /* fewest stages of any schedule: Adams et al. (2020) */
-} scaling_schedule;
-
 typedef struct scaling_sweep {
-    int32_t cells[3];    /* divided in i and j */
-    int32_t directions;  /* of all eight octants */
-    int32_t planes;      /* of k in a block */
-    int32_t group;       /* directions of an octant in a block */
-    double cell_seconds; /* of one cell and direction */
-    double face_bytes;   /* of one face and direction */
-    scaling_schedule schedule;
-    int32_t in_a_row;     /* up to so many ranks are cut along j alone */
-    double octant_factor; /* times as long for a cell where the box is cut along i: octants that differ in x alone are
-                     then swept apart */
+    int32_t cells[3]; /* divided in i and j */
+    int32_t directions;
+    double cell_seconds;  /* of one cell and direction */
+    double octant_factor; /* times as long where the box is cut along i: octants that differ in x alone are then swept
+                             apart */
 } scaling_sweep;
+
+/* The work of a rank in a sweep, by ty_ordinates_plan_ranks or by the published KBA. */
+typedef struct scaling_stages {
+    int32_t ranks[2];       /* along i and j */
+    double units, stages;   /* blocks of work, and stages until all ranks have done theirs */
+    double messages, bytes; /* that it sends to its neighbours downstream */
+} scaling_stages;
 
 /* The division into columns whose faces are smallest, at most one column of cells each; their number is at most
  * `ranks`. */
 void scaling_divide(const int32_t cells[3], int32_t ranks, int32_t counts[2]);
-/* The division of a sweep. */
-void scaling_sweep_divide(const scaling_sweep* sweep, int32_t ranks, int32_t counts[2]);
-/* Blocks of one rank, and the stages in which it has none. */
-double scaling_sweep_blocks(const scaling_sweep* sweep);
-double scaling_sweep_idle(const scaling_sweep* sweep, const int32_t counts[2]);
-/* Planes of a block, a power of two, with which so many ranks take the least time. */
-int32_t scaling_best_planes(const scaling_sweep* sweep, const scaling_network* network, int32_t ranks);
-/* 1 / ((1 + idle / blocks) (1 + message / block)). */
-double scaling_sweep_efficiency(const scaling_sweep* sweep, const scaling_network* network, int32_t ranks);
-double scaling_sweep_seconds(const scaling_sweep* sweep, const scaling_network* network, int32_t ranks);
+/* The published KBA with so many planes of an octant in a block, and with those, a power of two, that take the least
+ * time. */
+scaling_stages scaling_kba(const scaling_sweep* sweep, int32_t ranks, int32_t planes);
+scaling_stages scaling_best_kba(const scaling_sweep* sweep, const scaling_network* network, int32_t ranks);
+/* Seconds of a sweep: stages (block + messages of a block). */
+double scaling_sweep_seconds(const scaling_sweep* sweep, const scaling_network* network, const scaling_stages* stages);
 
 /* ---- Multigrid with halos ---- */
 
-typedef struct scaling_multigrid {
-    int32_t cells[3];      /* divided in i and j */
-    double cycles;         /* of the whole solve */
-    double cell_seconds;   /* of one cell of any level and cycle */
-    double exchanges;      /* of halos on a level and cycle */
-    double face_bytes;     /* of one face and exchange */
-    double gathered_cells; /* levels of at most so many cells are solved by one rank */
-    double cell_bytes;     /* of one gathered cell, there and back */
-} scaling_multigrid;
+/* The work of a rank in a cycle, by ty_diffusion_plan_ranks. */
+typedef struct scaling_cycle {
+    double cells, messages, bytes;
+} scaling_cycle;
 
-/* Cells of all levels. */
-double scaling_multigrid_cells(const scaling_multigrid* grid);
-double scaling_multigrid_seconds(const scaling_multigrid* grid, const scaling_network* network, int32_t ranks);
-
-/* ---- Memory ---- */
-
-/* Bytes of a rank: of its cells, and of a layer of halo about its columns. */
-double scaling_memory(const int32_t cells[3], double cell_bytes, double face_bytes, int32_t ranks);
+/* Seconds of a cycle. */
+double scaling_cycle_seconds(const scaling_cycle* cycle, const scaling_network* network, double cell_seconds);
 
 #endif

@@ -1,11 +1,13 @@
 /* One command by many ranks: strong and weak scaling by processor time, and the model of it to thousands of ranks. */
 #include "figures/scaling_measure.h"
 #include "figures/scaling_model.h"
+#include "solve/diffusion/divided/plan.h"
+#include "solve/ordinates/divided/plan.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { MEASURED = 3, RANKS_END = 4096, PLAN_EDGE = 1024, CHARTS = 4, MEMORIES = 7 };
+enum { MEASURED = 3, PLAN_EDGE = 1024, CHARTS = 4, MEMORIES = 7, POWERS = 13 };
 
 static const int32_t ranks_measured[MEASURED] = {1, 2, SCALING_RANKS_MAX};
 
@@ -13,9 +15,10 @@ static const int32_t ranks_measured[MEASURED] = {1, 2, SCALING_RANKS_MAX};
 static const double pixel_bytes = 112;
 /* Seconds of a task, and items of a block of path and bake. */
 static const double task_seconds = 0.2;
-/* Of dom's sweeps, as docs/farm.md tells: up to eight ranks stand in a row along y, and an octant by itself takes 1.6
- * times as long for a cell and direction. */
-static const int32_t ranks_in_a_row = 8;
+/* Layers that a cycle of limited diffusion exchanges, in units of those of a linear cycle: test_fld_divided counts 5.3
+ * to 7.8. */
+static const double limited_layers = 7.5;
+/* Of dom's sweeps: an octant by itself takes so many times as long for a cell and direction. */
 static const double octant_factor = 1.6;
 enum { PATH_BLOCK = 64, BAKE_BLOCK = 8 };
 
@@ -101,6 +104,13 @@ static int32_t weak_number(const figure_run* run, const scaling_case* c, int32_t
 
 /* ---- measuring ---- */
 
+/* The plans of a grid's solves for 1, 2, 4 ... ranks. */
+typedef struct grid_plans {
+    int32_t count; /* so many can share it */
+    ty_ordinates_plan sweeps[POWERS];
+    ty_diffusion_plan cycles[POWERS];
+} grid_plans;
+
 /* A case as measured, and the parameters of its model. */
 typedef struct case_result {
     const scaling_case* of;
@@ -111,8 +121,9 @@ typedef struct case_result {
     scaling_tasks tasks;
     scaling_sweep sweep;
     double sweeps; /* over all channels */
-    scaling_multigrid grid;
-    double cell_bytes, cut_bytes; /* of memory: of a cell, and of a face at a cut */
+    int32_t bands, cells[3];
+    double cycles, cycle_cell_seconds;
+    grid_plans plans;
 } case_result;
 
 static ty_result measure(figure_run* run, const char* folder, const scaling_case* c, int32_t number, int32_t ranks,
@@ -183,59 +194,83 @@ static double sum(const json_t* stats, const char* name, int32_t values[3]) {
     return all;
 }
 
-/* Multigrid of smoothings by colours: so many exchanges of halos on a level and cycle; levels of at most 4096 cells go
- * to one rank, there and back. */
-static scaling_multigrid make_grid(const int32_t cells[3], double cycles, double seconds) {
-    scaling_multigrid grid = {
-        .cycles = cycles, .exchanges = 8, .face_bytes = 4, .gathered_cells = 4096, .cell_bytes = 8};
-    memcpy(grid.cells, cells, sizeof grid.cells);
-    grid.cell_seconds = seconds / fmax(cycles * scaling_multigrid_cells(&grid), 1);
-    return grid;
+/* Plans of the case's cells. A grid of few cells is planned for few ranks. */
+static ty_result make_plans(figure_run* run, case_result* r) {
+    ty_context* context = run->session->context;
+    static ty_angular_quadrature set;
+    ty_ordinates_def sweep = ty_default_ordinates_def();
+    ty_diffusion_def diffusion = ty_default_diffusion_def();
+    const bool swept = r->of->model == BY_SWEEPS;
+    ty_result result = TY_OK;
+    for (int a = 0; a < 3; ++a) {
+        sweep.size[a] = diffusion.size[a] = r->cells[a];
+        sweep.cell[a] = diffusion.cell[a] = 1;
+    }
+    if (swept) {
+        result = ty_angular_quadrature_create(context, r->sweep.directions, &set, NULL);
+        sweep.set = &set;
+        sweep.bands = r->bands;
+        sweep.output_order = r->bands < 2 ? 2 : r->bands;
+        sweep.source_terms = r->bands * r->bands;
+        sweep.accelerated = true;
+    }
+    r->plans.count = 0;
+    for (int32_t i = 0; i < POWERS && result == TY_OK; ++i) {
+        if (swept) result = ty_ordinates_plan_ranks(context, &sweep, 1 << i, &r->plans.sweeps[i]);
+        if (result != TY_OK) break;
+        /* The acceleration of few cells is rank 0's. */
+        result = ty_diffusion_plan_ranks(context, &diffusion, 1 << i, &r->plans.cycles[i]);
+        if (swept && result == TY_ERROR_ARGUMENT)
+            result = ty_diffusion_plan_ranks(context, &diffusion, 1, &r->plans.cycles[i]);
+        r->plans.count += result == TY_OK ? 1 : 0;
+    }
+    if (result == TY_ERROR_ARGUMENT && r->plans.count > 0) ty_take_error(context);
+    return result == TY_ERROR_ARGUMENT && r->plans.count > 0 ? TY_OK : result;
+}
+
+static void fit_cycles(case_result* r, double cycles, double seconds) {
+    r->cycles = cycles;
+    r->cycle_cell_seconds = seconds / fmax(cycles * r->plans.cycles[0].cells, 1);
 }
 
 /* Parts of the processor time go as the clock says. */
-static void fit_sweeps(case_result* r, const json_t* stats) {
+static ty_result fit_sweeps(figure_run* run, case_result* r, const json_t* stats) {
     const json_t* dom = json_object_get(stats, "dom");
     const double all = number_of(stats, "seconds");
     const double sweeping = r->strong[0] * number_of(dom, "sweep_seconds") / all;
     const double solving = r->strong[0] * number_of(dom, "solve_seconds") / all;
-    int32_t cells[3];
-    sum(dom, "size", cells);
+    sum(dom, "size", r->cells);
     r->sweeps = sum(dom, "sweeps", NULL);
-    r->sweep = (scaling_sweep){.directions = (int32_t)number_of(dom, "directions"),
-                               .face_bytes = 4,
-                               .in_a_row = ranks_in_a_row,
-                               .octant_factor = octant_factor};
-    memcpy(r->sweep.cells, cells, sizeof cells);
-    r->sweep.group = r->sweep.directions / 8;
-    r->sweep.cell_seconds = sweeping / (r->sweeps * (double)cells[0] * cells[1] * cells[2] * r->sweep.directions);
-    r->grid = make_grid(cells, sum(dom, "cycles", NULL), fmax(solving - sweeping, 0));
+    r->bands = (int32_t)number_of(dom, "bands");
+    r->sweep = (scaling_sweep){.directions = (int32_t)number_of(dom, "directions"), .octant_factor = octant_factor};
+    memcpy(r->sweep.cells, r->cells, sizeof r->sweep.cells);
+    r->sweep.cell_seconds =
+        sweeping / (r->sweeps * (double)r->cells[0] * r->cells[1] * r->cells[2] * r->sweep.directions);
     r->other = fmax(r->work - solving, 0);
-    r->cell_bytes = number_of(stats, "peak_memory_bytes") / ((double)cells[0] * cells[1] * cells[2]);
-    r->cut_bytes = 0.5 * r->sweep.face_bytes * r->sweep.directions; /* incoming radiance across x and y */
+    const ty_result result = make_plans(run, r);
+    if (result == TY_OK) fit_cycles(r, sum(dom, "cycles", NULL), fmax(solving - sweeping, 0));
+    return result;
 }
 
-static void fit_multigrid(case_result* r, const json_t* stats) {
+static ty_result fit_multigrid(figure_run* run, case_result* r, const json_t* stats) {
     const json_t* fld = json_object_get(stats, "fld");
     const double solving = r->strong[0] * number_of(fld, "solve_seconds") / number_of(stats, "seconds");
-    int32_t cells[3];
-    sum(fld, "diffusion_size", cells);
-    r->grid = make_grid(cells, sum(fld, "cycles", NULL), solving);
+    sum(fld, "diffusion_size", r->cells);
     r->other = fmax(r->work - solving, 0);
-    sum(fld, "direct_size", cells);
-    r->cell_bytes = number_of(stats, "peak_memory_bytes") / ((double)cells[0] * cells[1] * cells[2]);
-    r->cut_bytes = r->grid.face_bytes;
+    const ty_result result = make_plans(run, r);
+    if (result == TY_OK) fit_cycles(r, sum(fld, "cycles", NULL), solving);
+    return result;
 }
 
-static void fit(case_result* r, const json_t* stats) {
+static ty_result fit(figure_run* run, case_result* r, const json_t* stats) {
     const scaling_case* c = r->of;
-    if (c->model == BY_SWEEPS) fit_sweeps(r, stats);
-    if (c->model == BY_MULTIGRID) fit_multigrid(r, stats);
     r->tasks = (scaling_tasks){.start = r->start[1],
                                .work = r->work,
                                .task = task_seconds,
                                .bytes = r->bytes,
                                .blocks = (c->items + c->block - 1) / (c->block > 0 ? c->block : 1)};
+    if (c->model == BY_SWEEPS) return fit_sweeps(run, r, stats);
+    return c->model == BY_MULTIGRID ? fit_multigrid(run, r, stats) : TY_OK;
 }
 
 static ty_result measure_case(figure_run* run, const char* folder, const scaling_case* c, case_result* out) {
@@ -244,52 +279,73 @@ static ty_result measure_case(figure_run* run, const char* folder, const scaling
     ty_result result = measure_all(run, folder, c, false, out->strong, out, &stats);
     if (result == TY_OK) result = measure_start(run, folder, c, out);
     if (result == TY_OK) result = measure_all(run, folder, c, true, out->weak, out, NULL);
-    if (result == TY_OK) fit(out, stats);
+    if (result == TY_OK) result = fit(run, out, stats);
     json_decref(stats);
     return result;
 }
 
-static double sweeps_seconds(const case_result* r, const scaling_network* network, int32_t ranks,
-                             scaling_schedule schedule) {
-    scaling_sweep sweep = r->sweep;
-    sweep.schedule = schedule;
-    sweep.planes = scaling_best_planes(&sweep, network, ranks);
-    return r->sweeps * scaling_sweep_seconds(&sweep, network, ranks) +
-           scaling_multigrid_seconds(&r->grid, network, ranks);
+static double cycles_seconds(const case_result* r, const scaling_network* network, int32_t power) {
+    const ty_diffusion_plan* plan = &r->plans.cycles[power];
+    const double layers = r->of->model == BY_MULTIGRID ? limited_layers : 1;
+    const scaling_cycle cycle = {plan->cells, layers * plan->messages, layers * plan->halo_bytes + plan->gather_bytes};
+    return r->cycles * scaling_cycle_seconds(&cycle, network, r->cycle_cell_seconds);
 }
 
-/* Seconds of the measured problem by the model. */
-static double model_seconds(const case_result* r, const scaling_network* network, int32_t ranks) {
-    const double start = ranks > 1 ? r->start[1] : r->start[0];
+/* The stages of a plan; one rank has a single one. */
+static scaling_stages stages_of(const ty_ordinates_plan* plan) {
+    const bool alone = plan->ranks[0] * plan->ranks[1] == 1;
+    return (scaling_stages){{plan->ranks[0], plan->ranks[1]},
+                            alone ? 1 : plan->units,
+                            alone ? 1 : plan->stages,
+                            plan->messages,
+                            plan->message_bytes};
+}
+
+/* Seconds of all sweeps and of their acceleration. */
+static double sweeps_seconds(const case_result* r, const scaling_network* network, int32_t power,
+                             const scaling_stages* stages) {
+    const double moved = r->plans.sweeps[power].cell_bytes / (1 << power);
+    return r->sweeps * (scaling_sweep_seconds(&r->sweep, network, stages) + moved / network->bandwidth) +
+           cycles_seconds(r, network, power);
+}
+
+/* True if 2^power ranks can share the problem. */
+static bool is_planned(const case_result* r, int32_t power) {
+    return r->of->model == BY_TASKS || power < r->plans.count;
+}
+
+/* Seconds of the problem by the model, of 2^power ranks. */
+static double model_seconds(const case_result* r, const scaling_network* network, int32_t power) {
+    const double start = power > 0 ? r->start[1] : r->start[0];
     scaling_tasks tasks = r->tasks;
+    scaling_stages stages;
     switch (r->of->model) {
-    case BY_SWEEPS: return start + r->other + sweeps_seconds(r, network, ranks, SCALING_MINIMAL);
-    case BY_MULTIGRID: return start + r->other + scaling_multigrid_seconds(&r->grid, network, ranks);
+    case BY_SWEEPS:
+        stages = stages_of(&r->plans.sweeps[power]);
+        return start + r->other + sweeps_seconds(r, network, power, &stages);
+    case BY_MULTIGRID: return start + r->other + cycles_seconds(r, network, power);
     case BY_TASKS: break;
     }
     tasks.start = start;
-    return scaling_tasks_seconds(&tasks, network, ranks);
+    return scaling_tasks_seconds(&tasks, network, 1 << power);
 }
 
 /* The planned problem: an image of 1920 x 1080 pixels, a bake of 131,072 probes, solves of 1024^3 cells in three
  * channels; of the latter without what is not the solve. */
-static case_result plan(const case_result* measured, int32_t number) {
+static ty_result plan(figure_run* run, const case_result* measured, int32_t number, case_result* out) {
     const scaling_case* c = measured->of;
-    case_result r = *measured;
-    const int32_t cells[3] = {PLAN_EDGE, PLAN_EDGE, PLAN_EDGE};
-    const double grids = r.grid.cell_seconds, cycles = r.grid.cycles, passes = ceil(c->plan_number / 256.0);
+    *out = *measured;
+    const double passes = ceil(c->plan_number / 256.0);
     if (c->model == BY_TASKS) {
-        r.work = r.tasks.work *= (double)c->plan_items / (double)c->items * c->plan_number / number;
-        r.tasks.blocks = (c->plan_items + c->block - 1) / c->block;
-        r.tasks.bytes = c->block == PATH_BLOCK ? pixel_bytes * (double)c->plan_items * passes
-                                               : r.bytes * (double)c->plan_items / (double)c->items;
-        return r;
+        out->work = out->tasks.work *= (double)c->plan_items / (double)c->items * c->plan_number / number;
+        out->tasks.blocks = (c->plan_items + c->block - 1) / c->block;
+        out->tasks.bytes = c->block == PATH_BLOCK ? pixel_bytes * (double)c->plan_items * passes
+                                                  : out->bytes * (double)c->plan_items / (double)c->items;
+        return TY_OK;
     }
-    memcpy(r.sweep.cells, cells, sizeof cells);
-    r.grid = make_grid(cells, cycles, 0);
-    r.grid.cell_seconds = grids;
-    r.other = r.start[0] = r.start[1] = 0;
-    return r;
+    for (int a = 0; a < 3; ++a) out->cells[a] = out->sweep.cells[a] = PLAN_EDGE;
+    out->other = out->start[0] = out->start[1] = 0;
+    return make_plans(run, out);
 }
 
 /* ---- charts ---- */
@@ -317,9 +373,23 @@ static void draw_measured(plot_chart charts[CHARTS], const case_result* r, int c
 static void draw_model(plot_chart charts[CHARTS], const case_result* r, const scaling_network* network, int color) {
     plot_series* model = add_series(&charts[2], PLOT_LINE, color, "%s", r->of->name);
     plot_series* dots = add_series(&charts[2], PLOT_DOTS, color, "", "");
-    for (int32_t ranks = 1; ranks <= RANKS_END; ranks *= 2)
-        plot_add_point(model, ranks, model_seconds(r, network, ranks), 0);
+    for (int32_t i = 0; i < POWERS && is_planned(r, i); ++i)
+        plot_add_point(model, 1 << i, model_seconds(r, network, i), 0);
     for (int i = 0; i < MEASURED; ++i) plot_add_point(dots, ranks_measured[i], r->strong[i], 0);
+}
+
+/* Sweeps of the planned problem by the published schedule: with the same division and blocks, and with its own best
+ * ones. */
+static void draw_published(figure_run* run, plot_series* series, const case_result* planned, double one,
+                           const scaling_network* network, int32_t power, const char* item) {
+    const int32_t ranks = 1 << power;
+    const ty_ordinates_plan* own = &planned->plans.sweeps[power];
+    const scaling_stages best = scaling_best_kba(&planned->sweep, network, ranks);
+    const double kba = sweeps_seconds(planned, network, power, &best);
+    plot_add_point(series, ranks, one / (ranks * kba), 0);
+    figure_notes(run, item, {"efficiency, KBA's schedule", "1", one / (ranks * kba)}, {"units", "1", own->units},
+                 {"stages", "1", own->stages}, {"stages corner by corner", "1", ty_ordinates_stages_kba(own)},
+                 {"units, KBA's", "1", best.units}, {"stages, KBA's", "1", best.stages});
 }
 
 /* Efficiency of the planned problem; sweeps also by the published schedule. */
@@ -328,41 +398,42 @@ static void draw_plan(figure_run* run, plot_chart charts[CHARTS], const case_res
     const bool swept = planned->of->model == BY_SWEEPS;
     plot_series* model = add_series(&charts[3], PLOT_LINE, color, "%s", planned->of->name);
     plot_series* published = swept ? add_series(&charts[3], PLOT_DASHES, color, "%s, KBA's schedule", "dom") : NULL;
-    const double one = model_seconds(planned, network, 1);
-    for (int32_t ranks = 1; ranks <= RANKS_END; ranks *= 2) {
+    const double one = model_seconds(planned, network, 0);
+    for (int32_t i = 0; i < POWERS && is_planned(planned, i); ++i) {
         char item[FIGURE_NAME_SIZE];
-        const double seconds = model_seconds(planned, network, ranks);
+        const int32_t ranks = 1 << i;
+        const double seconds = model_seconds(planned, network, i);
         snprintf(item, sizeof item, "%s, planned, %d ranks", planned->of->name, (int)ranks);
         plot_add_point(model, ranks, one / (ranks * seconds), 0);
         figure_notes(run, item, {"time by the model", "s", seconds}, {"efficiency", "1", one / (ranks * seconds)});
-        if (!swept) continue;
-        const double kba = sweeps_seconds(planned, network, ranks, SCALING_KBA);
-        plot_add_point(published, ranks, one / (ranks * kba), 0);
-        figure_note(run, item, "efficiency, KBA's schedule", "1", one / (ranks * kba));
+        if (swept) draw_published(run, published, planned, one, network, i, item);
     }
 }
 
 /* ---- memory ---- */
 
-/* Memory of a rank in the planned solves of three channels. */
-static ty_result draw_memory(figure_run* run, const case_result results[CASES]) {
-    static const int32_t ranks[MEMORIES] = {1, 16, 64, 256, 512, 1024, RANKS_END};
-    static const int32_t cells[3] = {PLAN_EDGE, PLAN_EDGE, PLAN_EDGE};
+/* Memory of a rank in the planned solves; channels are solved one after another. */
+static ty_result draw_memory(figure_run* run, const case_result planned[CASES]) {
+    static const int32_t powers[MEMORIES] = {0, 4, 6, 8, 9, 10, POWERS - 1};
     plot_table table;
     int row = 1;
     const ty_result result = plot_create_table(3, MEMORIES + 1, 1, &table);
     if (result != TY_OK) return result;
-    plot_set_cell(&table, 0, 0, "%d³ cells, 3 channels: GB a rank", PLAN_EDGE);
-    for (int i = 0; i < MEMORIES; ++i) plot_set_cell(&table, 0, i + 1, "%d ranks", (int)ranks[i]);
+    plot_set_cell(&table, 0, 0, "%d³ cells: GB a rank, of its part alone", PLAN_EDGE);
+    for (int i = 0; i < MEMORIES; ++i) plot_set_cell(&table, 0, i + 1, "%d ranks", 1 << powers[i]);
     for (int c = 0; c < CASES; ++c) {
-        const case_result* r = &results[c];
+        const case_result* r = &planned[c];
         if (r->of->model == BY_TASKS) continue;
-        plot_set_cell(&table, row, 0, "%s, %.0f bytes a cell", r->of->name, r->cell_bytes);
+        plot_set_cell(&table, row, 0, "%s", r->of->name);
         for (int i = 0; i < MEMORIES; ++i) {
             char item[FIGURE_NAME_SIZE];
-            const double gigabytes = 1e-9 * scaling_memory(cells, r->cell_bytes, r->cut_bytes, ranks[i]);
+            const ty_ordinates_plan* sweeps = &r->plans.sweeps[powers[i]];
+            const ty_diffusion_plan* cycles = &r->plans.cycles[powers[i]];
+            if (!is_planned(r, powers[i])) continue;
+            const double gigabytes =
+                1e-9 * (r->of->model == BY_SWEEPS ? sweeps->arrays + sweeps->solve : cycles->arrays + cycles->solve);
             plot_set_cell(&table, row, i + 1, "%.3g", gigabytes);
-            snprintf(item, sizeof item, "%s, planned, %d ranks", r->of->name, (int)ranks[i]);
+            snprintf(item, sizeof item, "%s, planned, %d ranks", r->of->name, 1 << powers[i]);
             figure_note(run, item, "memory of a rank", "GB", gigabytes);
         }
         ++row;
@@ -389,22 +460,22 @@ static void begin_charts(plot_chart charts[CHARTS]) {
 ty_result figure_scaling_ranks(figure_run* run) {
     static plot_chart charts[CHARTS];
     char folder[FIGURE_PATH_SIZE];
-    case_result results[CASES];
+    static case_result results[CASES], planned[CASES];
     const scaling_network network = {run->options->latency, run->options->bandwidth};
     begin_charts(charts);
     ty_result result = scaling_open_folder(run, folder);
     if (result != TY_OK || !scaling_can_start(run, folder)) return result;
     for (int c = 0; c < CASES && result == TY_OK; ++c) {
         result = measure_case(run, folder, &cases[c], &results[c]);
+        if (result == TY_OK) result = plan(run, &results[c], strong_number(run, &cases[c]), &planned[c]);
         if (result != TY_OK) return result;
-        const case_result planned = plan(&results[c], strong_number(run, &cases[c]));
         draw_measured(charts, &results[c], 1 + c);
         draw_model(charts, &results[c], &network, 1 + c);
-        draw_plan(run, charts, &planned, &network, 1 + c);
+        draw_plan(run, charts, &planned[c], &network, 1 + c);
     }
     plot_page_charts(&run->page, charts, 2);
     plot_page_charts(&run->page, charts + 2, 2);
-    result = draw_memory(run, results);
+    result = draw_memory(run, planned);
     figure_caption(run,
                    "Ranks of one thread under mpirun on this machine, by processor time; waiting is not in it. path, "
                    "bake: the mean of the ranks, whose tasks go to who is free; others: the rank with the most. Model: "

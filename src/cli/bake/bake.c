@@ -198,7 +198,7 @@ static int help_baking(cli_session* session, const bake_options* options) {
     ty_job_worker workers[TY_JOB_KINDS] = {0};
     if (result == TY_OK) workers[TY_JOB_JOINT] = ty_joint_worker(&joint, session->comm, run.scene);
     workers[TY_JOB_BAKE] = ty_bake_job_worker(&helper);
-    const int status = cli_ranks_serve(session, workers);
+    const int status = cli_ranks_serve(session, workers, NULL);
     ty_bake_cache_destroy(run.cache);
     ty_impulse_destroy(run.tables);
     ty_scene_destroy(run.scene);

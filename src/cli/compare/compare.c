@@ -203,6 +203,6 @@ int cli_compare(int count, char** arguments) {
     if (status == CLI_GO) status = cli_ranks_open(&session);
     if (status != CLI_GO) return status;
     const char* path = is_image(given.positional[0]) ? NULL : given.positional[0];
-    return cli_ranks_helps(&session) ? cli_help_paths(&session, path, &options.overrides)
+    return cli_ranks_helps(&session) ? cli_help_paths(&session, path, &options.overrides, false)
                                      : run_comparison(&session, &given, &options);
 }

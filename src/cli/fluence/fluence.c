@@ -307,6 +307,6 @@ int cli_fluence(int count, char** arguments) {
     if (status == CLI_GO) status = cli_session_open(&session, "fluence", &given.common);
     if (status == CLI_GO) status = cli_ranks_open(&session);
     if (status != CLI_GO) return status;
-    if (cli_ranks_helps(&session)) return cli_help_paths(&session, given.positional[0], &options.overrides);
+    if (cli_ranks_helps(&session)) return cli_help_paths(&session, given.positional[0], &options.overrides, false);
     return cli_session_close(&session, run(&session, given.positional[0], &options));
 }

@@ -310,9 +310,15 @@ static int read_head(const char* path, unsigned char head[HEAD_SIZE], size_t* si
     return *size > 0 ? CLI_GO : cli_fail(CLI_USAGE, "%s: the file is empty", path);
 }
 
+/* A scene, or its plan for so many ranks; 0: the scene. */
+static int info_of_scene(cli_session* session, const char* path, const cli_list* overrides, int32_t ranks, bool json) {
+    return ranks > 0 ? cli_info_ranks(session, path, overrides, ranks, json)
+                     : cli_info_scene(session, path, overrides, json);
+}
+
 static int info_of_file(cli_session* session, const char* path, const cli_list* overrides, const ty_volume_def* raw,
-                        bool json) {
-    if (strncmp(path, "builtin:", 8) == 0) return cli_info_scene(session, path, overrides, json);
+                        int32_t ranks, bool json) {
+    if (strncmp(path, "builtin:", 8) == 0) return info_of_scene(session, path, overrides, ranks, json);
     if (ty_is_folder(path)) return info_dense(session, path, raw, json);
     unsigned char head[HEAD_SIZE];
     size_t size = 0;
@@ -324,8 +330,9 @@ static int info_of_file(cli_session* session, const char* path, const cli_list* 
     if (raw->exact_grid) kind = FILE_DENSE;
     if (overrides->count > 0 && kind != FILE_SCENE)
         return cli_usage_error("info", "-D is for scenes, and %s is none", path);
+    if (ranks > 0 && kind != FILE_SCENE) return cli_usage_error("info", "--ranks is for scenes, and %s is none", path);
     switch (kind) {
-    case FILE_SCENE: return cli_info_scene(session, path, overrides, json);
+    case FILE_SCENE: return info_of_scene(session, path, overrides, ranks, json);
     case FILE_VOLUME: return cli_info_volume(session, path, json);
     case FILE_DENSE: return info_dense(session, path, raw, json);
     case FILE_IMAGE: return cli_info_image(session, path, json);
@@ -340,6 +347,7 @@ static int info_of_file(cli_session* session, const char* path, const cli_list* 
 
 int cli_info(int count, char** arguments) {
     bool json = false, media = false;
+    int32_t ranks = 0;
     cli_list overrides = {0};
     ty_volume_def raw = ty_default_volume_def();
     const char *raw_size = NULL, *raw_type = NULL, *grid = NULL;
@@ -349,6 +357,9 @@ int cli_info(int count, char** arguments) {
          NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)", &overrides, 0, 0,
          NULL},
+        {"ranks", 0, CLI_INT, "N",
+         "plan of a scene's dom and fld among N ranks (mpirun): cells, memory, messages and stages of each", &ranks, 1,
+         16384, NULL},
         {"grid", 0, CLI_TEXT, "NAME", "one grid of a volume: its range and its place", &grid, 0, 0, NULL},
         {"component", 0, CLI_INT, "N", "which of several values per voxel (default 0)", &raw.component, 0, 65535, NULL},
         {"raw-size", 0, CLI_TEXT, "X,Y,Z", "voxels of a raw file", &raw_size, 0, 0, NULL},
@@ -383,7 +394,8 @@ int cli_info(int count, char** arguments) {
     if (status != CLI_GO) return status;
     const char* subject = given.positional[0];
     cli_end_on_interrupt(true);
-    status = media ? cli_info_media(&session, subject, json) : info_of_file(&session, subject, &overrides, &raw, json);
+    status = media ? cli_info_media(&session, subject, json)
+                   : info_of_file(&session, subject, &overrides, &raw, ranks, json);
     cli_end_on_interrupt(false);
     return cli_session_close(&session, status);
 }

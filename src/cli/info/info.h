@@ -8,6 +8,8 @@
 #include <tyndall/io.h>
 
 int cli_info_scene(cli_session* session, const char* path, const cli_list* overrides, bool json);
+/* The plan of its solves by dom and fld among so many ranks. */
+int cli_info_ranks(cli_session* session, const char* path, const cli_list* overrides, int32_t ranks, bool as_json);
 int cli_info_volume(cli_session* session, const char* path, bool json);
 int cli_info_image(cli_session* session, const char* path, bool json);
 int cli_info_mesh(cli_session* session, const char* path, bool json);

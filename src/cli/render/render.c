@@ -355,6 +355,6 @@ int cli_render(int count, char** arguments) {
     if (status == CLI_GO) status = cli_ranks_open(&session);
     if (status != CLI_GO) return status;
     if (options.frames_text != NULL) return render_sequence(&session, given.positional[0], &options);
-    return cli_ranks_helps(&session) ? cli_help_paths(&session, given.positional[0], &options.overrides)
+    return cli_ranks_helps(&session) ? cli_help_paths(&session, given.positional[0], &options.overrides, false)
                                      : load_and_render(&session, given.positional[0], &options);
 }

@@ -330,7 +330,7 @@ static void end_job(void* job) {
 static int run_other_rank(sequence* s, int status, const ty_scene* scene) {
     const ty_job_worker workers[TY_JOB_KINDS] = {[TY_JOB_FRAMES] = {begin_job, do_task, end_job, s}};
     cli_ranks_hello(s->session, status, scene);
-    return cli_ranks_serve(s->session, workers);
+    return cli_ranks_serve(s->session, workers, NULL);
 }
 
 /* Trials by time would choose other methods for other frames. */

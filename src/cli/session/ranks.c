@@ -89,9 +89,9 @@ void cli_ranks_hello(cli_session* session, int status, const ty_scene* scene) {
     cli_end_on_interrupt(true);
 }
 
-int cli_ranks_serve(cli_session* session, const ty_job_worker* workers) {
+int cli_ranks_serve(cli_session* session, const ty_job_worker* workers, const ty_queue_listener* listener) {
     bool all = true;
-    const int status = ty_queue_serve(session->comm, workers, &all);
+    const int status = ty_queue_serve(session->comm, workers, listener, &all);
     lost = !all;
     return status;
 }

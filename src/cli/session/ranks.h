@@ -22,8 +22,9 @@ bool cli_ranks_helps(const cli_session* session);
 int cli_ranks_greet(cli_session* session, const ty_scene* scene);
 /* On the others: tells rank 0 of the scene, or with status other than CLI_GO why there is none. */
 void cli_ranks_hello(cli_session* session, int status, const ty_scene* scene);
-/* On the others, after that: works for rank 0, and returns the exit status. workers: TY_JOB_KINDS of them. */
-int cli_ranks_serve(cli_session* session, const ty_job_worker* workers);
+/* On the others, after that: works for rank 0, and returns the exit status. workers: TY_JOB_KINDS of them; listener: of
+ * what rank 0 tells, NULL: none. */
+int cli_ranks_serve(cli_session* session, const ty_job_worker* workers, const ty_queue_listener* listener);
 /* Says on stderr that a method is solved by rank 0 alone. */
 void cli_ranks_tell_alone(cli_session* session, const char* method);
 /* On rank 0: lets the others end with a status. The session's end calls it. */

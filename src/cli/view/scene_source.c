@@ -64,8 +64,12 @@ void view_choose_again(view_live* live) {
 
 /* ---- edits ---- */
 
+/* The other ranks, if there are any, have the same document before their next task. */
 static ty_result apply(view_live* live, const ty_scene_change* changes, int32_t count, uint32_t* edited) {
-    return ty_scene_editor_apply(live->editor, changes, count, edited);
+    ty_work_queue* queue = ty_context_queue(live->context);
+    const ty_result result = ty_scene_editor_apply(live->editor, changes, count, edited);
+    if (result == TY_OK && queue != NULL) ty_queue_tell(queue, ty_scene_editor_text(live->editor));
+    return result;
 }
 
 static void take(view_live* live, uint32_t edited) {

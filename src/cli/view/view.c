@@ -182,6 +182,6 @@ int cli_view(int count, char** arguments) {
     if (status == CLI_GO) status = cli_ranks_open(&session);
     if (status != CLI_GO) return status;
     const char* path = is_photo(&options, given.positional[0]) ? NULL : given.positional[0];
-    return cli_ranks_helps(&session) ? cli_help_paths(&session, path, &options.overrides)
+    return cli_ranks_helps(&session) ? cli_help_paths(&session, path, &options.overrides, true)
                                      : load_and_serve(&session, &given, &options);
 }

@@ -55,7 +55,7 @@ static char* compact_text(ty_context* context, const json_t* root) {
 }
 
 /* Takes over the reader's document, and the digests of the sections that it read. */
-static void take_document(ty_scene_editor* editor, ty_scene_reader* reader, unsigned sections, char* text) {
+static void exchange_document(ty_scene_editor* editor, ty_scene_reader* reader, unsigned sections, char* text) {
     json_t* root = editor->root;
     editor->root = reader->root;
     reader->root = root;
@@ -117,7 +117,7 @@ static ty_result build(ty_scene_editor* editor, ty_scene_reader* reader, unsigne
         return result;
     }
     ty_scene_set_hash(editor->scene, hash);
-    take_document(editor, reader, sections, text);
+    exchange_document(editor, reader, sections, text);
     return TY_OK;
 }
 
@@ -345,23 +345,42 @@ static bool same_camera(const ty_camera_def* a, const ty_camera_def* b) {
            memcmp(a->end_up, b->end_up, sizeof a->end_up) == 0;
 }
 
+/* Makes the scene of a reader's document, which takes the place of the editor's. */
+static ty_result follow_document(ty_scene_editor* editor, ty_scene_reader* reader, uint32_t* edited) {
+    if (editor->replaced == 0 && json_equal(editor->root, reader->root)) return TY_OK;
+    const ty_camera_def camera = ty_scene_camera(editor->scene);
+    ty_result result = ty_reader_check(reader, NULL);
+    if (result != TY_OK) return result;
+    uint32_t flags = compare(editor->root, reader->root) | flags_of(editor->replaced);
+    result = build(editor, reader, sections_of(editor->root, reader->root) | editor->replaced);
+    if (result != TY_OK) return result;
+    editor->replaced = 0;
+    const ty_camera_def now = ty_scene_camera(editor->scene);
+    if (!same_camera(&camera, &now)) flags |= TY_EDIT_CAMERA; /* that of a geometry's file */
+    *edited = flags;
+    return TY_OK;
+}
+
+ty_result ty_scene_editor_follow(ty_scene_editor* editor, const char* text) {
+    uint32_t edited = TY_EDIT_NOTHING;
+    ty_scene_reader reader = start_reading(editor);
+    reader.bare = true;
+    json_t* document = json_loads(text, JSON_REJECT_DUPLICATES, NULL);
+    reader.root = document != NULL ? ty_json_keep_same(editor->opened, document) : NULL;
+    json_decref(document);
+    const ty_result result = reader.root != NULL
+                                 ? follow_document(editor, &reader, &edited)
+                                 : ty_fail(editor->context, TY_ERROR_INPUT, "a document of an editor cannot be read");
+    end_reading(&reader);
+    ty_assets_trim(&editor->assets);
+    return result;
+}
+
 static ty_result apply(ty_scene_editor* editor, const ty_scene_change* changes, int32_t count, uint32_t* edited) {
     ty_scene_reader reader = start_reading(editor);
     reader.bare = true;
     ty_result result = change_copy(editor, changes, count, &reader.root);
-    if (result == TY_OK && (editor->replaced != 0 || !json_equal(editor->root, reader.root))) {
-        const ty_camera_def camera = ty_scene_camera(editor->scene);
-        uint32_t flags = TY_EDIT_NOTHING;
-        result = ty_reader_check(&reader, NULL);
-        if (result == TY_OK) {
-            flags = compare(editor->root, reader.root) | flags_of(editor->replaced);
-            result = build(editor, &reader, sections_of(editor->root, reader.root) | editor->replaced);
-        }
-        if (result == TY_OK) editor->replaced = 0;
-        const ty_camera_def now = ty_scene_camera(editor->scene);
-        if (!same_camera(&camera, &now)) flags |= TY_EDIT_CAMERA; /* that of a geometry's file */
-        if (result == TY_OK) *edited = flags;
-    }
+    if (result == TY_OK) result = follow_document(editor, &reader, edited);
     end_reading(&reader);
     ty_assets_trim(&editor->assets);
     return result;

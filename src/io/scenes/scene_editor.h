@@ -9,6 +9,10 @@
 /* Changes a document, without a check of what it holds then; on failure it may hold some of the objects on the way. */
 ty_result ty_change_document(ty_context* context, json_t* root, const ty_scene_change* change);
 
+/* Makes the scene of another editor's document, which that one has of the same file (ty_scene_editor_text). Errors: as
+ * ty_scene_editor_apply. */
+ty_result ty_scene_editor_follow(ty_scene_editor* editor, const char* text);
+
 /* ---- changes since the file was opened, overrides included ---- */
 
 /* The file's text with only the changed values replaced, inserted and removed: spaces, the order of keys and other

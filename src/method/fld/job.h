@@ -43,6 +43,8 @@ typedef struct ty_fld_job {
 extern const ty_option_table ty_fld_options;
 extern const ty_volume_method ty_volume_fld;
 
+/* The cells of direct light, and the number of those of diffusion. */
+ty_result ty_fld_choose_cells(const ty_scene* scene, const ty_fld_def* def, ty_grid_box* direct, int32_t diffusion[3]);
 /* Samples the media on fine and coarse cells. */
 ty_result ty_fld_sample_media(ty_fld_job* job);
 /* Computes the uncollided light of all sources on fine cells, and its scattering source on coarse cells. */

@@ -18,15 +18,20 @@ static double choose_ratio(const ty_fld_def* def, const int32_t size[3]) {
     return longest_side(size) >= RATIO * FEW_CELLS ? RATIO : FEW_RATIO;
 }
 
+ty_result ty_fld_choose_cells(const ty_scene* scene, const ty_fld_def* def, ty_grid_box* direct, int32_t diffusion[3]) {
+    const ty_result result = ty_grid_box_fit(scene, ty_grid_box_longest(scene, def->resolution), direct);
+    if (result != TY_OK) return result;
+    const double ratio = choose_ratio(def, direct->size);
+    for (int a = 0; a < 3; ++a) diffusion[a] = (int32_t)fmax(1, lround(direct->size[a] / ratio));
+    return TY_OK;
+}
+
 ty_result ty_fld_sample_media(ty_fld_job* job) {
     ty_grid_box box;
-    ty_result result = ty_grid_box_fit(job->scene, ty_grid_box_longest(job->scene, job->def->resolution), &box);
-    if (result == TY_OK) result = ty_grid_medium_create(job->scene, &box, &job->fine);
-    if (result != TY_OK) return result;
-    const double ratio = choose_ratio(job->def, box.size);
     int32_t size[3];
-    for (int a = 0; a < 3; ++a) size[a] = (int32_t)fmax(1, lround(box.size[a] / ratio));
-    result = ty_grid_medium_resize(job->fine, size, &job->coarse);
+    ty_result result = ty_fld_choose_cells(job->scene, job->def, &box, size);
+    if (result == TY_OK) result = ty_grid_medium_create(job->scene, &box, &job->fine);
+    if (result == TY_OK) result = ty_grid_medium_resize(job->fine, size, &job->coarse);
     if (result != TY_OK) return result;
     job->light->direct_box = box;
     memcpy(job->stats.direct_size, box.size, sizeof box.size);

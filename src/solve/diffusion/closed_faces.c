@@ -10,6 +10,7 @@
 #include "solve/diffusion/closed_faces.h"
 
 #include "solve/diffusion/cells.k.h"
+#include "solve/diffusion/divided/divided.h"
 
 #include <math.h>
 #include <string.h>
@@ -29,6 +30,12 @@ typedef struct closed_job {
 
 static bool is_closed(const ty_diffusion_faces* faces, ptrdiff_t cell, int face) {
     return (faces->closed[cell] >> face & 1) != 0;
+}
+
+/* True if a cell lies at an end of the grid. */
+static bool is_at_end(const ty_box* box, const int32_t at[3], int face) {
+    const int axis = face / 2;
+    return at[axis] == ((face & 1) != 0 ? box->size[axis] - 1 : 0) && ty_box_ends(box, face);
 }
 
 /* ---- sides ---- */
@@ -71,7 +78,7 @@ static double difference(const closed_job* closed, const int32_t at[3], ptrdiff_
     bool open[2], outside[2];
     for (int up = 0; up < 2; ++up) {
         open[up] = !is_closed(faces, dense, 2 * axis + up);
-        outside[up] = open[up] && at[axis] == (up != 0 ? cells->box.size[axis] - 1 : 0);
+        outside[up] = open[up] && is_at_end(&cells->box, at, 2 * axis + up);
         if (open[up] && !outside[up]) slope[up] = up != 0 ? phi[step] - phi[0] : phi[0] - phi[-step];
     }
     for (int up = 0; up < 2; ++up) {
@@ -109,10 +116,19 @@ static void diffuse_plane(void* user, int64_t z, int32_t worker) {
 
 /* ---- equations ---- */
 
-static float damped(const closed_job* closed, ptrdiff_t at, ptrdiff_t dense) {
-    const ty_cells* cells = &closed->job->cells;
-    return ty_damped_diffusivity(closed->job->diffusivity[at], ty_maxf(cells->extinction[dense], cells->min_extinction),
-                                 closed->damping);
+/* The damped D of the linear problem. */
+static void damp_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const closed_job* closed = user;
+    const ty_diffusion_job* job = closed->job;
+    const ty_cells* cells = &job->cells;
+    for (int32_t y = 0; y < cells->box.size[1]; ++y) {
+        const ptrdiff_t row = ty_box_at(&cells->box, y, (int32_t)z), dense = ty_box_dense(&cells->box, y, (int32_t)z);
+        for (int32_t x = 0; x < cells->box.size[0]; ++x)
+            job->direction[row + x] =
+                ty_damped_diffusivity(job->diffusivity[row + x],
+                                      ty_maxf(cells->extinction[dense + x], cells->min_extinction), closed->damping);
+    }
 }
 
 /* Couplings of a cell, and f without the light that its sides send. */
@@ -120,7 +136,6 @@ static double assemble_cell(const closed_job* closed, const int32_t at[3], ptrdi
     const ty_diffusion_job* job = closed->job;
     const ty_cells* cells = &job->cells;
     const ptrdiff_t steps[3] = {1, cells->box.row, cells->box.plane};
-    const ptrdiff_t dense_steps[3] = {1, cells->box.size[0], (ptrdiff_t)cells->box.size[0] * cells->box.size[1]};
     const double* phi = (const double*)job->phi + i;
     const float absorption = cells->absorption != NULL ? cells->absorption[dense] : 0;
     double f = (double)cells->source[dense] * (double)cells->scale - (double)absorption * phi[0];
@@ -132,7 +147,7 @@ static double assemble_cell(const closed_job* closed, const int32_t at[3], ptrdi
         float* lower = job->levels[0].g[axis] + i;
         if (up == 0) *lower = 0;
         if (!is_open) continue;
-        if (at[axis] == (up != 0 ? cells->box.size[axis] - 1 : 0)) {
+        if (is_at_end(&cells->box, at, face)) {
             const ty_side* side = &cells->sides[face];
             const float w = ty_cell_boundary(side->a, side->b, job->diffusivity[i]);
             const ptrdiff_t value = side->step * at[axis == 2 ? 1 : 2] + at[axis == 0 ? 1 : 0];
@@ -142,9 +157,7 @@ static double assemble_cell(const closed_job* closed, const int32_t at[3], ptrdi
         }
         const float coupling = cells->coupling[axis] * (job->diffusivity[i] + job->diffusivity[i + step]);
         f += (double)coupling * (phi[step] - phi[0]);
-        if (up == 0)
-            *lower = cells->coupling[axis] *
-                     (damped(closed, i, dense) + damped(closed, i + step, dense - dense_steps[axis]));
+        if (up == 0) *lower = cells->coupling[axis] * (job->direction[i] + job->direction[i + step]);
     }
     return f;
 }
@@ -182,10 +195,15 @@ static void assemble_plane(void* user, int64_t z, int32_t worker) {
 /* Sum of squares of the residuals f. */
 static double linearise(closed_job* closed) {
     ty_diffusion_job* job = closed->job;
-    ty_solve_planes(job, &job->cells.box, diffuse_plane, closed);
-    ty_solve_planes(job, &job->cells.box, assemble_plane, closed);
-    ty_solve_count(job, &job->cells.box, 2);
-    return ty_solve_sum(job, &job->cells.box).a;
+    const ty_box* box = &job->cells.box;
+    ty_divided_exchange_fluence(job, box, job->phi, NULL);
+    ty_solve_planes(job, box, diffuse_plane, closed);
+    ty_solve_planes(job, box, damp_plane, closed);
+    ty_divided_exchange(job, box, (float*[]){job->diffusivity, job->direction}, 2);
+    ty_solve_planes(job, box, assemble_plane, closed);
+    ty_divided_exchange(job, box, &job->levels[0].g[1], 2);
+    ty_solve_count(job, box, 2);
+    return ty_solve_sum(job, box).a;
 }
 
 /* ---- iteration ---- */
@@ -214,7 +232,7 @@ static void iterate(closed_job* closed, double squares) {
 ty_result ty_solve_closed(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
     const int32_t limit = def->iterations > 0 ? def->iterations : ITERATIONS;
-    const double cells = (double)ty_box_cells(&job->cells.box);
+    const double cells = (double)ty_box_whole_cells(&job->cells.box);
     closed_job closed = {.job = job, .limiter = TY_LIMITER_NONE};
     if (def->start == NULL) iterate(&closed, linearise(&closed));
     closed.limiter = def->limiter;
@@ -240,6 +258,7 @@ void ty_solve_store_closed(ty_diffusion_job* job) {
     const ty_box* box = &job->cells.box;
     const double* edge = job->def->cell;
     const double volume = edge[0] * edge[1] * edge[2], unscale = 1 / (double)job->cells.scale;
+    double absorbed = 0, emitted = 0;
     for (int32_t z = 0; z < box->size[2]; ++z)
         for (int32_t y = 0; y < box->size[1]; ++y) {
             const ptrdiff_t row = ty_box_at(box, y, z), line = ty_box_dense(box, y, z) / box->size[0];
@@ -254,8 +273,12 @@ void ty_solve_store_closed(ty_diffusion_job* job) {
                 const double area = volume / edge[axis] / s;
                 if (job->out->side_flux != NULL) job->out->side_flux[side] = (float)net;
                 if (job->out->side_irradiance != NULL) job->out->side_irradiance[side] = (float)irradiance;
-                job->stats->surfaces_absorbed += area * (1 - albedo) * irradiance;
-                if (faces->radiosity != NULL) job->stats->surfaces_emitted += area * (double)faces->radiosity[side];
+                absorbed += area * (1 - albedo) * irradiance;
+                if (faces->radiosity != NULL) emitted += area * (double)faces->radiosity[side];
             }
         }
+    ty_divided_add(job, &absorbed);
+    ty_divided_add(job, &emitted);
+    job->stats->surfaces_absorbed = absorbed;
+    job->stats->surfaces_emitted = emitted;
 }

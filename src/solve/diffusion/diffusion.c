@@ -65,6 +65,7 @@ void ty_solve_lay_out(ty_diffusion_job* job, ty_arena* arena) {
     job->sums = ty_arena_take(arena, sizeof *job->sums * (size_t)box->whole[2]);
     job->cells.zeros = ty_arena_take(arena, sizeof(float) * (size_t)box->size[0]);
     for (int side = 0; side < 6; ++side) ty_solve_take_side(arena, box, side, &job->cells.sides[side]);
+    ty_divided_lay_out_sums(job, arena);
     if (def->solver != TY_DIFFUSION_MULTIGRID) return;
     ty_multigrid_lay_out(job, arena);
     job->direction = take_largest(job, arena);
@@ -99,9 +100,6 @@ static ty_result check_domain(ty_context* context, const ty_diffusion_def* def) 
     for (int axis = 0; axis < 3 && def->domain != NULL; ++axis)
         fits = fits && def->size[axis] == def->domain->end[axis] - def->domain->first[axis];
     if (!fits) return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: size: it is not that of the rank's box");
-    if (def->domain != NULL && (def->solver != TY_DIFFUSION_MULTIGRID || def->faces != NULL))
-        return ty_fail(context, TY_ERROR_ARGUMENT,
-                       "diffusion: domain: grids with surfaces, and those of solver sor, are not divided");
     return TY_OK;
 }
 

@@ -84,8 +84,8 @@ typedef struct ty_diffusion_def {
     ty_progress_fn progress; /* default NULL */
     void* progress_user;
     ty_domain* domain; /* NULL (default): none. Of ty_diffusion_divide: size, arrays and results are those of this
-                          rank's box, with boundary values of its faces (on all ranks or on none); all ranks call
-                          ty_diffusion_solve. With it the solver is TY_DIFFUSION_MULTIGRID, and faces are NULL */
+                          rank's box, with boundary values of its faces, and faces (on all ranks or on none); all ranks
+                          call ty_diffusion_solve */
     void* memory;      /* ty_diffusion_memory bytes, aligned to 64; NULL (default): from the context */
 } ty_diffusion_def;
 

@@ -71,7 +71,7 @@ ty_result ty_solve_sor(ty_diffusion_job* job);
 ty_result ty_solve_picard(ty_diffusion_job* job);
 
 /* Red and black sweep of Algorithm 1 on stage i, over cells within `depth` cells of a face of the box. Returns the sum
- * of squared residuals (of a divided grid 0). */
+ * of squared residuals (of multigrid on a divided grid 0). */
 enum { TY_RELAX_ALL = TY_DIFFUSION_SIDE_MAX };
 double ty_fas_relax(ty_diffusion_job* job, int32_t i, double omega, int32_t depth);
 

@@ -36,7 +36,8 @@ static double flux_below(const ty_diffusion_job* job, int axis, const int32_t ce
     if (cell[axis] == 0 && ty_box_ends(box, 2 * axis)) return -flux_out(job, 2 * axis, cell, at);
     if (cell[axis] == box->size[axis] && ty_box_ends(box, 2 * axis + 1))
         return flux_out(job, 2 * axis + 1, cell_below, below);
-    if (is_closed(job, cell, 2 * axis)) return 0;
+    if (cell[axis] == box->size[axis] ? is_closed(job, cell_below, 2 * axis + 1) : is_closed(job, cell, 2 * axis))
+        return 0;
     const double mean = 0.5 * ((double)job->diffusivity[at] + (double)job->diffusivity[below]);
     return mean / job->def->cell[axis] * (phi_at(job, below) - phi_at(job, at));
 }

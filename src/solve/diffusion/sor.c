@@ -16,6 +16,7 @@ typedef struct sweep {
     double omega;
     int32_t color, depth;  /* selection of cells in a plane */
     bool single_precision; /* single precision */
+    bool sums;             /* residuals over all ranks, too */
 } sweep;
 
 static void ghosts_plane(void* user, int64_t index, int32_t worker) {
@@ -44,7 +45,7 @@ static double pass(sweep* s, int32_t color) {
     ty_solve_planes(s->job, box, ghosts_plane, s);
     ty_divided_exchange_fluence(s->job, box, s->phi, s->diffusivity);
     ty_solve_planes(s->job, box, relax_plane, s);
-    return box->cut == 0 ? ty_solve_sum(s->job, box).a : 0;
+    return box->cut == 0 || s->sums ? ty_solve_sum(s->job, box).a : 0;
 }
 
 /* Fraction of a grid's cells within `depth` cells of its faces. */
@@ -63,7 +64,8 @@ double ty_fas_relax(ty_diffusion_job* job, int32_t i, double omega, int32_t dept
                .diffusivity = stage->diffusivity,
                .omega = omega,
                .depth = depth,
-               .single_precision = job->def->solver == TY_DIFFUSION_SOR_FLOAT};
+               .single_precision = job->def->solver == TY_DIFFUSION_SOR_FLOAT,
+               .sums = job->def->solver != TY_DIFFUSION_MULTIGRID};
     ty_solve_count(job, &stage->cells.box, fraction_within(&stage->cells.box, depth));
     const double first = pass(&s, 0);
     return first + pass(&s, 1);
@@ -90,6 +92,7 @@ static void diffuse_initial(ty_diffusion_job* job) {
     const ty_box* box = &job->cells.box;
     sweep s = {.job = job, .cells = &job->cells, .phi = job->phi, .diffusivity = job->diffusivity};
     ty_solve_planes(job, box, ghosts_plane, &s);
+    ty_divided_exchange_fluence(job, box, job->phi, NULL);
     ty_solve_planes(job, box, diffuse_plane, &s);
 }
 
@@ -97,7 +100,7 @@ static void diffuse_initial(ty_diffusion_job* job) {
 ty_result ty_solve_sor(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
     const int32_t limit = def->iterations > 0 ? def->iterations : 20000;
-    const double cells = (double)ty_box_cells(&job->cells.box);
+    const double cells = (double)ty_box_whole_cells(&job->cells.box);
     job->stages[0] = (ty_fas_level){.cells = job->cells, .phi = job->phi, .diffusivity = job->diffusivity};
     initialise(job);
     if (def->start != NULL && def->solver == TY_DIFFUSION_SOR) diffuse_initial(job);
@@ -105,6 +108,9 @@ ty_result ty_solve_sor(ty_diffusion_job* job) {
         const double squares = ty_fas_relax(job, 0, def->relaxation, TY_RELAX_ALL);
         job->stats->iterations = i + 1;
         const ty_result result = ty_solve_note(job, sqrt(squares / cells));
-        if (job->stats->converged || result != TY_OK || i + 1 == limit) return result;
+        if (!job->stats->converged && result == TY_OK && i + 1 < limit) continue;
+        /* Fluxes through cuts are those of the last sweep. */
+        ty_divided_exchange_fluence(job, &job->cells.box, job->phi, job->diffusivity);
+        return result;
     }
 }

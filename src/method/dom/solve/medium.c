@@ -81,9 +81,9 @@ static const double max_peak = 0.2;
 /* Minimum forward fraction for which unscattered light and the lobe are told apart. */
 static const double min_lobe_peak = 0.02;
 
-static int32_t choose_bands(const ty_dom_job* job, double g, int32_t exact) {
+static int32_t choose_bands(const ty_dom_def* def, double g, int32_t exact) {
     const int32_t max = exact / 2 + 1 < TY_DOM_BANDS_MAX ? exact / 2 + 1 : TY_DOM_BANDS_MAX;
-    if (job->def->bands > 0) return job->def->bands;
+    if (def->bands > 0) return def->bands;
     if (!(g > 0)) return 1;
     return (int32_t)fmin(max, fmax(2, ceil(log(max_peak) / log(g))));
 }
@@ -167,7 +167,7 @@ static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     const double g = largest_g(job->coarse);
     const float* legendre = ty_dom_legendre(light);
     light->isotropic = !(g > 0) && legendre == NULL;
-    light->bands = legendre != NULL ? choose_legendre_bands(job, legendre, exact) : choose_bands(job, g, exact);
+    light->bands = legendre != NULL ? choose_legendre_bands(job, legendre, exact) : choose_bands(job->def, g, exact);
     if (light->bands == 1 && job->def->bands == TY_AUTO && has_thick_swept_cells(job)) light->bands = 2;
     if (legendre == NULL) fit_bands(job, g);
     job->tells_positions = light->bands > 1 && has_even_cells(job);
@@ -324,4 +324,40 @@ ty_result ty_dom_sample_media(ty_dom_job* job) {
     if (result == TY_OK) result = keep_medium(job);
     if (result == TY_OK) choose_all_bands(job, exact);
     return result;
+}
+
+/* ---- plans ---- */
+
+/* Largest mean cosine of any medium. */
+static ty_result find_largest_g(const ty_scene* scene, double* max) {
+    const int32_t media = ty_scene_get_info(scene).media;
+    ty_result result = TY_OK;
+    *max = 0;
+    for (int32_t i = 0; i < media && result == TY_OK; ++i) {
+        ty_medium_def medium;
+        float g[3];
+        result = ty_scene_get_medium(scene, i, &medium);
+        if (result == TY_OK) result = ty_medium_mean_cosine(ty_scene_context(scene), &medium, g);
+        for (int c = 0; c < 3 && result == TY_OK; ++c) *max = fmax(*max, fabs((double)g[c]));
+    }
+    return result;
+}
+
+ty_result ty_dom_plan(const ty_scene* scene, const ty_dom_def* def, ty_angular_quadrature* set, ty_ordinates_def* out) {
+    ty_grid_box box;
+    int32_t exact = 0;
+    double g = 0;
+    *out = ty_default_ordinates_def();
+    ty_result result = ty_angular_quadrature_create(ty_scene_context(scene), def->directions, set, &exact);
+    if (result == TY_OK) result = find_largest_g(scene, &g);
+    if (result == TY_OK) result = ty_grid_box_fit(scene, ty_grid_box_longest(scene, TY_AUTO), &box);
+    if (result != TY_OK) return result;
+    ty_grid_box_cut(&box, def->resolution > 0 ? def->resolution : MAX_CELLS, out->size);
+    for (int a = 0; a < 3; ++a) out->cell[a] = (box.upper[a] - box.lower[a]) / out->size[a];
+    out->set = set;
+    out->bands = choose_bands(def, g, exact);
+    out->output_order = out->bands < MIN_OUTPUT_BANDS ? MIN_OUTPUT_BANDS : out->bands;
+    out->source_terms = out->bands * out->bands;
+    out->accelerated = def->acceleration == TY_DOM_ACCELERATION_DIFFUSION;
+    return TY_OK;
 }

@@ -6,6 +6,9 @@
 
 /* Directions, fine and coarse cells with their media, and the number of Legendre bands. */
 ty_result ty_dom_sample_media(ty_dom_job* job);
+/* Cells, directions and bands of a channel's solve, without the media's cells, for plans of memory: `resolution` auto
+ * counts as its largest number of cells, and fits of narrow phase functions may take more bands. out->set is `set`. */
+ty_result ty_dom_plan(const ty_scene* scene, const ty_dom_def* def, ty_angular_quadrature* set, ty_ordinates_def* out);
 /* Minimum number of Legendre bands for a fit. */
 enum { TY_DOM_MIN_FITTED_BANDS = 4 };
 

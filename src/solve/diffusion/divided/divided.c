@@ -113,13 +113,17 @@ static void set_part_stage(ty_diffusion_job* job) {
     }
 }
 
-void ty_divided_lay_out(ty_diffusion_job* job, ty_arena* arena) {
+void ty_divided_lay_out_sums(ty_diffusion_job* job, ty_arena* arena) {
     const ty_domain* domain = job->domain;
     if (domain == NULL) return;
     const size_t ranks = (size_t)ty_comm_size(domain->comm),
                  planes = (size_t)domain->cells[2] * (size_t)domain->ranks[1];
     job->offsets = ty_arena_take(arena, sizeof(size_t) * (ranks + 1));
     job->all_sums = ty_arena_take(arena, sizeof(ty_plane_sums) * planes);
+}
+
+void ty_divided_lay_out(ty_diffusion_job* job, ty_arena* arena) {
+    if (job->domain == NULL) return;
     job->gathered =
         ty_arena_take(arena, sizeof(float) * TY_GATHERED_MAX * (size_t)ty_box_cells(&job->levels[job->divided].box));
     if (arena->base == NULL) return;
@@ -152,9 +156,10 @@ void ty_divided_exchange(const ty_diffusion_job* job, const ty_box* box, float* 
     ty_domain_exchange(job->domain, box->size, halos, count);
 }
 
-void ty_divided_exchange_fluence(const ty_diffusion_job* job, const ty_box* box, double* phi, float* diffusivity) {
+void ty_divided_exchange_fluence(const ty_diffusion_job* job, const ty_box* box, void* phi, float* diffusivity) {
     if (box->cut == 0) return;
-    const ty_halo halos[2] = {halo_of(box, phi, sizeof(double)), halo_of(box, diffusivity, sizeof(float))};
+    const size_t item = job->def->solver == TY_DIFFUSION_SOR_FLOAT ? sizeof(float) : sizeof(double);
+    const ty_halo halos[2] = {halo_of(box, phi, item), halo_of(box, diffusivity, sizeof(float))};
     ty_domain_exchange(job->domain, box->size, halos, diffusivity != NULL ? 2 : 1);
 }
 
@@ -256,6 +261,10 @@ ty_plane_sums ty_divided_sum(const ty_diffusion_job* job, const ty_box* box) {
         }
     }
     return total;
+}
+
+void ty_divided_add(const ty_diffusion_job* job, double* value) {
+    if (job->domain != NULL) ty_comm_sum(job->domain->comm, value, 1);
 }
 
 bool ty_divided_any(const ty_diffusion_job* job, bool own) {

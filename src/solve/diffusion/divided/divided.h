@@ -10,7 +10,8 @@
 void ty_divided_begin(ty_diffusion_job* job);
 /* Box of a grid of `whole` cells, coarser than the finest by `ratio`. divided: this rank's part. */
 ty_box ty_divided_box(const ty_diffusion_job* job, const int32_t whole[3], const int32_t ratio[3], bool divided);
-/* Memory of sums and of gathered cells, once the levels are known. */
+/* Memory of sums; and of gathered cells, once the levels are known. */
+void ty_divided_lay_out_sums(ty_diffusion_job* job, ty_arena* arena);
 void ty_divided_lay_out(ty_diffusion_job* job, ty_arena* arena);
 
 /* The level or stage below level i as the kernels of level i see it: this rank's part of it. */
@@ -21,7 +22,8 @@ bool ty_divided_gathers(const ty_diffusion_job* job, int32_t i);
 
 /* Fills the layers beyond the cuts of a box, of arrays that point to cell (0, 0, 0). */
 void ty_divided_exchange(const ty_diffusion_job* job, const ty_box* box, float* const* arrays, int32_t count);
-void ty_divided_exchange_fluence(const ty_diffusion_job* job, const ty_box* box, double* phi, float* diffusivity);
+/* The same of the fluence, of the solver's type, and of D, unless it is NULL. */
+void ty_divided_exchange_fluence(const ty_diffusion_job* job, const ty_box* box, void* phi, float* diffusivity);
 /* Brings the parts of the first whole level together, with or without ghosts: at most TY_GATHERED_MAX arrays. */
 enum { TY_GATHERED_MAX = 4 };
 void ty_divided_gather(const ty_diffusion_job* job, float* const* arrays, int32_t count, bool with_ghosts);
@@ -29,6 +31,8 @@ void ty_divided_gather_side(const ty_diffusion_job* job, int side);
 
 /* Sum over the planes of a box, of all ranks; the same on each of them. */
 ty_plane_sums ty_divided_sum(const ty_diffusion_job* job, const ty_box* box);
+/* Adds up a number over all ranks. */
+void ty_divided_add(const ty_diffusion_job* job, double* value);
 /* True if any rank says so. */
 bool ty_divided_any(const ty_diffusion_job* job, bool own);
 

@@ -1,6 +1,7 @@
 #include "solve/diffusion/divided/joint.h"
 
 #include "base/context.h"
+#include "solve/diffusion/divided/joint_faces.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +24,7 @@ enum {
 typedef struct joint_head {
     ty_diffusion_def def;
     bool has[ARRAYS];
+    bool has_faces, has_radiosity;
 } joint_head;
 
 /* Rows of items of one array, of the whole grid or of a box: cells, faces along an axis, or those of a side. */
@@ -75,6 +77,7 @@ typedef struct part {
     joint_head head;
     float* arrays[ARRAYS];
     float* message; /* on rank 0: the largest box of another rank */
+    ty_joint_faces faces;
 } part;
 
 static size_t items_of(const part* p, int array, int32_t rank) {
@@ -105,6 +108,7 @@ static void free_part(part* p) {
             ty_free_array(p->context, p->arrays[array], items_of(p, array, ty_comm_rank(p->domain.comm)),
                           sizeof(float));
     free(p->message);
+    ty_joint_faces_free(&p->faces);
     ty_domain_destroy(&p->domain);
 }
 
@@ -134,24 +138,33 @@ static ty_result solve_part(part* p, ty_diffusion_stats* stats) {
     for (int side = 0; side < 6; ++side) def.boundary[side].value = p->arrays[SIDES + side];
     def.domain = &p->domain;
     def.memory = NULL;
-    const ty_diffusion_out out = {.fluence = p->arrays[FLUENCE],
+    def.faces = p->head.has_faces ? &p->faces.faces : NULL;
+    const ty_diffusion_out out = {.side_flux = p->faces.flux,
+                                  .side_irradiance = p->faces.irradiance,
+                                  .fluence = p->arrays[FLUENCE],
                                   .diffusivity = p->arrays[DIFFUSIVITY],
                                   .flux = {p->arrays[FLUX], p->arrays[FLUX + 1], p->arrays[FLUX + 2]}};
     return ty_diffusion_solve(p->context, &def, &out, stats);
 }
 
-/* On all ranks, with the arrays of the whole grid on rank 0. */
-static ty_result solve_together(part* p, float* const whole[ARRAYS], ty_diffusion_stats* stats) {
+/* On all ranks, with the arrays of the whole grid, its surfaces and the place of their results on rank 0. */
+static ty_result solve_together(part* p, float* const whole[ARRAYS], const ty_diffusion_faces* faces,
+                                const ty_diffusion_out* out, ty_diffusion_stats* stats) {
     double status = allocate(p) ? 0 : 1;
     ty_comm_max(p->domain.comm, &status, 1);
     ty_result result = status > 0 ? TY_ERROR_MEMORY : TY_OK;
     for (int array = 0; array < INPUTS && result == TY_OK; ++array)
         if (p->head.has[array]) move_array(p, array, whole[array], true);
+    p->faces = (ty_joint_faces){
+        .context = p->context, .domain = &p->domain, .whole = faces, .has_radiosity = p->head.has_radiosity};
+    if (result == TY_OK && p->head.has_faces) result = ty_joint_faces_take(&p->faces);
     if (result == TY_OK) result = solve_part(p, stats);
     for (int array = INPUTS; array < ARRAYS && (result == TY_OK || result == TY_CANCELLED); ++array)
         if (p->head.has[array]) move_array(p, array, whole[array], false);
+    if ((result == TY_OK || result == TY_CANCELLED) && p->head.has_faces)
+        ty_joint_faces_give(&p->faces, out->side_flux, out->side_irradiance);
     const int32_t lost = ty_comm_lost(p->domain.comm);
-    return result == TY_OK && lost >= 0
+    return result != TY_CANCELLED && result != TY_ERROR_MEMORY && lost >= 0
                ? ty_fail(p->context, TY_ERROR_UNSUPPORTED, "rank %d does not answer", (int)lost)
                : result;
 }
@@ -163,11 +176,7 @@ bool ty_diffusion_is_joint(const ty_context* context, const ty_diffusion_def* de
     ty_domain domain;
     const char* because = NULL;
     const bool others = queue != NULL && ty_queue_ranks(queue) > 1;
-    if (def->faces != NULL)
-        because = "surfaces between the cells are not divided";
-    else if (def->solver != TY_DIFFUSION_MULTIGRID)
-        because = "solver sor is not divided";
-    else if ((int64_t)def->size[0] * def->size[1] * def->size[2] < TY_DIFFUSION_JOINT_CELLS)
+    if ((int64_t)def->size[0] * def->size[1] * def->size[2] < TY_DIFFUSION_JOINT_CELLS)
         because = "there are too few cells to divide";
     else if (others && !ty_diffusion_divide(ty_queue_comm(queue), def, &domain))
         because = "there are too few cells to divide among so many ranks";
@@ -186,9 +195,11 @@ ty_result ty_diffusion_solve_jointly(ty_context* context, const ty_diffusion_def
     whole[DIFFUSIVITY] = out->diffusivity;
     for (int a = 0; a < 3; ++a) whole[FLUX + a] = out->flux[a];
     for (int array = 0; array < ARRAYS; ++array) p.head.has[array] = whole[array] != NULL;
+    p.head.has_faces = def->faces != NULL;
+    p.head.has_radiosity = def->faces != NULL && def->faces->radiosity != NULL;
     ty_comm* comm = ty_joint_begin(ty_context_queue(context), TY_JOINT_DIFFUSION, &p.head, sizeof p.head);
     if (comm == NULL || !ty_diffusion_divide(comm, def, &p.domain)) return ty_diffusion_solve(context, def, out, stats);
-    const ty_result result = solve_together(&p, whole, stats);
+    const ty_result result = solve_together(&p, whole, def->faces, out, stats);
     free_part(&p);
     return result;
 }
@@ -197,13 +208,13 @@ ty_result ty_diffusion_solve_jointly(ty_context* context, const ty_diffusion_def
 
 void ty_diffusion_take_part(ty_comm* comm, ty_context* context, const uint8_t* bytes, size_t size) {
     float* const none[ARRAYS] = {NULL};
+    const ty_diffusion_out out = {.fluence = NULL};
     ty_diffusion_stats stats;
     part p = {.context = context};
     if (size != sizeof p.head) return;
     memcpy(&p.head, bytes, sizeof p.head);
     p.head.def.progress = NULL;
-    p.head.def.faces = NULL;
     if (!ty_diffusion_divide(comm, &p.head.def, &p.domain)) return;
-    solve_together(&p, none, &stats);
+    solve_together(&p, none, NULL, &out, &stats);
     free_part(&p);
 }

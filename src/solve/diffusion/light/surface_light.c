@@ -6,6 +6,7 @@
 #include "solve/diffusion/light/surface_light.h"
 
 #include "base/context.h"
+#include "solve/diffusion/divided/joint.h"
 
 #include <string.h>
 
@@ -49,7 +50,9 @@ static ty_result solve_absorbing(const surface_job* job, const float* extinction
                                   .flux = {flux[0], flux[1], flux[2]},
                                   .side_flux = job->side_flux,
                                   .side_irradiance = irradiance};
-    const ty_result result = ty_diffusion_solve(job->light->context, &def, &out, stats);
+    ty_diffusion_stats ignored;
+    const ty_result result =
+        ty_diffusion_solve_jointly(job->light->context, &def, &out, stats != NULL ? stats : &ignored);
     ty_free_array(job->light->context, zeros, job->light->cells, sizeof *zeros);
     return result;
 }
@@ -126,7 +129,7 @@ static ty_result solve_collided(const surface_job* job, ty_diffusion_stats* stat
                                   .flux = {terms[1], terms[2], terms[3]},
                                   .side_flux = job->side_flux,
                                   .side_irradiance = irradiance};
-    const ty_result result = ty_diffusion_solve(light->context, &def, &out, stats);
+    const ty_result result = ty_diffusion_solve_jointly(light->context, &def, &out, stats);
     if (result == TY_OK) {
         ty_diffuse_terms_make(light->box.size, terms, job->surfaces->faces, job->side_flux);
         for (int t = 0; t < TY_FIELD_TERMS; ++t)

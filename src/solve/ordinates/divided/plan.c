@@ -5,23 +5,6 @@
 #include "solve/ordinates/job.h"
 #include "solve/ordinates/divided/joint_solve.h"
 
-/* ---- ranks that are not there ---- */
-
-static _Thread_local int32_t planned_ranks;
-
-static bool open_planned(int32_t* rank, int32_t* size) {
-    *rank = 0;
-    *size = planned_ranks;
-    return true;
-}
-
-static void close_planned(void) {
-}
-
-/* Ranks whose number alone is asked for. */
-static const ty_comm_backend planned = {
-    .version = TY_COMM_BACKEND_VERSION, .open = open_planned, .close = close_planned};
-
 /* ---- a part ---- */
 
 static ty_diffusion_def diffusion_of(const ty_ordinates_def* part) {
@@ -102,11 +85,14 @@ static ty_result plan_parts(ty_context* context, const ty_ordinates_def* whole, 
 
 ty_result ty_ordinates_plan_ranks(ty_context* context, const ty_ordinates_def* whole, int32_t ranks,
                                   ty_ordinates_plan* out) {
-    ty_comm* comm = NULL;
+    ty_comm* comm = ty_comm_plan(ranks);
     *out = (ty_ordinates_plan){.ranks = {1, 1}};
-    planned_ranks = ranks;
-    if (ranks > 1 && ty_comm_join(&planned, 1, 0, &comm) != TY_OK) return TY_ERROR_MEMORY;
+    if (ranks > 1 && comm == NULL) return TY_ERROR_MEMORY;
     const ty_result result = plan_parts(context, whole, comm, out);
     ty_comm_close(comm, true, 0);
     return result;
+}
+
+int32_t ty_ordinates_stages_kba(const ty_ordinates_plan* plan) {
+    return plan->units + 4 * (plan->ranks[0] - 1 + plan->ranks[1] - 1);
 }

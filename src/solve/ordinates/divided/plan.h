@@ -21,5 +21,8 @@ typedef struct ty_ordinates_plan {
  * Errors: TY_ERROR_ARGUMENT: there are too few cells for so many ranks; TY_ERROR_MEMORY. */
 ty_result ty_ordinates_plan_ranks(ty_context* context, const ty_ordinates_def* whole, int32_t ranks,
                                   ty_ordinates_plan* out);
+/* Stages of the same units by the published KBA, which fills the pipeline of ranks at each of the four corners of the
+ * box: Sec. 3 (Baker & Koch 1998). */
+int32_t ty_ordinates_stages_kba(const ty_ordinates_plan* plan);
 
 #endif
