@@ -232,7 +232,8 @@ static void assert_near(const char* name, double value, double expected, double 
     if (!(fabs(value - expected) <= bound)) fail_msg("%s: %g, not %g", name, value, expected);
 }
 
-/* The same layer by ordinates. It is even along x to rounding. */
+/* The same layer by ordinates: 0.3 % and 0.05 % off, in balance to 2e-5, and even along x to 1.1e-4, which is the
+ * tolerance of the solve. */
 static void dom_solves_the_layer(void** state) {
     static const double levels[2] = {0, 1};
     const ty_medium_def layer = layer_of(1.8f, 0.2f, 0.75f);
@@ -243,13 +244,41 @@ static void dom_solves_the_layer(void** state) {
     const double down = mean_of(flux, TY_FLUX_DOWN_DIFFUSE, 0).mean + mean_of(flux, TY_FLUX_DOWN_DIRECT, 0).mean;
     printf("%d sweeps\n", (int)stats.sweeps[0]);
     assert_true(stats.converged);
-    assert_near("reflectance", mean_of(flux, TY_FLUX_UP, 1).mean, 0.09739, 0.03 * 0.09739);
-    assert_near("transmittance", down, 0.66096, 0.03 * 0.66096);
+    assert_near("reflectance", mean_of(flux, TY_FLUX_UP, 1).mean, 0.09739, 0.006 * 0.09739);
+    assert_near("transmittance", down, 0.66096, 0.002 * 0.66096);
     assert_near("direct", mean_of(flux, TY_FLUX_DOWN_DIRECT, 0).mean, exp(-2), 1e-5);
-    assert_near("sum", sum_of(flux), 1, 1e-3);
-    for (int i = 1; i < 3; ++i) assert_near("column", up[3 * i], up[0], 1e-4 * up[0]);
+    assert_near("sum", sum_of(flux), 1, 1e-4);
+    for (int i = 1; i < 3; ++i) assert_near("column", up[3 * i], up[0], 3e-4 * up[0]);
     ty_flux_destroy(flux);
     ty_scene_destroy(scene);
+}
+
+static void dom_refuses_what_it_leaves_out(void** state) {
+    static const double levels[1] = {0};
+    static const ty_flux_view view = {0, 0};
+    const ty_medium_def layer = layer_of(1, 0, 0);
+    ty_scene *ground = layer_scene(*state, &layer, 0, 0.5), *open = make_scene(*state);
+    assert_int_equal(ty_scene_add_medium(open, &layer), TY_OK);
+    assert_int_equal(ty_scene_commit(open), TY_OK);
+    const ty_dom_def dom = ty_default_dom_def();
+    ty_flux_def def = ty_default_flux_def();
+    ty_flux* flux = NULL;
+    ty_image* image = NULL;
+    def.levels = levels;
+    def.level_count = 1;
+    assert_int_equal(ty_dom_flux(ground, &dom, &def, &flux, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "dom does without surfaces");
+    assert_int_equal(ty_dom_flux(open, &dom, &def, &flux, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "repeat along both horizontal axes");
+    def.views = &view;
+    def.view_count = 1;
+    assert_int_equal(ty_dom_flux(ground, &dom, &def, &flux, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "flux.views");
+    assert_null(flux);
+    assert_int_equal(ty_dom_render(ground, &dom, &image, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "dom takes no periodic scenes");
+    ty_scene_destroy(open);
+    ty_scene_destroy(ground);
 }
 
 /* Voxels under a slanted sun: with the means of path tracing, and in balance. */
@@ -264,7 +293,7 @@ static void dom_solves_a_cloud(void** state) {
     ty_flux* traced = flux_of(scene, levels, 2, 2, 4 * SPP);
     printf("%d sweeps\n", (int)stats.sweeps[0]);
     assert_true(stats.converged);
-    assert_near("sum", sum_of(flux), 1, 2e-3);
+    assert_near("sum", sum_of(flux), 1, 1e-4);
     for (int q = TY_FLUX_UP; q <= TY_FLUX_ABSORBED; ++q) {
         const number expected = mean_of(traced, q, q == TY_FLUX_UP ? 1 : 0);
         assert_near("dom", mean_of(flux, q, q == TY_FLUX_UP ? 1 : 0).mean, expected.mean,
@@ -359,8 +388,9 @@ int main(void) {
         cmocka_unit_test(wrong_places_are_refused),     cmocka_unit_test(an_absorbing_layer_follows_beers_law),
         cmocka_unit_test(light_of_the_sky_is_direct),   cmocka_unit_test(emission_of_media_is_diffuse),
         cmocka_unit_test(a_layer_has_published_fluxes), cmocka_unit_test(dom_solves_the_layer),
-        cmocka_unit_test(dom_solves_a_cloud),           cmocka_unit_test(energy_is_in_balance),
-        cmocka_unit_test(views_see_the_ground),         cmocka_unit_test(open_scenes_have_fluxes),
+        cmocka_unit_test(dom_solves_a_cloud),           cmocka_unit_test(dom_refuses_what_it_leaves_out),
+        cmocka_unit_test(energy_is_in_balance),         cmocka_unit_test(views_see_the_ground),
+        cmocka_unit_test(open_scenes_have_fluxes),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

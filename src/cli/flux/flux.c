@@ -198,7 +198,10 @@ int cli_flux(int count, char** arguments) {
         "above each level. Absorbed power is that of the media of a column, W m^-2 of its area. Radiance, W m^-2 "
         "sr^-1,\n"
         "is that of light that rises through the highest level (zenith angles below 90 degrees), or sinks through the\n"
-        "lowest. All have standard errors. Columns fill the cell of a periodic scene, or the box around the media.\n\n"
+        "lowest. All have standard errors. Columns fill the cell of a periodic scene, or the box around the media.\n"
+        "With --method dom there are no samples and no errors: fluxes of scenes without surfaces that repeat along "
+        "both\n"
+        "horizontal axes, and no radiance.\n\n"
         "FILE of --bands is an array of {\"name\": TEXT, \"weight\": W, \"set\": {\"media[0].sigma_t\": 0.3, ...}}.\n"
         "All bands have the same random numbers, so that differences between them have less noise. Their weighted sum\n"
         "comes last.",
