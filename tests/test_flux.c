@@ -221,7 +221,7 @@ static ty_flux* solved_flux(const ty_scene* scene, const double* levels, int32_t
     return flux;
 }
 
-/* What goes up and down through the outer of two levels, and is absorbed. */
+/* The sum of the light that goes out through the outer of two levels, and is absorbed. */
 static double sum_of(const ty_flux* flux) {
     return mean_of(flux, TY_FLUX_UP, 1).mean + mean_of(flux, TY_FLUX_DOWN_DIFFUSE, 0).mean +
            mean_of(flux, TY_FLUX_DOWN_DIRECT, 0).mean + mean_of(flux, TY_FLUX_ABSORBED, 0).mean;

@@ -1,6 +1,6 @@
-/* The images of a box that repeats. What enters by a face in a sweep is what left by the opposite one in the sweep
- * before. So the radiance there belongs to the iterate: Anderson weights mix it like the moments, its change is a
- * source of the diffusion equation, and it is corrected by the even radiance of that one's solution. */
+/* The images of a box that repeats. The radiance that enters by a face in a sweep is that which left by the opposite
+ * one in the sweep before. So the radiance there belongs to the iterate: Anderson weights mix it like the moments, its
+ * change is a source of the diffusion equation, and it is corrected by the even radiance of that one's solution. */
 #include "base/constants.h"
 #include "base/context.h"
 #include "base/kernel.h"
