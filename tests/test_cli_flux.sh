@@ -101,6 +101,10 @@ test_periodic_scenes() {
     usage_error "$method takes no periodic scenes" render builtin:step_cloud --size 8x8 --method $method -o no.exr -q
   done
   absent no.exr
+  expect 0 flux builtin:step_cloud --method dom -D render.dom.resolution=8 -D render.dom.directions=24 -o dom.csv -q
+  said dom.csv '^[^,]*,.*absorbed'
+  usage_error 'flux.views: dom gives no radiance' flux builtin:step_cloud --method dom --views 0:0 -q
+  usage_error 'repeat along both horizontal axes' flux builtin:cube_g0 --method dom -q
   usage_error 'periodic' render builtin:step_cloud --size 8x8 -D 'boundary.periodic=["x","y","z"]' -o no.exr
   usage_error 'did you mean "periodic"' render builtin:step_cloud --size 8x8 -D 'boundary.periodical=["x"]' -o no.exr
   usage_error 'exactly one of "irradiance"' render builtin:step_cloud -D 'lights[0].irradiance=1' -o no.exr

@@ -8,6 +8,7 @@
 #define TYNDALL_FLUX_H
 
 #include <tyndall/base.h>
+#include <tyndall/dom.h>
 #include <tyndall/path.h>
 #include <tyndall/scene.h>
 
@@ -70,6 +71,11 @@ typedef struct ty_flux ty_flux;
 /// after TY_CANCELLED there is no output.
 TY_API ty_result ty_path_flux(const ty_scene* scene, const ty_path_def* path, const ty_flux_def* def, ty_flux** out,
                               ty_path_stats* stats);
+/// Finds fluxes by discrete ordinates, of scenes that repeat along both horizontal axes, without surfaces and views;
+/// the columns lie in the scene's cell. Numbers have no errors, and those of one run balance within dom->tolerance.
+/// stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED.
+TY_API ty_result ty_dom_flux(const ty_scene* scene, const ty_dom_def* dom, const ty_flux_def* def, ty_flux** out,
+                             ty_dom_stats* stats);
 /// Destroys fluxes; NULL is allowed.
 TY_API void ty_flux_destroy(ty_flux* flux);
 

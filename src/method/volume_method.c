@@ -59,7 +59,7 @@ static ty_result begin_call(const ty_volume_method* method, const ty_scene* scen
 }
 
 static ty_result solve(const ty_volume_method* method, ty_volume_call* call) {
-    ty_result result = ty_scene_check_media(call->scene, method->name);
+    ty_result result = ty_scene_check_media(call->scene, method->name, method->repeats);
     if (result != TY_OK) return result;
     if (!ty_enclosed_has_all_media(call->scene)) ty_interiors_warn(call->scene, method->name, TY_VOLUME_OF_INTERIORS);
     call->progress = ty_part_begin(call->options.progress, call->options.progress_user, 0, 0);
@@ -77,7 +77,8 @@ static ty_result solve(const ty_volume_method* method, ty_volume_call* call) {
 
 static ty_result view(const ty_volume_method* method, ty_volume_call* call, ty_image** out) {
     const double begun = ty_wall_seconds();
-    const ty_result result = method->view(call, out);
+    ty_result result = ty_scene_check_open(call->scene, method->name);
+    if (result == TY_OK) result = method->view(call, out);
     const double seconds = ty_wall_seconds() - begun;
     if (result != TY_OK) return result;
     *seconds_at(call->stats, method->march_seconds) = seconds;
@@ -86,15 +87,21 @@ static ty_result view(const ty_volume_method* method, ty_volume_call* call, ty_i
     return TY_OK;
 }
 
-ty_result ty_volume_solve(const ty_volume_method* method, const ty_scene* scene, const void* def, void** out,
-                          void* stats) {
+ty_result ty_volume_solve_for(const ty_volume_method* method, const ty_scene* scene, const void* def, void* extra,
+                              void** out, void* stats) {
     _Alignas(16) char own[TY_VOLUME_DEF_MAX], totals[TY_METHOD_STATS_MAX];
     ty_volume_call call;
     ty_result result = begin_call(method, scene, def, own, stats, totals, &call);
+    call.extra = extra;
     if (result == TY_OK) result = solve(method, &call);
     *out = call.light;
     if (result == TY_OK) ty_give_stats(totals, method->stats_bytes, stats);
     return result;
+}
+
+ty_result ty_volume_solve(const ty_volume_method* method, const ty_scene* scene, const void* def, void** out,
+                          void* stats) {
+    return ty_volume_solve_for(method, scene, def, NULL, out, stats);
 }
 
 ty_result ty_volume_view(const ty_volume_method* method, const void* light, const ty_scene* scene, const void* def,
@@ -120,6 +127,7 @@ static ty_result render(const ty_volume_method* method, const ty_scene* scene, c
     *out = NULL;
     ty_result result = begin_call(method, scene, def, own, stats, totals, &call);
     call.fraction = fraction;
+    if (result == TY_OK) result = ty_scene_check_open(scene, method->name);
     if (result == TY_OK) result = solve(method, &call);
     if (result != TY_OK) return result;
     call.progress = ty_part_begin(call.options.progress, call.options.progress_user, fraction, 1 - fraction);
@@ -215,7 +223,9 @@ ty_result ty_volume_method_render(const ty_volume_method* method, void (*change)
     _Alignas(16) char def[TY_VOLUME_DEF_MAX];
     ty_image* surfaces = NULL;
     ty_enclosed* enclosed = NULL;
-    ty_result result = ty_volume_method_enclose(method, scene, request, TY_SOLVE_FULL, &enclosed, &run->interiors);
+    ty_result result = ty_scene_check_open(scene, method->name);
+    if (result == TY_OK)
+        result = ty_volume_method_enclose(method, scene, request, TY_SOLVE_FULL, &enclosed, &run->interiors);
     if (result == TY_OK) result = ty_trace_surfaces(scene, request, ty_enclosed_fields(enclosed), &surfaces, run);
     ty_enclosed_destroy(enclosed);
     run->own_seconds = run->interiors.seconds;

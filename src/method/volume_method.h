@@ -29,6 +29,7 @@ typedef struct ty_volume_call {
     double fraction; /* the solve's fraction of the caller's progress */
     void* light;     /* the method's; all zero when a solve begins */
     void* stats;     /* the method's */
+    void* extra;     /* what the method's own calls ask for besides; NULL */
 } ty_volume_call;
 
 typedef struct ty_volume_method {
@@ -50,6 +51,7 @@ typedef struct ty_volume_method {
     bool diffuses;      /* media inside dielectrics are solved by diffusion; false: by ordinates */
     size_t start_at;    /* offset of the light to start from in the def; 0: none */
     size_t interior_at; /* offset of interior_resolution in the def; 0: none, and TY_AUTO */
+    bool repeats;       /* solves scenes that repeat, of which it makes no images */
 } ty_volume_method;
 
 /* The fields of a ty_volume_method that follow from the method's name. */
@@ -69,6 +71,9 @@ ty_result ty_volume_take_def(const ty_volume_method* method, ty_context* context
  * (by ty_volume_render, once the light is solved). */
 ty_result ty_volume_solve(const ty_volume_method* method, const ty_scene* scene, const void* def, void** out,
                           void* stats);
+/* The same with ty_volume_call.extra. */
+ty_result ty_volume_solve_for(const ty_volume_method* method, const ty_scene* scene, const void* def, void* extra,
+                              void** out, void* stats);
 ty_result ty_volume_view(const ty_volume_method* method, const void* light, const ty_scene* scene, const void* def,
                          ty_image** out, void* stats);
 ty_result ty_volume_render(const ty_volume_method* method, const ty_scene* scene, const void* def, ty_image** out,

@@ -138,12 +138,12 @@ const ty_scene_view* ty_scene_get_view(const ty_scene* scene) {
     return NULL;
 }
 
-ty_result ty_scene_check_media(const ty_scene* scene, const char* method) {
+ty_result ty_scene_check_media(const ty_scene* scene, const char* method, bool repeats) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     if (view->medium_count == 0)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "%s: the scene has no media", method);
-    return ty_scene_check_open(scene, method);
+    return repeats ? TY_OK : ty_scene_check_open(scene, method);
 }
 
 ty_context* ty_scene_context(const ty_scene* scene) {

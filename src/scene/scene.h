@@ -126,8 +126,9 @@ ty_result ty_scene_copy_lights(const ty_scene* scene, size_t first, ty_scene* to
 
 /* View of a committed scene; otherwise NULL, with a message. */
 const ty_scene_view* ty_scene_get_view(const ty_scene* scene);
-/* Fails unless the scene is committed and has media, which `method` requires. Errors: TY_ERROR_ARGUMENT. */
-ty_result ty_scene_check_media(const ty_scene* scene, const char* method);
+/* Fails unless the scene is committed and has media, which `method` requires, and does not repeat, unless the method
+ * takes that. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_scene_check_media(const ty_scene* scene, const char* method, bool repeats);
 /* Fails if the scene is periodic, which `method` does not take. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_scene_check_open(const ty_scene* scene, const char* method);
 

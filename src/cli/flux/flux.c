@@ -3,6 +3,7 @@
 
 #include "cli/commands.h"
 #include "cli/methods/methods.h"
+#include "method/method.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,7 @@ typedef struct flux_options {
     int32_t spp, columns[2];
     double time, error;
     bool spp_given;
+    int method; /* 0: path, 1: dom */
     cli_list overrides;
     double levels[TY_FLUX_LEVELS_MAX];
     ty_flux_view views[TY_FLUX_LEVELS_MAX];
@@ -95,6 +97,27 @@ static void choose_levels(const ty_scene* scene, flux_options* options) {
     options->level_count = info.upper[up] > info.lower[up] ? 2 : 1;
 }
 
+/* ---- methods ---- */
+
+static ty_result trace(cli_session* session, const ty_scene* scene, const cli_request* request, const ty_flux_def* def,
+                       flux_band* band) {
+    ty_path_def path;
+    ty_path_stats stats = ty_default_path_stats();
+    ty_result result = cli_path_def(session, scene, request, &path);
+    if (result == TY_OK) result = ty_path_flux(scene, &path, def, &band->flux, &stats);
+    band->spp = stats.spp;
+    return result;
+}
+
+static ty_result solve_dom(cli_session* session, const ty_scene* scene, const ty_flux_def* def, flux_band* band) {
+    ty_dom_def dom = ty_default_dom_def();
+    ty_result result = ty_method_options(scene, "dom", &dom);
+    dom.progress = cli_progress_report;
+    dom.progress_user = &session->progress;
+    if (result == TY_OK) result = ty_dom_flux(scene, &dom, def, &band->flux, NULL);
+    return result;
+}
+
 static int run_band(cli_session* session, const char* scene_path, flux_options* options, flux_band* band,
                     flux_result* result) {
     const char* changes[2 * CLI_LIST_MAX];
@@ -122,11 +145,8 @@ static int run_band(cli_session* session, const char* scene_path, flux_options* 
     def.views = options->views;
     def.view_count = options->view_count;
     for (int i = 0; i < 2 && options->columns[0] > 0; ++i) def.columns[i] = options->columns[i];
-    ty_path_def path;
-    ty_result done = cli_path_def(session, scene, &request, &path);
-    ty_path_stats stats = ty_default_path_stats();
-    if (done == TY_OK) done = ty_path_flux(scene, &path, &def, &band->flux, &stats);
-    band->spp = stats.spp;
+    const ty_result done =
+        options->method == 0 ? trace(session, scene, &request, &def, band) : solve_dom(session, scene, &def, band);
     cli_progress_clear(&session->progress);
     ty_scene_destroy(scene);
     if (done == TY_ERROR_ARGUMENT) return cli_fail(CLI_USAGE, "%s: %s", scene_path, ty_take_error(session->context));
@@ -160,6 +180,7 @@ int cli_flux(int count, char** arguments) {
          &options.views_text, 0, 0, NULL},
         {"bands", 0, CLI_TEXT, "FILE", "spectral bands: changes of the scene and weights (see above)",
          &options.bands_file, 0, 0, NULL},
+        {"method", 'm', CLI_CHOICE, "path|dom", "how the light is found (default path)", &options.method, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples of each number (default: what the scene says)", &options.spp, 1, SPP_MAX,
          &options.spp_given},
         {"time", 0, CLI_REAL, "SECONDS", "stop each band after this time; without --spp nothing else does",
@@ -177,7 +198,10 @@ int cli_flux(int count, char** arguments) {
         "above each level. Absorbed power is that of the media of a column, W m^-2 of its area. Radiance, W m^-2 "
         "sr^-1,\n"
         "is that of light that rises through the highest level (zenith angles below 90 degrees), or sinks through the\n"
-        "lowest. All have standard errors. Columns fill the cell of a periodic scene, or the box around the media.\n\n"
+        "lowest. All have standard errors. Columns fill the cell of a periodic scene, or the box around the media.\n"
+        "With --method dom there are no samples and no errors: fluxes of scenes without surfaces that repeat along "
+        "both\n"
+        "horizontal axes, and no radiance.\n\n"
         "FILE of --bands is an array of {\"name\": TEXT, \"weight\": W, \"set\": {\"media[0].sigma_t\": 0.3, ...}}.\n"
         "All bands have the same random numbers, so that differences between them have less noise. Their weighted sum\n"
         "comes last.",

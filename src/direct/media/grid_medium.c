@@ -65,6 +65,11 @@ ty_result ty_grid_box_fit(const ty_scene* scene, int32_t longest, ty_grid_box* o
     ty_result result = ty_check_number(scene->context, "cells: longest", longest, 1, TY_GRID_SIDE_MAX);
     if (result != TY_OK) return result;
     media_extent(scene, out->lower, out->upper);
+    for (int a = 0; a < 3; ++a) {
+        if ((view->periodic.axes >> a & 1) == 0) continue;
+        out->lower[a] = (double)view->periodic.lower[a];
+        out->upper[a] = (double)view->periodic.upper[a];
+    }
     double extent = 0, density[3] = {0, 0, 0}, max_extent = 0;
     for (int32_t m = 0; m < view->medium_count; ++m) {
         double of_medium[3];
@@ -365,6 +370,7 @@ ty_result ty_grid_medium_create(const ty_scene* scene, const ty_grid_box* box, t
     }
     divide_g(medium);
     find_common_legendre(view, medium->legendre);
+    medium->periodic = (uint32_t)view->periodic.axes;
     *out = medium;
     return TY_OK;
 }
@@ -451,6 +457,7 @@ ty_result ty_grid_medium_resize(const ty_grid_medium* medium, const int32_t size
     for (int32_t c = 0; c < 3 && to->emission[c] != NULL; ++c)
         ty_grid_average(medium->context, medium->emission[c], medium->box.size, size, to->emission[c]);
     memcpy(to->legendre, medium->legendre, sizeof to->legendre);
+    to->periodic = medium->periodic;
     result = resize_g(medium, to);
     if (result != TY_OK) {
         ty_grid_medium_destroy(to);

@@ -24,6 +24,7 @@ typedef struct ty_grid_medium {
     /* Legendre moments 0..13 of the phase function of all media, where they have one in common that is not
        Henyey-Greenstein; legendre[0] is 0 otherwise, and moments are powers of g. */
     float legendre[TY_PHASE_ORDER_MAX + 1];
+    uint32_t periodic; /* axes along which the scene repeats, bit a for axis a */
 } ty_grid_medium;
 
 /* The bounding box of all media with cells as small as their finest voxels, but at most `longest` along a side; media

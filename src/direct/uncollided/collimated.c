@@ -39,8 +39,7 @@ static double overlap_integral(double x) {
     return x < 0 ? 0.5 * (1 + x) * (1 + x) : 1 - 0.5 * (1 - x) * (1 - x);
 }
 
-/* Mean overlap of cell `at` with a tube whose position moves from `from` to `to`. */
-static double mean_overlap(double at, double from, double to) {
+double ty_tube_overlap(double at, double from, double to) {
     if (fabs(to - from) < 1e-6) return fmax(0, 1 - fabs(at - 0.5 * (from + to)));
     return (overlap_integral(at - from) - overlap_integral(at - to)) / (to - from);
 }
@@ -52,7 +51,7 @@ static void find_tube_shifts(ty_collimated* beam, int32_t i, double slope) {
         const double from = slope * slab, to = slope * (slab + 1), whole = floor(fmin(from, to));
         float* weight = beam->weight[i][slab];
         beam->shift[i][slab] = (int32_t)whole;
-        for (int cell = 0; cell < 3; ++cell) weight[cell] = (float)mean_overlap(whole + cell, from, to);
+        for (int cell = 0; cell < 3; ++cell) weight[cell] = (float)ty_tube_overlap(whole + cell, from, to);
         weight[1] = 1 - weight[0] - weight[2];
         min_shift = beam->shift[i][slab] < min_shift ? beam->shift[i][slab] : min_shift;
         max_shift = beam->shift[i][slab] > max_shift ? beam->shift[i][slab] : max_shift;

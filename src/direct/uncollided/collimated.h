@@ -51,6 +51,8 @@ typedef struct ty_collimated_batch {
     ty_part_progress* progress;    /* of this sweep; NULL: no progress */
 } ty_collimated_batch;
 
+/* Mean overlap of cell `at` with a tube one cell wide whose position moves from `from` to `to`, cells. */
+double ty_tube_overlap(double at, double from, double to);
 /* Errors: TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_collimated_sweep(const ty_collimated_batch* beams, const ty_grid_medium* medium);
 /* After a sweep: entering and leaving power per irradiance, m^2. Errors: TY_ERROR_MEMORY. */

@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "direct/uncollided/collimated.h"
 #include "direct/uncollided/point_light.h"
+#include "direct/uncollided/repeated.h"
 #include "scene/scene.h"
 
 /* ---- fields ---- */
@@ -89,26 +90,23 @@ static ty_result begin_collimated(const ty_scene* scene, const ty_grid_medium* m
     return ty_collimated_begin(ty_scene_get_view(scene), medium, outside, source->direction, beam);
 }
 
-/* The planes of the field that extinction plane p contributes to, with each source's factor. */
-static void choose_planes(const add_job* job, const ty_discrete_light* const* sources, int32_t p,
-                          ty_collimated_batch* beams) {
+/* Lists the planes of the field that extinction plane p contributes to, with a source's factors. */
+static int32_t choose_planes(const add_job* job, const ty_discrete_light* source, int32_t p,
+                             float* planes[TY_TUBE_PLANES_MAX], float factor[TY_TUBE_PLANES_MAX]) {
     const ty_light_field* field = job->field;
     const int32_t end = job->medium->planes == 3 ? p + 1 : field->planes;
-    beams->plane_count = 0;
+    const float direction[4] = {1, source->direction.x, source->direction.y, source->direction.z};
+    float color[3];
+    int32_t count = 0;
+    color_of_planes(field, source, color);
     for (int32_t c = p; c < end; ++c)
         for (int32_t a = -1; a < 3; ++a) {
             float* plane = a < 0 ? field->fluence[c] : field->flux[c][a];
             if (plane == NULL) continue;
-            beams->planes[beams->plane_count] = plane;
-            for (int32_t i = 0; i < beams->count; ++i) {
-                const ty_vec omega = sources[i]->direction;
-                const float direction[4] = {1, omega.x, omega.y, omega.z};
-                float color[3];
-                color_of_planes(field, sources[i], color);
-                beams->factor[i][beams->plane_count] = color[c] * direction[a + 1];
-            }
-            ++beams->plane_count;
+            planes[count] = plane;
+            factor[count++] = color[c] * direction[a + 1];
         }
+    return count;
 }
 
 /* Adds directions with one sweep axis. */
@@ -123,7 +121,8 @@ static ty_result add_collimated(add_job* job, const ty_discrete_light* const* so
     for (int32_t p = 0; p < job->medium->planes && result == TY_OK; ++p) {
         beams.extinction = job->extinction[p];
         beams.scratch = job->buffer != NULL ? &job->buffer[p] : NULL;
-        choose_planes(job, sources, p, &beams);
+        for (int32_t i = 0; i < count; ++i)
+            beams.plane_count = choose_planes(job, sources[i], p, beams.planes, beams.factor[i]);
         result = ty_collimated_sweep(&beams, job->medium);
         progress.from += progress.span;
     }
@@ -133,9 +132,26 @@ static ty_result add_collimated(add_job* job, const ty_discrete_light* const* so
     return result;
 }
 
+/* Adds all directions through a grid that repeats, one after another. */
+static ty_result add_repeated(add_job* job, const ty_discrete_light* sources, int32_t count) {
+    ty_result result = TY_OK;
+    for (int32_t i = 0; i < count && result == TY_OK; ++i) {
+        ty_repeated_beam beam = {.direction = sources[i].direction};
+        for (int32_t p = 0; p < job->medium->planes && result == TY_OK; ++p) {
+            beam.extinction = job->extinction[p];
+            beam.plane_count = choose_planes(job, &sources[i], p, beam.planes, beam.factor);
+            result = ty_repeated_sweep(job->medium, &beam);
+        }
+        if (result == TY_OK) result = ty_part_show(&job->progress, "direct light", 1);
+        job->progress.from += job->progress.span;
+    }
+    return result;
+}
+
 /* Adds all directions, those with one sweep axis together. */
 static ty_result add_all_collimated(add_job* job, const ty_discrete_light* sources, int32_t count) {
     ty_result result = TY_OK;
+    if (job->medium->periodic != 0) return add_repeated(job, sources, count);
     for (int32_t sweep = 0; sweep < 6; ++sweep) {
         const ty_discrete_light* together[TY_COLLIMATED_MAX];
         int32_t found = 0;

@@ -1,5 +1,6 @@
 /* Entry points: a solve, its images, and both in one call. */
 #include "base/context.h"
+#include "method/dom/flux_request.h"
 #include "method/dom/solve/solve.h"
 #include "method/dom/sources/sources.h"
 #include "method/dom/view/view.h"
@@ -36,11 +37,29 @@ static void end_job(ty_dom_job* job) {
 
 TY_DEFINE_RUN_STAGE(ty_dom_job);
 
+/* Fails if the scene repeats and has what images of it cannot have here. */
+static ty_result check_repeated(const ty_dom_job* job) {
+    const ty_scene_view* view = ty_scene_get_view(job->scene);
+    const int32_t axes = view->periodic.axes;
+    const char* why = NULL;
+    if (axes == 0) return TY_OK;
+    if (axes == 1 || axes == 2 || axes == 4) why = "scenes that repeat along one axis alone";
+    if (view->mesh != NULL) why = "surfaces";
+    if (job->def->last_directions > 0) why = "last_directions";
+    if (job->def->differentiable) why = "gradients";
+    return why == NULL ? TY_OK
+                       : ty_fail(job->context, TY_ERROR_ARGUMENT,
+                                 "periodic: dom does without %s in periodic scenes; the method path has them", why);
+}
+
 static ty_result run_stages(ty_dom_job* job, double fraction) {
     ty_dom_stats* stats = &job->stats;
-    ty_result result = run_stage(job, "media", fraction * medium_until, ty_dom_sample_media, &stats->medium_seconds);
+    ty_result result = check_repeated(job);
+    if (result == TY_OK)
+        result = run_stage(job, "media", fraction * medium_until, ty_dom_sample_media, &stats->medium_seconds);
     if (result == TY_OK) result = ty_dom_find_boundary(job);
     if (result == TY_OK) result = ty_dom_collect_lights(job);
+    if (result == TY_OK) result = ty_dom_flux_begin(job);
     if (result == TY_OK)
         result =
             run_stage(job, "direct light", fraction * direct_until, ty_dom_find_uncollided, &stats->direct_seconds);
@@ -52,7 +71,7 @@ static ty_result run_stages(ty_dom_job* job, double fraction) {
     double seconds = 0;
     if (result == TY_OK) result = run_stage(job, "interreflection", fraction, ty_dom_interreflect, &seconds);
     stats->solve_seconds += seconds;
-    return result;
+    return result == TY_OK ? ty_dom_flux_fill(job) : result;
 }
 
 static ty_result solve(ty_volume_call* call) {
@@ -60,6 +79,7 @@ static ty_result solve(ty_volume_call* call) {
                       .scene = call->scene,
                       .def = call->def,
                       .progress = call->progress,
+                      .flux = call->extra,
                       .light = call->light};
     job.light->context = call->context;
     const ty_result result = run_stages(&job, call->fraction);
@@ -123,6 +143,7 @@ static void coarsen(void* user, ty_solve_quality quality) {
 
 const ty_volume_method ty_volume_dom = {TY_VOLUME_METHOD(dom),
                                         .solve_fraction = 0.7,
+                                        .repeats = true,
                                         .solve = solve,
                                         .view = ty_dom_march,
                                         .coarsen = coarsen,

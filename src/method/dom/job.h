@@ -6,6 +6,8 @@
 #include "solve/ordinates/ordinates.h"
 #include "method/volume_method.h"
 
+typedef struct ty_dom_flux_request ty_dom_flux_request;
+
 typedef struct ty_dom_job {
     ty_context* context;
     const ty_scene* scene;
@@ -30,6 +32,7 @@ typedef struct ty_dom_job {
                           x, y and z, -1..1 in the cell: four planes; NULL: there are no such cells */
     ty_dom* light;
     ty_dom_stats stats;
+    ty_dom_flux_request* flux; /* NULL: not asked for */
 } ty_dom_job;
 
 /* Thickness of cells, mean free paths of sigma*, above which the positions of first collisions within them are told

@@ -246,7 +246,7 @@ ty_result ty_pop_importance(const ty_scene* scene, const ty_pop_def* def, float*
     if (result != TY_OK) return result;
     ty_pop light = {.context = context, .def = known};
     ty_pop_job job = {.context = context, .scene = scene, .def = &known, .light = &light};
-    result = ty_scene_check_media(scene, "pop");
+    result = ty_scene_check_media(scene, "pop", false);
     if (result == TY_OK) result = ty_pop_sample_media(&job);
     if (result == TY_OK) result = ty_pop_importance_find(scene, &known, light.medium, map);
     ty_grid_medium_destroy(light.medium);

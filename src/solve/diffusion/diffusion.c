@@ -276,7 +276,7 @@ void ty_solve_planes(const ty_diffusion_job* job, const ty_box* box, ty_parallel
 }
 
 ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, const ty_box* box) {
-    if (box->cut != 0) return ty_divided_sum(job, box);
+    if (box->cut != 0 && job->domain != NULL) return ty_divided_sum(job, box);
     ty_plane_sums total = {0};
     for (int32_t z = 0; z < box->size[2]; ++z) {
         total.a += job->sums[z].a;

@@ -87,6 +87,8 @@ typedef struct ty_diffusion_def {
                           rank's box, with boundary values of its faces, and faces (on all ranks or on none); all ranks
                           call ty_diffusion_solve */
     void* memory;      /* ty_diffusion_memory bytes, aligned to 64; NULL (default): from the context */
+    uint32_t periodic; /* axes along which the box repeats, bit a for axis a: the boundaries there have no effect. With
+                          it the solver is TY_DIFFUSION_MULTIGRID, and domain and faces are NULL. Default 0 */
 } ty_diffusion_def;
 
 ty_diffusion_def ty_default_diffusion_def(void);

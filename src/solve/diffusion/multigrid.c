@@ -163,17 +163,22 @@ static void coarsen_plane(void* user, int64_t index, int32_t worker) {
     p->job->level_kernels->coarsen(p->fine, p->coarse, (int32_t)index);
 }
 
+static void clear(const ty_box* box, float* items) {
+    memset(items - ty_box_origin(box), 0, sizeof(float) * ty_box_items(box));
+}
+
 /* fresh: take e as 0; otherwise its layers beyond cuts are those of the neighbours, as they are afterwards. */
 static void relax(const ty_diffusion_job* job, const ty_level* level, int32_t first, bool fresh) {
     pass p = {.job = job, .fine = level, .color = first, .fresh = fresh};
     const int32_t slabs = (level->box.size[2] + SLAB - 1) / SLAB;
+    if (fresh && job->def->periodic != 0) clear(&level->box, level->e);
     ty_solve_tasks(job, &level->box, slabs, relax_slab, &p);
     ty_solve_tasks(job, &level->box, slabs - 1, relax_seam, &p);
     if (level->box.cut != 0) {
         ty_divided_exchange(job, &level->box, &level->e, 1);
         ty_solve_tasks(job, &level->box, slabs, relax_beside_cuts, &p);
-        ty_divided_exchange(job, &level->box, &level->e, 1);
     }
+    ty_divided_exchange(job, &level->box, &level->e, 1);
     ty_solve_count(job, &level->box, 1);
 }
 
@@ -186,6 +191,7 @@ void ty_multigrid_coarsen(ty_diffusion_job* job, int32_t first) {
             ty_divided_gather(job, (float*[]){coarse->d, coarse->g[0], coarse->g[1], coarse->g[2]}, 4, true);
         else
             ty_divided_exchange(job, &coarse->box, &coarse->g[1], 2);
+        ty_divided_couple_images(job, coarse);
         ty_solve_count(job, &p.fine->box, 1);
     }
 }
@@ -255,10 +261,6 @@ static double sum_planes(const pass* p, ty_parallel_fn body) {
     ty_solve_planes(p->job, &p->fine->box, body, (void*)p);
     ty_solve_count(p->job, &p->fine->box, 1);
     return ty_solve_sum(p->job, &p->fine->box).a;
-}
-
-static void clear(const ty_box* box, float* items) {
-    memset(items - ty_box_origin(box), 0, sizeof(float) * ty_box_items(box));
 }
 
 /* Subtracts A e from f; returns the residual's sum of squares. */

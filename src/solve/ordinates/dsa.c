@@ -52,6 +52,7 @@ static void lay_out(ty_dsa* dsa, ty_arena* arena) {
 
 /* True if a side of the box is one of the whole. */
 static bool ends(const ty_dsa* dsa, int side) {
+    if ((dsa->def.periodic >> (side / 2) & 1) != 0) return false;
     return dsa->domain == NULL || ty_domain_neighbour(dsa->domain, side) < 0;
 }
 
@@ -170,10 +171,11 @@ static ty_halo array_of(const ty_box* box, const float* cells) {
     return (ty_halo){.origin = (void*)cells, .item = sizeof(float), .stride = {1, box->row, box->plane}};
 }
 
-/* Fetches the neighbours' cells beside the cuts. */
+/* Fetches the neighbours' cells beside the cuts, or those of the images. */
 static void exchange(const ty_dsa* dsa, float* cells) {
     const ty_halo halo = array_of(&dsa->job.cells.box, cells);
     if (dsa->domain != NULL) ty_domain_exchange(dsa->domain, dsa->job.cells.box.size, &halo, 1);
+    if (dsa->def.periodic != 0) ty_divided_exchange(&dsa->job, &dsa->job.cells.box, &cells, 1);
 }
 
 /* Moves cells of the part to the solver, or back. */
@@ -240,6 +242,7 @@ static void set_up_operator(ty_dsa* dsa) {
     for (int64_t row = 0, side = 0; side < dsa->walls->count; ++row)
         for (; side < dsa->walls->first[row + 1]; ++side) close_face(dsa, (int32_t)side, row);
     job->levels[0].diffusivity = NULL;
+    ty_divided_couple_images(job, &job->levels[0]);
     if (dsa->domain != NULL)
         set_up_whole(dsa);
     else

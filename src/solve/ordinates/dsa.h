@@ -8,9 +8,9 @@
 
 typedef struct ty_dsa ty_dsa;
 
-/* Uses size, cell, extinction, absorption and min_extinction of the def, with Marshak boundaries; its planes are not
- * needed afterwards. walls must outlive the result; with a nonzero count, a side reflects its incident partial current
- * times its albedo (Marshak) and transmits nothing. domain: as of ty_ordinates_def; NULL: none. Errors:
+/* Uses size, cell, extinction, absorption, min_extinction and periodic of the def, with Marshak boundaries; its planes
+ * are not needed afterwards. walls must outlive the result; with a nonzero count, a side reflects its incident partial
+ * current times its albedo (Marshak) and transmits nothing. domain: as of ty_ordinates_def; NULL: none. Errors:
  * TY_ERROR_MEMORY. */
 ty_result ty_dsa_create(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
                         ty_domain* domain, ty_dsa** out);

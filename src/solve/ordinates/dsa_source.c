@@ -207,18 +207,25 @@ static void source_row(const loop* l, const row* r, int32_t y, int32_t z, float*
     const double* cell = job->def->cell;
     memcpy(f, change, sizeof(float) * r->cells);
     if (job->low_order_terms == 1) return;
-    const float *along[3], *lower_x = beyond(job, 0, (ptrdiff_t)z * ny + y),
-                           *upper_x = beyond(job, 1, (ptrdiff_t)z * ny + y);
+    const float* along[3];
     for (int axis = 0; axis < 3; ++axis) along[axis] = change + (ptrdiff_t)p1_term(axis) * nx;
     const float *x = along[0], *last = x + nx - 1;
+    const bool repeats[3] = {(job->def->periodic & 1) != 0, (job->def->periodic & 2) != 0,
+                             (job->def->periodic & 4) != 0};
+    const float* lower_x = repeats[0] ? last : beyond(job, 0, (ptrdiff_t)z * ny + y);
+    const float* upper_x = repeats[0] ? x : beyond(job, 1, (ptrdiff_t)z * ny + y);
+    const float* lower_y = repeats[1] ? along[1] + low_row * (ny - 1 - y) : beyond(job, 2, z * nx);
+    const float* upper_y = repeats[1] ? along[1] - low_row * y : beyond(job, 3, z * nx);
+    const float* lower_z = repeats[2] ? along[2] + low_plane * (l->box.size[2] - 1 - z) : NULL;
+    const float* upper_z = repeats[2] ? along[2] - low_plane * z : NULL;
     subtract_outflow((flux_rows){lower_x, x, nx > 1 ? x + 1 : upper_x}, cell[0], d, 1, f);
     if (nx > 2) subtract_outflow((flux_rows){x, x + 1, x + 2}, cell[0], d + 1, nx - 2, f + 1);
     if (nx > 1) subtract_outflow((flux_rows){last - 1, last, upper_x}, cell[0], d + nx - 1, 1, f + nx - 1);
-    subtract_outflow((flux_rows){y > 0 ? along[1] - low_row : beyond(job, 2, z * nx), along[1],
-                                 y + 1 < ny ? along[1] + low_row : beyond(job, 3, z * nx)},
-                     cell[1], d, nx, f);
-    subtract_outflow((flux_rows){z > 0 ? along[2] - low_plane : NULL, along[2],
-                                 z + 1 < l->box.size[2] ? along[2] + low_plane : NULL},
+    subtract_outflow(
+        (flux_rows){y > 0 ? along[1] - low_row : lower_y, along[1], y + 1 < ny ? along[1] + low_row : upper_y}, cell[1],
+        d, nx, f);
+    subtract_outflow((flux_rows){z > 0 ? along[2] - low_plane : lower_z, along[2],
+                                 z + 1 < l->box.size[2] ? along[2] + low_plane : upper_z},
                      cell[2], d, nx, f);
 }
 
@@ -248,7 +255,8 @@ double ty_ordinates_residual(ty_ordinates_job* job, bool first) {
     ty_ordinates_exchange_flux(job);
     ty_ordinates_planes(job, source_plane, &l);
     double squares = ty_ordinates_total(job).change;
-    squares += ty_ordinates_faces_residual(job, first) + ty_ordinates_diffusive_residual(job, first);
+    squares += ty_ordinates_faces_residual(job, first) + ty_ordinates_diffusive_residual(job, first) +
+               ty_ordinates_images_residual(job, first);
     ty_ordinates_sum_ranks(job, &squares, 1);
     return squares;
 }
@@ -328,6 +336,7 @@ ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e) {
     loop l = loop_over(job, e);
     if (e != NULL) ty_ordinates_faces_correct(job, e);
     ty_ordinates_planes(job, correct_plane, &l);
+    if (e != NULL) ty_ordinates_images_correct(job, e);
     if (e != NULL) ty_ordinates_diffusive_correct(job, e);
     ty_ordinates_sums sums = ty_ordinates_total(job);
     ty_ordinates_faces_compare(job, &sums);

@@ -243,6 +243,7 @@ static bool define(coarse_box* coarse) {
     def->bands = def->output_order = BANDS;
     def->source_terms = TERMS;
     def->sweeps = SWEEPS;
+    def->passing[0] = def->passing[1] = NULL;
     def->scattered = NULL;
     def->progress = def->progress != NULL ? report : NULL;
     def->progress_user = coarse->fine;

@@ -138,6 +138,7 @@ static void measure_energy_deficit(ty_ordinates_job* job, double emitted, double
 static ty_result sweep(const iteration* it) {
     ty_ordinates_job* job = it->job;
     const double emitted = ty_ordinates_emit(job);
+    if (job->def->periodic != 0) ty_ordinates_images_emit(job, job->sweep);
     select_slot(it);
     ty_ordinates_set_sweep_faces(job, job->sweep, job->latest);
     const double started = ty_wall_seconds();
@@ -146,7 +147,7 @@ static ty_result sweep(const iteration* it) {
     job->stats->sweep_seconds += ty_wall_seconds() - started;
     ++job->stats->sweeps;
     const double interfaces = ty_ordinates_diffusive_receive(job),
-                 incident = interfaces + ty_ordinates_faces_receive(job);
+                 incident = interfaces + ty_ordinates_faces_receive(job) + ty_ordinates_images_receive(job);
     const double removed = ty_ordinates_gather_low_order(job), leakage = ty_ordinates_diffusive_leakage(job);
     double sums[5] = {emitted, job->leaving[job->latest], incident, removed, leakage};
     ty_ordinates_sum_ranks(job, sums, 5);

@@ -69,6 +69,10 @@ typedef struct ty_ordinates_job {
     float* flux_messages;
     size_t flux_floats; /* of all of these */
 
+    float* images[TY_ANDERSON_DEPTH]; /* of a box that repeats: radiance that enters by its faces, laid out as that of
+                                         ty_sweep_inflow, of each iterate with its correction */
+    size_t image_floats;
+
     double anderson_weights[TY_ANDERSON_DEPTH]; /* Anderson weights of the iterates in the next mixed iterate; their sum
                                          is 1, or all are 0 (dark) */
     int32_t depth;                              /* capacity for iterates */
@@ -143,6 +147,22 @@ void ty_ordinates_faces_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
 void ty_ordinates_faces_balance(ty_ordinates_job* job, const float* irradiance, double* emitted, double* absorbed);
 /* The part of a side's irradiance that it absorbs, W m^-2. */
 double ty_ordinates_face_absorbs(const ty_ordinates_job* job, int32_t side, float irradiance);
+
+/* ---- images of a box that repeats: no-ops without them ---- */
+
+/* Errors: TY_ERROR_MEMORY. */
+ty_result ty_ordinates_images_create(ty_ordinates_job* job);
+void ty_ordinates_images_destroy(ty_ordinates_job* job);
+/* Radiance at the faces for an initial guess, from its fluence and flux. */
+void ty_ordinates_images_begin(ty_ordinates_job* job);
+/* Sets what enters in a sweep for the mixed iterate; and after it stores what left as the latest iterate's, and returns
+ * by how much its power is larger than what entered, W. */
+void ty_ordinates_images_emit(const ty_ordinates_job* job, ty_sweep* sweep);
+double ty_ordinates_images_receive(ty_ordinates_job* job);
+/* Adds the difference of both to the DSA source, and returns the change of the sum of squares; the second function adds
+ * the correction e. */
+double ty_ordinates_images_residual(ty_ordinates_job* job, bool first);
+void ty_ordinates_images_correct(ty_ordinates_job* job, const float* e);
 
 /* ---- parts of a box: no-ops for a whole one ---- */
 

@@ -73,6 +73,12 @@ static ty_result check(ty_context* context, const ty_ordinates_def* def, float* 
                                   (def->walls.ior != NULL && (def->walls.normal == NULL || def->final_set != NULL)))))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: walls: %d sides are not all there",
                        (int)def->walls.count);
+    if (def->periodic != 0 &&
+        (def->domain != NULL || def->walls.count > 0 || def->boundary_radiance.across[0] != NULL ||
+         def->final_set != NULL || def->closed != NULL || isfinite(def->diffusive_paths)))
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "ordinates: periodic: a box that repeats has no walls, boundary_radiance, domain, final_set or "
+                       "diffusive cells");
     if (def->sweeps < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: sweeps are at least 0");
     return TY_OK;
 }
@@ -135,6 +141,7 @@ void ty_ordinates_end_job(ty_ordinates_job* job) {
     ty_ordinates_diffusive_free(job);
     ty_fresnel_faces_destroy(job->fresnel);
     ty_ordinates_parts_destroy(job);
+    ty_ordinates_images_destroy(job);
     ty_free_array(job->context, job->displaced, (size_t)job->cells, 3 * sizeof(float));
     ty_free_array(job->context, job->dsa_albedo, (size_t)job->def->walls.count, sizeof(float));
 }
@@ -168,6 +175,7 @@ static ty_result scale(ty_ordinates_job* job) {
         diffusion.cell[axis] = def->cell[axis];
         longest = fmax(longest, def->cell[axis] * (def->domain != NULL ? def->domain->cells[axis] : def->size[axis]));
     }
+    diffusion.periodic = def->periodic;
     diffusion.extinction = reduced;
     diffusion.absorption = absorption;
     diffusion.min_extinction = MIN_BOX_THICKNESS / longest;
@@ -195,6 +203,7 @@ static ty_result begin(ty_ordinates_job* job) {
     }
     if (result != TY_OK) return result;
     ty_ordinates_faces_begin(job);
+    ty_ordinates_images_begin(job);
     if (job->diffusive.count == 0) return TY_OK;
     double emitted, absorbed;
     ty_ordinates_faces_balance(job, job->face_irradiance[0], &emitted, &absorbed);
@@ -212,6 +221,7 @@ ty_result ty_ordinates_prepare(ty_ordinates_job* job) {
             ty_sweep_create(job->context, def->size, def->cell, def->set, def->bands, job->extinction, &job->sweep);
     if (result == TY_OK) result = ty_sweep_divide(job->sweep, def->domain);
     if (result == TY_OK) result = ty_sweep_set_boundary_radiance(job->sweep, &def->boundary_radiance);
+    if (result == TY_OK) result = ty_ordinates_images_create(job);
     if (result != TY_OK) return result;
     ty_sweep_set_closed(job->sweep, def->closed);
     job->stats->entering = ty_ordinates_entering(def);
@@ -254,8 +264,12 @@ static ty_result run_final_sweep(ty_ordinates_job* job, ty_sweep* sweep, float* 
     ty_ordinates_set_sweep_faces(job, sweep, job->latest);
     ty_result result = ty_sweep_divide(sweep, job->def->domain);
     if (result == TY_OK) result = ty_sweep_set_boundary_radiance(sweep, &job->def->boundary_radiance);
+    if (result == TY_OK) result = ty_sweep_repeat(sweep, job->def->periodic);
+    if (result != TY_OK) return result;
+    if (job->def->periodic != 0) ty_ordinates_images_emit(job, sweep);
+    ty_sweep_set_passing(sweep, job->def->passing_axis, job->def->passing);
     const double started = ty_wall_seconds();
-    if (result == TY_OK) result = ty_sweep_run(sweep, emission, swept, &job->stats->leaving, NULL);
+    result = ty_sweep_run(sweep, emission, swept, &job->stats->leaving, NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - started;
     ++job->stats->sweeps;
     if (result != TY_OK) return result;
@@ -308,7 +322,8 @@ static ty_result solve(ty_ordinates_job* job, float* const* moments) {
     if (result != TY_OK) return result;
     result = ty_ordinates_iterate(job);
     if (job->dsa != NULL) job->stats->cycles += ty_dsa_cycles(job->dsa);
-    const bool needs_sweep = job->def->output_order > job->def->bands || job->def->final_set != NULL;
+    const bool needs_sweep =
+        job->def->output_order > job->def->bands || job->def->final_set != NULL || job->def->passing[0] != NULL;
     if (result == TY_OK && needs_sweep)
         result = sweep_final(job, moments);
     else if (result == TY_OK || result == TY_CANCELLED)

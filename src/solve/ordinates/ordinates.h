@@ -68,6 +68,13 @@ typedef struct ty_ordinates_def {
      * whole. */
     ty_domain* domain;
     double cell[3]; /* cell edges, m */
+    /* Axes along which the box repeats, bit a for axis a, without domain, walls, boundary_radiance, final_set, closed
+     * and diffusive cells. Default 0. */
+    uint32_t periodic;
+    /* out, with it: of each cell the power through its lower face of light that goes down along passing_axis (y or z),
+     * and through its upper face of light that goes up, W. NULL (default): no output */
+    float* passing[2];
+    int passing_axis;
     const ty_angular_quadrature* set;
     /* Directions of one final sweep with the converged source, against ray effects of small sets; not together with
      * boundary_radiance; NULL (default): no final sweep. */

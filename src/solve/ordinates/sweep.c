@@ -191,6 +191,7 @@ void ty_sweep_destroy(ty_sweep* sweep) {
     ty_free_array(sweep->context, sweep->boundary, sweep->boundary_floats, sizeof(float));
     ty_sweep_free_division(sweep);
     ty_sweep_device_destroy(sweep->on_device);
+    ty_sweep_free_inflow(sweep);
     if (sweep->memory != NULL) ty_free_array(sweep->context, sweep->memory, sweep->bytes, 1);
     ty_free_array(sweep->context, sweep, 1, sizeof *sweep);
 }
@@ -200,7 +201,7 @@ int32_t ty_sweep_pitch(const ty_sweep* sweep) {
 }
 
 size_t ty_sweep_bytes(const ty_sweep* sweep) {
-    return sizeof *sweep + sweep->bytes + sweep->division_bytes;
+    return sizeof *sweep + sweep->bytes + sweep->division_bytes + sweep->inflow_bytes;
 }
 
 double ty_sweep_operations(int32_t bands) {
@@ -290,8 +291,10 @@ static void sum_octant(void* user, int64_t index, int32_t worker) {
     (void)worker;
     ty_sweep* sweep = user;
     const ty_sweep_box* box = &sweep->box;
-    sweep->leaving[index] = sum_faces(box, box->faces_z[index], box->partial_current_weight[2], box->size[1]);
-    if (ty_sweep_leaves_across_y(sweep, (int32_t)index))
+    sweep->leaving[index] = 0;
+    if ((box->periodic & 4) == 0)
+        sweep->leaving[index] = sum_faces(box, box->faces_z[index], box->partial_current_weight[2], box->size[1]);
+    if ((box->periodic & 2) == 0 && ty_sweep_leaves_across_y(sweep, (int32_t)index))
         sweep->leaving[index] += sum_faces(box, box->faces_y[index], box->partial_current_weight[1], box->size[2]);
 }
 

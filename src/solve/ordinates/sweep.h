@@ -28,6 +28,22 @@ ty_result ty_sweep_divide(ty_sweep* sweep, const ty_domain* domain);
 /* Sets the radiance that enters; initially there is none. Errors: TY_ERROR_MEMORY. */
 ty_result ty_sweep_set_boundary_radiance(ty_sweep* sweep, const ty_boundary_radiance* boundary);
 
+/* Makes the box repeat along axes (bit a for axis a), without boundary radiance, boundary faces or domain: what enters
+ * by a face there is what ty_sweep_inflow points to, which the caller writes before a sweep; initially 0. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_sweep_repeat(ty_sweep* sweep, uint32_t axes);
+/* Radiance that enters by the faces across each such axis, one after the other: by octant, face (the lower axis
+ * fastest) and direction of the octant, padded to ty_sweep_pitch. */
+float* ty_sweep_inflow(ty_sweep* sweep);
+size_t ty_sweep_inflow_floats(const ty_sweep* sweep);
+/* The same of what left by the opposite faces in the last sweep. */
+void ty_sweep_outflow(const ty_sweep* sweep, float* out);
+/* Its power, W. */
+double ty_sweep_inflow_power(const ty_sweep* sweep, const float* inflow);
+/* Adds to these planes, in the next sweeps, the power through the faces of cells across y or z: of each cell, through
+ * the lower face of what goes down, and through the upper one of what goes up, W. NULL: does not. */
+void ty_sweep_set_passing(ty_sweep* sweep, int axis, float* const passing[2]);
+
 /* Boundary faces: opaque faces between two cells or on the box. Each adjoining cell has its own side of the face. The
  * sides of a row of cells along x are stored contiguously, in the order of the cells. */
 typedef struct ty_sweep_faces {

@@ -69,6 +69,24 @@ TY_INLINE void add_leakage(const ty_sweep_box* box, int32_t group, ty_lanes alon
     for (int i = 0; i < TY_LANES; ++i) sums->leaving += (double)leaving[i];
 }
 
+/* Of a row's directions, the power through the downwind faces of its cells, which a sweep of the row leaves in the
+ * radiance upwind of the next row. */
+static void add_passing(const ty_sweep_box* box, int32_t octant, int32_t group, ptrdiff_t row,
+                        const stream streams[2]) {
+    const int32_t axis = box->passing_axis;
+    float* passing = box->passing[(octant >> axis & 1) != 0 ? 0 : 1] + row;
+    const float *up = axis == 1 ? streams[0].psi_y : streams[0].psi_z,
+                *down = axis == 1 ? streams[1].psi_y : streams[1].psi_z;
+    const ty_lanes weight = ty_lanes_load_aligned(box->partial_current_weight[axis] + group * TY_LANES);
+    for (ptrdiff_t x = 0; x < box->size[0]; ++x) {
+        const ty_lanes power =
+            weight * (ty_lanes_load_aligned(up + x * TY_LANES) + ty_lanes_load_aligned(down + x * TY_LANES));
+        float sum = 0;
+        for (int i = 0; i < TY_LANES; ++i) sum += power[i];
+        passing[x] += sum;
+    }
+}
+
 /* ---- boundary faces ---- */
 
 /* The boundary faces of a row, for one group of directions in two octants, or in one of them. */
@@ -359,8 +377,11 @@ TY_INLINE void sweep_row(const row_work* work, int32_t octant, int32_t y, int32_
             sweep_row_segments(&walls, box->extinction + row, scratch, streams, work->sums);
         } else {
             sweep_cells(box, g, box->extinction + row, scratch, 0, (int32_t)nx, streams, work->sums);
-            add_leakage(box, g, streams[0].psi_x + streams[1].psi_x, work->sums);
+            if ((box->periodic & 1) == 0) add_leakage(box, g, streams[0].psi_x + streams[1].psi_x, work->sums);
+            for (int o = 0; o < 2 && (box->periodic & 1) != 0; ++o)
+                ty_lanes_store_aligned(box->faces_x[octant + o] + ((g * nz + z) * ny + y) * TY_LANES, streams[o].psi_x);
         }
+        if (box->passing[0] != NULL) add_passing(box, octant, g, row, streams);
         split_parity(scratch, (int32_t)nx);
         gather(box, g, octant, scratch, bands);
     }

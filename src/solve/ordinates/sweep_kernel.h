@@ -30,8 +30,13 @@ typedef struct ty_sweep_box {
     /* Upwind radiance of the next cells along y and z: per group, planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];
     /* Of octants that are swept alone, radiance across x at the ends of rows: what enters, and then what leaves; per
-     * group, a plane of y and z. */
+     * group, a plane of y and z. Of boxes that repeat along x, what leaves. */
     float* faces_x[8];
+    uint32_t periodic; /* axes along which the box repeats, as a mask */
+    /* Power that passes through the faces of cells across an axis, towards lower and upper cells: of each cell, through
+     * its downwind face, W; NULL: not asked for. */
+    float* passing[2];
+    int32_t passing_axis;        /* y or z */
     int32_t whole[3], origin[3]; /* cells of the box of which this one is a part, and the place of its first cell */
     const ty_sweep_faces* walls; /* NULL: no boundary faces */
     const uint16_t* closed;      /* as of ty_sweep_set_closed */

@@ -25,6 +25,9 @@ struct ty_sweep {
     const ty_domain* domain; /* of which the box is a part; NULL: the whole */
     ty_sweep_schedule schedule;
     float* message; /* of the largest face */
+    float* inflow;  /* of a box that repeats */
+    void* inflow_memory;
+    size_t inflow_floats, inflow_bytes;
     void* division_memory;
     size_t division_bytes;
     struct ty_sweep_device* on_device; /* NULL: none, or not made yet */
@@ -36,6 +39,8 @@ void ty_sweep_set_boundary(const ty_sweep_box* box, const ty_sweep_block* block,
 void ty_sweep_plan_units(ty_sweep* sweep, const ty_domain* domain);
 /* Frees what ty_sweep_divide made. */
 void ty_sweep_free_division(ty_sweep* sweep);
+/* Frees what ty_sweep_repeat made. */
+void ty_sweep_free_inflow(ty_sweep* sweep);
 /* Sweeps all units of this part in the order of its schedule. Errors: TY_ERROR_INTERNAL: a rank does not answer. */
 ty_result ty_sweep_run_units(ty_sweep* sweep, const float* emission, float* moments);
 /* True where the part's faces across y lie on the whole box, downwind in an octant. */

@@ -1,5 +1,6 @@
 /* Solves for the moments of collided light, one per channel. */
 #include "base/context.h"
+#include "method/dom/flux_request.h"
 #include "method/dom/solve/solve.h"
 #include "solve/ordinates/divided/joint_solve.h"
 
@@ -129,6 +130,7 @@ static ty_ordinates_def define_solve(const ty_dom_job* job) {
     def.source_terms = (int32_t)term_count(light->bands);
     def.accelerated = dom->acceleration == TY_DOM_ACCELERATION_DIFFUSION;
     def.diffusive_paths = job->diffusive_paths;
+    def.periodic = job->coarse->periodic;
     def.tolerance = dom->tolerance;
     def.sweeps = dom->iterations == TY_AUTO ? 0 : dom->iterations;
     def.walls.count = job->boundary != NULL ? job->boundary->count : 0;
@@ -164,6 +166,8 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;
     def.progress_user = solve;
+    for (int i = 0; i < 2 && job->flux != NULL; ++i) def.passing[i] = job->flux->passing[channel][i];
+    def.passing_axis = job->scene->up == TY_AXIS_Z ? 2 : 1;
     const float* centers[4] = {NULL};
     for (size_t n = 0; n < 4 && job->centers[channel] != NULL; ++n)
         centers[n] = job->centers[channel] + light->cells * n;

@@ -314,9 +314,8 @@ static ty_result make_set(const ty_dom_job* job, int32_t count, ty_angular_quadr
 ty_result ty_dom_sample_media(ty_dom_job* job) {
     int32_t exact = 0;
     job->even_light = has_even_light(job->scene);
-    job->diffusive_paths = job->def->differentiable ? (double)INFINITY
-                           : has_edges(job->scene)  ? diffusive_paths_edged
-                                                    : diffusive_paths;
+    const bool swept = job->def->differentiable || ty_scene_get_view(job->scene)->periodic.axes != 0;
+    job->diffusive_paths = swept ? (double)INFINITY : has_edges(job->scene) ? diffusive_paths_edged : diffusive_paths;
     ty_result result = make_set(job, job->def->directions, &job->set, &exact);
     if (result == TY_OK && job->def->last_directions > 0)
         result = make_set(job, job->def->last_directions, &job->last_set, NULL);

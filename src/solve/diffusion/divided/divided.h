@@ -20,10 +20,14 @@ const ty_fas_level* ty_divided_coarse_stage(const ty_diffusion_job* job, int32_t
 /* True if every rank has level i + 1 whole, and only a part of level i. */
 bool ty_divided_gathers(const ty_diffusion_job* job, int32_t i);
 
-/* Fills the layers beyond the cuts of a box, of arrays that point to cell (0, 0, 0). */
+/* Fills the layers beyond the cuts of a box, of arrays that point to cell (0, 0, 0); of a grid that repeats, with the
+ * cells at its opposite faces. */
 void ty_divided_exchange(const ty_diffusion_job* job, const ty_box* box, float* const* arrays, int32_t count);
 /* The same of the fluence, of the solver's type, and of D, unless it is NULL. */
 void ty_divided_exchange_fluence(const ty_diffusion_job* job, const ty_box* box, void* phi, float* diffusivity);
+/* The coupling across the faces where a grid repeats, from that through the lower ones; none to itself of a cell that
+ * is alone along an axis. */
+void ty_divided_couple_images(const ty_diffusion_job* job, const ty_level* level);
 /* Brings the parts of the first whole level together, with or without ghosts: at most TY_GATHERED_MAX arrays. */
 enum { TY_GATHERED_MAX = 4 };
 void ty_divided_gather(const ty_diffusion_job* job, float* const* arrays, int32_t count, bool with_ghosts);

@@ -94,6 +94,7 @@ static bool may_be_diffusive(const ty_ordinates_def* def) {
 }
 
 const char* ty_ordinates_undivided(const ty_ordinates_def* whole) {
+    if (whole->periodic != 0) return "scenes that repeat are not divided";
     if (whole->walls.count > 0 && whole->walls.ior != NULL) return "media in dielectrics are not divided";
     if (whole->accelerated && may_be_diffusive(whole))
         return "cells are so thick that light diffuses in them; a finer resolution makes them thinner";
