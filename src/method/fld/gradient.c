@@ -24,7 +24,8 @@ typedef struct gradient_job {
     ty_fld copy;    /* of the light */
     ty_gradient* gradient;
     float *weight[3], *source_weight[3]; /* dL/dfluence of fine and coarse cells, per channel */
-    float *by_source[3], *by_fine;       /* dL/dq of coarse cells, and of fine ones for the channel at hand */
+    float *by_source[3], *by_fine;       /* dL/dq of coarse cells, and of fine ones for one channel */
+    int32_t spread;                      /* that channel */
     float *extinction[3], *by_extinction[3];
     ty_medium_gradient coarse;
 } gradient_job;
@@ -116,17 +117,29 @@ static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
     return TY_OK;
 }
 
+/* The derivatives by the source of fine cells, as `by_fine` times the number that is returned. */
+static float spread_source(gradient_job* job, int32_t channel) {
+    const ty_grid_medium *fine = job->fld.fine, *coarse = job->fld.coarse;
+    float multiple;
+    if (channel > 0 && ty_is_multiple(job->by_source[channel], job->by_source[job->spread], coarse->cells, &multiple))
+        return multiple;
+    memset(job->by_fine, 0, sizeof(float) * fine->cells);
+    ty_grid_spread(job->fld.context, job->by_source[channel], coarse->box.size, fine->box.size, job->by_fine);
+    job->spread = channel;
+    return 1;
+}
+
 /* The adjoint of the first-collision source q = (1 - g) sigma_s phi of fine cells: adds the derivatives by the media,
  * and to the weights of uncollided light those by its fluence phi. Negative g counts as 0. */
 static void return_source(gradient_job* job, int32_t channel) {
     const ty_grid_medium* fine = job->fld.fine;
     const int32_t p = fine->planes == 3 ? channel : 0;
+    const float multiple = spread_source(job, channel);
     ty_medium_gradient* media = &job->gradient->media;
-    memset(job->by_fine, 0, sizeof(float) * fine->cells);
-    ty_grid_spread(job->fld.context, job->by_source[channel], job->fld.coarse->box.size, fine->box.size, job->by_fine);
     for (int32_t l = 0; l < job->copy.light_count; ++l) {
         float factor;
         const float* fluence = ty_light_fluence_plane(&job->copy.lights[l], channel, &factor);
+        factor *= multiple;
         for (size_t i = 0; i < fine->cells; ++i) {
             const float by_scattering = job->by_fine[i] * factor * fluence[i];
             media->scattering[p][i] += by_scattering;
@@ -135,7 +148,8 @@ static void return_source(gradient_job* job, int32_t channel) {
     }
     for (size_t i = 0; i < fine->cells; ++i)
         job->weight[channel][i] +=
-            job->by_fine[i] * ty_reduced_scattering(fine->scattering[p][i], job->copy.reduced ? fine->g[p][i] : 0.0f);
+            multiple * job->by_fine[i] *
+            ty_reduced_scattering(fine->scattering[p][i], job->copy.reduced ? fine->g[p][i] : 0.0f);
 }
 
 /* The adjoint of sigma_t - g sigma_s, by which uncollided light is attenuated. */

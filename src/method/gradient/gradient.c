@@ -65,9 +65,18 @@ ty_result ty_gradient_begin(const ty_scene* scene, const ty_volume_method* metho
     return result;
 }
 
+/* True if a channel's weights are those of the first one. */
+static bool has_first_weights(const double* weights, size_t cells, size_t channel) {
+    size_t i = 0;
+    while (i < cells && weights[3 * i + channel] == weights[3 * i]) ++i;
+    return i == cells;
+}
+
 void ty_gradient_spread_weights(const ty_coverage_box* cells, const double* weights, const ty_grid_box* box,
                                 float* const planes[3]) {
     const int32_t* size = cells->size;
+    const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    const bool gray = has_first_weights(weights, count, 1) && has_first_weights(weights, count, 2);
     size_t at = 0;
     for (int32_t k = 0; k < size[2]; ++k)
         for (int32_t j = 0; j < size[1]; ++j)
@@ -75,9 +84,11 @@ void ty_gradient_spread_weights(const ty_coverage_box* cells, const double* weig
                 const int32_t cell[3] = {i, j, k};
                 ty_coverage axes[3];
                 ty_coverage_of_cell(box, cells, cell, axes);
-                for (size_t c = 0; c < 3; ++c)
+                for (size_t c = 0; c < (gray ? 1 : 3); ++c)
                     if (weights[at + c] != 0) ty_coverage_spread(box, axes, weights[at + c], planes[c]);
             }
+    const size_t of_box = (size_t)box->size[0] * (size_t)box->size[1] * (size_t)box->size[2];
+    for (int c = 1; c < 3 && gray; ++c) memcpy(planes[c], planes[0], sizeof(float) * of_box);
 }
 
 ty_result ty_gradient_add_uncollided(ty_gradient* gradient, const ty_discrete_light_set* sources,

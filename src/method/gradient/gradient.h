@@ -27,7 +27,7 @@ ty_result ty_gradient_create(const ty_scene* scene, ty_grid_medium* medium, ty_g
  * environments. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_gradient_begin(const ty_scene* scene, const ty_volume_method* method, const void* def, void* own,
                             const ty_coverage_box* cells, const ty_gradient_stats* stats, ty_gradient_stats* totals);
-/* Adds dL/dfluence of a caller's cells to that of a box's cells, plane by plane. */
+/* dL/dfluence of a box's cells from that of a caller's: planes of zeros receive it. */
 void ty_gradient_spread_weights(const ty_coverage_box* cells, const double* weights, const ty_grid_box* box,
                                 float* const planes[3]);
 
