@@ -25,6 +25,20 @@ enum { BLOCK = 8, TOGETHER = 8 };
 /* Smaller slabs are passed by one thread: waking others takes longer. */
 enum { TUBES_FOR_THREADS = 1 << 12 };
 
+float ty_uncollided_loss_color(const ty_uncollided_loss* loss, const ty_discrete_light* source, int32_t channel) {
+    const float *color = source->color, *multiples = loss->multiples;
+    if (multiples == NULL) return color[loss->first + channel];
+    return multiples[0] * color[0] + multiples[1] * color[1] + multiples[2] * color[2];
+}
+
+void ty_uncollided_loss_add(const ty_uncollided_loss* loss, const ty_discrete_light* source, int32_t channel,
+                            double part, double strength[3]) {
+    const float *multiples = loss->multiples, all = ty_uncollided_loss_color(loss, source, channel);
+    if (multiples == NULL) strength[loss->first + channel] += part;
+    for (int c = 0; c < 3 && multiples != NULL && all != 0; ++c)
+        strength[c] += part * (double)(multiples[c] * source->color[c] / all);
+}
+
 /* Planes of cells in the order in which rows are along u: the medium's own, or with x and z exchanged. */
 typedef struct cell_planes {
     const float *extinction, *weight[3];
@@ -42,7 +56,7 @@ typedef struct passage {
 
 typedef struct adjoint_job {
     const ty_grid_medium* medium;
-    const ty_collimated_loss* loss;
+    const ty_uncollided_loss* loss;
     const ty_collimated_adjoint_kernels* kernels;
     const passage* at;
     const ty_collimated* beam; /* of the passage */
@@ -113,26 +127,19 @@ static void note_row(void* user, int64_t row, int32_t worker) {
     job->kernels->note(&rows, &tubes);
 }
 
-/* The color that a channel's weights are of. */
-static float color_of(const adjoint_job* job, int32_t channel) {
-    const float *color = job->at->source->color, *multiples = job->loss->multiples;
-    if (multiples == NULL) return color[job->loss->first + channel];
-    return multiples[0] * color[0] + multiples[1] * color[1] + multiples[2] * color[2];
-}
-
 static void return_row(void* user, int64_t row, int32_t worker) {
     const adjoint_job* job = user;
     ty_adjoint_rows rows = rows_of(job, job->planes->weight[0], row, worker);
     const ty_adjoint_tubes tubes = tubes_of(job, row, &rows);
     double* sums = job->at->sums[row];
     if (job->loss->channels == 1) {
-        sums[0] += job->kernels->back_of_one(&rows, &tubes, color_of(job, 0));
+        sums[0] += job->kernels->back_of_one(&rows, &tubes, ty_uncollided_loss_color(job->loss, job->at->source, 0));
         return;
     }
     job->kernels->begin(&rows, &tubes);
     for (int32_t c = 0; c < job->loss->channels; ++c) {
         rows = rows_of(job, job->planes->weight[c], row, worker);
-        sums[c] += job->kernels->weigh(&rows, &tubes, color_of(job, c));
+        sums[c] += job->kernels->weigh(&rows, &tubes, ty_uncollided_loss_color(job->loss, job->at->source, c));
     }
     job->kernels->back(&rows, &tubes);
 }
@@ -229,14 +236,6 @@ static void pass_all(adjoint_job* job, const passage* all, int32_t count) {
         }
 }
 
-/* Adds a channel's part of the loss to the light's, divided among the channels that share its weights. */
-static void add_strength(const adjoint_job* job, int32_t channel, double part, double strength[3]) {
-    const float *multiples = job->loss->multiples, all = color_of(job, channel);
-    if (multiples == NULL) strength[job->loss->first + channel] += part;
-    for (int c = 0; c < 3 && multiples != NULL && all != 0; ++c)
-        strength[c] += part * (double)(multiples[c] * job->at->source->color[c] / all);
-}
-
 /* Room for so many floats. */
 static ty_result reserve(ty_context* context, ty_collimated_scratch* scratch, size_t count) {
     if (scratch->count >= count) return TY_OK;
@@ -291,10 +290,9 @@ static ty_result pass_placed(adjoint_job* job, passage* all, int32_t count, doub
     const ty_result result = place(job, all, count);
     if (result == TY_OK) pass_all(job, all, count);
     for (int32_t i = 0; i < count; ++i) {
-        job->at = &all[i];
         for (int32_t r = 0; r < job->rows && result == TY_OK; ++r)
             for (int32_t c = 0; c < job->loss->channels; ++c)
-                add_strength(job, c, all[i].sums[r][c], strength[all[i].source->light]);
+                ty_uncollided_loss_add(job->loss, all[i].source, c, all[i].sums[r][c], strength[all[i].source->light]);
         ty_free_array(job->medium->context, all[i].sums, (size_t)job->rows, sizeof *all[i].sums);
     }
     return result;
@@ -349,15 +347,21 @@ static void free_exchanged(const ty_grid_medium* medium, const cell_planes* plan
 
 /* ---- all directions ---- */
 
+static bool is_parallel(const ty_discrete_light* source) {
+    return source->kind == TY_DISCRETE_DIRECTIONAL;
+}
+
 /* Those that cross the most cells along x, or all others. */
 static ty_result pass_directions(adjoint_job* job, bool along_x, double (*strength)[3]) {
-    const ty_collimated_loss* loss = job->loss;
+    const ty_uncollided_loss* loss = job->loss;
     ty_result result = TY_OK;
     for (int32_t sweep = along_x ? 0 : 2; sweep < (along_x ? 2 : 6); ++sweep) {
         const ty_discrete_light* together[TOGETHER];
         int32_t found = 0;
         for (int32_t i = 0; i < loss->count && result == TY_OK; ++i) {
-            if (ty_collimated_sweep_axis(job->medium, loss->sources[i].direction) != sweep) continue;
+            if (!is_parallel(&loss->sources[i]) ||
+                ty_collimated_sweep_axis(job->medium, loss->sources[i].direction) != sweep)
+                continue;
             together[found++] = &loss->sources[i];
             if (found < TOGETHER) continue;
             result = ty_part_show(loss->progress, "adjoint", (double)i / loss->count);
@@ -371,7 +375,9 @@ static ty_result pass_directions(adjoint_job* job, bool along_x, double (*streng
 
 static bool has_along_x(const adjoint_job* job) {
     for (int32_t i = 0; i < job->loss->count; ++i)
-        if (ty_collimated_sweep_axis(job->medium, job->loss->sources[i].direction) / 2 == 0) return true;
+        if (is_parallel(&job->loss->sources[i]) &&
+            ty_collimated_sweep_axis(job->medium, job->loss->sources[i].direction) / 2 == 0)
+            return true;
     return false;
 }
 
@@ -394,7 +400,7 @@ static ty_result pass_both(adjoint_job* job, const cell_planes* own, double (*st
     return result;
 }
 
-ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_collimated_loss* loss, float* gradient,
+ty_result ty_collimated_adjoint(const ty_grid_medium* medium, const ty_uncollided_loss* loss, float* gradient,
                                 double (*strength)[3]) {
     const cell_planes own = {.extinction = loss->extinction,
                              .weight = {loss->weight[0], loss->weight[1], loss->weight[2]},

@@ -1,7 +1,7 @@
 /* Row loops of the adjoint of parallel light, built once per instruction set, with TY_ISA naming it. */
 #include "direct/uncollided/collimated_adjoint_kernel.h"
 
-#include "direct/media/attenuation.k.h"
+#include "direct/uncollided/point_light.k.h"
 
 #include <string.h>
 
@@ -70,12 +70,6 @@ static double weigh(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes, 
     return (double)sum;
 }
 
-/* m'(x) = (exp(-x) - m(x)) / x, and its series where that loses digits. */
-TY_FN float mean_attenuation_slope(float x, float attenuation, float mean) {
-    const float series = -0.5f + x * (1.0f / 3.0f - x * (0.125f - x * (1.0f / 30.0f)));
-    return x < 0.1f ? series : (attenuation - mean) / ty_maxf(x, 0.1f);
-}
-
 static void back(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes) {
     const float *before = tubes->before, *depth = tubes->depth, *by_mean = tubes->by_mean;
     float *through = tubes->through, *by_depth = tubes->by_depth;
@@ -83,7 +77,7 @@ static void back(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes) {
     for (int32_t t = 0; t < rows->count + 2; ++t) {
         const float x = depth[t], attenuation = ty_attenuation(x), m = ty_mean_attenuation(x, attenuation);
         const float behind = through[t];
-        by_depth[t] = before[t] * (by_mean[t] * mean_attenuation_slope(x, attenuation, m) - behind * attenuation);
+        by_depth[t] = before[t] * (by_mean[t] * ty_mean_attenuation_slope(x, attenuation, m) - behind * attenuation);
         through[t] = by_mean[t] * m + behind * attenuation;
     }
 }
@@ -100,7 +94,7 @@ static double back_of_one(const ty_adjoint_rows* rows, const ty_adjoint_tubes* t
         const float behind = through[t];
         mean[t] = before[t] * m;
         sum += weight * mean[t];
-        by_depth[t] = before[t] * (weight * mean_attenuation_slope(x, attenuation, m) - behind * attenuation);
+        by_depth[t] = before[t] * (weight * ty_mean_attenuation_slope(x, attenuation, m) - behind * attenuation);
         through[t] = weight * m + behind * attenuation;
     }
     return (double)sum;

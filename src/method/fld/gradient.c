@@ -94,6 +94,7 @@ static ty_result repeat_solve(gradient_job* job) {
 static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
     const ty_grid_medium *fine = job->fld.fine, *coarse = job->fld.coarse;
     const ty_diffusion_def solver = ty_fld_diffusion_def(&job->fld);
+    double by_streaming;
     const ty_diffuse_loss loss = {.light = job->copy.diffuse,
                                   .solver = &solver,
                                   .reduced = job->copy.reduced,
@@ -101,6 +102,7 @@ static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
                                   .source = job->fld.source,
                                   .weight = job->source_weight,
                                   .tolerance = TOLERANCE,
+                                  .by_streaming = &by_streaming,
                                   .progress = &job->fld.progress};
     ty_diffusion_adjoint_stats solved;
     const ty_result result = ty_diffuse_adjoint(&loss, &job->coarse, job->by_source, &solved);
@@ -113,6 +115,7 @@ static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
         return ty_fail(job->fld.context, TY_ERROR_ARGUMENT,
                        "gradient: the light is no solution of this scene: its residual is %g of its source",
                        solved.imbalance);
+    ty_fld_return_flux_fraction(&job->fld, by_streaming, job->gradient->lights);
     ty_medium_gradient_refine(&job->coarse, coarse->box.size, fine->box.size, &job->gradient->media);
     return TY_OK;
 }
@@ -177,7 +180,7 @@ static ty_result differentiate(gradient_job* job, const ty_coverage_box* cells, 
     if (result == TY_OK) result = ty_part_next(&job->fld.progress, "adjoint", 1);
     if (result != TY_OK) return result;
     for (int32_t c = 0; c < 3; ++c) return_source(job, c);
-    result = ty_gradient_add_uncollided(job->gradient, &job->fld.sources, job->extinction, job->weight,
+    result = ty_gradient_add_uncollided(job->gradient, job->fld.scene, &job->fld.sources, job->extinction, job->weight,
                                         job->by_extinction, &job->fld.progress);
     return_extinction(job);
     stats->direct_seconds = ty_wall_seconds() - solved;
@@ -213,7 +216,7 @@ ty_result ty_fld_gradient(const ty_fld* light, const ty_scene* scene, const ty_f
     ty_gradient_stats totals;
     const ty_coverage_box cells = {lower, upper, size};
     *out = NULL;
-    ty_result result = ty_gradient_begin(scene, &ty_volume_fld, def, own, &cells, stats, &totals);
+    ty_result result = ty_gradient_begin(scene, &ty_volume_fld, def, own, true, &cells, stats, &totals);
     if (result != TY_OK) return result;
     gradient_job job = {.fld = {.context = context, .scene = scene, .def = (const ty_fld_def*)own}, .copy = *light};
     job.fld.light = &job.copy;

@@ -607,6 +607,8 @@ static ty_result begin(adjoint_job* job) {
     return make_linear(job);
 }
 
+/* R is in inverse proportion to the bound of the flux, so that dD/dstreaming = phi dD/dphi / streaming at a constant
+ * gradient. */
 static void store(adjoint_job* job, const ty_diffusion_adjoint_out* out) {
     job->a = job->adjoint;
     job->to = job->by_diffusivity;
@@ -616,6 +618,10 @@ static void store(adjoint_job* job, const ty_diffusion_adjoint_out* out) {
         out->absorption[i] = (float)(-job->adjoint[i] * (double)job->fluence[i]);
         out->extinction[i] = (float)(job->by_diffusivity[i] * job->by_extinction[i]);
     }
+    double streaming = 0;
+    for (int64_t i = 0; i < job->cells; ++i)
+        streaming += job->by_diffusivity[i] * job->by_fluence[i] * (double)job->fluence[i];
+    *out->streaming = streaming / job->def->streaming;
 }
 
 ty_result ty_diffusion_adjoint(ty_context* context, const ty_diffusion_def* def, const float* fluence,
