@@ -258,19 +258,19 @@ static ty_result place(adjoint_job* job, passage* all, int32_t count) {
     job->width = beam->size[0] + BORDER;
     job->rows = beam->size[1] + BORDER;
     job->beam = beam;
-    size_t tubes = 0, most = 0;
+    size_t tubes = 0, max_tubes = 0;
     const size_t slab = tubes_of_slab(job), begun = slab * (size_t)blocks_of(beam);
     for (int32_t i = 0; i < count; ++i) {
         const size_t own = ty_collimated_tubes(&all[i].beam);
         tubes += own;
-        most = own > most ? own : most;
+        max_tubes = own > max_tubes ? own : max_tubes;
     }
     const size_t work = SCRATCH_ROWS * scratch_row(job) * (size_t)ty_context_threads(context);
-    const size_t whole = tubes + begun * (size_t)count + most + (2 * BLOCK + 2) * slab + work;
+    const size_t whole = tubes + begun * (size_t)count + max_tubes + (2 * BLOCK + 2) * slab + work;
     const ty_result result = reserve(context, job->memory, whole);
     if (result != TY_OK) return result;
     job->light = job->memory->floats;
-    job->before = job->light + most;
+    job->before = job->light + max_tubes;
     job->depth = job->before + BLOCK * slab;
     job->by_depth = job->depth + BLOCK * slab;
     job->mean = job->by_depth + slab;
