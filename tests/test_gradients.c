@@ -8,6 +8,8 @@ static void gray_media_and_lights(void** state) {
 
 static void coloured_media_and_lights(void** state) {
     parameters p = colored();
+    p.lamps = 1;
+    p.def.resolution = 12;
     check_all(*state, &p, false);
 }
 
@@ -25,6 +27,21 @@ static void voxels_of_density(void** state) {
     check_voxels(*state, p);
 }
 
+/* Different weights of channels of gray media, so that channels share extinction, but no adjoint. */
+static void points_and_spots(void** state) {
+    parameters p = gray();
+    p.lamps = 1;
+    p.def.resolution = 12;
+    check_all(*state, &p, false);
+}
+
+static void voxels_around_points(void** state) {
+    parameters p = gray();
+    p.def.resolution = TY_AUTO;
+    p.lamps = 1;
+    check_voxels(*state, p);
+}
+
 /* ---- threads and progress ---- */
 
 static void threads_do_not_matter(void** state) {
@@ -33,6 +50,7 @@ static void threads_do_not_matter(void** state) {
     p.def.resolution = 96; /* so that slabs and boxes are divided among threads */
     p.def.environment_beams = 3;
     p.def.tolerance = 1e-4;
+    p.lamps = 1;
     check_threads(&p);
 }
 
@@ -92,18 +110,6 @@ static void what_has_no_gradient_is_refused(void** state) {
     refuse(moved, light, &p.def, "no solution");
     ty_scene_destroy(moved);
 
-    ty_scene* lit = make_scene(*state);
-    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
-    const ty_medium_def fog = box_medium(lower, upper, 1, 0);
-    ty_light_def lamp = ty_default_light_def();
-    lamp.kind = TY_LIGHT_POINT;
-    set3(lamp.position, 0, 3, 0);
-    assert_int_equal(ty_scene_add_medium(lit, &fog), TY_OK);
-    assert_int_equal(ty_scene_add_light(lit, &lamp), TY_OK);
-    assert_int_equal(ty_scene_commit(lit), TY_OK);
-    refuse(lit, light, &p.def, "lights[0]");
-    ty_scene_destroy(lit);
-
     /* A medium without voxels has no derivatives by them. */
     double weights[3 * CELLS] = {1}, voxels[1], sigma_s[3], sigma_a[3], g[3];
     ty_gradient_stats stats = ty_default_gradient_stats();
@@ -149,10 +155,17 @@ static void cells_add_up_to_media(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gray_media_and_lights),   cmocka_unit_test(coloured_media_and_lights),
-        cmocka_unit_test(every_limiter),           cmocka_unit_test(voxels_of_density),
-        cmocka_unit_test(cells_add_up_to_media),   cmocka_unit_test(threads_do_not_matter),
-        cmocka_unit_test(a_gradient_is_cancelled), cmocka_unit_test(what_has_no_gradient_is_refused),
+        cmocka_unit_test(gray_media_and_lights),
+        cmocka_unit_test(coloured_media_and_lights),
+        cmocka_unit_test(every_limiter),
+        cmocka_unit_test(voxels_of_density),
+        cmocka_unit_test(points_and_spots),
+
+        cmocka_unit_test(voxels_around_points),
+        cmocka_unit_test(cells_add_up_to_media),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(a_gradient_is_cancelled),
+        cmocka_unit_test(what_has_no_gradient_is_refused),
     };
     return cmocka_run_group_tests_name("gradients", tests, start_context, stop_context);
 }

@@ -21,6 +21,7 @@ static void coloured_media_and_lights(void** state) {
 /* g above what the directions resolve: fitted moments. */
 static void narrow_phase_functions(void** state) {
     parameters p = by_dom(gray(), TY_AUTO);
+    p.dom.directions = 48;
     for (int c = 0; c < 3; ++c) p.g[c] = 0.85;
     check_all(*state, &p, true);
 }
@@ -59,6 +60,7 @@ static void clouds_in_empty_space(void** state) {
     double weights[3 * CELLS], gradient_of_voxels[VOXELS];
     parameters p = by_dom(gray(), TY_AUTO);
     p.dom.direct = TY_AUTO;
+    p.dom.directions = 48;
     p.voxels = voxels;
     for (int c = 0; c < 3; ++c) p.g[c] = 0.85;
     for (int i = 0; i < VOXELS; ++i) {
@@ -119,6 +121,12 @@ static void what_has_no_gradient_is_refused(void** state) {
     ty_scene* moved = make(*state, &other);
     assert_int_equal(gradient_of(moved, &p, light, weights, &gradient, NULL), TY_ERROR_ARGUMENT);
     assert_error(*state, "no solution");
+    other = p;
+    other.lamps = 1;
+    ty_scene* lit = make(*state, &other);
+    assert_int_equal(gradient_of(lit, &p, light, weights, &gradient, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "lights[2]");
+    ty_scene_destroy(lit);
     assert_null(gradient);
     ty_scene_destroy(moved);
     destroy_light(light);

@@ -49,8 +49,8 @@ static inline ty_gradient_stats ty_default_gradient_stats(void) {
 /// lower, upper, size: cells as of ty_fld_fluence(). weights: dL/dfluence of each cell, size[0] * size[1] * size[2] x 3
 /// channels. The def's progress function is called with
 /// the stage "adjoint". stats may be NULL. `*out` is destroyed with ty_gradient_destroy(), and is NULL after an error.
-/// Errors: TY_ERROR_ARGUMENT (scenes with surfaces, lights that are neither directional nor environments, media that
-/// emit, fld.ratio above 3, light of another scene or that did not converge), TY_ERROR_MEMORY; TY_CANCELLED.
+/// Errors: TY_ERROR_ARGUMENT (scenes with surfaces, area lights or spheres, media that emit, fld.ratio above 3, light
+/// of another scene or that did not converge), TY_ERROR_MEMORY; TY_CANCELLED.
 TY_API ty_result ty_fld_gradient(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def,
                                  const double lower[3], const double upper[3], const int32_t size[3],
                                  const double* weights, ty_gradient** out, ty_gradient_stats* stats);

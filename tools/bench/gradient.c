@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-enum { SIDE = 32, WEIGHTS = SIDE * SIDE * SIDE, CASES = 3, RUNS_MAX = 99 };
+enum { SIDE = 32, WEIGHTS = SIDE * SIDE * SIDE, CASES = 4, RUNS_MAX = 99 };
 
 /* A box of fog, or a lumpy cloud in empty space of so many voxels along a side. */
 typedef struct gradient_case {
@@ -16,8 +16,10 @@ typedef struct gradient_case {
     float thickness, albedo, g;
 } gradient_case;
 
-static const gradient_case cases[CASES] = {
-    {"fog", 0, 3, 0.9f, 0.4f}, {"cloud_64", 64, 20, 0.999f, 0.85f}, {"cloud_128", 128, 20, 0.999f, 0.85f}};
+static const gradient_case cases[CASES] = {{"fog", 0, 3, 0.9f, 0.4f},
+                                           {"cloud_64", 64, 20, 0.999f, 0.85f},
+                                           {"cloud_96", 96, 20, 0.999f, 0.85f},
+                                           {"cloud_128", 128, 20, 0.999f, 0.85f}};
 
 /* Processor time of all threads of the process, s. */
 static double processor_seconds(void) {
@@ -161,7 +163,7 @@ int bench_gradient(const bench_session* bench) {
     static double weights[3 * WEIGHTS];
     ty_result result = TY_OK;
     make_weights(weights);
-    for (int i = 0; i < (bench->options->quick ? CASES - 1 : CASES) && result == TY_OK; ++i) {
+    for (int i = 0; i < (bench->options->quick ? CASES - 2 : CASES) && result == TY_OK; ++i) {
         ty_scene* scene = NULL;
         result = make_scene(bench->session->context, &cases[i], &scene);
         json_open_object(bench->json, cases[i].name);

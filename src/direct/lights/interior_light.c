@@ -48,3 +48,11 @@ double ty_interior_light_max_flux(const ty_interior_light* sum, double exterior_
     const double all = sum->from_outside + sum->from_inside;
     return all > 0 ? exterior_max + (interior_max_flux - exterior_max) * (sum->from_inside / all) : exterior_max;
 }
+
+double ty_interior_light_max_flux_slope(const ty_interior_light* sum, const ty_interior_light* part,
+                                        double exterior_max) {
+    const double all = sum->from_outside + sum->from_inside;
+    if (!(all > 0)) return 0;
+    const double change = part->from_inside * sum->from_outside - sum->from_inside * part->from_outside;
+    return (interior_max_flux - exterior_max) * change / (all * all);
+}

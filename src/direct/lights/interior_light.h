@@ -20,5 +20,8 @@ void ty_interior_light_add_point(ty_interior_light* sum, const ty_grid_box* box,
  * surface of the media and leaves them into the whole hemisphere; light of interior point lights leaves them closer to
  * the normal. So the limit grows with the interior fraction from exterior_max to 0.8. */
 double ty_interior_light_max_flux(const ty_interior_light* sum, double exterior_max);
+/* Its derivative by a factor of a part of the light. */
+double ty_interior_light_max_flux_slope(const ty_interior_light* sum, const ty_interior_light* part,
+                                        double exterior_max);
 
 #endif

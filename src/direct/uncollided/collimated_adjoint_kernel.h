@@ -29,7 +29,11 @@ typedef struct ty_adjoint_tubes {
 typedef struct ty_collimated_adjoint_kernels {
     /* The way of the light. */
     void (*pass)(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes);
-    /* Begins the way back. */
+    /* The same, which sets before and depth. */
+    void (*note)(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes);
+    /* The way back for one channel of weights; returns as weigh. */
+    double (*back_of_one)(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes, float color);
+    /* The way back for several: begin, weigh for each channel, and back. */
     void (*begin)(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes);
     /* Adds color times the blended weights of a channel to by_mean; returns the sum of that times the mean. */
     double (*weigh)(const ty_adjoint_rows* rows, const ty_adjoint_tubes* tubes, float color);

@@ -2,6 +2,7 @@
 #include "direct/uncollided/kernel.h"
 
 #include "direct/lights/discrete_light.h"
+#include "direct/uncollided/point_rows.k.h"
 
 /* ---- parallel light ---- */
 
@@ -88,27 +89,18 @@ static void transpose(const ty_transpose_block* b) {
 
 /* ---- point lights ---- */
 
-static void trace_row(const ty_ray_row* r) {
-    const float near = r->near, far = r->far, row = r->row, row_slope = r->row_slope;
-    const float at = r->at[0], at_step = r->at[1], slope = r->slope[0], slope_step = r->slope[1];
-    const int32_t last_u = r->size[0] - 1, last_v = r->size[1] - 1, step_u = r->stride[0], step_v = r->stride[1];
-    const float *cells = r->cells, *entry = r->entry;
-    float *depth = r->depth, *mean = r->mean;
+static void trace_row(const ty_ray_row* rays) {
+    const ty_ray_row r = *rays;
+    const float *cells = r.cells, *entry = r.entry;
+    float *depth = r.depth, *mean = r.mean;
 #pragma omp simd
-    for (int32_t i = r->begin; i < r->end; ++i) {
-        const float from = ty_minf(far, ty_maxf(near, entry[i])), back = 0.5f * (far - from), index = (float)i;
-        const float u = ty_clampf(at + at_step * index - (slope + slope_step * index) * back, 0.0f, (float)last_u);
-        const float v = ty_clampf(row - row_slope * back, 0.0f, (float)last_v);
-        const int32_t cell_u = (int32_t)u, cell_v = (int32_t)v;
-        const int32_t base = cell_u * step_u + cell_v * step_v;
-        const int32_t next_u = cell_u < last_u ? step_u : 0, next_v = cell_v < last_v ? step_v : 0;
-        const float t = u - (float)cell_u;
-        const float before = ty_lerp_exact(cells[base], cells[base + next_u], t);
-        const float after = ty_lerp_exact(cells[base + next_v], cells[base + next_v + next_u], t);
-        const float sigma = ty_lerp_exact(before, after, v - (float)cell_v);
-        const float passed = near - entry[i];
-        mean[i] = passed > 0.0f ? depth[i] / passed : sigma;
-        depth[i] += sigma * (far - from);
+    for (int32_t i = r.begin; i < r.end; ++i) {
+        const ty_ray_place p = ty_ray_row_place(&r, i, entry[i]);
+        const float before = ty_lerp_exact(cells[p.base], cells[p.base + p.next_u], p.t);
+        const float after = ty_lerp_exact(cells[p.base + p.next_v], cells[p.base + p.next_v + p.next_u], p.t);
+        const float sigma = ty_lerp_exact(before, after, p.row_t);
+        mean[i] = p.passed > 0.0f ? depth[i] / p.passed : sigma;
+        depth[i] += sigma * (r.far - p.from);
     }
 }
 
@@ -128,40 +120,31 @@ static void blend_rays(const ty_ray_row_blend* b) {
 }
 
 /* Mean over a cell, from the optical depth and its gradient at the center. */
-TY_FN float cell_mean(const ty_cell_row_means* c, float off, float side, float mean, float extinction) {
-    const float per_distance = 1.0f / sqrtf(off * off + c->v * c->v + c->w * c->w);
-    const float to[3] = {off * per_distance, c->v * per_distance, c->w * per_distance};
-    const float inside_u = c->outside != 0 ? c->w * side / off : TY_FLOAT_MAX;
-    const float inside = ty_minf(inside_u, c->inside);
-    const float t = ty_clampf(inside / c->w, 0.0f, 1.0f), outside = 1.0f - t;
-    const bool by_u = inside_u < c->inside;
+TY_FN float cell_mean(const ty_cell_row_means* c, int32_t i, float mean, float extinction) {
+    const ty_cell_place p = ty_cell_row_place_at(c, i);
     ty_cell_depth d;
-    d.depth = mean * t / per_distance;
+    d.depth = mean * p.in_media;
     d.extinction = extinction;
-    d.slope[0] = to[0] * t + (by_u ? outside / to[0] : 0.0f);
-    d.slope[1] = to[1] * t + (!by_u && c->across_v != 0 ? outside / to[1] : 0.0f);
-    d.slope[2] = to[2] * t + (!by_u && c->across_v == 0 ? outside / to[2] : 0.0f);
-    return c->spread != 0 ? ty_cell_mean_falloff(&d, to, per_distance, c->cell)
+    for (int32_t a = 0; a < 3; ++a) d.slope[a] = p.slope[a];
+    return c->spread != 0 ? ty_cell_mean_falloff(&d, p.to, p.per_distance, c->cell)
                           : ty_cell_mean_transmittance(&d, c->cell);
 }
 
 static void cell_means(const ty_cell_row_means* cells) {
     const ty_cell_row_means c = *cells;
-    const float last = (float)(c.rays - 1);
 #pragma omp simd
     for (int32_t i = c.begin; i < c.end; ++i) {
-        const float index = (float)i, at = ty_clampf(c.column[0] + c.column[1] * index, 0.0f, last);
-        const int32_t whole = (int32_t)at, ray = whole < c.rays - 2 ? whole : c.rays - 2;
-        const float mean = ty_lerp_exact(c.mean[ray], c.mean[ray + 1], at - (float)ray);
-        c.transmittance[i] = cell_mean(&c, c.off[0] + c.off[1] * index, c.side[0] + c.side[1] * index, mean,
-                                       c.extinction[(size_t)i * c.stride]);
+        float t;
+        const int32_t ray = ty_cell_row_column(&c, i, &t);
+        const float mean = ty_lerp_exact(c.mean[ray], c.mean[ray + 1], t);
+        c.transmittance[i] = cell_mean(&c, i, mean, c.extinction[(size_t)i * c.stride]);
     }
     if (c.visible == NULL) return;
 #pragma omp simd
     for (int32_t i = c.begin; i < c.end; ++i) {
-        const float at = ty_clampf(c.column[0] + c.column[1] * (float)i, 0.0f, last);
-        const int32_t whole = (int32_t)at, ray = whole < c.rays - 2 ? whole : c.rays - 2;
-        c.transmittance[i] *= ty_lerp_exact(c.visible[ray], c.visible[ray + 1], at - (float)ray);
+        float t;
+        const int32_t ray = ty_cell_row_column(&c, i, &t);
+        c.transmittance[i] *= ty_lerp_exact(c.visible[ray], c.visible[ray + 1], t);
     }
 }
 

@@ -22,6 +22,8 @@ typedef struct ty_point_light_job {
     double finished; /* fraction of the work */
 } ty_point_light_job;
 
+/* Places the box around the light. */
+void ty_point_light_place(ty_point_light_job* point);
 /* Distance to the first surface from the light, m, at most `far`. */
 float ty_point_light_visible_distance(const ty_point_light_job* point, ty_vec direction, float far);
 /* True if a cell is next to the light. */
@@ -30,5 +32,9 @@ bool ty_near_cells_contain(const ty_point_light_job* point, const int32_t cell[3
 void ty_near_cells_range(const ty_point_light_job* point, int32_t axis, int32_t range[2]);
 /* Adds the light of the near cells within the box. Errors: TY_ERROR_MEMORY. */
 ty_result ty_near_cells_add(const ty_point_light_job* point);
+/* Its adjoint for a medium of one plane: adds to `gradient` the derivatives by extinction of the sum over near cells of
+ * weight times the light in it, which is volume times mean fluence over intensity. weight: of all cells of
+ * the box. Adds that light to `light`. */
+void ty_near_cells_return(const ty_point_light_job* point, const float* weight, float* gradient, float* light);
 
 #endif

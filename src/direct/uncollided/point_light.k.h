@@ -5,6 +5,12 @@
 #include "direct/media/attenuation.k.h"
 #include "scene/lights/light.k.h"
 
+/* The derivative of the mean attenuation m by x, (e^-x - m) / x, and its series where that loses digits. */
+TY_FN float ty_mean_attenuation_slope(float x, float attenuation, float mean) {
+    const float series = -0.5f + x * (1.0f / 3.0f - x * (0.125f - x * (1.0f / 30.0f)));
+    return x < 0.1f ? series : (attenuation - mean) / ty_maxf(x, 0.1f);
+}
+
 /* The optical depth around a cell's center along the axes u, v and w. */
 typedef struct ty_cell_depth {
     float depth;      /* at the center */
@@ -24,10 +30,10 @@ TY_FN float ty_cell_mean_transmittance(const ty_cell_depth* d, const float cell[
     return ty_minf(1.0f, brightest * mean);
 }
 
-/* Mean of transmittance / r^2 over a cell, relative to 1 / r^2 at its center, to second order in the cell's size over
- * r, and clamped for long cells. omega: unit, from the light. */
-TY_FN float ty_cell_mean_falloff(const ty_cell_depth* d, const float omega[3], float per_distance,
-                                 const float cell[3]) {
+/* Mean of 1 / r^2 and the transmittance's change over a cell, relative to the center, to second order in the cell's
+ * size over r. omega: unit, from the light. */
+TY_FN float ty_cell_falloff_ratio(const ty_cell_depth* d, const float omega[3], float per_distance,
+                                  const float cell[3]) {
     float ratio = 1.0f;
     for (int32_t a = 0; a < 3; ++a) {
         const float square = omega[a] * omega[a];
@@ -35,7 +41,17 @@ TY_FN float ty_cell_mean_falloff(const ty_cell_depth* d, const float omega[3], f
         ratio +=
             cell[a] * cell[a] * (1.0f / 24.0f) * per_distance * ((8.0f * square - 2.0f) * per_distance + curvature);
     }
-    return ty_cell_mean_transmittance(d, cell) * ty_clampf(ratio, 0.0f, 4.0f);
+    return ratio;
+}
+
+/* Largest mean falloff over that at the center, for long cells. */
+#define TY_MAX_FALLOFF_RATIO 4.0f
+
+/* Mean of transmittance / r^2 over a cell, relative to 1 / r^2 at its center. */
+TY_FN float ty_cell_mean_falloff(const ty_cell_depth* d, const float omega[3], float per_distance,
+                                 const float cell[3]) {
+    return ty_cell_mean_transmittance(d, cell) *
+           ty_clampf(ty_cell_falloff_ratio(d, omega, per_distance, cell), 0.0f, TY_MAX_FALLOFF_RATIO);
 }
 
 #endif

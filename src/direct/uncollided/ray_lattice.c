@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "base/float_mode.h"
 #include "direct/uncollided/occlusion.h"
+#include "direct/uncollided/point_rows.k.h"
 
 /* MARGIN: cells beside the box within which rays are still traced. */
 enum { FIRST_SLABS = 4, MARGIN = 4 };
@@ -12,7 +13,7 @@ size_t ty_ray_lattice_rays(const ty_ray_lattice* l) {
     return (size_t)l->count[0] * (size_t)l->count[1];
 }
 
-static size_t value_count(const ty_ray_lattice* l) {
+size_t ty_ray_lattice_values(const ty_ray_lattice* l) {
     return ty_ray_lattice_rays(l) * (size_t)(l->slabs + 1);
 }
 
@@ -31,7 +32,7 @@ size_t ty_ray_lattice_scratch(const ty_point_light_job* point) {
 void ty_ray_lattice_end(ty_ray_lattice* l) {
     ty_context* context = l->job->medium->context;
     for (int32_t c = 0; c < l->job->medium->planes; ++c)
-        ty_free_array(context, l->mean[c], value_count(l), sizeof *l->mean[c]);
+        ty_free_array(context, l->mean[c], ty_ray_lattice_values(l), sizeof *l->mean[c]);
     ty_free_array(context, l->hit, ty_ray_lattice_rays(l), sizeof *l->hit);
     l->slabs = 0;
     l->hit = l->mean[0] = l->mean[1] = l->mean[2] = NULL;
@@ -40,7 +41,7 @@ void ty_ray_lattice_end(ty_ray_lattice* l) {
 static ty_result allocate_lattice(ty_ray_lattice* l) {
     const ty_grid_medium* medium = l->job->medium;
     for (int32_t c = 0; c < medium->planes; ++c) {
-        l->mean[c] = ty_alloc_array(medium->context, value_count(l), sizeof *l->mean[c], true);
+        l->mean[c] = ty_alloc_array(medium->context, ty_ray_lattice_values(l), sizeof *l->mean[c], true);
         if (l->mean[c] == NULL) return TY_ERROR_MEMORY;
     }
     if (l->job->scene->mesh == NULL) return TY_OK;
@@ -82,6 +83,13 @@ static bool place_rays(ty_ray_lattice* l) {
         l->step[i] = (end - l->low[i]) / (l->count[i] - 1);
     }
     return true;
+}
+
+int32_t ty_ray_lattice_begin(const ty_point_light_job* point, int32_t w, bool backwards, ty_ray_lattice* l) {
+    const double from = backwards ? -point->upper[w] : point->lower[w], cell = point->medium->cell[w];
+    *l = (ty_ray_lattice){.job = point, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
+    l->entry = fmax(0, from);
+    return (int32_t)fmin(point->medium->box.size[w], fmax(0, floor(-from / cell)));
 }
 
 bool ty_ray_lattice_place(ty_ray_lattice* l, int32_t begin) {
@@ -228,4 +236,80 @@ ty_result ty_ray_lattice_trace(ty_ray_lattice* l, const ty_ray_lattice* before) 
     ty_parallel_for(l->job->medium->context, l->count[1], trace_row, &job);
     if (l->hit != NULL) ty_occlusion_fill(l->hit, l->count[0], l->count[1]);
     return TY_OK;
+}
+
+/* ---- the adjoint ---- */
+
+/* A row of rays on the way back. */
+typedef struct return_row_job {
+    const ty_ray_lattice *l, *before;
+    double q;
+    float *entry, *by_depth;
+    float* by_mean_before; /* of the previous lattice */
+    float* gradient;       /* of cells */
+} return_row_job;
+
+/* Back through a slab: from the derivatives by mean extinction and by depth behind it. */
+static void return_slab(const return_row_job* job, int32_t slab, const float* by_mean) {
+    const ty_ray_lattice* l = job->l;
+    const ty_grid_medium* medium = l->job->medium;
+    const size_t size = (size_t)medium->box.size[0];
+    const size_t per_slab[3] = {1, size, size * (size_t)medium->box.size[1]};
+    const int32_t cell = ty_ray_lattice_cell(l, slab < l->slabs ? slab : l->slabs - 1);
+    float* cells = job->gradient + per_slab[l->axis[2]] * (size_t)cell;
+    const ty_ray_row rays = rays_through(l, slab, job->q);
+    for (int32_t i = rays.begin; i < rays.end; ++i) {
+        const ty_ray_place p = ty_ray_row_place(&rays, i, job->entry[i]);
+        float by_sigma = job->by_depth[i] * (rays.far - p.from);
+        if (p.passed > 0)
+            job->by_depth[i] += by_mean[i] / p.passed;
+        else
+            by_sigma += by_mean[i];
+        const float before = by_sigma * (1 - p.row_t), after = by_sigma * p.row_t;
+        cells[p.base] += before * (1 - p.t);
+        cells[p.base + p.next_u] += before * p.t;
+        cells[p.base + p.next_v] += after * (1 - p.t);
+        cells[p.base + p.next_v + p.next_u] += after * p.t;
+    }
+}
+
+/* From depths at the near side to the means of the previous section (begin_row). */
+static void return_begin(const return_row_job* job) {
+    const ty_ray_lattice *l = job->l, *before = job->before;
+    int32_t at[2];
+    const float row_t = ty_ray_lattice_locate(before, 1, job->q, &at[1]);
+    float* last = job->by_mean_before + ty_ray_lattice_rays(before) * (size_t)before->slabs;
+    for (int32_t i = 0; i < l->count[0]; ++i) {
+        const float inside = (float)(l->near - l->entry) - job->entry[i];
+        if (!(inside > 0)) continue;
+        const float t = ty_ray_lattice_locate(before, 0, l->low[0] + l->step[0] * i, &at[0]);
+        float* row = last + (size_t)at[1] * (size_t)before->count[0] + (size_t)at[0];
+        const float by_first = job->by_depth[i] * inside * (1 - row_t), by_next = job->by_depth[i] * inside * row_t;
+        row[0] += by_first * (1 - t);
+        row[1] += by_first * t;
+        row[before->count[0]] += by_next * (1 - t);
+        row[before->count[0] + 1] += by_next * t;
+    }
+}
+
+void ty_ray_lattice_return(const ty_ray_lattice* l, const ty_ray_lattice* before, float* by_mean, float* by_mean_before,
+                           float* gradient) {
+    const trace_job trace = {.l = (ty_ray_lattice*)l, .before = before};
+    const size_t count = (size_t)l->count[0];
+    float* entry = l->job->scratch;
+    float* const depth[3] = {entry + count};
+    for (int32_t row = 0; row < l->count[1]; ++row) {
+        return_row_job job = {.l = l,
+                              .before = before,
+                              .q = l->low[1] + l->step[1] * row,
+                              .entry = entry,
+                              .by_depth = depth[0],
+                              .by_mean_before = by_mean_before,
+                              .gradient = gradient};
+        begin_row(&trace, job.q, entry, depth);
+        memset(job.by_depth, 0, count * sizeof *job.by_depth);
+        for (int32_t slab = l->slabs; slab >= 0; --slab)
+            return_slab(&job, slab, by_mean + ty_ray_lattice_rays(l) * (size_t)slab + count * (size_t)row);
+        if (before->slabs > 0) return_begin(&job);
+    }
 }

@@ -22,6 +22,8 @@ typedef struct ty_ray_lattice {
     float* hit;     /* distance along w to the first surface per ray, m; NULL: no surfaces */
 } ty_ray_lattice;
 
+/* A pyramid along w without a section, and its first slab. */
+int32_t ty_ray_lattice_begin(const ty_point_light_job* point, int32_t w, bool backwards, ty_ray_lattice* l);
 /* Places the section that starts with slab `begin`, within which the distance doubles. False: the pyramid misses the
  * box there, and l->slabs slabs are to be skipped. */
 bool ty_ray_lattice_place(ty_ray_lattice* l, int32_t begin);
@@ -29,7 +31,14 @@ bool ty_ray_lattice_place(ty_ray_lattice* l, int32_t begin);
  * none. ty_ray_lattice_end may follow in any case. Errors: TY_ERROR_MEMORY. */
 ty_result ty_ray_lattice_trace(ty_ray_lattice* l, const ty_ray_lattice* before);
 void ty_ray_lattice_end(ty_ray_lattice* l);
+/* The adjoint of tracing for a medium of one plane: from a loss's derivatives by l->mean[0], of the same layout, adds
+ * those by the extinction of cells to `gradient`, and those by the previous section's means to by_mean_before. It uses
+ * the scratch of the first worker. */
+void ty_ray_lattice_return(const ty_ray_lattice* l, const ty_ray_lattice* before, float* by_mean, float* by_mean_before,
+                           float* gradient);
 
+/* Values per plane of the medium: rays at the near sides of all slabs and the far side of the last. */
+size_t ty_ray_lattice_values(const ty_ray_lattice* l);
 /* Floats of scratch per worker for any row of rays of this light. */
 size_t ty_ray_lattice_scratch(const ty_point_light_job* point);
 /* Number of rays in one slab. */

@@ -11,17 +11,40 @@ enum { MIN_ITERATIONS = 2 };
 /* Maximum flux fraction for light from outside. */
 static const double max_flux_fraction_outside = 0.55;
 
-static double flux_fraction_of_sources(const ty_fld_job* job) {
+static void add_light(const ty_fld_job* job, const ty_discrete_light* source, const float color[3],
+                      ty_interior_light* sum) {
+    if (source->kind == TY_DISCRETE_DIRECTIONAL)
+        ty_interior_light_add_directional(sum, &job->fine->box, source->direction, color);
+    else
+        ty_interior_light_add_point(sum, &job->fine->box, source->position, color);
+}
+
+static ty_interior_light sum_sources(const ty_fld_job* job) {
     ty_interior_light sum = {0, 0};
-    for (int32_t i = 0; i < job->sources.count; ++i) {
-        const ty_discrete_light* source = &job->sources.items[i];
-        if (source->kind == TY_DISCRETE_DIRECTIONAL)
-            ty_interior_light_add_directional(&sum, &job->fine->box, source->direction, source->color);
-        else
-            ty_interior_light_add_point(&sum, &job->fine->box, source->position, source->color);
-    }
+    for (int32_t i = 0; i < job->sources.count; ++i)
+        add_light(job, &job->sources.items[i], job->sources.items[i].color, &sum);
+    return sum;
+}
+
+static double flux_fraction_of_sources(const ty_fld_job* job) {
+    const ty_interior_light sum = sum_sources(job);
     const double fraction = ty_interior_light_max_flux(&sum, max_flux_fraction_outside);
     return fraction * ty_diffuse_surfaces_flux_factor(&job->surfaces);
+}
+
+void ty_fld_return_flux_fraction(const ty_fld_job* job, double by_fraction, double (*lights)[3]) {
+    const ty_interior_light sum = sum_sources(job);
+    if (job->def->max_flux_fraction > 0) return;
+    for (int32_t i = 0; i < job->sources.count; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const ty_discrete_light* source = &job->sources.items[i];
+            float color[3] = {0};
+            ty_interior_light part = {0, 0};
+            color[c] = source->color[c];
+            add_light(job, source, color, &part);
+            lights[source->light][c] +=
+                by_fraction * ty_interior_light_max_flux_slope(&sum, &part, max_flux_fraction_outside);
+        }
 }
 
 ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {

@@ -24,7 +24,8 @@ typedef struct gradient_job {
     ty_fld copy;    /* of the light */
     ty_gradient* gradient;
     float *weight[3], *source_weight[3]; /* dL/dfluence of fine and coarse cells, per channel */
-    float *by_source[3], *by_fine;       /* dL/dq of coarse cells, and of fine ones for the channel at hand */
+    float *by_source[3], *by_fine;       /* dL/dq of coarse cells, and of fine ones for one channel */
+    int32_t spread;                      /* that channel */
     float *extinction[3], *by_extinction[3];
     ty_medium_gradient coarse;
 } gradient_job;
@@ -93,6 +94,7 @@ static ty_result repeat_solve(gradient_job* job) {
 static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
     const ty_grid_medium *fine = job->fld.fine, *coarse = job->fld.coarse;
     const ty_diffusion_def solver = ty_fld_diffusion_def(&job->fld);
+    double by_streaming;
     const ty_diffuse_loss loss = {.light = job->copy.diffuse,
                                   .solver = &solver,
                                   .reduced = job->copy.reduced,
@@ -100,6 +102,7 @@ static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
                                   .source = job->fld.source,
                                   .weight = job->source_weight,
                                   .tolerance = TOLERANCE,
+                                  .by_streaming = &by_streaming,
                                   .progress = &job->fld.progress};
     ty_diffusion_adjoint_stats solved;
     const ty_result result = ty_diffuse_adjoint(&loss, &job->coarse, job->by_source, &solved);
@@ -112,8 +115,21 @@ static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
         return ty_fail(job->fld.context, TY_ERROR_ARGUMENT,
                        "gradient: the light is no solution of this scene: its residual is %g of its source",
                        solved.imbalance);
+    ty_fld_return_flux_fraction(&job->fld, by_streaming, job->gradient->lights);
     ty_medium_gradient_refine(&job->coarse, coarse->box.size, fine->box.size, &job->gradient->media);
     return TY_OK;
+}
+
+/* The derivatives by the source of fine cells, as `by_fine` times the number that is returned. */
+static float spread_source(gradient_job* job, int32_t channel) {
+    const ty_grid_medium *fine = job->fld.fine, *coarse = job->fld.coarse;
+    float multiple;
+    if (channel > 0 && ty_is_multiple(job->by_source[channel], job->by_source[job->spread], coarse->cells, &multiple))
+        return multiple;
+    memset(job->by_fine, 0, sizeof(float) * fine->cells);
+    ty_grid_spread(job->fld.context, job->by_source[channel], coarse->box.size, fine->box.size, job->by_fine);
+    job->spread = channel;
+    return 1;
 }
 
 /* The adjoint of the first-collision source q = (1 - g) sigma_s phi of fine cells: adds the derivatives by the media,
@@ -121,12 +137,12 @@ static ty_result return_diffusion(gradient_job* job, ty_gradient_stats* stats) {
 static void return_source(gradient_job* job, int32_t channel) {
     const ty_grid_medium* fine = job->fld.fine;
     const int32_t p = fine->planes == 3 ? channel : 0;
+    const float multiple = spread_source(job, channel);
     ty_medium_gradient* media = &job->gradient->media;
-    memset(job->by_fine, 0, sizeof(float) * fine->cells);
-    ty_grid_spread(job->fld.context, job->by_source[channel], job->fld.coarse->box.size, fine->box.size, job->by_fine);
     for (int32_t l = 0; l < job->copy.light_count; ++l) {
         float factor;
         const float* fluence = ty_light_fluence_plane(&job->copy.lights[l], channel, &factor);
+        factor *= multiple;
         for (size_t i = 0; i < fine->cells; ++i) {
             const float by_scattering = job->by_fine[i] * factor * fluence[i];
             media->scattering[p][i] += by_scattering;
@@ -135,7 +151,8 @@ static void return_source(gradient_job* job, int32_t channel) {
     }
     for (size_t i = 0; i < fine->cells; ++i)
         job->weight[channel][i] +=
-            job->by_fine[i] * ty_reduced_scattering(fine->scattering[p][i], job->copy.reduced ? fine->g[p][i] : 0.0f);
+            multiple * job->by_fine[i] *
+            ty_reduced_scattering(fine->scattering[p][i], job->copy.reduced ? fine->g[p][i] : 0.0f);
 }
 
 /* The adjoint of sigma_t - g sigma_s, by which uncollided light is attenuated. */
@@ -163,7 +180,7 @@ static ty_result differentiate(gradient_job* job, const ty_coverage_box* cells, 
     if (result == TY_OK) result = ty_part_next(&job->fld.progress, "adjoint", 1);
     if (result != TY_OK) return result;
     for (int32_t c = 0; c < 3; ++c) return_source(job, c);
-    result = ty_gradient_add_uncollided(job->gradient, &job->fld.sources, job->extinction, job->weight,
+    result = ty_gradient_add_uncollided(job->gradient, job->fld.scene, &job->fld.sources, job->extinction, job->weight,
                                         job->by_extinction, &job->fld.progress);
     return_extinction(job);
     stats->direct_seconds = ty_wall_seconds() - solved;
@@ -199,7 +216,7 @@ ty_result ty_fld_gradient(const ty_fld* light, const ty_scene* scene, const ty_f
     ty_gradient_stats totals;
     const ty_coverage_box cells = {lower, upper, size};
     *out = NULL;
-    ty_result result = ty_gradient_begin(scene, &ty_volume_fld, def, own, &cells, stats, &totals);
+    ty_result result = ty_gradient_begin(scene, &ty_volume_fld, def, own, true, &cells, stats, &totals);
     if (result != TY_OK) return result;
     gradient_job job = {.fld = {.context = context, .scene = scene, .def = (const ty_fld_def*)own}, .copy = *light};
     job.fld.light = &job.copy;

@@ -60,6 +60,9 @@ ty_result ty_fld_interreflect(ty_fld_job* job);
 void ty_fld_set_march(const ty_fld* light, ty_march_def* march);
 /* Settings of the diffusion solver. */
 ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job);
+/* Adds to the derivatives of a loss by a factor of each light, without surfaces, what they have by way of the bound of
+ * the flux, the solver's `streaming`. */
+void ty_fld_return_flux_fraction(const ty_fld_job* job, double by_fraction, double (*lights)[3]);
 /* Solves the diffuse light of all channels. */
 ty_result ty_fld_diffuse(ty_fld_job* job);
 /* Refines it on finer cells where its own are coarse. */

@@ -1,7 +1,7 @@
 #include "method/gradient/gradient.h"
 
 #include "base/context.h"
-#include "direct/uncollided/collimated_adjoint.h"
+#include "direct/uncollided/point_light_adjoint.h"
 #include "scene/scene.h"
 
 #include <string.h>
@@ -36,14 +36,15 @@ void ty_gradient_destroy(ty_gradient* gradient) {
     ty_free_array(gradient->context, gradient, 1, sizeof *gradient);
 }
 
-static ty_result check_scene(const ty_scene* scene, const char* method) {
+static ty_result check_scene(const ty_scene* scene, const char* method, bool points) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     if (view->mesh != NULL)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "gradient: %s is not differentiated in scenes with surfaces",
                        method);
     for (int32_t i = 0; i < view->lights.count; ++i)
-        if (view->lights.lights[i].kind != TY_KIND_DIRECTIONAL && view->lights.lights[i].kind != TY_KIND_ENVIRONMENT)
+        if (!points && view->lights.lights[i].kind != TY_KIND_DIRECTIONAL &&
+            view->lights.lights[i].kind != TY_KIND_ENVIRONMENT)
             return ty_fail(scene->context, TY_ERROR_ARGUMENT,
                            "gradient: lights[%d]: %s is differentiated for directional lights and environments alone",
                            (int)i, method);
@@ -56,18 +57,28 @@ static ty_result check_scene(const ty_scene* scene, const char* method) {
 }
 
 ty_result ty_gradient_begin(const ty_scene* scene, const ty_volume_method* method, const void* def, void* own,
-                            const ty_coverage_box* cells, const ty_gradient_stats* stats, ty_gradient_stats* totals) {
+                            bool points, const ty_coverage_box* cells, const ty_gradient_stats* stats,
+                            ty_gradient_stats* totals) {
     ty_context* context = ty_scene_context(scene);
     ty_result result = ty_volume_take_def(method, context, def, own);
     if (result == TY_OK) result = ty_take_stats(context, stats, "ty_default_gradient_stats", totals, sizeof *totals);
-    if (result == TY_OK) result = check_scene(scene, method->name);
+    if (result == TY_OK) result = check_scene(scene, method->name, points);
     if (result == TY_OK) result = ty_coverage_check(context, cells);
     return result;
+}
+
+/* True if a channel's weights are those of the first one. */
+static bool has_first_weights(const double* weights, size_t cells, size_t channel) {
+    size_t i = 0;
+    while (i < cells && weights[3 * i + channel] == weights[3 * i]) ++i;
+    return i == cells;
 }
 
 void ty_gradient_spread_weights(const ty_coverage_box* cells, const double* weights, const ty_grid_box* box,
                                 float* const planes[3]) {
     const int32_t* size = cells->size;
+    const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    const bool gray = has_first_weights(weights, count, 1) && has_first_weights(weights, count, 2);
     size_t at = 0;
     for (int32_t k = 0; k < size[2]; ++k)
         for (int32_t j = 0; j < size[1]; ++j)
@@ -75,19 +86,21 @@ void ty_gradient_spread_weights(const ty_coverage_box* cells, const double* weig
                 const int32_t cell[3] = {i, j, k};
                 ty_coverage axes[3];
                 ty_coverage_of_cell(box, cells, cell, axes);
-                for (size_t c = 0; c < 3; ++c)
+                for (size_t c = 0; c < (gray ? 1 : 3); ++c)
                     if (weights[at + c] != 0) ty_coverage_spread(box, axes, weights[at + c], planes[c]);
             }
+    const size_t of_box = (size_t)box->size[0] * (size_t)box->size[1] * (size_t)box->size[2];
+    for (int c = 1; c < 3 && gray; ++c) memcpy(planes[c], planes[0], sizeof(float) * of_box);
 }
 
-ty_result ty_gradient_add_uncollided(ty_gradient* gradient, const ty_discrete_light_set* sources,
+ty_result ty_gradient_add_uncollided(ty_gradient* gradient, const ty_scene* scene, const ty_discrete_light_set* sources,
                                      float* const extinction[3], float* const weight[3], float* const by_extinction[3],
                                      ty_part_progress* progress) {
     const ty_grid_medium* medium = gradient->medium;
     const int32_t channels = medium->planes == 3 ? 1 : 3;
     ty_result result = TY_OK;
     for (int32_t p = 0; p < medium->planes && result == TY_OK; ++p) {
-        ty_collimated_loss loss = {.sources = sources->items,
+        ty_uncollided_loss loss = {.sources = sources->items,
                                    .count = sources->count,
                                    .extinction = extinction[p],
                                    .first = p,
@@ -101,6 +114,9 @@ ty_result ty_gradient_add_uncollided(ty_gradient* gradient, const ty_discrete_li
             loss.multiples = multiples;
         }
         result = ty_collimated_adjoint(medium, &loss, by_extinction[p], gradient->lights);
+        if (result == TY_OK)
+            result =
+                ty_point_light_adjoint(ty_scene_get_view(scene), medium, &loss, by_extinction[p], gradient->lights);
     }
     return result;
 }

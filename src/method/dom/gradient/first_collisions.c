@@ -168,7 +168,7 @@ static ty_result return_direction(source_job* job) {
         find_varying(job);
     ty_parallel_for(all->dom.context, chunks_of(job->medium.cells), weigh_chunk, job);
     one.direction = direction_of(job, job->source);
-    const ty_collimated_loss loss = {.sources = &one,
+    const ty_uncollided_loss loss = {.sources = &one,
                                      .count = 1,
                                      .extinction = job->fine[EXTINCTION],
                                      .channels = 1,

@@ -120,7 +120,7 @@ ty_result ty_dom_gradient(const ty_dom* light, const ty_scene* scene, const ty_d
     ty_gradient_stats totals;
     const ty_coverage_box cells = {lower, upper, size};
     *out = NULL;
-    ty_result result = ty_gradient_begin(scene, &ty_volume_dom, def, own, &cells, stats, &totals);
+    ty_result result = ty_gradient_begin(scene, &ty_volume_dom, def, own, false, &cells, stats, &totals);
     if (result != TY_OK) return result;
     ty_dom_gradient_job job = {
         .dom = {.context = context, .scene = scene, .def = (const ty_dom_def*)own}, .light = light, .stats = &totals};

@@ -14,6 +14,8 @@ enum { KRYLOV = 40, SOLVES_MAX = 150, CYCLES = 1 };
 static const double SOLVE_TOLERANCE = 0.1;
 /* The adjoint need not be more exact than this part of the error of the light. */
 static const double PART_OF_IMBALANCE = 0.3;
+/* Where iterations stop: their residual is exact but for rounding. */
+static const double BELOW_TOLERANCE = 0.9;
 /* Smaller boxes run on one thread: waking the others takes longer. */
 enum { CELLS_FOR_THREADS = 1 << 14 };
 
@@ -21,22 +23,24 @@ enum { CELLS_FOR_THREADS = 1 << 14 };
 typedef struct adjoint_job {
     ty_context* context;
     const ty_diffusion_def* def;
-    const float* fluence;
-    ptrdiff_t step[3];
+    const float *fluence, *weight;
+    ptrdiff_t stride[3];
     int64_t cells;
     double min_extinction;
-    double* diffusivity;                       /* D */
-    double* by_fluence;                        /* dD/dphi of a cell's own fluence */
-    double* by_slope[3];                       /* dD/d(difference of the neighbours' fluences along an axis) */
-    double* by_extinction;                     /* dD/dsigma */
-    double *basis[KRYLOV + 1], *steps[KRYLOV]; /* Krylov vectors, and these preconditioned */
-    double *adjoint, *by_diffusivity;          /* lambda, C^T lambda */
-    double *plane_sums, *products;             /* products: KRYLOV numbers per plane */
-    double* parts;                             /* of a vector along the first `count` of the basis */
+    double* diffusivity;              /* D */
+    double* by_fluence;               /* dD/dphi of a cell's own fluence */
+    double* by_slope[3];              /* dD/d(difference of the neighbours' fluences along an axis) */
+    double* by_extinction;            /* dD/dsigma */
+    float* basis[KRYLOV + 1];         /* Krylov vectors */
+    double *step, *next;              /* one of them preconditioned, and what the equation makes of that */
+    double *adjoint, *by_diffusivity; /* lambda, C^T lambda */
+    double *plane_sums, *products;    /* products: KRYLOV numbers per plane */
+    double* parts;                    /* of a vector along the first `count` of the basis */
     int32_t count;
-    const double *a, *b; /* operands of a loop over planes */
+    const double* a; /* operands of a loop over planes */
     double *to, factor;
     ty_linear_diffusion* linear;
+    float* scaled;          /* of `to` times factor */
     double start, reported; /* s */
     ty_diffusion_adjoint_stats* stats;
 } adjoint_job;
@@ -49,7 +53,7 @@ static double run_planes(adjoint_job* job, ty_parallel_fn body) {
 }
 
 static int64_t plane_cells(const adjoint_job* job) {
-    return job->step[2];
+    return job->stride[2];
 }
 
 /* ---- the equation of a cell ---- */
@@ -104,8 +108,8 @@ static void differentiate_cell(adjoint_job* job, const int32_t at[3], int64_t i)
         double weight[3], difference;
         slope_of(job, a, at[a], weight);
         difference = weight[1] * phi;
-        if (weight[0] != 0) difference += weight[0] * (double)job->fluence[i - job->step[a]];
-        if (weight[2] != 0) difference += weight[2] * (double)job->fluence[i + job->step[a]];
+        if (weight[0] != 0) difference += weight[0] * (double)job->fluence[i - job->stride[a]];
+        if (weight[2] != 0) difference += weight[2] * (double)job->fluence[i + job->stride[a]];
         gradient[a] = difference / (2 * def->cell[a] * def->streaming);
         square += gradient[a] * gradient[a];
     }
@@ -127,7 +131,8 @@ static void differentiate_plane(void* user, int64_t z, int32_t worker) {
     job->plane_sums[z] = 0;
     for (int32_t y = 0; y < size[1]; ++y)
         for (int32_t x = 0; x < size[0]; ++x)
-            differentiate_cell(job, (const int32_t[3]){x, y, (int32_t)z}, z * plane_cells(job) + y * job->step[1] + x);
+            differentiate_cell(job, (const int32_t[3]){x, y, (int32_t)z},
+                               z * plane_cells(job) + y * job->stride[1] + x);
 }
 
 /* A value per cell: of fluences, in single precision, or of a vector. */
@@ -149,7 +154,7 @@ static double apply_cell(const adjoint_job* job, const double* v, const int32_t 
             sum += boundary[0] * here;
             continue;
         }
-        const int64_t next = i + (upper ? job->step[axis] : -job->step[axis]);
+        const int64_t next = i + (upper ? job->stride[axis] : -job->stride[axis]);
         const double coupling = 0.5 / (def->cell[axis] * def->cell[axis]) * (d + job->diffusivity[next]);
         sum += coupling * (here - value_at(job, v, next));
     }
@@ -170,7 +175,7 @@ static double by_diffusivity_of(const adjoint_job* job, const double* v, const i
             sum -= boundary[1] * phi * v[i];
             continue;
         }
-        const int64_t next = i + (upper ? job->step[axis] : -job->step[axis]);
+        const int64_t next = i + (upper ? job->stride[axis] : -job->stride[axis]);
         sum += 0.5 / (def->cell[axis] * def->cell[axis]) * ((double)job->fluence[next] - phi) * (v[i] - v[next]);
     }
     return sum;
@@ -184,12 +189,12 @@ static double by_fluence_of(const adjoint_job* job, const double* c, const int32
         slope_of(job, a, at[a], weight);
         sum += weight[1] * c[i] * job->by_slope[a][i];
         if (at[a] > 0) {
-            const int64_t below = i - job->step[a];
+            const int64_t below = i - job->stride[a];
             slope_of(job, a, at[a] - 1, weight);
             sum += weight[2] * c[below] * job->by_slope[a][below];
         }
         if (at[a] < job->def->size[a] - 1) {
-            const int64_t above = i + job->step[a];
+            const int64_t above = i + job->stride[a];
             slope_of(job, a, at[a] + 1, weight);
             sum += weight[0] * c[above] * job->by_slope[a][above];
         }
@@ -206,7 +211,7 @@ static bool is_inside(const adjoint_job* job, int32_t y, int64_t z, int32_t dept
 /* The same as by_diffusivity_of for cells [begin, end) of a row inside of the box. */
 static void by_diffusivity_inside(const adjoint_job* job, const double* v, int64_t begin, int64_t end, double* to) {
     const float* phi = job->fluence;
-    const ptrdiff_t row = job->step[1], plane = job->step[2];
+    const ptrdiff_t row = job->stride[1], plane = job->stride[2];
     const double *cell = job->def->cell,
                  k[3] = {0.5 / (cell[0] * cell[0]), 0.5 / (cell[1] * cell[1]), 0.5 / (cell[2] * cell[2])};
 #pragma omp simd
@@ -224,7 +229,7 @@ static void by_diffusivity_inside(const adjoint_job* job, const double* v, int64
 /* The same as by_fluence_of at least two cells from the faces. */
 static void by_fluence_inside(const adjoint_job* job, const double* c, int64_t begin, int64_t end, double* to) {
     const double *own = job->by_fluence, *x = job->by_slope[0], *y = job->by_slope[1], *z = job->by_slope[2];
-    const ptrdiff_t row = job->step[1], plane = job->step[2];
+    const ptrdiff_t row = job->stride[1], plane = job->stride[2];
 #pragma omp simd
     for (int64_t i = begin; i < end; ++i)
         to[i] = c[i] * own[i] + c[i - 1] * x[i - 1] - c[i + 1] * x[i + 1] + c[i - row] * y[i - row] -
@@ -235,7 +240,7 @@ static void by_fluence_inside(const adjoint_job* job, const double* c, int64_t b
 static void apply_inside(const adjoint_job* job, const double* v, int64_t begin, int64_t end, double* to) {
     const double* d = job->diffusivity;
     const float* absorption = job->def->absorption;
-    const ptrdiff_t row = job->step[1], plane = job->step[2];
+    const ptrdiff_t row = job->stride[1], plane = job->stride[2];
     const double *cell = job->def->cell,
                  k[3] = {0.5 / (cell[0] * cell[0]), 0.5 / (cell[1] * cell[1]), 0.5 / (cell[2] * cell[2])};
 #pragma omp simd
@@ -259,7 +264,7 @@ typedef struct cell_pass {
 
 static void fill_cells(const adjoint_job* job, const cell_pass* pass, int32_t begin, int32_t end, int32_t y,
                        int64_t z) {
-    const int64_t row = z * job->step[2] + y * job->step[1];
+    const int64_t row = z * job->stride[2] + y * job->stride[1];
     for (int32_t x = begin; x < end; ++x) {
         const double value = pass->cell(job, job->a, (const int32_t[3]){x, y, (int32_t)z}, row + x);
         job->to[row + x] = pass->previous != 0 ? pass->previous * job->to[row + x] + value : value;
@@ -269,7 +274,7 @@ static void fill_cells(const adjoint_job* job, const cell_pass* pass, int32_t be
 static void fill_plane(const adjoint_job* job, int64_t z, const cell_pass* pass) {
     const int32_t* size = job->def->size;
     for (int32_t y = 0; y < size[1]; ++y) {
-        const int64_t row = z * job->step[2] + y * job->step[1];
+        const int64_t row = z * job->stride[2] + y * job->stride[1];
         if (!is_inside(job, y, z, pass->depth) || size[0] <= 2 * pass->depth) {
             fill_cells(job, pass, 0, size[0], y, z);
             continue;
@@ -338,30 +343,15 @@ static void square_plane(void* user, int64_t z, int32_t worker) {
 
 /* ---- vectors ---- */
 
-static void dot_plane(void* user, int64_t z, int32_t worker) {
-    (void)worker;
-    adjoint_job* job = user;
-    double sum = 0;
-    for (int64_t i = z * plane_cells(job); i < (z + 1) * plane_cells(job); ++i) sum += job->a[i] * job->b[i];
-    job->plane_sums[z] = sum;
-}
-
-static double dot(adjoint_job* job, const double* a, const double* b) {
-    job->a = a;
-    job->b = b;
-    return run_planes(job, dot_plane);
-}
-
 static void add_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     adjoint_job* job = user;
-    for (int64_t i = z * plane_cells(job); i < (z + 1) * plane_cells(job); ++i) job->to[i] += job->factor * job->a[i];
+    for (int64_t i = z * plane_cells(job); i < (z + 1) * plane_cells(job); ++i) job->to[i] += job->a[i];
     job->plane_sums[z] = 0;
 }
 
-/* to += factor * a. */
-static void add(adjoint_job* job, double factor, const double* a, double* to) {
-    job->factor = factor;
+/* to += a. */
+static void add(adjoint_job* job, const double* a, double* to) {
     job->a = a;
     job->to = to;
     run_planes(job, add_plane);
@@ -382,7 +372,7 @@ static void project_plane(void* user, int64_t z, int32_t worker) {
         for (int32_t k = 0; k < job->count; ++k) {
             double sum = 0;
 #pragma omp simd reduction(+ : sum)
-            for (int64_t i = begin; i < end; ++i) sum += job->to[i] * job->basis[k][i];
+            for (int64_t i = begin; i < end; ++i) sum += job->to[i] * (double)job->basis[k][i];
             sums[k] += sum;
         }
     }
@@ -400,7 +390,7 @@ static void remove_plane(void* user, int64_t z, int32_t worker) {
         for (int32_t k = 0; k < job->count; ++k) {
             const double part = job->parts[k];
 #pragma omp simd
-            for (int64_t i = begin; i < end; ++i) job->to[i] -= part * job->basis[k][i];
+            for (int64_t i = begin; i < end; ++i) job->to[i] -= part * (double)job->basis[k][i];
         }
 #pragma omp simd reduction(+ : square)
         for (int64_t i = begin; i < end; ++i) square += job->to[i] * job->to[i];
@@ -421,14 +411,35 @@ static double orthogonalise(adjoint_job* job, double* vector, int32_t count, dou
     return sqrt(run_planes(job, remove_plane));
 }
 
-static void scale(const adjoint_job* job, double factor, double* v) {
-    for (int64_t i = 0; i < job->cells; ++i) v[i] *= factor;
+static void scale_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    adjoint_job* job = user;
+    for (int64_t i = z * plane_cells(job); i < (z + 1) * plane_cells(job); ++i)
+        job->scaled[i] = (float)(job->factor * job->to[i]);
+    job->plane_sums[z] = 0;
+}
+
+/* out = factor * v. */
+static void scale(adjoint_job* job, double factor, double* v, float* out) {
+    job->factor = factor;
+    job->to = v;
+    job->scaled = out;
+    run_planes(job, scale_plane);
+}
+
+/* The sum of the first `count` basis vectors, times -parts. */
+static void combine(adjoint_job* job, int32_t count, double* parts, double* out) {
+    memset(out, 0, sizeof *out * (size_t)job->cells);
+    job->to = out;
+    job->count = count;
+    job->parts = parts;
+    run_planes(job, remove_plane);
 }
 
 /* ---- the generalised minimal residual method ---- */
 
-/* to = about A^-1 v. */
-static void precondition(adjoint_job* job, const double* v, double* to) {
+/* to = about A^-1 v: a fixed number of cycles, linear in v. */
+static void precondition(adjoint_job* job, const float* v, double* to) {
     job->stats->iterations += 1;
     job->stats->cycles += ty_linear_diffusion_solve(job->linear, v, SOLVE_TOLERANCE, CYCLES, to);
 }
@@ -483,22 +494,24 @@ static void take_steps(adjoint_job* job, const hessenberg* h, int32_t count) {
         for (int32_t j = i + 1; j < count; ++j) y[i] -= h->column[j][i] * y[j];
         y[i] = h->column[i][i] != 0 ? y[i] / h->column[i][i] : 0;
     }
-    for (int32_t i = 0; i < count; ++i) add(job, y[i], job->steps[i], job->adjoint);
+    combine(job, count, y, job->next);
+    scale(job, -1, job->next, job->basis[0]);
+    precondition(job, job->basis[0], job->step);
+    add(job, job->step, job->adjoint);
 }
 
-/* Iterates from the residual in basis[0], of norm `norm`, to half the tolerance of `whole`. */
+/* Iterates from the residual `next`, of norm `norm`, to the tolerance of `whole`. */
 static ty_result iterate(adjoint_job* job, double norm, double tolerance, double whole) {
-    const double target = 0.5 * tolerance * whole;
+    const double target = BELOW_TOLERANCE * tolerance * whole;
     hessenberg h = {.right = {norm}};
     ty_result result = TY_OK;
     int32_t j = 0;
-    scale(job, 1 / norm, job->basis[0]);
+    scale(job, 1 / norm, job->next, job->basis[0]);
     while (j < KRYLOV && job->stats->iterations < SOLVES_MAX && fabs(h.right[j]) > target) {
-        precondition(job, job->basis[j], job->steps[j]);
-        double* next = job->basis[j + 1];
-        apply_adjoint(job, job->steps[j], next);
-        h.column[j][j + 1] = orthogonalise(job, next, j + 1, h.column[j]);
-        if (h.column[j][j + 1] > 0) scale(job, 1 / h.column[j][j + 1], next);
+        precondition(job, job->basis[j], job->step);
+        apply_adjoint(job, job->step, job->next);
+        const double length = h.column[j][j + 1] = orthogonalise(job, job->next, j + 1, h.column[j]);
+        scale(job, length > 0 ? 1 / length : 0, job->next, job->basis[j + 1]);
         rotate_column(&h, j++);
         result = report(job, fabs(h.right[j]) / whole, tolerance);
         if (result != TY_OK) return result;
@@ -507,44 +520,65 @@ static ty_result iterate(adjoint_job* job, double norm, double tolerance, double
     return TY_OK;
 }
 
+static void residual_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    adjoint_job* job = user;
+    double square = 0;
+    for (int64_t i = z * plane_cells(job); i < (z + 1) * plane_cells(job); ++i) {
+        job->to[i] = (double)job->weight[i] - job->to[i];
+        square += job->to[i] * job->to[i];
+    }
+    job->plane_sums[z] = square;
+}
+
+/* Sets `next` to the residual of lambda, and returns its length. */
+static double find_residual(adjoint_job* job) {
+    apply_adjoint(job, job->adjoint, job->next);
+    job->to = job->next;
+    return sqrt(run_planes(job, residual_plane));
+}
+
 /* Restarts until the residual of the adjoint equation is small. */
-static ty_result solve(adjoint_job* job, const float* weight, double tolerance) {
+static ty_result solve(adjoint_job* job, double tolerance) {
     ty_diffusion_adjoint_stats* stats = job->stats;
-    double whole = 0;
-    for (int64_t i = 0; i < job->cells; ++i) whole += (double)weight[i] * (double)weight[i];
-    whole = sqrt(whole);
+    memset(job->next, 0, sizeof *job->next * (size_t)job->cells);
+    job->to = job->next;
+    const double whole = sqrt(run_planes(job, residual_plane));
+    double norm = whole;
     stats->converged = !(whole > 0);
-    while (!stats->converged) {
-        double* residual = job->basis[0];
-        apply_adjoint(job, job->adjoint, residual);
-        for (int64_t i = 0; i < job->cells; ++i) residual[i] = (double)weight[i] - residual[i];
-        const double norm = sqrt(dot(job, residual, residual));
-        stats->residual = norm / whole;
-        stats->converged = stats->residual <= tolerance;
-        if (stats->converged || stats->iterations >= SOLVES_MAX) return TY_OK;
+    while (!stats->converged && stats->iterations < SOLVES_MAX) {
         const ty_result result = iterate(job, norm, tolerance, whole);
         if (result != TY_OK) return result;
+        norm = find_residual(job);
+        stats->residual = norm / whole;
+        stats->converged = stats->residual <= tolerance;
     }
     return TY_OK;
 }
 
 /* ---- the call ---- */
 
+enum { VECTORS = 10 };
+
+static void list_vectors(adjoint_job* job, double** out[VECTORS]) {
+    double** const vectors[VECTORS] = {&job->diffusivity,    &job->by_fluence, &job->by_slope[0],   &job->by_slope[1],
+                                       &job->by_slope[2],    &job->adjoint,    &job->by_extinction, &job->step,
+                                       &job->by_diffusivity, &job->next};
+    memcpy(out, vectors, sizeof vectors);
+}
+
 static ty_result allocate(adjoint_job* job) {
     const size_t cells = (size_t)job->cells;
-    double** const vectors[] = {&job->diffusivity, &job->by_fluence,    &job->by_slope[0], &job->by_slope[1],
-                                &job->by_slope[2], &job->by_extinction, &job->adjoint,     &job->by_diffusivity};
+    double** vectors[VECTORS];
     bool whole = true;
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i) {
+    list_vectors(job, vectors);
+    for (int i = 0; i < VECTORS && whole; ++i) {
         *vectors[i] = ty_alloc_array(job->context, cells, sizeof(double), true);
-        whole = whole && *vectors[i] != NULL;
+        whole = *vectors[i] != NULL;
     }
     for (int i = 0; i <= KRYLOV && whole; ++i) {
-        job->basis[i] = ty_alloc_array(job->context, cells, sizeof(double), false);
+        job->basis[i] = ty_alloc_array(job->context, cells, sizeof(float), false);
         whole = job->basis[i] != NULL;
-        if (i == KRYLOV || !whole) continue;
-        job->steps[i] = ty_alloc_array(job->context, cells, sizeof(double), false);
-        whole = job->steps[i] != NULL;
     }
     if (whole) job->plane_sums = ty_alloc_array(job->context, (size_t)job->def->size[2], sizeof(double), false);
     if (whole) job->products = ty_alloc_array(job->context, (size_t)job->def->size[2], KRYLOV * sizeof(double), false);
@@ -553,12 +587,10 @@ static ty_result allocate(adjoint_job* job) {
 
 static void free_all(adjoint_job* job) {
     const size_t cells = (size_t)job->cells;
-    double* const vectors[] = {job->diffusivity, job->by_fluence,    job->by_slope[0], job->by_slope[1],
-                               job->by_slope[2], job->by_extinction, job->adjoint,     job->by_diffusivity};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
-        ty_free_array(job->context, vectors[i], cells, sizeof(double));
-    for (int i = 0; i <= KRYLOV; ++i) ty_free_array(job->context, job->basis[i], cells, sizeof(double));
-    for (int i = 0; i < KRYLOV; ++i) ty_free_array(job->context, job->steps[i], cells, sizeof(double));
+    double** vectors[VECTORS];
+    list_vectors(job, vectors);
+    for (int i = 0; i < VECTORS; ++i) ty_free_array(job->context, *vectors[i], cells, sizeof(double));
+    for (int i = 0; i <= KRYLOV; ++i) ty_free_array(job->context, job->basis[i], cells, sizeof(float));
     ty_linear_diffusion_destroy(job->linear);
     ty_free_array(job->context, job->products, (size_t)job->def->size[2], KRYLOV * sizeof(double));
     ty_free_array(job->context, job->plane_sums, (size_t)job->def->size[2], sizeof(double));
@@ -575,6 +607,8 @@ static ty_result begin(adjoint_job* job) {
     return make_linear(job);
 }
 
+/* R is in inverse proportion to the bound of the flux, so that dD/dstreaming = phi dD/dphi / streaming at a constant
+ * gradient. */
 static void store(adjoint_job* job, const ty_diffusion_adjoint_out* out) {
     job->a = job->adjoint;
     job->to = job->by_diffusivity;
@@ -584,6 +618,10 @@ static void store(adjoint_job* job, const ty_diffusion_adjoint_out* out) {
         out->absorption[i] = (float)(-job->adjoint[i] * (double)job->fluence[i]);
         out->extinction[i] = (float)(job->by_diffusivity[i] * job->by_extinction[i]);
     }
+    double streaming = 0;
+    for (int64_t i = 0; i < job->cells; ++i)
+        streaming += job->by_diffusivity[i] * job->by_fluence[i] * (double)job->fluence[i];
+    *out->streaming = streaming / job->def->streaming;
 }
 
 ty_result ty_diffusion_adjoint(ty_context* context, const ty_diffusion_def* def, const float* fluence,
@@ -592,15 +630,15 @@ ty_result ty_diffusion_adjoint(ty_context* context, const ty_diffusion_def* def,
     *stats = (ty_diffusion_adjoint_stats){.converged = false};
     if (def->faces != NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: surfaces between cells have no adjoint");
-    adjoint_job job = {.context = context, .def = def, .fluence = fluence, .stats = stats};
+    adjoint_job job = {.context = context, .def = def, .fluence = fluence, .weight = weight, .stats = stats};
     job.start = job.reported = ty_wall_seconds();
-    job.step[0] = 1;
-    job.step[1] = def->size[0];
-    job.step[2] = (ptrdiff_t)def->size[0] * def->size[1];
-    job.cells = (int64_t)job.step[2] * def->size[2];
+    job.stride[0] = 1;
+    job.stride[1] = def->size[0];
+    job.stride[2] = (ptrdiff_t)def->size[0] * def->size[1];
+    job.cells = (int64_t)job.stride[2] * def->size[2];
     ty_result result = allocate(&job);
     if (result == TY_OK) result = begin(&job);
-    if (result == TY_OK) result = solve(&job, weight, fmax(tolerance, PART_OF_IMBALANCE * stats->imbalance));
+    if (result == TY_OK) result = solve(&job, fmax(tolerance, PART_OF_IMBALANCE * stats->imbalance));
     if (result == TY_OK) store(&job, out);
     free_all(&job);
     return result;

@@ -24,6 +24,7 @@ typedef struct ty_diffusion_adjoint_stats {
 /* Arrays of one number per cell. */
 typedef struct ty_diffusion_adjoint_out {
     float *source, *extinction, *absorption; /* derivatives of the loss */
+    double* streaming;                       /* one number: by the bound of the flux, ty_diffusion_def.streaming */
 } ty_diffusion_adjoint_out;
 
 /* def: of the solve, without faces (TY_ERROR_ARGUMENT), and with boundaries that let no light in; its progress is that

@@ -13,7 +13,7 @@ struct ty_linear_diffusion {
     void* memory;
     size_t bytes;
     /* of the solve at hand */
-    const double* source;
+    const float* source;
     const float* solution;
     double* fluence;
 };
@@ -61,11 +61,11 @@ static void set_source_plane(void* user, int64_t z, int32_t worker) {
     const ty_box* box = &linear->job.cells.box;
     double squares = 0;
     for (int32_t y = 0; y < box->size[1]; ++y) {
-        const double* from = linear->source + ty_box_dense(box, y, (int32_t)z);
+        const float* from = linear->source + ty_box_dense(box, y, (int32_t)z);
         float* to = linear->job.levels[0].f + ty_box_at(box, y, (int32_t)z);
         for (int32_t x = 0; x < box->size[0]; ++x) {
-            to[x] = (float)from[x];
-            squares += from[x] * from[x];
+            to[x] = from[x];
+            squares += (double)from[x] * (double)from[x];
         }
     }
     linear->job.sums[z].a = squares;
@@ -82,7 +82,7 @@ static void store_plane(void* user, int64_t z, int32_t worker) {
     }
 }
 
-int32_t ty_linear_diffusion_solve(ty_linear_diffusion* linear, const double* source, double reduction, int32_t cycles,
+int32_t ty_linear_diffusion_solve(ty_linear_diffusion* linear, const float* source, double reduction, int32_t cycles,
                                   double* fluence) {
     ty_diffusion_job* job = &linear->job;
     const int32_t before = linear->stats.cycles;

@@ -13,7 +13,7 @@ ty_result ty_linear_diffusion_create(ty_context* context, const ty_diffusion_def
 void ty_linear_diffusion_destroy(ty_linear_diffusion* linear);
 /* Solves for the fluence of a source of any sign until the rms residual is reduced by about `reduction`, or for at most
  * `cycles` multigrid cycles, whose number it returns. */
-int32_t ty_linear_diffusion_solve(ty_linear_diffusion* linear, const double* source, double reduction, int32_t cycles,
+int32_t ty_linear_diffusion_solve(ty_linear_diffusion* linear, const float* source, double reduction, int32_t cycles,
                                   double* fluence);
 
 #endif

@@ -83,7 +83,7 @@ static void note_solve(const ty_diffusion_adjoint_stats* solved, ty_diffusion_ad
 }
 
 static ty_result solve_channel(const ty_diffuse_loss* loss, int32_t channel, const channel_arrays* arrays,
-                               float* by_source, ty_diffusion_adjoint_stats* stats) {
+                               float* by_source, double* by_streaming, ty_diffusion_adjoint_stats* stats) {
     const ty_grid_medium* medium = loss->medium;
     ty_diffusion_def def = *loss->solver;
     ty_diffusion_adjoint_stats solved;
@@ -95,8 +95,10 @@ static ty_result solve_channel(const ty_diffuse_loss* loss, int32_t channel, con
     def.source = loss->source[channel];
     def.progress = ty_part_report;
     def.progress_user = loss->progress;
-    const ty_diffusion_adjoint_out out = {
-        .source = by_source, .extinction = arrays->by_extinction, .absorption = arrays->by_absorption};
+    const ty_diffusion_adjoint_out out = {.source = by_source,
+                                          .extinction = arrays->by_extinction,
+                                          .absorption = arrays->by_absorption,
+                                          .streaming = by_streaming};
     const ty_result result = ty_diffusion_adjoint(medium->context, &def, arrays->fluence, loss->weight[channel],
                                                   loss->tolerance, &out, &solved);
     if (result == TY_OK) note_solve(&solved, stats);
@@ -110,16 +112,20 @@ ty_result ty_diffuse_adjoint(const ty_diffuse_loss* loss, ty_medium_gradient* me
     ty_result result = allocate(medium, &arrays);
     *stats = (ty_diffusion_adjoint_stats){.converged = true};
     int32_t solved = -1; /* the channel whose derivatives by coefficients the arrays hold */
+    double by_streaming = 0;
+    *loss->by_streaming = 0;
     for (int32_t c = 0; c < 3 && result == TY_OK; ++c) {
         float factor = 1;
         if (solved >= 0 && is_multiple(loss, c, solved, &factor)) {
             for (size_t i = 0; i < medium->cells; ++i) by_source[c][i] = factor * by_source[solved][i];
             const float fluence = loss->light->color[c] / loss->light->color[solved];
             add_media(loss, 0, factor * fluence, &arrays, media);
+            *loss->by_streaming += (double)(factor * fluence) * by_streaming;
             continue;
         }
-        result = solve_channel(loss, c, &arrays, by_source[c], stats);
+        result = solve_channel(loss, c, &arrays, by_source[c], &by_streaming, stats);
         if (result != TY_OK) break;
+        *loss->by_streaming += by_streaming;
         add_media(loss, medium->planes == 3 ? c : 0, 1, &arrays, media);
         solved = c;
     }

@@ -14,6 +14,7 @@ typedef struct ty_diffuse_loss {
     float* const* source;         /* per channel, W m^-3 */
     float* const* weight;         /* per channel: dL/dphi of each cell */
     double tolerance;
+    double* by_streaming; /* receives the derivative by solver->streaming */
     ty_part_progress* progress;
 } ty_diffuse_loss;
 
