@@ -180,6 +180,11 @@ void ty_mapping_prefetch(const ty_mapping* mapping, const void* from, size_t byt
     madvise(mapping->bytes + first, offset - first + bytes, MADV_WILLNEED);
 }
 
+void ty_mapping_unload(const ty_mapping* mapping, size_t from, size_t to) {
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE), first = (from + page - 1) / page * page;
+    if (to > first) madvise(mapping->bytes + first, (to - first) / page * page, MADV_DONTNEED);
+}
+
 /* ---- all mappings of a context ---- */
 
 bool ty_mappings_are_bounded(ty_context* context) {

@@ -45,6 +45,8 @@ ty_result ty_mapping_open(ty_context* context, const char* path, ty_mapping** ou
 void ty_mapping_expect_random(ty_mapping* mapping);
 /* Has pages read that are needed soon. */
 void ty_mapping_prefetch(const ty_mapping* mapping, const void* from, size_t bytes);
+/* Unloads the pages between two offsets, which are read again where they are needed. */
+void ty_mapping_unload(const ty_mapping* mapping, size_t from, size_t to);
 /* NULL is allowed. */
 void ty_mapping_close(ty_mapping* mapping);
 
