@@ -165,7 +165,7 @@ static void parts_of_netcdf_are_those_of_the_whole(void** state) {
     check_parts("part.nc", &def);
 }
 
-/* What is held at once: the part's blocks, the tables of all, and some slices; the whole does not fit. */
+/* Memory at once: the part's blocks, the tables of all, and some slices; the whole does not fit. */
 static void parts_take_the_memory_of_parts(void** state) {
     enum { X = 96, Y = 128, Z = 128, MEMORY = 2200000 };
     static const int32_t size[3] = {X, Y, Z}, part[2][3] = {{0, 64, 32}, {X, 128, 64}};

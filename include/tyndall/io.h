@@ -105,7 +105,7 @@ typedef struct ty_volume_def {
                                   ///< sparse or paged; size and placement are of the whole grid, and all other voxels
                                   ///< have one value, as has a voxel outside of the grid. Default false: the whole.
     int32_t part_first[3];        ///< First voxel of the part along x, y, z; default 0.
-    int32_t part_end[3];          ///< The voxel behind the part's last one; default 0. What is outside of the grid does
+    int32_t part_end[3];          ///< The voxel behind the part's last one; default 0. Voxels outside of the grid do
                                   ///< not count, and a part without voxels is allowed.
 } ty_volume_def;
 

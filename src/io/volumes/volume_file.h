@@ -16,7 +16,7 @@ ty_result ty_check_volume_storage(ty_context* context, const char* path, ty_grid
 ty_result ty_check_component(ty_context* context, const char* path, const char* name, int32_t component,
                              int32_t components);
 
-/* What a def wants of a grid: its part, and a storage on the way, TY_GRID_AUTO or TY_GRID_PAGED. */
+/* The plan of the grid of a def: its part, and a storage on the way, TY_GRID_AUTO or TY_GRID_PAGED. */
 ty_grid_plan ty_volume_plan(const ty_volume_def* def);
 /* The storage whose limits of size a plan has: parts may span as much as paged grids. */
 ty_grid_storage ty_plan_limits(const ty_grid_plan* plan);
