@@ -4,6 +4,7 @@
 #include "fog.h"
 #include "strict_fixture.h"
 
+#include "base/context.h"
 #include "base/mapping.h"
 #include "grid/grid.h"
 
@@ -280,6 +281,35 @@ static void a_full_folder_is_an_error(void** state) {
     ty_grid_release(grid);
 }
 
+/* Arrays of cells: in a file where there is a limit and they are large, else in memory, and freed either way. */
+static void large_arrays_are_files_where_memory_is_bounded(void** state) {
+    enum { COUNT = 1 << 21 };
+    (void)state;
+    for (int bounded = 0; bounded < 2; ++bounded) {
+        ty_context_def def = ty_default_context_def();
+        ty_context* own = NULL;
+        def.resident_bytes = bounded ? 1000000 : 0;
+        assert_int_equal(ty_context_create(&def, &own), TY_OK);
+        const ty_mapping_ring* ring = ty_context_mappings(own);
+        float* large = ty_alloc_large(own, COUNT, sizeof *large, true);
+        float* small = ty_alloc_large(own, 100, sizeof *small, true);
+        assert_non_null(large);
+        assert_non_null(small);
+        assert_int_equal(atomic_load(&ring->count), bounded);
+        for (int i = 0; i < COUNT; ++i) {
+            assert_true(large[i] == 0);
+            large[i] = (float)i;
+        }
+        ty_mappings_trim(own);
+        for (int i = 0; i < COUNT; ++i) assert_true(large[i] == (float)i);
+        ty_free_large(own, small, 100, sizeof *small);
+        ty_free_large(own, large, COUNT, sizeof *large);
+        ty_free_large(own, NULL, COUNT, sizeof *large);
+        assert_int_equal(atomic_load(&ring->count), 0);
+        ty_context_destroy(own);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(grids_come_back, start, stop),
@@ -288,6 +318,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_file_that_changes_is_noticed, start, stop),
         cmocka_unit_test_setup_teardown(a_bound_is_kept, start, stop),
         cmocka_unit_test_setup_teardown(a_full_folder_is_an_error, start, stop),
+        cmocka_unit_test_setup_teardown(large_arrays_are_files_where_memory_is_bounded, start, stop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,7 +44,7 @@ test_bricks() {
   usage_error "codec 'zip' is not one of none" convert letters.raw e.bricks --raw-size 2,3,4 --codec zip
   head -c 9000 e.bricks > short.bricks
   usage_error 'short.bricks: 9000 bytes, of which its head accounts for' info short.bricks
-  TMPDIR=$PWD/no usage_error 'cannot write .* bytes of a paged volume to .*/no: No such file' convert letters.raw h.bricks --raw-size 2,3,4
+  TMPDIR=$PWD/no usage_error 'cannot write .* bytes of paged arrays to .*/no: No such file' convert letters.raw h.bricks --raw-size 2,3,4
   absent h.bricks
 }
 

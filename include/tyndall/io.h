@@ -101,6 +101,12 @@ typedef struct ty_volume_def {
     const char* air_density;      ///< NetCDF: name of the density of the air, for water in mass per mass; default NULL.
     double air_density_value;     ///< NetCDF: that density, kg m^-3, (0, 1e3], in place of a grid; default 0.
     ty_grid_storage storage;      ///< Storage of the grid in memory; default TY_GRID_AUTO.
+    bool in_part;                 ///< True: only the blocks of 8^3 voxels that the part touches are read and stored,
+                                  ///< sparse or paged; size and placement are of the whole grid, and all other voxels
+                                  ///< have one value, as has a voxel outside of the grid. Default false: the whole.
+    int32_t part_first[3];        ///< First voxel of the part along x, y, z; default 0.
+    int32_t part_end[3];          ///< The voxel behind the part's last one; default 0. Voxels outside of the grid do
+                                  ///< not count, and a part without voxels is allowed.
 } ty_volume_def;
 
 /// Sets the `bytes` bytes of a ty_volume_def to the defaults, as ty_init_context_def() does.
@@ -138,6 +144,11 @@ static inline ty_volume_def ty_default_volume_def(void) {
 /// order of the file: with spacings but no origin the centre of the first voxel is at 0, and without both the spacing
 /// is 1. Axis mins and maxs, thicknesses, centerings and the name of the space are ignored. Raw data must be exactly as
 /// long as the header or raw_size tells.
+///
+/// A part is read without the rest of the grid in memory: raw, NRRD, NIfTI, Mitsuba and VTK files by their rows,
+/// TIFF, DICOM and NetCDF by slices, OpenVDB, NanoVDB and bricks from the mapped file, compressed NanoVDB from a file
+/// without a name in the folder that TMPDIR names. Exceptions are those below. A part's range, mean and active voxels
+/// are of what is stored, and so is the lowest value where that is the one outside.
 ///
 /// Values are stored as they are, as float, or as half for half, int8 and uint8, which half holds exactly. Files
 /// become sparse grids without a dense array on the way, except for numbers in text, VTK files in pieces and NetCDF

@@ -16,6 +16,8 @@
 enum { PATH_SIZE = 4096, LOOK_NS = 2000000, NS = 1000000000 };
 /* Bytes of a mapping that are unloaded between two looks at what is in memory, at least. */
 enum { UNLOADED_LEAST = 1 << 22 };
+/* Bytes of an array from which on ty_alloc_large makes a file. */
+enum { LARGE = 1 << 22 };
 
 static void take_change(const struct stat* status, int64_t changed[2]) {
     changed[0] = status->st_mtim.tv_sec;
@@ -129,7 +131,7 @@ ty_result ty_mapping_create(ty_context* context, size_t size, ty_mapping** out) 
     }
     if (error == 0) return map(mapping, PROT_READ | PROT_WRITE, folder, out);
     free_mapping(mapping);
-    return ty_fail(context, TY_ERROR_FILE, "cannot write %zu bytes of a paged volume to %s: %s", size, folder,
+    return ty_fail(context, TY_ERROR_FILE, "cannot write %zu bytes of paged arrays to %s: %s", size, folder,
                    strerror(error));
 }
 
@@ -180,7 +182,33 @@ void ty_mapping_prefetch(const ty_mapping* mapping, const void* from, size_t byt
     madvise(mapping->bytes + first, offset - first + bytes, MADV_WILLNEED);
 }
 
+void ty_mapping_unload(const ty_mapping* mapping, size_t from, size_t to) {
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE), first = (from + page - 1) / page * page;
+    if (to > first) madvise(mapping->bytes + first, (to - first) / page * page, MADV_DONTNEED);
+}
+
 /* ---- all mappings of a context ---- */
+
+void* ty_alloc_large(ty_context* context, size_t count, size_t size, bool zero) {
+    ty_mapping* mapping = NULL;
+    if (ty_context_mappings(context)->limit == 0 || size == 0 || count > SIZE_MAX / size || count * size < LARGE)
+        return ty_alloc_array(context, count, size, zero);
+    return ty_mapping_create(context, count * size, &mapping) == TY_OK ? mapping->bytes : NULL;
+}
+
+void ty_free_large(ty_context* context, void* array, size_t count, size_t size) {
+    ty_mapping_ring* ring = ty_context_mappings(context);
+    ty_mapping* found = NULL;
+    if (array == NULL) return;
+    pthread_mutex_lock(&ring->lock);
+    for (ty_mapping* m = ring->hand; m != NULL && found == NULL; m = m->next != ring->hand ? m->next : NULL)
+        if (m->bytes == array) found = m;
+    pthread_mutex_unlock(&ring->lock);
+    if (found != NULL)
+        ty_mapping_close(found);
+    else
+        ty_free_array(context, array, count, size);
+}
 
 bool ty_mappings_are_bounded(ty_context* context) {
     const ty_mapping_ring* ring = ty_context_mappings(context);

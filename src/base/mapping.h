@@ -45,8 +45,16 @@ ty_result ty_mapping_open(ty_context* context, const char* path, ty_mapping** ou
 void ty_mapping_expect_random(ty_mapping* mapping);
 /* Has pages read that are needed soon. */
 void ty_mapping_prefetch(const ty_mapping* mapping, const void* from, size_t bytes);
+/* Unloads the pages between two offsets, which are read again where they are needed. */
+void ty_mapping_unload(const ty_mapping* mapping, size_t from, size_t to);
 /* NULL is allowed. */
 void ty_mapping_close(ty_mapping* mapping);
+
+/* As ty_alloc_array, for arrays of many cells: in a file without a name, of which ty_mappings_trim has no more in
+ * memory than its limit, where there is a limit and the array is large. */
+void* ty_alloc_large(ty_context* context, size_t count, size_t size, bool zero);
+/* Frees an array of ty_alloc_large or ty_alloc_array; NULL is allowed. */
+void ty_free_large(ty_context* context, void* array, size_t count, size_t size);
 
 /* True if ty_mappings_trim has mappings and a limit to look at. */
 bool ty_mappings_are_bounded(ty_context* context);

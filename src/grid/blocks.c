@@ -22,6 +22,20 @@ uint32_t* ty_grid_blocks_table(ty_context* context, const int32_t size[3], const
     return blocks->table = ty_alloc_array(context, ty_grid_table_count(blocks), sizeof *blocks->table, true);
 }
 
+void ty_grid_plan_blocks(const ty_grid_plan* plan, int axis, int32_t size, int32_t shift, int32_t* first,
+                         int32_t* end) {
+    const int32_t low = plan->part && plan->first[axis] > 0 ? plan->first[axis] : 0;
+    const int32_t high = plan->part && plan->end[axis] < size ? plan->end[axis] : size;
+    *first = (low + shift) / TY_GRID_BLOCK;
+    *end = high > low ? (high + shift + TY_GRID_BLOCK - 1) / TY_GRID_BLOCK : *first;
+}
+
+void ty_grid_plan_rows(const ty_grid_plan* plan, int32_t size, int32_t* first, int32_t* end) {
+    ty_grid_plan_blocks(plan, 1, size, 0, first, end);
+    *first *= TY_GRID_BLOCK;
+    *end = *end * TY_GRID_BLOCK < size ? *end * TY_GRID_BLOCK : size;
+}
+
 float ty_value_outside(ty_grid_type type, const void* values, size_t count) {
     float lowest = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -50,6 +64,7 @@ typedef struct slicing {
     int32_t first, slices; /* of the slab */
     block_kind* kinds;     /* of the slab's blocks */
     ty_grid_blocks blocks;
+    int32_t low[3], high[3]; /* the blocks that are stored */
     bool has_common;
     uint32_t common;
     bool paged;
@@ -63,7 +78,8 @@ static size_t row_bytes(const slicing* s) {
 
 /* Row (j, k) of the slab, from voxel i on. */
 static const uint8_t* slab_at(const slicing* s, int32_t i, int32_t j, int32_t k) {
-    return s->slab + row_bytes(s) * ((size_t)j + (size_t)s->def.size[1] * (size_t)k) +
+    const int32_t rows = s->source->rows > 0 ? s->source->rows : s->def.size[1];
+    return s->slab + row_bytes(s) * ((size_t)(j - s->source->row) + (size_t)rows * (size_t)k) +
            (size_t)i * ty_grid_value_size(s->def.type);
 }
 
@@ -117,26 +133,33 @@ static block_kind survey_block(const slicing* s, int32_t bi, int32_t bj) {
     return kind;
 }
 
-static void survey_row(void* user, int64_t bj, int32_t worker) {
+static void survey_row(void* user, int64_t row, int32_t worker) {
     const slicing* s = user;
+    const int32_t bj = s->low[1] + (int32_t)row;
     (void)worker;
-    for (int32_t bi = 0; bi < s->blocks.size[0]; ++bi)
-        s->kinds[(size_t)bj * (size_t)s->blocks.size[0] + (size_t)bi] = survey_block(s, bi, (int32_t)bj);
+    for (int32_t bi = s->low[0]; bi < s->high[0]; ++bi)
+        s->kinds[(size_t)bj * (size_t)s->blocks.size[0] + (size_t)bi] = survey_block(s, bi, bj);
+}
+
+static int32_t stored_rows(const slicing* s) {
+    return s->high[1] - s->low[1];
 }
 
 /* Gives the slab's blocks their numbers. The first block of one value makes that value the common one. */
 static void number_blocks(slicing* s) {
     const size_t count = (size_t)s->blocks.size[0] * (size_t)s->blocks.size[1];
     uint32_t* numbers = s->blocks.table + count * (size_t)(s->first / TY_GRID_BLOCK);
-    for (size_t i = 0; i < count; ++i) {
-        const block_kind* kind = &s->kinds[i];
-        if (kind->common && !s->has_common) {
-            s->has_common = true;
-            s->common = kind->bits;
+    for (int32_t bj = s->low[1]; bj < s->high[1]; ++bj)
+        for (int32_t bi = s->low[0]; bi < s->high[0]; ++bi) {
+            const size_t i = (size_t)bj * (size_t)s->blocks.size[0] + (size_t)bi;
+            const block_kind* kind = &s->kinds[i];
+            if (kind->common && !s->has_common) {
+                s->has_common = true;
+                s->common = kind->bits;
+            }
+            numbers[i] = kind->common && kind->bits == s->common ? 0 : s->blocks.count++;
+            if (kind->lowest < s->lowest) s->lowest = kind->lowest;
         }
-        numbers[i] = kind->common && kind->bits == s->common ? 0 : s->blocks.count++;
-        if (kind->lowest < s->lowest) s->lowest = kind->lowest;
-    }
 }
 
 static size_t voxel_count(const slicing* s) {
@@ -176,10 +199,10 @@ static ty_result survey(slicing* s, ty_grid_storage storage) {
     s->kinds = ty_alloc_array(s->context, kinds, sizeof *s->kinds, false);
     ty_result result = s->kinds != NULL ? TY_OK : TY_ERROR_MEMORY;
     bool saves = true;
-    for (int32_t first = 0; first < s->def.size[2] && result == TY_OK && saves; first += TY_GRID_BLOCK) {
-        result = load_slab(s, first);
+    for (int32_t b = s->low[2]; b < s->high[2] && result == TY_OK && saves; ++b) {
+        result = load_slab(s, TY_GRID_BLOCK * b);
         if (result != TY_OK) break;
-        ty_parallel_for(s->context, s->blocks.size[1], survey_row, s);
+        ty_parallel_for(s->context, stored_rows(s), survey_row, s);
         number_blocks(s);
         saves = storage != TY_GRID_AUTO || ty_grid_saves_memory(s->def.type, voxels, table, s->blocks.count);
     }
@@ -203,13 +226,14 @@ static void store_block(const slicing* s, uint32_t number, int32_t bi, int32_t b
                    bytes * (size_t)extent_of(bi, s->def.size[0]));
 }
 
-static void store_row(void* user, int64_t bj, int32_t worker) {
+static void store_row(void* user, int64_t stored, int32_t worker) {
     const slicing* s = user;
+    const int32_t bj = s->low[1] + (int32_t)stored;
     const size_t row = (size_t)bj + (size_t)s->blocks.size[1] * (size_t)(s->first / TY_GRID_BLOCK);
     (void)worker;
-    for (int32_t bi = 0; bi < s->blocks.size[0]; ++bi) {
+    for (int32_t bi = s->low[0]; bi < s->high[0]; ++bi) {
         const uint32_t number = s->blocks.table[row * (size_t)s->blocks.size[0] + (size_t)bi];
-        if (number != 0) store_block(s, number, bi, (int32_t)bj);
+        if (number != 0) store_block(s, number, bi, bj);
     }
 }
 
@@ -226,14 +250,14 @@ static ty_result store_slices(slicing* s) {
     const bool sparse = s->blocks.table != NULL;
     if (sparse) fill_common(s);
     ty_result result = TY_OK;
-    for (int32_t first = 0; first < s->def.size[2] && result == TY_OK; first += TY_GRID_BLOCK) {
-        result = load_slab(s, first);
+    for (int32_t b = s->low[2]; b < s->high[2] && result == TY_OK; ++b) {
+        result = load_slab(s, TY_GRID_BLOCK * b);
         if (result != TY_OK) break;
         const size_t slice = row_bytes(s) * (size_t)s->def.size[1];
         if (sparse)
-            ty_parallel_for(s->context, s->blocks.size[1], store_row, s);
+            ty_parallel_for(s->context, stored_rows(s), store_row, s);
         else
-            memcpy(s->values + slice * (size_t)first, s->slab, slice * (size_t)s->slices);
+            memcpy(s->values + slice * (size_t)s->first, s->slab, slice * (size_t)s->slices);
     }
     return result;
 }
@@ -257,10 +281,21 @@ static ty_result finish(slicing* s, bool lowest_outside, ty_grid** out) {
                   : ty_grid_adopt(s->context, &s->def, s->values, out);
 }
 
-ty_result ty_grid_create_from_slices(ty_context* context, const ty_grid_def* def, ty_grid_storage storage,
-                                     const ty_slice_source* source, bool lowest_outside, ty_grid** out) {
+static slicing begin(ty_context* context, const ty_grid_def* def, const ty_grid_plan* plan,
+                     const ty_slice_source* source) {
     slicing s = {.context = context, .def = *def, .source = source};
-    const ty_result result = survey(&s, storage);
+    for (int a = 0; a < 3; ++a) ty_grid_plan_blocks(plan, a, def->size[a], 0, &s.low[a], &s.high[a]);
+    return s;
+}
+
+static ty_grid_storage storage_of(const ty_grid_plan* plan) {
+    return plan->part && plan->storage != TY_GRID_PAGED ? TY_GRID_SPARSE : plan->storage;
+}
+
+ty_result ty_grid_create_from_slices(ty_context* context, const ty_grid_def* def, const ty_grid_plan* plan,
+                                     const ty_slice_source* source, bool lowest_outside, ty_grid** out) {
+    slicing s = begin(context, def, plan, source);
+    const ty_result result = survey(&s, storage_of(plan));
     return result == TY_OK ? finish(&s, lowest_outside, out) : result;
 }
 
@@ -344,10 +379,11 @@ static bool copy_table(ty_context* context, const ty_grid_blocks* from, ty_grid_
     return to->table != NULL;
 }
 
-static ty_result make_sparse(ty_context* context, ty_grid* grid, ty_grid_storage storage, ty_grid** out) {
-    const ty_slice_source source = {own_slices, grid};
-    slicing s = {.context = context, .def = describe(grid), .source = &source};
-    const ty_result result = survey(&s, storage);
+static ty_result make_sparse(ty_context* context, ty_grid* grid, const ty_grid_plan* plan, ty_grid** out) {
+    const ty_slice_source source = {own_slices, grid, 0, 0};
+    const ty_grid_def def = describe(grid);
+    slicing s = begin(context, &def, plan, &source);
+    const ty_result result = survey(&s, storage_of(plan));
     if (result != TY_OK) return result;
     if (s.blocks.table == NULL) {
         *out = ty_grid_retain(grid);
@@ -379,10 +415,62 @@ ty_result ty_grid_store(ty_context* context, ty_grid* grid, ty_grid_storage stor
                        "ty_grid_store: grid or out is NULL, or the storage not a ty_grid_storage");
     const bool sparse = grid->blocks.table != NULL, paged = grid->blocks.mapping != NULL;
     if (storage == TY_GRID_DENSE && sparse) return make_dense(context, grid, out);
-    if (storage != TY_GRID_DENSE && !sparse) return make_sparse(context, grid, storage, out);
+    const ty_grid_plan plan = {.storage = storage};
+    if (storage != TY_GRID_DENSE && !sparse) return make_sparse(context, grid, &plan, out);
     if (storage == (paged ? TY_GRID_SPARSE : TY_GRID_PAGED)) return copy_blocks(context, grid, !paged, out);
     *out = ty_grid_retain(grid);
     return TY_OK;
+}
+
+/* ---- parts ---- */
+
+/* Numbers the stored blocks of a part anew; sources[n] is the number that block n had. */
+static uint32_t number_part(const ty_grid* grid, const ty_grid_plan* plan, const ty_grid_blocks* to,
+                            uint32_t* sources) {
+    const ty_grid_blocks* from = &grid->blocks;
+    int32_t low[3], high[3];
+    uint32_t count = 1;
+    for (int a = 0; a < 3; ++a) ty_grid_plan_blocks(plan, a, grid->size[a], from->shift[a], &low[a], &high[a]);
+    for (int32_t k = low[2]; k < high[2]; ++k)
+        for (int32_t j = low[1]; j < high[1]; ++j)
+            for (int32_t i = low[0]; i < high[0]; ++i) {
+                const size_t at = (size_t)i + (size_t)from->size[0] * ((size_t)j + (size_t)from->size[1] * (size_t)k);
+                if (from->table[at] == 0) continue;
+                if (to != NULL) to->table[at] = count;
+                if (sources != NULL) sources[count] = from->table[at];
+                ++count;
+            }
+    return count;
+}
+
+/* The blocks of a part; a block that several places share becomes several. */
+static ty_result keep_blocks(ty_context* context, const ty_grid* grid, const ty_grid_plan* plan, ty_grid** out) {
+    const ty_grid_def def = describe(grid);
+    const size_t bytes = TY_GRID_BLOCK_VOXELS * ty_grid_value_size(grid->type);
+    ty_grid_blocks blocks;
+    ty_result result = TY_OK;
+    if (ty_grid_blocks_table(context, grid->size, grid->blocks.shift, &blocks) == NULL) return TY_ERROR_MEMORY;
+    blocks.count = number_part(grid, plan, NULL, NULL);
+    const uint32_t count = blocks.count;
+    uint32_t* sources = ty_alloc_array(context, count, sizeof *sources, true);
+    uint8_t* values = NULL;
+    if (sources == NULL) result = TY_ERROR_MEMORY;
+    if (result == TY_OK)
+        values = ty_grid_blocks_values(context, grid->type, plan->storage == TY_GRID_PAGED, &blocks, &result);
+    if (result == TY_OK) {
+        number_part(grid, plan, &blocks, sources);
+        for (uint32_t n = 0; n < count; ++n)
+            memcpy(values + bytes * n, (const uint8_t*)grid->values + bytes * sources[n], bytes);
+        result = ty_grid_adopt_blocks(context, &def, &blocks, values, out);
+    } else {
+        ty_grid_free_blocks(context, grid->type, &blocks, NULL);
+    }
+    ty_free_array(context, sources, count, sizeof *sources);
+    return result;
+}
+
+ty_result ty_grid_keep_part(ty_context* context, ty_grid* grid, const ty_grid_plan* plan, ty_grid** out) {
+    return grid->blocks.table != NULL ? keep_blocks(context, grid, plan, out) : make_sparse(context, grid, plan, out);
 }
 
 /* ---- halves ---- */

@@ -100,16 +100,34 @@ ty_result ty_grid_adopt_mapping(ty_context* context, const ty_grid_def* def, con
                                 const void* values, const float* extremes, const ty_grid_measured* measured,
                                 ty_grid** out);
 
+/* Storage of a grid in the making, and the part of it that is stored: the blocks that voxels [first, end) touch. The
+ * voxels of other blocks have the value of block 0. */
+typedef struct ty_grid_plan {
+    ty_grid_storage storage; /* of a part: TY_GRID_SPARSE unless it is TY_GRID_PAGED */
+    bool part;
+    int32_t first[3], end[3];
+} ty_grid_plan;
+
+/* Blocks [first, end) along an axis of a grid of `size` voxels that a plan stores. */
+void ty_grid_plan_blocks(const ty_grid_plan* plan, int axis, int32_t size, int32_t shift, int32_t* first, int32_t* end);
+/* Rows [first, end) of each slice with such blocks. */
+void ty_grid_plan_rows(const ty_grid_plan* plan, int32_t size, int32_t* first, int32_t* end);
+/* The part of a grid, whose other blocks are not read. */
+ty_result ty_grid_keep_part(ty_context* context, ty_grid* grid, const ty_grid_plan* plan, ty_grid** out);
+
 /* Voxels slice by slice: stores the address of slices [first, first + count), as the grid stores them, which is valid
  * until the next call. */
 typedef struct ty_slice_source {
     ty_result (*slices)(void* user, int32_t first, int32_t count, const void** values);
     void* user;
+    int32_t row, rows; /* the first row that it stores of each slice, and their number; 0: all */
 } ty_slice_source;
 
 /* Creates a grid without ever having more in memory than it stores and eight slices of the source, which is read once
- * or twice. lowest_outside: the background is ty_value_outside. */
-ty_result ty_grid_create_from_slices(ty_context* context, const ty_grid_def* def, ty_grid_storage storage,
+ * or twice, and of a part only where blocks are stored. lowest_outside: the background is ty_value_outside, of the
+ * part.
+ */
+ty_result ty_grid_create_from_slices(ty_context* context, const ty_grid_def* def, const ty_grid_plan* plan,
                                      const ty_slice_source* source, bool lowest_outside, ty_grid** out);
 
 /* Value outside of a placed grid: its lowest, which is air in Hounsfield units, but 0 if none is below. */

@@ -2,6 +2,7 @@
 #include "direct/media/grid_medium.h"
 
 #include "base/context.h"
+#include "base/mapping.h"
 #include "base/float_mode.h"
 #include "direct/media/aligned.h"
 #include "grid/grid.h"
@@ -115,14 +116,14 @@ static bool medium_is_gray(const ty_medium_view* medium) {
 static bool allocate_planes(ty_grid_medium* medium, float* planes[3], int32_t count) {
     for (int32_t c = 0; c < 3; ++c) {
         planes[c] =
-            c < count ? ty_alloc_array(medium->context, medium->cells, sizeof **planes, true) : planes[count - 1];
+            c < count ? ty_alloc_large(medium->context, medium->cells, sizeof **planes, true) : planes[count - 1];
         if (planes[c] == NULL) return false;
     }
     return true;
 }
 
 static void free_planes(const ty_grid_medium* medium, float* const planes[3], int32_t count) {
-    for (int32_t c = 0; c < count; ++c) ty_free_array(medium->context, planes[c], medium->cells, sizeof **planes);
+    for (int32_t c = 0; c < count; ++c) ty_free_large(medium->context, planes[c], medium->cells, sizeof **planes);
 }
 
 static ty_result new_medium(ty_context* context, const ty_grid_box* box, int32_t planes, bool emits,

@@ -2,6 +2,7 @@
 #include "direct/uncollided/uncollided.h"
 
 #include "base/context.h"
+#include "base/mapping.h"
 #include "direct/uncollided/collimated.h"
 #include "direct/uncollided/point_light.h"
 #include "direct/uncollided/repeated.h"
@@ -18,10 +19,10 @@ static ty_result create_field(const ty_grid_medium* medium, bool with_flux, int3
     field->planes = planes;
     bool whole = true;
     for (int c = 0; c < planes && whole; ++c) {
-        field->fluence[c] = ty_alloc_array(context, field->cells, sizeof(float), true);
+        field->fluence[c] = ty_alloc_large(context, field->cells, sizeof(float), true);
         whole = field->fluence[c] != NULL;
         for (int a = 0; a < 3 && whole && with_flux; ++a) {
-            field->flux[c][a] = ty_alloc_array(context, field->cells, sizeof(float), true);
+            field->flux[c][a] = ty_alloc_large(context, field->cells, sizeof(float), true);
             whole = field->flux[c][a] != NULL;
         }
     }
@@ -52,8 +53,8 @@ ty_result ty_light_field_create_shared(const ty_grid_medium* medium, bool with_f
 void ty_light_field_destroy(ty_light_field* field) {
     if (field == NULL) return;
     for (int c = 0; c < 3; ++c) {
-        ty_free_array(field->context, field->fluence[c], field->cells, sizeof(float));
-        for (int a = 0; a < 3; ++a) ty_free_array(field->context, field->flux[c][a], field->cells, sizeof(float));
+        ty_free_large(field->context, field->fluence[c], field->cells, sizeof(float));
+        for (int a = 0; a < 3; ++a) ty_free_large(field->context, field->flux[c][a], field->cells, sizeof(float));
     }
     ty_free_array(field->context, field, 1, sizeof *field);
 }

@@ -97,7 +97,7 @@ static ty_grid_def place(const vol_header* header) {
     return def;
 }
 
-ty_result ty_mitsuba_read(ty_context* context, const char* path, int32_t component, ty_grid_storage storage,
+ty_result ty_mitsuba_read(ty_context* context, const char* path, int32_t component, const ty_grid_plan* plan,
                           ty_grid** out) {
     vol_header header;
     ty_sample_file file;
@@ -111,7 +111,7 @@ ty_result ty_mitsuba_read(ty_context* context, const char* path, int32_t compone
                                 .type = header.type,
                                 .first = (size_t)component,
                                 .step = (size_t)header.components,
-                                .storage = storage,
+                                .plan = *plan,
                                 .slope = header.type == TY_SAMPLE_UINT8 ? 1.0 / UINT8_MAX : 0};
     const ty_grid_def def = place(&header);
     result = ty_samples_make_grid(context, &samples, &def, out);

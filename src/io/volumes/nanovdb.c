@@ -5,6 +5,7 @@
 
 #include "base/context.h"
 #include "base/half.h"
+#include "base/mapping.h"
 #include "io/file.h"
 #include "io/volumes/sparse.h"
 #include "io/volumes/volume_file.h"
@@ -108,13 +109,18 @@ static ty_result find_grid(const ty_nanovdb_file* file, const char* name, const 
                    file->count == 1 ? "is" : "are", file->count == 0 ? "none" : names);
 }
 
+/* Bytes of a mapped grid that are visited between two times that its pages are unloaded. */
+enum { VISITED_MAX = 1 << 22 };
+
 /* State of reading a tree. */
 typedef struct tree {
     pnanovdb_buf_t buf;
     uint32_t type;
     int32_t component;
     ty_sparse* sparse;
-    uint64_t visited_bytes; /* total bytes of the nodes entered */
+    uint64_t visited_bytes;    /* total bytes of the nodes entered */
+    const ty_mapping* mapping; /* NULL: the grid is in memory */
+    uint64_t unloaded;         /* visited_bytes when the mapping's pages were unloaded last */
     bool no_memory;
 } tree;
 
@@ -135,6 +141,10 @@ static bool enter_node(tree* t, uint64_t at, uint64_t size) {
     if (at > t->buf.size || size > t->buf.size - at || size > t->buf.size - t->visited_bytes) *t->buf.bad = true;
     if (*t->buf.bad) return false;
     t->visited_bytes += size;
+    if (t->mapping != NULL && t->visited_bytes - t->unloaded > VISITED_MAX) {
+        ty_mapping_unload(t->mapping, 0, t->mapping->size);
+        t->unloaded = t->visited_bytes;
+    }
     return true;
 }
 
@@ -295,35 +305,47 @@ static ty_result check_head(const ty_nanovdb_file* file, const ty_nanovdb_grid* 
 }
 
 static ty_result read_tree(const ty_nanovdb_file* file, const ty_nanovdb_grid* entry, int32_t component,
-                           const uint8_t* bytes, ty_grid_storage storage, ty_grid** out) {
+                           const uint8_t* bytes, const ty_mapping* mapping, const ty_grid_plan* plan, ty_grid** out) {
     bool bad = false;
     ty_affine map;
     ty_sparse sparse = ty_sparse_begin(file->context, file->path, entry->name);
-    sparse.storage = storage;
+    sparse.plan = *plan;
+    sparse.measures = plan->part;
     sparse.type = entry->type == PNANOVDB_GRID_TYPE_HALF ? TY_GRID_F16 : TY_GRID_F32;
-    tree t = {.buf = {bytes, entry->size, &bad}, .type = entry->type, .component = component, .sparse = &sparse};
+    tree t = {.buf = {bytes, entry->size, &bad},
+              .type = entry->type,
+              .component = component,
+              .sparse = &sparse,
+              .mapping = mapping};
     ty_result result = check_head(file, entry, &t, &map);
-    if (result == TY_OK && !read_root(&t))
-        result = t.no_memory ? TY_ERROR_MEMORY : ty_nanovdb_damaged(file, entry->name);
+    bool read = result == TY_OK && read_root(&t);
+    if (read && plan->part) {
+        ty_sparse_restart(&sparse);
+        t.visited_bytes = t.unloaded = 0;
+        read = read_root(&t);
+    }
+    if (result == TY_OK && !read) result = t.no_memory ? TY_ERROR_MEMORY : ty_nanovdb_damaged(file, entry->name);
     if (result == TY_OK) result = ty_sparse_make_grid(&sparse, decode_leaf, &t, &map, out);
     ty_sparse_end(&sparse);
     return result;
 }
 
 ty_result ty_nanovdb_read(ty_context* context, const char* path, const char* name, int32_t component,
-                          ty_grid_storage storage, ty_grid** out) {
+                          const ty_grid_plan* plan, ty_grid** out) {
     ty_nanovdb_file file;
     ty_result result = ty_nanovdb_open(context, path, &file);
     if (result != TY_OK) return result;
     const ty_nanovdb_grid* grid = NULL;
     result = find_grid(&file, name, &grid);
     if (result == TY_OK) result = ty_check_component(context, path, name, component, components_of(grid->type));
-    uint8_t* bytes = NULL;
-    if (result == TY_OK) result = ty_nanovdb_load(&file, grid, &bytes);
-    if (result == TY_OK) {
-        result = read_tree(&file, grid, component, bytes, storage, out);
-        ty_free_array(context, bytes, grid->size, 1);
-    }
+    uint8_t* loaded = NULL;
+    const uint8_t* mapped = NULL;
+    ty_mapping* mapping = NULL;
+    if (result == TY_OK && plan->part) result = ty_nanovdb_map(&file, grid, &mapping, &mapped);
+    if (result == TY_OK && !plan->part) result = ty_nanovdb_load(&file, grid, &loaded);
+    if (result == TY_OK) result = read_tree(&file, grid, component, plan->part ? mapped : loaded, mapping, plan, out);
+    if (loaded != NULL) ty_free_array(context, loaded, grid->size, 1);
+    ty_mapping_close(mapping);
     ty_nanovdb_close(&file);
     return result;
 }

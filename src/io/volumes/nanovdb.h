@@ -12,6 +12,8 @@
 extern "C" {
 #endif
 
+struct ty_mapping;
+
 enum { TY_NANOVDB_NAME_SIZE = 128 };
 
 typedef enum ty_nanovdb_codec { TY_NANOVDB_PLAIN = 0, TY_NANOVDB_ZIP = 1, TY_NANOVDB_BLOSC = 2 } ty_nanovdb_codec;
@@ -39,6 +41,9 @@ ty_result ty_nanovdb_open(ty_context* context, const char* path, ty_nanovdb_file
 void ty_nanovdb_close(ty_nanovdb_file* file);
 /* Reads the grid->size bytes of a grid, from ty_alloc_array. */
 ty_result ty_nanovdb_load(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid, uint8_t** bytes);
+/* The same bytes in a mapping of the file, or of another one without a name where the grid is compressed. */
+ty_result ty_nanovdb_map(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid, struct ty_mapping** mapping,
+                         const uint8_t** bytes);
 ty_result ty_nanovdb_damaged(const ty_nanovdb_file* file, const char* what);
 
 /* C++ part. Write errors are left to the output's commit. */

@@ -4,6 +4,7 @@
 #include "io/volumes/nanovdb.h"
 
 #include "base/context.h"
+#include "base/mapping.h"
 #include "io/file.h"
 #include "io/volumes/volume_file.h"
 
@@ -153,11 +154,15 @@ static bool begins_grid(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid
     return memcmp(head, "NanoVDB", 7) == 0 && size == grid->size;
 }
 
-ty_result ty_nanovdb_load(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid, uint8_t** bytes) {
+static bool sizes_agree(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid) {
     enum { RATIO_MAX = 1032 }; /* maximum compression ratio of deflate */
+    if (grid->codec == TY_NANOVDB_ZIP) return grid->size / RATIO_MAX <= grid->stored_size;
+    return grid->size == grid->stored_size && begins_grid(file, grid);
+}
+
+ty_result ty_nanovdb_load(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid, uint8_t** bytes) {
     const bool zip = grid->codec == TY_NANOVDB_ZIP;
-    if (zip ? grid->size / RATIO_MAX > grid->stored_size : grid->size != grid->stored_size || !begins_grid(file, grid))
-        return ty_nanovdb_damaged(file, grid->name);
+    if (!sizes_agree(file, grid)) return ty_nanovdb_damaged(file, grid->name);
     uint64_t at = 0;
     uint8_t* stored = ty_alloc_array(file->context, grid->stored_size, 1, false);
     uint8_t* plain = zip ? ty_alloc_array(file->context, grid->size, 1, false) : stored;
@@ -168,5 +173,56 @@ ty_result ty_nanovdb_load(const ty_nanovdb_file* file, const ty_nanovdb_grid* gr
     if (zip || result != TY_OK) ty_free_array(file->context, stored, grid->stored_size, 1);
     if (zip && result != TY_OK) ty_free_array(file->context, plain, grid->size, 1);
     if (result == TY_OK) *bytes = plain;
+    return result;
+}
+
+/* Inflates a zip block of a mapping into another, of which neither stays in memory. */
+static bool unpack_mapped(const ty_mapping* from, uint64_t at, uint64_t stored_size, const ty_mapping* to) {
+    enum { AT_ONCE = 1 << 22 };
+    uint64_t packed = 0;
+    if (stored_size >= sizeof packed) memcpy(&packed, from->bytes + at, sizeof packed);
+    if (packed == 0 || packed > stored_size - sizeof packed) return false;
+    z_stream z = {.next_in = from->bytes + at + sizeof packed};
+    size_t read = 0, made = 0;
+    int status = inflateInit(&z);
+    if (status != Z_OK) return false;
+    while (status == Z_OK && made < to->size) {
+        z.avail_in = packed - read < AT_ONCE ? (uInt)(packed - read) : (uInt)AT_ONCE;
+        z.avail_out = to->size - made < AT_ONCE ? (uInt)(to->size - made) : (uInt)AT_ONCE;
+        z.next_out = to->bytes + made;
+        const uint8_t *in = z.next_in, *out = z.next_out;
+        status = inflate(&z, Z_NO_FLUSH);
+        ty_mapping_unload(from, (size_t)(in - from->bytes), (size_t)(z.next_in - from->bytes));
+        ty_mapping_unload(to, (size_t)(out - to->bytes), (size_t)(z.next_out - to->bytes));
+        read += (size_t)(z.next_in - in);
+        made += (size_t)(z.next_out - out);
+    }
+    const bool whole = made == to->size && (status == Z_OK || status == Z_STREAM_END);
+    inflateEnd(&z);
+    return whole;
+}
+
+ty_result ty_nanovdb_map(const ty_nanovdb_file* file, const ty_nanovdb_grid* grid, ty_mapping** mapping,
+                         const uint8_t** bytes) {
+    ty_mapping *stored = NULL, *plain = NULL;
+    if (!sizes_agree(file, grid)) return ty_nanovdb_damaged(file, grid->name);
+    ty_result result = ty_mapping_open(file->context, file->path, &stored);
+    if (result == TY_OK && (stored->size < grid->at || stored->size - grid->at < grid->stored_size || grid->size == 0))
+        result = ty_nanovdb_damaged(file, grid->name);
+    if (result == TY_OK && grid->codec != TY_NANOVDB_ZIP) {
+        *mapping = stored;
+        *bytes = stored->bytes + grid->at;
+        return TY_OK;
+    }
+    if (result == TY_OK) result = ty_mapping_create(file->context, (size_t)grid->size, &plain);
+    if (result == TY_OK && !unpack_mapped(stored, grid->at, grid->stored_size, plain))
+        result = ty_nanovdb_damaged(file, grid->name);
+    ty_mapping_close(stored);
+    if (result == TY_OK) {
+        *mapping = plain;
+        *bytes = plain->bytes;
+    } else {
+        ty_mapping_close(plain);
+    }
     return result;
 }

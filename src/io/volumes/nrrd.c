@@ -239,7 +239,7 @@ static bool in_parts(const ty_nrrd* nrrd) {
 }
 
 /* Reads what a header tells of the data behind it, or in a file of their own. */
-static ty_result read_data(const source* file, const ty_nrrd* nrrd, int32_t component, ty_grid_storage storage,
+static ty_result read_data(const source* file, const ty_nrrd* nrrd, int32_t component, const ty_grid_plan* plan,
                            ty_grid** out) {
     ty_samples samples = describe_samples(nrrd, component);
     const ty_grid_def def = describe_grid(nrrd);
@@ -252,7 +252,7 @@ static ty_result read_data(const source* file, const ty_nrrd* nrrd, int32_t comp
     }
     if (result != TY_OK) return result;
     if (in_parts(nrrd)) {
-        samples.storage = storage;
+        samples.plan = *plan;
         const uint64_t begin = path == NULL ? nrrd->data : 0;
         result = nrrd->encoding == TY_NRRD_GZIP ? read_gzip(&data, nrrd, begin, &samples, &def, out)
                                                 : read_raw_parts(&data, nrrd, begin, &samples, &def, out);
@@ -285,7 +285,7 @@ static ty_result read_head(source* file, ty_nrrd* nrrd, bool* found) {
     return result;
 }
 
-ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid_storage storage,
+ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, const ty_grid_plan* plan,
                        ty_grid** out) {
     source file = {.context = context, .path = path};
     ty_nrrd nrrd;
@@ -297,7 +297,7 @@ ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component,
         if (result == TY_OK) result = ty_nrrd_parse(context, path, file.bytes, file.size, &nrrd);
     }
     if (result == TY_OK) result = ty_check_component(context, path, NULL, component, nrrd.components);
-    if (result == TY_OK) result = read_data(&file, &nrrd, component, storage, out);
+    if (result == TY_OK) result = read_data(&file, &nrrd, component, plan, out);
     close_source(&file);
     return result;
 }

@@ -46,12 +46,13 @@ ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def
                        "raw_type is \"%s\", not int8, uint8 ... uint64, half, float or double", def->raw_type);
     if (def->raw_offset < -1)
         return ty_fail(context, TY_ERROR_ARGUMENT, "raw_offset is %lld, below -1", (long long)def->raw_offset);
+    const ty_grid_plan plan = ty_volume_plan(def);
     size_t voxels = 0, start = 0;
     ty_grid_def grid = ty_default_grid_def();
     memcpy(grid.size, def->raw_size, sizeof grid.size);
     ty_result result = check_spacing(context, def, &grid);
     if (result == TY_OK)
-        result = ty_check_volume_storage(context, path, def->storage, false,
+        result = ty_check_volume_storage(context, path, ty_plan_limits(&plan), false,
                                          (const int64_t[]){grid.size[0], grid.size[1], grid.size[2]}, &voxels);
     if (result == TY_OK) result = ty_check_component(context, path, NULL, def->component, 1);
     const size_t needed = result == TY_OK ? voxels * ty_sample_size(type) : 0;
@@ -64,7 +65,7 @@ ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def
                                 .type = type,
                                 .big_endian = def->raw_big_endian,
                                 .step = 1,
-                                .storage = def->storage == TY_GRID_PAGED ? TY_GRID_PAGED : TY_GRID_AUTO};
+                                .plan = plan};
     result = ty_samples_make_grid(context, &samples, &grid, out);
     ty_sample_file_close(&file);
     return result;

@@ -119,12 +119,15 @@ typedef struct converter {
     ty_context* context;
     const ty_samples* samples;
     ty_grid_def def;
-    const uint8_t* bytes; /* of the slices' first sample */
+    int32_t row, rows;    /* those of each slice that are converted */
+    const uint8_t* bytes; /* of their first sample */
     uint8_t* values;      /* of TY_GRID_BLOCK slices */
+    uint8_t* to;
 } converter;
 
-static size_t slice_voxels(const ty_grid_def* def) {
-    return (size_t)def->size[0] * (size_t)def->size[1];
+/* Voxels of the rows of a slice. */
+static size_t slice_voxels(const converter* c) {
+    return (size_t)c->def.size[0] * (size_t)c->rows;
 }
 
 static void convert_slice(void* user, int64_t k, int32_t worker) {
@@ -132,33 +135,46 @@ static void convert_slice(void* user, int64_t k, int32_t worker) {
     const converter* c = user;
     const ty_samples* samples = c->samples;
     const size_t sample = types[samples->type].size;
-    const size_t voxels = slice_voxels(&c->def), first = voxels * (size_t)k;
+    const size_t voxels = slice_voxels(c), first = voxels * (size_t)k;
     const uint8_t* from = c->bytes + sample * samples->step * first;
     if (samples->slope == 0) {
         const size_t value = ty_grid_value_size(c->def.type);
         convert_row(samples->type, must_swap(samples->big_endian), from, sample * samples->step, voxels,
-                    c->values + value * first);
+                    c->to + value * first);
         return;
     }
-    float* to = (float*)(void*)c->values + first;
+    float* to = (float*)(void*)c->to + first;
     for (size_t i = 0; i < voxels; ++i)
         to[i] = (float)(samples->slope *
                             ty_sample_value(samples->type, samples->big_endian, from + sample * samples->step * i) +
                         samples->intercept);
 }
 
-static ty_result convert_slices(void* user, int32_t first, int32_t count, const void** values) {
-    converter* c = user;
+/* Converts slices whose rows follow one another in the file. */
+static ty_result convert_run(converter* c, int32_t first, int32_t count) {
     const ty_samples* samples = c->samples;
-    const size_t sample = types[samples->type].size;
-    const size_t at = sample * (samples->first + samples->step * slice_voxels(&c->def) * (size_t)first);
-    const size_t bytes = sample * (samples->step * (slice_voxels(&c->def) * (size_t)count - 1) + 1);
+    const size_t sample = types[samples->type].size, width = (size_t)c->def.size[0];
+    const size_t voxel = width * ((size_t)c->row + (size_t)c->def.size[1] * (size_t)first);
+    const size_t at = sample * (samples->first + samples->step * voxel);
+    const size_t bytes = sample * (samples->step * (slice_voxels(c) * (size_t)count - 1) + 1);
     ty_result result = TY_OK;
     if (samples->read != NULL)
         result = samples->read(samples->user, at, bytes, &c->bytes);
     else
         c->bytes = samples->bytes + at;
     if (result == TY_OK) ty_parallel_for(c->context, count, convert_slice, c);
+    return result;
+}
+
+static ty_result convert_slices(void* user, int32_t first, int32_t count, const void** values) {
+    converter* c = user;
+    const size_t slice = slice_voxels(c) * ty_grid_value_size(c->def.type);
+    const int32_t run = c->rows == c->def.size[1] ? count : 1;
+    ty_result result = TY_OK;
+    for (int32_t k = 0; k < count && result == TY_OK; k += run) {
+        c->to = c->values + slice * (size_t)k;
+        result = convert_run(c, first + k, run);
+    }
     *values = c->values;
     return result;
 }
@@ -166,12 +182,14 @@ static ty_result convert_slices(void* user, int32_t first, int32_t count, const 
 ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out) {
     converter c = {.context = context, .samples = samples, .def = *def};
     c.def.type = samples->slope != 0 ? TY_GRID_F32 : ty_sample_grid_type(samples->type);
+    ty_grid_plan_rows(&samples->plan, def->size[1], &c.row, &c.rows);
+    c.rows -= c.row;
     const size_t slices = (size_t)(def->size[2] < TY_GRID_BLOCK ? def->size[2] : TY_GRID_BLOCK);
-    const size_t count = slices * slice_voxels(def), value = ty_grid_value_size(c.def.type);
+    const size_t count = slices * slice_voxels(&c), value = ty_grid_value_size(c.def.type);
     c.values = ty_alloc_array(context, count, value, false);
     if (c.values == NULL) return TY_ERROR_MEMORY;
-    const ty_slice_source source = {convert_slices, &c};
-    const ty_result result = ty_grid_create_from_slices(context, &c.def, samples->storage, &source, def->placed, out);
+    const ty_slice_source source = {convert_slices, &c, c.row, c.rows};
+    const ty_result result = ty_grid_create_from_slices(context, &c.def, &samples->plan, &source, def->placed, out);
     ty_free_array(context, c.values, count, value);
     return result;
 }

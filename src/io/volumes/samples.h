@@ -2,7 +2,7 @@
 #ifndef TY_IO_SAMPLES_H
 #define TY_IO_SAMPLES_H
 
-#include <tyndall/grid.h>
+#include "grid/grid.h"
 
 typedef enum ty_sample_type {
     TY_SAMPLE_INT8,
@@ -40,12 +40,12 @@ typedef struct ty_samples {
     ty_sample_type type;
     bool big_endian;
     size_t first, step;      /* in samples: offset of the component, and stride between voxels */
-    ty_grid_storage storage; /* of the grid: TY_GRID_AUTO or TY_GRID_PAGED */
+    ty_grid_plan plan;       /* of the grid; its storage is TY_GRID_AUTO or TY_GRID_PAGED */
     double slope, intercept; /* a value is slope times its sample plus intercept; slope 0: the sample itself */
 } ty_samples;
 
 /* Creates a grid of def->size voxels, x fastest, placed by def: of ty_sample_grid_type, or float where samples are
- * scaled; as samples->storage says. */
+ * scaled; as samples->plan says; rows outside of a part are not read. */
 ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out);
 
 #endif

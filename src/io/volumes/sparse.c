@@ -30,7 +30,35 @@ static void include(ty_sparse* sparse, int axis, int32_t lower, int32_t upper) {
     if (upper > sparse->upper[axis]) sparse->upper[axis] = upper;
 }
 
+void ty_sparse_restart(ty_sparse* sparse) {
+    for (int a = 0; a < 3; ++a) {
+        const int64_t lower = sparse->active == 0 ? 0 : sparse->lower[a];
+        const int64_t side = sparse->active == 0 ? 1 : sparse->upper[a] - lower + 1;
+        const int32_t shift = (int32_t)(lower & (TY_GRID_BLOCK - 1));
+        const int32_t size = side < INT32_MAX - TY_GRID_BLOCK ? (int32_t)side : INT32_MAX - TY_GRID_BLOCK;
+        int32_t first, end;
+        ty_grid_plan_blocks(&sparse->plan, a, size, shift, &first, &end);
+        sparse->keep[0][a] = lower - shift + (int64_t)first * TY_GRID_BLOCK;
+        sparse->keep[1][a] = lower - shift + (int64_t)end * TY_GRID_BLOCK;
+        sparse->lower[a] = INT32_MAX;
+        sparse->upper[a] = INT32_MIN;
+    }
+    sparse->active = 0;
+    sparse->leaves = 0;
+    sparse->root_count = 0;
+    sparse->measures = false;
+}
+
+static bool is_kept(const ty_sparse* sparse, const ty_sparse_cell* cell) {
+    bool kept = !sparse->measures;
+    for (int a = 0; a < 3 && sparse->plan.part; ++a)
+        kept =
+            kept && cell->origin[a] < sparse->keep[1][a] && (int64_t)cell->origin[a] + cell->side > sparse->keep[0][a];
+    return kept;
+}
+
 static bool add_cell(ty_sparse* sparse, const ty_sparse_cell* cell) {
+    if (!is_kept(sparse, cell)) return true;
     if (!ty_grow_array(sparse->context, (void**)&sparse->cells, &sparse->capacity, sparse->count, sizeof *cell))
         return false;
     sparse->cells[sparse->count++] = *cell;
@@ -84,6 +112,7 @@ bool ty_sparse_add_leaf(ty_sparse* sparse, const int32_t origin[3], const uint8_
     }
     for (int a = 0; a < 3 && on[0] != 0; ++a) include_bits(sparse, a, origin[a], on[a]);
     const ty_sparse_cell cell = {{origin[0], origin[1], origin[2]}, TY_LEAF_SIDE, 0, leaf};
+    ++sparse->leaves;
     return add_cell(sparse, &cell);
 }
 
@@ -205,7 +234,7 @@ static ty_result describe_grid(const ty_sparse* sparse, const ty_affine* index_t
         return ty_fail(sparse->context, TY_ERROR_INPUT, "%s: the background of grid \"%s\" is not finite", sparse->path,
                        sparse->name);
     const ty_result result =
-        ty_check_volume_storage(sparse->context, sparse->path, sparse->storage, true, sides, voxels);
+        ty_check_volume_storage(sparse->context, sparse->path, ty_plan_limits(&sparse->plan), true, sides, voxels);
     if (result != TY_OK) return result;
     *def = ty_default_grid_def();
     for (int a = 0; a < 3; ++a) def->size[a] = (int32_t)sides[a];
@@ -289,7 +318,7 @@ static ty_result make_blocks(fill_job* job, const ty_grid_def* def, const int32_
     ty_result result;
     job->blocks.count = (uint32_t)blocks;
     job->values =
-        ty_grid_blocks_values(context, def->type, job->sparse->storage == TY_GRID_PAGED, &job->blocks, &result);
+        ty_grid_blocks_values(context, def->type, job->sparse->plan.storage == TY_GRID_PAGED, &job->blocks, &result);
     job->blocks.count = 1;
     if (result == TY_OK) {
         enter_cells(job);
@@ -328,7 +357,8 @@ ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, 
         table *= (size_t)(def.size[a] + shift[a] + TY_GRID_BLOCK - 1) / TY_GRID_BLOCK;
     }
     const size_t blocks = count_blocks(&job);
-    if (sparse->storage == TY_GRID_PAGED || ty_grid_saves_memory(def.type, voxels, table, blocks))
+    if (sparse->plan.storage == TY_GRID_PAGED || sparse->plan.part ||
+        ty_grid_saves_memory(def.type, voxels, table, blocks))
         return make_blocks(&job, &def, shift, blocks, out);
     return make_dense(&job, &def, voxels, out);
 }

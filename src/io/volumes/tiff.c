@@ -431,7 +431,8 @@ static void place(const stack* s, ty_grid_def* def) {
     }
 }
 
-static ty_result make_grid(stack* s, int32_t component, const ty_grid_def* def, ty_grid** out) {
+static ty_result make_grid(stack* s, int32_t component, const ty_grid_def* def, const ty_grid_plan* plan,
+                           ty_grid** out) {
     const size_t slices = (size_t)def->size[2], slab = slices < TY_GRID_BLOCK ? slices : (size_t)TY_GRID_BLOCK;
     const size_t count = slab * s->form.width * s->form.height, value = ty_grid_value_size(def->type);
     target t = {.s = s, .type = def->type};
@@ -440,14 +441,15 @@ static ty_result make_grid(stack* s, int32_t component, const ty_grid_def* def, 
     ty_result result = t.values == NULL ? TY_ERROR_MEMORY
                        : s->contiguous  ? find_contiguous(&t, component)
                                         : find_pages(&t, component);
-    const ty_slice_source source = {read_slices, &t};
-    if (result == TY_OK) result = ty_grid_create_from_slices(s->context, def, TY_GRID_AUTO, &source, def->placed, out);
+    const ty_slice_source source = {read_slices, &t, 0, 0};
+    if (result == TY_OK) result = ty_grid_create_from_slices(s->context, def, plan, &source, def->placed, out);
     ty_free_array(s->context, t.values, count, value);
     ty_free_array(s->context, t.offsets, slices, sizeof *t.offsets);
     return result;
 }
 
-ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
+ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component, const ty_grid_plan* plan,
+                       ty_grid** out) {
     stack s;
     size_t voxels = 0;
     ty_grid_def def = ty_default_grid_def();
@@ -460,7 +462,7 @@ ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component,
         def.size[2] = s.layout.slices;
         def.type = ty_sample_grid_type(s.type);
         place(&s, &def);
-        result = make_grid(&s, component, &def, out);
+        result = make_grid(&s, component, &def, plan, out);
     }
     close_stack(&s);
     return result;
@@ -492,7 +494,8 @@ void ty_tiff_describe(ty_context* context, const char* path, ty_volume_notes* no
 
 #else
 
-ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
+ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component, const ty_grid_plan* plan,
+                       ty_grid** out) {
     int32_t components;
     (void)component;
     (void)out;

@@ -115,14 +115,14 @@ static ty_result choose_grid(const ty_vdb_file* file, const char* name, int32_t 
 }
 
 ty_result ty_vdb_read_component(ty_context* context, const char* path, const char* name, int32_t component,
-                                ty_grid_storage storage, ty_grid** out) {
+                                const ty_grid_plan* plan, ty_grid** out) {
     ty_vdb_file file;
     ty_result result = ty_vdb_open(context, path, &file);
     if (result != TY_OK) return result;
     const ty_vdb_grid *grid = NULL, *owner = NULL;
     result = choose_grid(&file, name, component, &grid, &owner);
     if (result == TY_OK)
-        result = ty_vdb_read_tree(&file, owner, component < 0 ? 0 : component, &grid->index_to_world, storage, out);
+        result = ty_vdb_read_tree(&file, owner, component < 0 ? 0 : component, &grid->index_to_world, plan, out);
     ty_vdb_close(&file);
     return result;
 }
@@ -141,7 +141,8 @@ ty_result ty_vdb_components(ty_context* context, const char* path, const char* n
 ty_result ty_vdb_read(ty_context* context, const char* path, const char* grid_name, ty_grid** out) {
     if (grid_name == NULL || out == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_vdb_read: grid_name or out is NULL");
-    return ty_vdb_read_component(context, path, grid_name, -1, TY_GRID_AUTO, out);
+    const ty_grid_plan whole = {.storage = TY_GRID_AUTO};
+    return ty_vdb_read_component(context, path, grid_name, -1, &whole, out);
 }
 
 bool ty_vdb_find_codec(ty_context* context, const char* name, uint32_t* codec) {

@@ -63,7 +63,7 @@ ty_vdb_value ty_vdb_value_of(const ty_vdb_grid* grid);
 ty_result ty_vdb_measure(const ty_vdb_file* file, const ty_vdb_grid* owner, ty_vdb_grid* grid);
 /* Reads one component of a tree, dense over its active box. */
 ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, int32_t component,
-                           const ty_affine* index_to_world, ty_grid_storage storage, ty_grid** out);
+                           const ty_affine* index_to_world, const ty_grid_plan* plan, ty_grid** out);
 
 /* Writes a file of a grid per field; codec is 0, TY_VDB_ZIP or TY_VDB_BLOSC. Write errors are left to the output's
  * commit. */

@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/half.h"
+#include "base/mapping.h"
 
 #include <blosc.h>
 #include <stdlib.h>
@@ -12,13 +13,15 @@
 
 enum {
     VALUE_SIZE_MAX = 12, /* three floats */
-    BLOSC_HEAD = 16
+    BLOSC_HEAD = 16,
+    PASSED_MAX = 1 << 22, /* bytes of a mapped tree that stay in memory behind a cursor */
 };
 
-/* A tree in memory. */
+/* A tree in memory, or in a mapped file. */
 typedef struct tree {
     const uint8_t* bytes;
     size_t size;
+    ty_mapping* mapping; /* NULL: the bytes are those of ty_vdb_load */
     uint32_t compression;
     bool half;
     ty_vdb_value value;
@@ -31,9 +34,8 @@ typedef struct tree {
 typedef struct tree_cursor {
     const tree* tree;
     ty_sparse* sparse;
-    size_t at;
+    size_t at, unloaded; /* of a mapped tree the bytes before `unloaded` have left memory */
     bool bad, no_memory;
-    uint64_t leaves;
     uint8_t* unpacked; /* scratch for the values of any node */
     float* values;     /* the same as floats */
 } tree_cursor;
@@ -44,6 +46,11 @@ static const uint8_t* read_bytes(tree_cursor* w, size_t size) {
         return NULL;
     }
     const uint8_t* found = w->tree->bytes + w->at;
+    if (w->tree->mapping != NULL && w->at - w->unloaded > PASSED_MAX) {
+        const size_t offset = (size_t)(w->tree->bytes - w->tree->mapping->bytes);
+        ty_mapping_unload(w->tree->mapping, offset + w->unloaded, offset + w->at);
+        w->unloaded = w->at;
+    }
     w->at += size;
     return found;
 }
@@ -220,8 +227,7 @@ static void offset_origin(const int32_t origin[3], size_t slot, unsigned log2, i
 
 static bool read_leaf(tree_cursor* w, const int32_t origin[3]) {
     const uint8_t* mask = read_bytes(w, TY_LEAF_VOXELS / 8);
-    ++w->leaves;
-    return mask != NULL && check_added(w, ty_sparse_add_leaf(w->sparse, origin, mask, 0));
+    return mask != NULL && check_added(w, ty_sparse_add_leaf(w->sparse, origin, mask, w->sparse->leaves));
 }
 
 /* Reads an inner node with 2^(3 log2) slots of size `side`: child and value masks, values, then the children in
@@ -282,11 +288,13 @@ static bool read_root(tree_cursor* w, tree* t) {
     return !w->bad;
 }
 
-/* Finds the offset of each leaf's values; leaves are in file order. */
+/* Finds the offset of the values of each leaf that was kept; leaves are in file order, and numbered so before. */
 static void locate_leaves(tree_cursor* w) {
-    for (size_t i = 0; i < w->sparse->count && !w->bad; ++i) {
-        if (w->sparse->cells[i].leaf == TY_SPARSE_TILE) continue;
-        w->sparse->cells[i].leaf = w->at;
+    ty_sparse_cell *cell = w->sparse->cells, *end = cell + w->sparse->count;
+    for (uint64_t n = 0; n < w->sparse->leaves && !w->bad; ++n) {
+        while (cell < end && cell->leaf == TY_SPARSE_TILE) ++cell;
+        if (cell == end) return;
+        if (cell->leaf == n) (cell++)->leaf = w->at;
         const uint8_t* mask = read_bytes(w, TY_LEAF_VOXELS / 8);
         node_values values;
         if (mask != NULL) read_values(w, TY_LEAF_VOXELS, mask, &values);
@@ -295,7 +303,7 @@ static void locate_leaves(tree_cursor* w) {
 
 static bool decode_leaf(const void* user, uint64_t leaf, void* to) {
     const tree* t = user;
-    tree_cursor w = {.tree = t, .at = (size_t)leaf};
+    tree_cursor w = {.tree = t, .at = (size_t)leaf, .unloaded = (size_t)leaf};
     uint8_t unpacked[TY_LEAF_VOXELS * VALUE_SIZE_MAX];
     const uint8_t* plain;
     node_values values;
@@ -342,35 +350,61 @@ static ty_result read_topology(const ty_vdb_file* file, const ty_vdb_grid* owner
     return w.bad ? ty_vdb_damaged(file, owner->name) : TY_OK;
 }
 
+/* A tree is loaded, or mapped where a part of it is read. */
+static ty_result open_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, bool mapped, tree* t) {
+    uint8_t* bytes = NULL;
+    if (!mapped) {
+        const ty_result result = ty_vdb_load(file, owner, &bytes, &t->size);
+        t->bytes = bytes;
+        return result;
+    }
+    const ty_result result = ty_mapping_open(file->context, file->path, &t->mapping);
+    if (result != TY_OK) return result;
+    t->bytes = t->mapping->bytes + owner->tree;
+    t->size = (size_t)(owner->end - owner->tree);
+    if (t->mapping->size >= owner->end) return TY_OK;
+    ty_mapping_close(t->mapping);
+    return ty_vdb_damaged(file, owner->name);
+}
+
+static void close_tree(const ty_vdb_file* file, tree* t) {
+    if (t->mapping != NULL)
+        ty_mapping_close(t->mapping);
+    else
+        ty_free_array(file->context, (uint8_t*)t->bytes, t->size, 1);
+}
+
 ty_result ty_vdb_measure(const ty_vdb_file* file, const ty_vdb_grid* owner, ty_vdb_grid* grid) {
     tree t = describe(owner, 0);
-    uint8_t* bytes = NULL;
-    ty_result result = ty_vdb_load(file, owner, &bytes, &t.size);
+    ty_result result = open_tree(file, owner, false, &t);
     if (result != TY_OK) return result;
-    t.bytes = bytes;
     ty_sparse sparse = ty_sparse_begin(file->context, file->path, owner->name);
+    sparse.measures = true;
     result = read_topology(file, owner, &t, false, &sparse);
     grid->active_voxels = sparse.active;
     memcpy(grid->lower, sparse.lower, sizeof grid->lower);
     memcpy(grid->upper, sparse.upper, sizeof grid->upper);
     ty_sparse_end(&sparse);
-    ty_free_array(file->context, bytes, t.size, 1);
+    close_tree(file, &t);
     return result;
 }
 
 ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, int32_t component,
-                           const ty_affine* index_to_world, ty_grid_storage storage, ty_grid** out) {
+                           const ty_affine* index_to_world, const ty_grid_plan* plan, ty_grid** out) {
     tree t = describe(owner, component);
-    uint8_t* bytes = NULL;
-    ty_result result = ty_vdb_load(file, owner, &bytes, &t.size);
+    ty_result result = open_tree(file, owner, plan->part, &t);
     if (result != TY_OK) return result;
-    t.bytes = bytes;
     ty_sparse sparse = ty_sparse_begin(file->context, file->path, owner->name);
     sparse.type = t.half && t.value.bytes == sizeof(float) ? TY_GRID_F16 : TY_GRID_F32;
-    sparse.storage = storage;
-    result = read_topology(file, owner, &t, true, &sparse);
+    sparse.plan = *plan;
+    sparse.measures = plan->part;
+    if (plan->part) {
+        result = read_topology(file, owner, &t, false, &sparse);
+        ty_sparse_restart(&sparse);
+    }
+    if (result == TY_OK) result = read_topology(file, owner, &t, true, &sparse);
     if (result == TY_OK) result = ty_sparse_make_grid(&sparse, decode_leaf, &t, index_to_world, out);
     ty_sparse_end(&sparse);
-    ty_free_array(file->context, bytes, t.size, 1);
+    close_tree(file, &t);
     return result;
 }

@@ -21,6 +21,17 @@ void ty_init_volume_def(void* def, size_t bytes) {
     ty_init_def(def, bytes, &own, sizeof own);
 }
 
+ty_grid_plan ty_volume_plan(const ty_volume_def* def) {
+    ty_grid_plan plan = {.storage = def->storage == TY_GRID_PAGED ? TY_GRID_PAGED : TY_GRID_AUTO, .part = def->in_part};
+    memcpy(plan.first, def->part_first, sizeof plan.first);
+    memcpy(plan.end, def->part_end, sizeof plan.end);
+    return plan;
+}
+
+ty_grid_storage ty_plan_limits(const ty_grid_plan* plan) {
+    return plan->part ? TY_GRID_PAGED : plan->storage;
+}
+
 static ty_result check_size(ty_context* context, const char* path, const char* kind, double limit,
                             const int64_t sides[3], size_t* voxels) {
     double product = 1;
@@ -162,6 +173,8 @@ static ty_result check_def(ty_context* context, const ty_volume_def** given, ty_
     if (def->storage < TY_GRID_AUTO || def->storage > TY_GRID_PAGED)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: storage is %d, not a ty_grid_storage",
                        (int)def->storage);
+    if (def->in_part && def->storage == TY_GRID_DENSE)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: a part of a grid is not stored dense");
     return TY_OK;
 }
 
@@ -182,22 +195,33 @@ static ty_result find_file(ty_context* context, const char* path, const ty_volum
 
 static ty_result read_format(ty_context* context, ty_volume_format format, const char* file, const ty_volume_def* def,
                              double* radius, ty_grid** out) {
-    const ty_grid_storage storage = def->storage == TY_GRID_PAGED ? TY_GRID_PAGED : TY_GRID_AUTO;
+    const ty_grid_plan plan = ty_volume_plan(def);
     switch (format) {
-    case TY_VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, storage, out);
-    case TY_VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, storage, out);
-    case TY_VOLUME_NRRD: return ty_nrrd_read(context, file, def->component, storage, out);
+    case TY_VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, &plan, out);
+    case TY_VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, &plan, out);
+    case TY_VOLUME_NRRD: return ty_nrrd_read(context, file, def->component, &plan, out);
     case TY_VOLUME_VTK: return ty_vtk_read(context, file, def, out);
     case TY_VOLUME_NETCDF: return ty_netcdf_read(context, file, def, radius, out);
-    case TY_VOLUME_DICOM: return ty_dicom_read(context, file, def->series, def->component, out);
-    case TY_VOLUME_NIFTI: return ty_nifti_read(context, file, def->component, storage, out);
-    case TY_VOLUME_TIFF: return ty_tiff_read(context, file, def->component, out);
-    case TY_VOLUME_MITSUBA: return ty_mitsuba_read(context, file, def->component, storage, out);
+    case TY_VOLUME_DICOM: return ty_dicom_read(context, file, def->series, def->component, &plan, out);
+    case TY_VOLUME_NIFTI: return ty_nifti_read(context, file, def->component, &plan, out);
+    case TY_VOLUME_TIFF: return ty_tiff_read(context, file, def->component, &plan, out);
+    case TY_VOLUME_MITSUBA: return ty_mitsuba_read(context, file, def->component, &plan, out);
     case TY_VOLUME_BRICKS: return ty_bricks_read(context, file, out);
     case TY_VOLUME_RAW: break;
     }
     const ty_result result = check_raw(context, file, def);
     return result == TY_OK ? ty_raw_read(context, file, def, out) : result;
+}
+
+/* The part of a grid that its reader made as a whole: a dense one, or a file of bricks. */
+static ty_result keep_part(ty_context* context, const ty_volume_def* def, ty_grid** grid) {
+    const ty_grid_plan plan = ty_volume_plan(def);
+    ty_grid* part = NULL;
+    if ((*grid)->blocks.table != NULL && !(*grid)->blocks.maps_tables) return TY_OK;
+    const ty_result result = ty_grid_keep_part(context, *grid, &plan, &part);
+    ty_grid_release(*grid);
+    *grid = part;
+    return result;
 }
 
 ty_result ty_volume_read_droplets(ty_context* context, const char* path, const ty_volume_def* def, double* radius,
@@ -208,6 +232,7 @@ ty_result ty_volume_read_droplets(ty_context* context, const char* path, const t
     ty_grid* grid = NULL;
     ty_result result = find_file(context, path, &def, &own, out, file, &format);
     if (result == TY_OK) result = read_format(context, format, file, def, radius, &grid);
+    if (result == TY_OK && def->in_part) result = keep_part(context, def, &grid);
     if (result != TY_OK) return result;
     result = ty_grid_store(context, grid, def->storage, out);
     ty_grid_release(grid);

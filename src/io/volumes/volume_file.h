@@ -3,6 +3,8 @@
 #ifndef TY_IO_VOLUME_FILE_H
 #define TY_IO_VOLUME_FILE_H
 
+#include "grid/grid.h"
+
 #include <tyndall/io.h>
 
 /* Refuses sides outside a grid's limits and more voxels than a dense grid may have; *voxels is the product. */
@@ -14,18 +16,23 @@ ty_result ty_check_volume_storage(ty_context* context, const char* path, ty_grid
 ty_result ty_check_component(ty_context* context, const char* path, const char* name, int32_t component,
                              int32_t components);
 
-/* Readers that take a storage make no dense array on the way to a paged grid; 0 is TY_GRID_AUTO. */
+/* The plan of the grid of a def: its part, and a storage on the way, TY_GRID_AUTO or TY_GRID_PAGED. */
+ty_grid_plan ty_volume_plan(const ty_volume_def* def);
+/* The storage whose limits of size a plan has: parts may span as much as paged grids. */
+ty_grid_storage ty_plan_limits(const ty_grid_plan* plan);
+
+/* Readers that take a plan make no dense array on the way to a paged grid or a part. */
 ty_result ty_vdb_read_component(ty_context* context, const char* path, const char* name, int32_t component,
-                                ty_grid_storage storage, ty_grid** out);
+                                const ty_grid_plan* plan, ty_grid** out);
 ty_result ty_vdb_components(ty_context* context, const char* path, const char* name, int32_t* out);
 ty_result ty_nanovdb_read(ty_context* context, const char* path, const char* name, int32_t component,
-                          ty_grid_storage storage, ty_grid** out);
+                          const ty_grid_plan* plan, ty_grid** out);
 ty_result ty_nanovdb_components(ty_context* context, const char* path, const char* name, int32_t* out);
 bool ty_is_nanovdb(const char* path);
 /* As ty_vdb_list. */
 ty_result ty_nanovdb_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity,
                           int32_t* count);
-ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid_storage storage,
+ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, const ty_grid_plan* plan,
                        ty_grid** out);
 ty_result ty_nrrd_components(ty_context* context, const char* path, int32_t* out);
 /* As ty_volume_read; *radius, where droplets are read, is the mean of their effective radius by extinction,
@@ -35,14 +42,16 @@ ty_result ty_volume_read_droplets(ty_context* context, const char* path, const t
                                   ty_grid** out);
 ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
 
-ty_result ty_dicom_read(ty_context* context, const char* path, const char* name, int32_t component, ty_grid** out);
+ty_result ty_dicom_read(ty_context* context, const char* path, const char* name, int32_t component,
+                        const ty_grid_plan* plan, ty_grid** out);
 ty_result ty_dicom_components(ty_context* context, const char* path, const char* series, int32_t* out);
-ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, ty_grid_storage storage,
+ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, const ty_grid_plan* plan,
                         ty_grid** out);
 ty_result ty_nifti_components(ty_context* context, const char* path, int32_t* out);
-ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component, ty_grid** out);
+ty_result ty_tiff_read(ty_context* context, const char* path, int32_t component, const ty_grid_plan* plan,
+                       ty_grid** out);
 ty_result ty_tiff_components(ty_context* context, const char* path, int32_t* out);
-ty_result ty_mitsuba_read(ty_context* context, const char* path, int32_t component, ty_grid_storage storage,
+ty_result ty_mitsuba_read(ty_context* context, const char* path, int32_t component, const ty_grid_plan* plan,
                           ty_grid** out);
 ty_result ty_mitsuba_components(ty_context* context, const char* path, int32_t* out);
 

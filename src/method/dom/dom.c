@@ -1,5 +1,6 @@
 /* Entry points: a solve, its images, and both in one call. */
 #include "base/context.h"
+#include "base/mapping.h"
 #include "method/dom/flux_request.h"
 #include "method/dom/solve/solve.h"
 #include "method/dom/sources/sources.h"
@@ -24,8 +25,8 @@ static void keep_sources(ty_dom_job* job) {
 static void end_job(ty_dom_job* job) {
     const size_t terms = (size_t)job->light->bands * (size_t)job->light->bands;
     for (int c = 0; c < 3; ++c) {
-        ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
-        ty_free_array(job->context, job->centers[c], job->light->cells, 4 * sizeof(float));
+        ty_free_large(job->context, job->source[c], job->light->cells, terms * sizeof(float));
+        ty_free_large(job->context, job->centers[c], job->light->cells, 4 * sizeof(float));
     }
     ty_discrete_light_set_destroy(job->context, &job->sources);
     ty_dom_free_boundary(job);
@@ -102,17 +103,17 @@ void ty_dom_destroy(ty_dom* light) {
     ty_dom_environment_destroy(light);
     ty_dom_clusters_destroy(light);
     for (int c = 0; c < 3; ++c) {
-        ty_free_array(context, light->g[c], light->cells, sizeof(float));
+        ty_free_large(context, light->g[c], light->cells, sizeof(float));
         ty_free_array(context, light->extinction[c], light->cells, sizeof(float));
         ty_free_array(context, light->darkening[c], light->cells, sizeof(float));
         ty_free_array(context, light->similarity[c], light->cells, sizeof(float));
-        ty_free_array(context, light->moments[c], light->cells, bytes);
-        ty_free_array(context, light->source[c], light->cells,
+        ty_free_large(context, light->moments[c], light->cells, bytes);
+        ty_free_large(context, light->source[c], light->cells,
                       (size_t)light->bands * (size_t)light->bands * sizeof(float));
         if (light->face_fluence[c] != NULL)
             ty_free_array(context, light->face_fluence[c], 6 * light->cells, sizeof(float));
         if (light->face_even[c] != NULL) ty_free_array(context, light->face_even[c], 6 * light->cells, sizeof(float));
-        ty_free_array(context, light->wall_moments[c], light->cells, bytes);
+        ty_free_large(context, light->wall_moments[c], light->cells, bytes);
     }
     const size_t sides = light->boundary != NULL ? (size_t)light->boundary->count : 0;
     for (int c = 0; c < 3; ++c) {

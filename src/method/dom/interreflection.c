@@ -2,6 +2,7 @@
  * enters the box; its first return stands for all further ones, which are in proportion. */
 #include "base/constants.h"
 #include "base/context.h"
+#include "base/mapping.h"
 #include "base/sh.k.h"
 #include "method/dom/solve/solve.h"
 #include "method/dom/view/view.h"
@@ -109,12 +110,12 @@ static void end_more(ty_dom* more) {
     const size_t bytes = (size_t)more->output_bands * (size_t)more->output_bands * sizeof(float);
     const size_t sides = more->boundary != NULL ? (size_t)more->boundary->count : 0;
     for (int c = 0; c < 3; ++c) {
-        ty_free_array(more->context, more->moments[c], more->cells, bytes);
+        ty_free_large(more->context, more->moments[c], more->cells, bytes);
         if (more->face_fluence[c] != NULL)
             ty_free_array(more->context, more->face_fluence[c], 6 * more->cells, sizeof(float));
         if (more->face_even[c] != NULL)
             ty_free_array(more->context, more->face_even[c], 6 * more->cells, sizeof(float));
-        ty_free_array(more->context, more->wall_moments[c], more->cells, bytes);
+        ty_free_large(more->context, more->wall_moments[c], more->cells, bytes);
         ty_free_array(more->context, more->wall_irradiance[c], sides, sizeof(float));
         ty_free_array(more->context, more->wall_forward[c], sides, sizeof(float));
     }
@@ -138,13 +139,13 @@ static ty_result solve_more(ty_dom_job* job, ty_dom* more, ty_dom_stats* stats) 
         returned.wall_radiance[c] = dark;
     }
     for (int32_t c = 0; c < ty_dom_channels(more) && result == TY_OK; ++c) {
-        returned.source[c] = ty_alloc_array(job->context, more->cells, terms * sizeof(float), true);
+        returned.source[c] = ty_alloc_large(job->context, more->cells, terms * sizeof(float), true);
         if (returned.source[c] == NULL) result = TY_ERROR_MEMORY;
     }
     if (result == TY_OK) result = ty_dom_find_returned_radiance(&returned, returned.incident_radiance);
     if (result == TY_OK) result = ty_dom_solve_channels(&returned);
     for (int c = 0; c < 3; ++c) {
-        ty_free_array(job->context, returned.source[c], more->cells, terms * sizeof(float));
+        ty_free_large(job->context, returned.source[c], more->cells, terms * sizeof(float));
         ty_free_array(job->context, returned.incident_radiance[c], ty_dom_incident_floats(job), sizeof(float));
     }
     ty_free_array(job->context, dark, sides, sizeof *dark);

@@ -413,7 +413,7 @@ static ty_result decode_slices(void* user, int32_t first, int32_t count, const v
     return result;
 }
 
-static ty_result read_grid(const series* s, const double step[3], ty_grid** out) {
+static ty_result read_grid(const series* s, const double step[3], const ty_grid_plan* plan, ty_grid** out) {
     const ty_grid_def def = place_grid(s, step);
     size_t voxels = 0;
     ty_result result = ty_check_volume_size(
@@ -424,20 +424,21 @@ static ty_result read_grid(const series* s, const double step[3], ty_grid** out)
     frame_decoder decoder = {.s = s, .file = s->file_count};
     decoder.values = ty_alloc_array(s->context, count, sizeof *decoder.values, false);
     if (decoder.values == NULL) return TY_ERROR_MEMORY;
-    const ty_slice_source source = {decode_slices, &decoder};
-    result = ty_grid_create_from_slices(s->context, &def, TY_GRID_AUTO, &source, true, out);
+    const ty_slice_source source = {decode_slices, &decoder, 0, 0};
+    result = ty_grid_create_from_slices(s->context, &def, plan, &source, true, out);
     close_file(&decoder);
     ty_free_array(s->context, decoder.values, count, sizeof *decoder.values);
     return result;
 }
 
-ty_result ty_dicom_read(ty_context* context, const char* path, const char* name, int32_t component, ty_grid** out) {
+ty_result ty_dicom_read(ty_context* context, const char* path, const char* name, int32_t component,
+                        const ty_grid_plan* plan, ty_grid** out) {
     series s;
     double step[3];
     ty_result result = ty_check_component(context, path, NULL, component, 1);
     if (result != TY_OK) return result;
     result = open_series(context, path, name, &s, step);
-    if (result == TY_OK) result = read_grid(&s, step, out);
+    if (result == TY_OK) result = read_grid(&s, step, plan, out);
     close_series(&s);
     return result;
 }

@@ -73,6 +73,7 @@ static ty_result read_variable(const ty_netcdf_file* file, const ty_volume_def* 
                                double* radius, ty_grid** out) {
     ty_netcdf_droplets d = {.sum = 0};
     const bool wanted = wants_droplets(def);
+    const ty_grid_plan plan = ty_volume_plan(def);
     int64_t sides[3];
     size_t voxels = 0;
     for (int a = 0; a < 3; ++a) sides[a] = (int64_t)variable->axes[a].length;
@@ -81,7 +82,7 @@ static ty_result read_variable(const ty_netcdf_file* file, const ty_volume_def* 
         result = ty_check_component(file->context, file->path, variable->name, def->component, times_of(variable));
     if (result == TY_OK) result = ty_netcdf_place(file, variable, def->meters_per_unit);
     if (result == TY_OK && wanted) result = ty_netcdf_open_droplets(file, def, variable, &d);
-    if (result == TY_OK) result = ty_netcdf_make_grid(file, variable, def->component, wanted ? &d : NULL, out);
+    if (result == TY_OK) result = ty_netcdf_make_grid(file, variable, def->component, wanted ? &d : NULL, &plan, out);
     ty_netcdf_release_droplets(file, &d);
     if (result != TY_OK || !wanted) return result;
     *radius = d.sum > 0 ? d.sum_radius / d.sum : 0;

@@ -4,6 +4,8 @@
 #ifndef TY_IO_NETCDF_H
 #define TY_IO_NETCDF_H
 
+#include "grid/grid.h"
+
 #include <tyndall/io.h>
 
 enum { TY_NETCDF_NAME_SIZE = 257, TY_NETCDF_DIMENSIONS_MAX = 8 };
@@ -105,9 +107,9 @@ void ty_netcdf_release_droplets(const ty_netcdf_file* file, ty_netcdf_droplets* 
 double ty_netcdf_extinction(ty_netcdf_droplets* d, double water, const size_t at[3]);
 
 /* The grid of a variable, or of its droplets' extinction; never more than slabs of it are in memory where the file has
- * z in front of x and y. */
+ * z in front of x and y, and of a part no others are read. */
 ty_result ty_netcdf_make_grid(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time,
-                              ty_netcdf_droplets* droplets, ty_grid** out);
+                              ty_netcdf_droplets* droplets, const ty_grid_plan* plan, ty_grid** out);
 
 /* As ty_volume_read_droplets and so on. */
 ty_result ty_netcdf_read(ty_context* context, const char* path, const ty_volume_def* def, double* radius,

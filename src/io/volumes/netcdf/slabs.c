@@ -198,7 +198,7 @@ static ty_grid_def describe(const slabs* s) {
 }
 
 ty_result ty_netcdf_make_grid(const ty_netcdf_file* file, const ty_netcdf_variable* variable, int32_t time,
-                              ty_netcdf_droplets* droplets, ty_grid** out) {
+                              ty_netcdf_droplets* droplets, const ty_grid_plan* plan, ty_grid** out) {
     slabs s = {.file = file, .variable = variable, .d = droplets, .own = {.given = true, .unit = 1}};
     s.own.variable = *variable;
     ty_result result = ty_netcdf_aim(file, variable, time, &s.own);
@@ -208,9 +208,9 @@ ty_result ty_netcdf_make_grid(const ty_netcdf_file* file, const ty_netcdf_variab
     const size_t slices = def.size[2] < TY_GRID_BLOCK ? (size_t)def.size[2] : (size_t)TY_GRID_BLOCK;
     const size_t count = slices * (size_t)def.size[0] * (size_t)def.size[1];
     s.values = ty_alloc_array(file->context, count, sizeof *s.values, false);
-    const ty_slice_source source = {read_slices, &s};
-    result = s.values == NULL ? TY_ERROR_MEMORY
-                              : ty_grid_create_from_slices(file->context, &def, TY_GRID_AUTO, &source, false, out);
+    const ty_slice_source source = {read_slices, &s, 0, 0};
+    result =
+        s.values == NULL ? TY_ERROR_MEMORY : ty_grid_create_from_slices(file->context, &def, plan, &source, false, out);
     ty_netcdf_release_companion(file, &s.own);
     ty_free_array(file->context, s.values, count, sizeof *s.values);
     return result;

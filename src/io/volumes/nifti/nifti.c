@@ -112,14 +112,14 @@ static ty_result find_packed(ty_context* context, const char* path, bool* packed
 
 /* The grid of the volume that has the component. */
 static ty_result read_volume(ty_context* context, const char* path, const ty_nifti* nifti, int32_t component,
-                             ty_grid_storage storage, ty_grid** out) {
+                             const ty_grid_plan* plan, ty_grid** out) {
     const uint64_t first = nifti->data + (nifti->channels == 1 ? (uint64_t)component * volume_bytes(nifti) : 0);
     ty_sample_file file = {.context = context};
     ty_samples samples = {.type = nifti->type,
                           .big_endian = nifti->big_endian,
                           .first = nifti->channels > 1 ? (size_t)component : 0,
                           .step = (size_t)nifti->channels,
-                          .storage = storage,
+                          .plan = *plan,
                           .slope = nifti->slope,
                           .intercept = nifti->intercept};
     ty_grid_def def = ty_default_grid_def();
@@ -138,7 +138,7 @@ static ty_result read_volume(ty_context* context, const char* path, const ty_nif
     return result;
 }
 
-ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, ty_grid_storage storage,
+ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component, const ty_grid_plan* plan,
                         ty_grid** out) {
     ty_nifti nifti;
     ty_result result = read_header(context, path, &nifti);
@@ -146,7 +146,7 @@ ty_result ty_nifti_read(ty_context* context, const char* path, int32_t component
     if (result != TY_OK) return result;
     char* image = nifti.pair ? ty_nifti_image_path(context, path) : ty_copy_text(context, path);
     if (image == NULL) return TY_ERROR_MEMORY;
-    result = read_volume(context, image, &nifti, component, storage, out);
+    result = read_volume(context, image, &nifti, component, plan, out);
     ty_free_text(context, image);
     return result;
 }

@@ -65,7 +65,8 @@ static ty_result add_piece(const assembly* a, const ty_vtk_array* array, int32_t
     *sum += (double)def.size[0] * def.size[1] * def.size[2];
     if (result == TY_OK && *sum > 8.0 * a->def->size[0] * a->def->size[1] * a->def->size[2])
         result = ty_vtk_damaged(a->image, array->name, "has pieces that overlap");
-    if (result == TY_OK) result = ty_vtk_read_values(a->image, array, component, &def, &piece);
+    const ty_grid_plan whole = {.storage = TY_GRID_AUTO};
+    if (result == TY_OK) result = ty_vtk_read_values(a->image, array, component, &whole, &def, &piece);
     if (result == TY_OK) copy_piece(a, piece, def.size, first);
     ty_grid_release(piece);
     return result;

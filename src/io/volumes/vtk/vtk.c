@@ -181,13 +181,14 @@ static ty_result read_text(const ty_vtk_image* image, const ty_vtk_array* array,
 }
 
 static ty_result read_bytes(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component, size_t voxels,
-                            const ty_grid_def* def, ty_grid** out) {
+                            const ty_grid_plan* plan, const ty_grid_def* def, ty_grid** out) {
     const size_t needed = voxels * (size_t)array->components * ty_sample_size(array->type);
     ty_vtk_reader* reader = NULL;
     ty_samples samples = {.type = array->type,
                           .big_endian = image->big_endian,
                           .first = (size_t)component,
-                          .step = (size_t)array->components};
+                          .step = (size_t)array->components,
+                          .plan = *plan};
     ty_result result = ty_vtk_open(image, array, needed, &samples, &reader);
     if (result == TY_OK) result = ty_samples_make_grid(image->context, &samples, def, out);
     if (result == TY_OK) {
@@ -201,14 +202,15 @@ static ty_result read_bytes(const ty_vtk_image* image, const ty_vtk_array* array
     return result;
 }
 
-ty_result ty_vtk_read_values(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component, ty_grid_def* def,
-                             ty_grid** out) {
+ty_result ty_vtk_read_values(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component,
+                             const ty_grid_plan* plan, ty_grid_def* def, ty_grid** out) {
     const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
     return array->form == TY_VTK_TEXT ? read_text(image, array, component, voxels, def, out)
-                                      : read_bytes(image, array, component, voxels, def, out);
+                                      : read_bytes(image, array, component, voxels, plan, def, out);
 }
 
-static ty_result read_array(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component, ty_grid** out) {
+static ty_result read_array(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component,
+                            const ty_grid_plan* plan, ty_grid** out) {
     int64_t sides[3];
     size_t voxels = 0;
     ty_grid_def def = ty_default_grid_def();
@@ -222,7 +224,7 @@ static ty_result read_array(const ty_vtk_image* image, const ty_vtk_array* array
     def.placed = true;
     def.type = ty_sample_grid_type(array->type);
     return image->pieces > 1 ? ty_vtk_read_pieces(image, array, component, &def, out)
-                             : ty_vtk_read_values(image, array, component, &def, out);
+                             : ty_vtk_read_values(image, array, component, plan, &def, out);
 }
 
 /* ---- entry points ---- */
@@ -230,9 +232,10 @@ static ty_result read_array(const ty_vtk_image* image, const ty_vtk_array* array
 ty_result ty_vtk_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
     ty_vtk_image image;
     const ty_vtk_array* array = NULL;
+    const ty_grid_plan plan = ty_volume_plan(def);
     ty_result result = open_image(context, path, &image);
     if (result == TY_OK) result = choose_array(&image, def, &array);
-    if (result == TY_OK) result = read_array(&image, array, def->component, out);
+    if (result == TY_OK) result = read_array(&image, array, def->component, &plan, out);
     close_image(&image);
     return result;
 }

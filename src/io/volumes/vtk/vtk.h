@@ -57,8 +57,8 @@ void ty_vtk_sides(const int64_t extent[6], bool cells, int64_t sides[3]);
 ty_result ty_vtk_read_pieces(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component,
                              const ty_grid_def* def, ty_grid** out);
 /* Reads the values of one array, of def->size voxels. */
-ty_result ty_vtk_read_values(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component, ty_grid_def* def,
-                             ty_grid** out);
+ty_result ty_vtk_read_values(const ty_vtk_image* image, const ty_vtk_array* array, int32_t component,
+                             const ty_grid_plan* plan, ty_grid_def* def, ty_grid** out);
 ty_result ty_vtk_damaged(const ty_vtk_image* image, const char* name, const char* what);
 
 /* Finds the `needed` bytes of an array's values, form TEXT excepted: sets `bytes`, or `read` and `user`, of samples.

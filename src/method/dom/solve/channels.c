@@ -1,5 +1,6 @@
 /* Solves for the moments of collided light, one per channel. */
 #include "base/context.h"
+#include "base/mapping.h"
 #include "method/dom/flux_request.h"
 #include "method/dom/solve/solve.h"
 #include "solve/ordinates/divided/joint_solve.h"
@@ -60,7 +61,7 @@ static ty_result allocate_start(const ty_dom_job* job, int32_t channel, start_pl
     const size_t terms = term_count(light->bands);
     out->floats = NULL;
     if (start == NULL) return TY_OK;
-    out->floats = ty_alloc_array(job->context, light->cells, terms * sizeof(float), true);
+    out->floats = ty_alloc_large(job->context, light->cells, terms * sizeof(float), true);
     if (out->floats == NULL) return TY_ERROR_MEMORY;
     const float* from = start->moments[start->shared ? 0 : channel];
     const float factor = (start->shared ? start->color[channel] : 1) / (light->shared ? light->color[channel] : 1);
@@ -236,7 +237,7 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
     if (solve->result != TY_OK) return;
     solve->result = solve_from(solve, &start);
     if (solve->result == TY_OK) keep_scattered(job, solve->channel);
-    ty_free_array(job->context, start.floats, start.floats != NULL ? light->cells : 0,
+    ty_free_large(job->context, start.floats, start.floats != NULL ? light->cells : 0,
                   term_count(light->bands) * sizeof(float));
 }
 
@@ -290,7 +291,7 @@ static ty_result choose_channels(scattering* all) {
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
         const bool without_source = is_dark(job, c);
         light->moments[c] =
-            ty_alloc_array(job->context, light->cells, term_count(light->output_bands) * sizeof(float), without_source);
+            ty_alloc_large(job->context, light->cells, term_count(light->output_bands) * sizeof(float), without_source);
         if (light->moments[c] == NULL) return TY_ERROR_MEMORY;
         if (without_source) continue;
         if (has_diffusive_cells(job, c)) {

@@ -1,5 +1,6 @@
 /* Directions, fine and coarse cells with their media, and the number of Legendre bands. */
 #include "base/context.h"
+#include "base/mapping.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
 
@@ -297,7 +298,7 @@ static ty_result keep_medium(ty_dom_job* job) {
     light->planes = coarse->planes;
     memcpy(light->legendre, coarse->legendre, sizeof light->legendre);
     for (int32_t p = 0; p < light->planes; ++p) {
-        light->g[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
+        light->g[p] = ty_alloc_large(job->context, light->cells, sizeof(float), false);
         if (light->g[p] == NULL) return TY_ERROR_MEMORY;
         memcpy(light->g[p], coarse->g[p], light->cells * sizeof(float));
     }

@@ -1,5 +1,6 @@
 /* Where first collisions of uncollided light happen within thick cells, from its fluence on fine cells. */
 #include "base/context.h"
+#include "base/mapping.h"
 #include "base/sh.k.h"
 #include "direct/media/coverage.h"
 #include "method/dom/sources/sources.h"
@@ -141,7 +142,7 @@ ty_result ty_dom_find_centers(ty_dom_job* job) {
         centers.channel = c;
         while (first < cells && !is_thick(&centers, first)) ++first;
         if (first == cells) continue;
-        job->centers[c] = ty_alloc_array(job->context, cells, 4 * sizeof(float), true);
+        job->centers[c] = ty_alloc_large(job->context, cells, 4 * sizeof(float), true);
         if (job->centers[c] == NULL) return TY_ERROR_MEMORY;
         for (size_t n = 0; n < 4; ++n) centers.planes[n] = job->centers[c] + cells * n;
         ty_parallel_for(job->context, (int64_t)job->coarse->box.size[1] * job->coarse->box.size[2], center_row,

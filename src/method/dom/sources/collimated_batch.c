@@ -1,5 +1,6 @@
 /* First-collision sources of directional samples without a dedicated field, several at a time. */
 #include "base/context.h"
+#include "base/mapping.h"
 #include "method/dom/sources/sources.h"
 #include "solve/angular/harmonics.h"
 
@@ -9,7 +10,7 @@ enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
 
 ty_result ty_dom_collimated_batch_create(const ty_dom_job* job, ty_dom_collimated_batch* batch) {
     for (int32_t p = 0; p < job->fine->planes; ++p) {
-        batch->scattered[p] = ty_alloc_array(job->context, job->coarse->cells, TY_DOM_BATCH * sizeof(float), false);
+        batch->scattered[p] = ty_alloc_large(job->context, job->coarse->cells, TY_DOM_BATCH * sizeof(float), false);
         if (batch->scattered[p] == NULL) return TY_ERROR_MEMORY;
     }
     return TY_OK;
@@ -17,7 +18,7 @@ ty_result ty_dom_collimated_batch_create(const ty_dom_job* job, ty_dom_collimate
 
 void ty_dom_collimated_batch_destroy(const ty_dom_job* job, ty_dom_collimated_batch* batch) {
     for (int32_t p = 0; p < 3; ++p)
-        ty_free_array(job->context, batch->scattered[p], job->coarse->cells, TY_DOM_BATCH * sizeof(float));
+        ty_free_large(job->context, batch->scattered[p], job->coarse->cells, TY_DOM_BATCH * sizeof(float));
 }
 
 /* ---- samples ---- */

@@ -2,6 +2,7 @@
  * docs/method/dom.md): q_lm = sigma_s (g^l - g^L) phi Y_lm(omega) with delta-M, averaged over fine cells; near a point
  * light with each fine cell's own direction. */
 #include "base/context.h"
+#include "base/mapping.h"
 #include "direct/media/coverage.h"
 #include "method/dom/sources/sources.h"
 #include "scene/scene.h"
@@ -35,14 +36,14 @@ static bool find_uniform_g(const ty_grid_medium* fine, int32_t plane, float* g) 
 
 ty_result ty_dom_scratch_create(const ty_dom_job* job, ty_dom_scratch* scratch) {
     for (int32_t p = 0; p < job->fine->planes; ++p) scratch->uniform[p] = find_uniform_g(job->fine, p, &scratch->g[p]);
-    scratch->scattered = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
-    scratch->means = ty_alloc_array(job->context, job->coarse->cells, TY_DOM_MEANS * sizeof(float), false);
+    scratch->scattered = ty_alloc_large(job->context, job->fine->cells, sizeof(float), false);
+    scratch->means = ty_alloc_large(job->context, job->coarse->cells, TY_DOM_MEANS * sizeof(float), false);
     return scratch->scattered != NULL && scratch->means != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
 void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch) {
-    ty_free_array(job->context, scratch->scattered, job->fine->cells, sizeof(float));
-    ty_free_array(job->context, scratch->means, job->coarse->cells, TY_DOM_MEANS * sizeof(float));
+    ty_free_large(job->context, scratch->scattered, job->fine->cells, sizeof(float));
+    ty_free_large(job->context, scratch->means, job->coarse->cells, TY_DOM_MEANS * sizeof(float));
 }
 
 /* ---- means over coarse cells ---- */

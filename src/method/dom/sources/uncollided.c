@@ -1,6 +1,7 @@
 /* Uncollided light. Lights with one direction or one point have dedicated fields; all others share an aggregate field
  * and are computed sample by sample, as each has its own direction. */
 #include "base/context.h"
+#include "base/mapping.h"
 #include "base/sh.k.h"
 #include "method/dom/sources/sources.h"
 #include "scene/scene.h"
@@ -230,7 +231,7 @@ void ty_dom_uncollided_extinction(const ty_dom_job* job, float* const planes[3])
 static ty_result allocate_extinction(direct_job* direct, int32_t fluence, int32_t order) {
     ty_dom_job* job = direct->job;
     for (int32_t p = 0; p < job->fine->planes; ++p) {
-        direct->extinction[fluence][p] = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
+        direct->extinction[fluence][p] = ty_alloc_large(job->context, job->fine->cells, sizeof(float), false);
         if (direct->extinction[fluence][p] == NULL) return TY_ERROR_MEMORY;
     }
     if (fluence == TY_FLUENCE_ORDER_L)
@@ -245,7 +246,7 @@ static ty_result allocate_memory(direct_job* direct) {
     const ty_dom* light = job->light;
     const size_t terms = (size_t)(light->bands * light->bands);
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-        job->source[c] = ty_alloc_array(job->context, light->cells, terms * sizeof(float), true);
+        job->source[c] = ty_alloc_large(job->context, light->cells, terms * sizeof(float), true);
         if (job->source[c] == NULL) return TY_ERROR_MEMORY;
     }
     for (int32_t p = 0; p < job->fine->planes; ++p)
@@ -263,8 +264,8 @@ static void free_memory(direct_job* direct) {
     ty_dom_scratch_destroy(job, &direct->scratch);
     ty_free_array(job->context, direct->groups, (size_t)job->sources.count, sizeof *direct->groups);
     for (int32_t p = 0; p < job->fine->planes; ++p) {
-        ty_free_array(job->context, direct->extinction[TY_FLUENCE_ORDER_L][p], job->fine->cells, sizeof(float));
-        ty_free_array(job->context, direct->extinction[TY_FLUENCE_NEXT_ORDER][p], job->fine->cells, sizeof(float));
+        ty_free_large(job->context, direct->extinction[TY_FLUENCE_ORDER_L][p], job->fine->cells, sizeof(float));
+        ty_free_large(job->context, direct->extinction[TY_FLUENCE_NEXT_ORDER][p], job->fine->cells, sizeof(float));
     }
     for (int c = 0; c < 3; ++c) {
         ty_free_array(job->context, direct->coarse[c], job->light->cells, sizeof(float));

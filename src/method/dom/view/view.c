@@ -1,5 +1,6 @@
 /* Images: radiance that cells scatter towards an eye. */
 #include "base/context.h"
+#include "base/mapping.h"
 #include "base/sh.k.h"
 #include "image/march/hidden_cells.h"
 #include "method/dom/solution.h"
@@ -67,7 +68,7 @@ static void collided_row(void* user, int64_t row, int32_t worker) {
 static ty_result make_collided(const ty_dom* light, const double eye[3], fields* f) {
     f->collided = (ty_source_field){.box = light->box, .term_count = 1, .shared = light->shared};
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-        f->collided_radiance[c] = ty_alloc_array(light->context, light->cells, sizeof(float), false);
+        f->collided_radiance[c] = ty_alloc_large(light->context, light->cells, sizeof(float), false);
         if (f->collided_radiance[c] == NULL) return TY_ERROR_MEMORY;
         f->collided.terms[c][0] = f->collided_radiance[c];
     }
@@ -200,7 +201,7 @@ static void free_fields(const ty_dom* light, fields* f) {
     ty_free_array(light->context, f->at_face, light->cells, 1);
     ty_free_array(light->context, f->blurred, TY_DOM_ENVIRONMENT_TEXELS, 3 * sizeof(float));
     for (int c = 0; c < 3; ++c) {
-        ty_free_array(light->context, f->collided_radiance[c], light->cells, sizeof(float));
+        ty_free_large(light->context, f->collided_radiance[c], light->cells, sizeof(float));
         ty_free_array(light->context, f->aggregate_radiance[c], f->fine_cells, sizeof(float));
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
             ty_free_array(light->context, f->incident[c][t], light->cells, sizeof(float));

@@ -2,6 +2,7 @@
 
 #include "base/arena.h"
 #include "base/context.h"
+#include "base/mapping.h"
 #include "comm/regroup.h"
 
 #include <string.h>
@@ -148,12 +149,18 @@ static ty_halo array_of(const int32_t size[3], const float* cells) {
         .origin = (void*)(uintptr_t)cells, .item = sizeof(float), .stride = {1, size[0], (ptrdiff_t)size[0] * size[1]}};
 }
 
+/* Planes of the whole may be in files, of which little is to be in memory. */
+static void trim(const joint_solve* s) {
+    if (ty_mappings_are_bounded(s->context)) ty_mappings_trim(s->context);
+}
+
 static bool take_planes(joint_solve* s) {
     const float* whole[PLANES_MAX];
     const int32_t count = list_planes(s->whole, s->gives, whole);
     for (int32_t i = 0; i < count; ++i) {
         const ty_halo from = array_of(s->whole->size, whole[i]), to = array_of(s->def.size, s->planes[i]);
         if (!ty_domain_regroup(s->comm, NULL, &s->domain, &from, &to)) return false;
+        trim(s);
     }
     const float* const* next = (const float* const*)s->planes;
     s->def.extinction = next[0];
@@ -229,6 +236,7 @@ static bool give_moments(const joint_solve* s, float* const* moments) {
         const ty_halo from = array_of(s->def.size, s->moments[t]),
                       to = array_of(s->whole->size, s->gives ? moments[t] : NULL);
         if (!ty_domain_regroup(s->comm, &s->domain, NULL, &from, &to)) return false;
+        trim(s);
     }
     /* No cell of a divided solve is diffusive. */
     const size_t cells = (size_t)s->whole->size[0] * (size_t)s->whole->size[1] * (size_t)s->whole->size[2];
