@@ -337,7 +337,7 @@ ty_result ty_dom_solve_boundary_light(ty_dom_job* job, int32_t channel, const ty
                                .zeros = ty_alloc_array(job->context, cells, sizeof(float), true)};
     light->wall_moments[channel] = ty_alloc_array(job->context, cells, terms * sizeof(float), true);
     const size_t sides = job->boundary != NULL ? (size_t)job->boundary->count : 0;
-    const bool tells_forward = light->has_lobes && sides > 0 && light->wall_forward[channel] != NULL;
+    const bool tells_forward = job->is_narrow && sides > 0 && light->wall_forward[channel] != NULL;
     ty_result result = TY_ERROR_MEMORY;
     if (tells_forward) planes.irradiance = ty_alloc_array(job->context, sides, sizeof(float), true);
     if (planes.extinction != NULL && planes.zeros != NULL && light->wall_moments[channel] != NULL &&
