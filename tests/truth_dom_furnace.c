@@ -11,10 +11,10 @@ enum { ACROSS = 32, CUT = 6 };
 
 /* A cube of fog of half side `half` that absorbs nothing, and white walls in the faces of [-1, 1]^3 but for the one
  * towards +z. */
-static ty_scene* white_box(ty_context* context, double half, double sigma, const ty_light_def* light) {
+static ty_scene* white_box(ty_context* context, double half, double sigma, double g, const ty_light_def* light) {
     static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     ty_scene* scene = new_scene(context);
-    const ty_medium_def fog = medium_cube(half, sigma, 0, 0);
+    const ty_medium_def fog = medium_cube(half, sigma, 0, g);
     ty_camera_def camera = ty_default_camera_def();
     for (int face = 0; face < 5; ++face) {
         const int a = face / 2;
@@ -76,13 +76,13 @@ static spread picture_off(const ty_scene* scene, const ty_dom* light, ty_dom_def
 
 /* Error of the box, which should be nowhere to be seen. Numbers below 0 are not looked at. */
 typedef struct box_case {
-    double half, sigma; /* m; 1/m */
+    double half, sigma, g; /* m; 1/m; mean cosine */
     double emitted, fluence, picture;
 } box_case;
 
 static bool is_unseen(ty_context* context, const box_case* c) {
     const ty_light_def sky = light_of(TY_LIGHT_ENVIRONMENT, 1);
-    ty_scene* scene = white_box(context, c->half, c->sigma, &sky);
+    ty_scene* scene = white_box(context, c->half, c->sigma, c->g, &sky);
     const ty_dom_def def = ty_default_dom_def();
     ty_dom* light = NULL;
     ty_dom_stats stats = ty_default_dom_stats();
@@ -90,8 +90,8 @@ static bool is_unseen(ty_context* context, const box_case* c) {
     assert_true(stats.converged);
     const double emitted = stats.emitted[1] / (4 * pi) - 1;
     const spread fluence = fluence_off(context, light), picture = picture_off(scene, light, def);
-    printf("white box, %g/m in %g m: emitted %+.4f; fluence %+.4f, rms %.4f; picture %+.4f, rms %.4f\n", c->sigma,
-           2 * c->half, emitted, fluence.mean, fluence.rms, picture.mean, picture.rms);
+    printf("white box, %g/m in %g m, g %g: emitted %+.4f; fluence %+.4f, rms %.4f; picture %+.4f, rms %.4f\n", c->sigma,
+           2 * c->half, c->g, emitted, fluence.mean, fluence.rms, picture.mean, picture.rms);
     ty_dom_destroy(light);
     ty_scene_destroy(scene);
     return (c->emitted < 0 || fabs(emitted) <= c->emitted) && (c->fluence < 0 || fabs(fluence.mean) <= c->fluence) &&
@@ -100,11 +100,13 @@ static bool is_unseen(ty_context* context, const box_case* c) {
 
 /* Of all that is emitted 1.3 % and more is what 64 beams make of the sky's irradiance. At 20/m cells of ordinates are
  * 1.7 mean free paths thick, and light that has entered is on the mean nearer to the opening than their middles. Fog
- * beyond the walls is lit as well, and adds to what is emitted. */
+ * beyond the walls is lit as well, and adds to what is emitted. With g = 0.9 the picture lacked 3 % while walls did not
+ * show the light that had scattered nearly straight on between them. */
 static void a_white_box_is_unseen(void** state) {
     static const box_case cases[] = {
-        {1, 0.5, 0.03, 0.05, 0.03}, {1, 2, 0.03, 0.05, 0.03},    {1, 20, 0.03, -1, 0.1},
-        {1.01, 2, -1, 0.05, 0.05},  {1.03, 0.5, -1, 0.05, 0.05}, {1.03, 8, -1, -1, 0.05},
+        {1, 0.5, 0, 0.03, 0.05, 0.03},    {1, 2, 0, 0.03, 0.05, 0.03},    {1, 20, 0, 0.03, -1, 0.1},
+        {1.01, 2, 0, -1, 0.05, 0.05},     {1.03, 0.5, 0, -1, 0.05, 0.05}, {1.03, 8, 0, -1, -1, 0.05},
+        {1, 0.5, 0.9, 0.03, 0.05, 0.025},
     };
     bool unseen = true;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) unseen = is_unseen(*state, &cases[i]) && unseen;
@@ -115,7 +117,7 @@ static void a_white_box_is_unseen(void** state) {
 static bool keeps_the_sun(ty_context* context, double x, double y, double sigma) {
     ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 1);
     set3(sun.direction, x, y, -1);
-    ty_scene* scene = white_box(context, 1, sigma, &sun);
+    ty_scene* scene = white_box(context, 1, sigma, 0, &sun);
     const ty_dom_def def = ty_default_dom_def();
     ty_dom* light = NULL;
     ty_dom_stats stats = ty_default_dom_stats();

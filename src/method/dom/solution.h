@@ -112,4 +112,9 @@ static inline float* ty_dom_plane(const ty_dom* light, float* planes, int32_t lm
 /* The unit vector from a cell's center to the eye. */
 void ty_dom_direction_to_eye(const ty_dom* light, const int32_t cell[3], const double eye[3], double omega[3]);
 
+/* Irradiance on the surface of a side: that of the face, or where the surface slants, by harmonics along its normal
+ * times those of the clamped cosine, from the first `bands` orders of its cell's moments. */
+float ty_dom_side_irradiance(const ty_dom* light, const ty_boundary_side* side, float of_face, const float* moments,
+                             int32_t bands, size_t cell);
+
 #endif

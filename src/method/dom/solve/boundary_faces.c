@@ -15,6 +15,9 @@
  * g^l falls to min_power, at most the number that the directions resolve, and at least three for the irradiance of
  * slanted surfaces. */
 static const double min_power = 0.02;
+/* Of the light between surfaces that scatters nearly straight on: bands for slanted ones, and the tolerance. */
+enum { FORWARD_BANDS = 3 };
+static const double forward_tolerance = 0.01;
 enum { MIN_OUTPUT_BANDS = 3, MAX_OUTPUT_BANDS = 6 };
 
 static int32_t bands_for_boundary(const ty_dom_job* job, double g) {
@@ -188,11 +191,12 @@ static ty_ordinates_faces ordinates_walls_of(const ty_dom_job* job, int32_t chan
                                 .emission = emission};
 }
 
-/* Planes of the problem without scattering. */
+/* Planes of a problem without scattering, and the irradiance of its sides. */
 typedef struct absorbing_planes {
-    float *extinction, *zeros;
+    float *extinction, *zeros, *irradiance, *radiance;
     const float* source[1];
     float* moments[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
+    float* unscattered; /* moments without light that scattered nearly straight on */
 } absorbing_planes;
 
 /* Adds the first-collision source of light from surfaces to q_lm: sigma_s (g^l - g^L) phi_lm. Returns its power, W. */
@@ -215,7 +219,24 @@ static double add_first_collisions(ty_dom_job* job, int32_t channel, float* cons
     return sum * TY_SQRT_4PI_F64 * job->coarse->cell[0] * job->coarse->cell[1] * job->coarse->cell[2];
 }
 
-static ty_result solve_without_scattering(ty_dom_job* job, int32_t channel, ty_ordinates_def* def,
+/* Carries light from side to side through planes->extinction. emission: radiance of the sides besides reflection. */
+static ty_result carry_light(ty_dom_job* job, int32_t channel, const ty_ordinates_def* scattering,
+                             absorbing_planes* planes, const float* emission, ty_ordinates_stats* stats) {
+    ty_ordinates_def def = *scattering;
+    planes->source[0] = planes->zeros;
+    def.extinction = planes->extinction;
+    def.scattering = def.g = planes->zeros;
+    def.source = planes->source;
+    def.source_terms = 1;
+    def.start = NULL;
+    def.walls = ordinates_walls_of(job, channel, emission);
+    def.walls.irradiance = planes->irradiance;
+    def.boundary_radiance = ty_dom_boundary_radiance(job, job->incident_radiance[channel]);
+    if (def.boundary_radiance.across[0] != NULL) def.final_set = NULL;
+    return ty_ordinates_solve_jointly(job->context, &def, planes->moments, stats);
+}
+
+static ty_result solve_without_scattering(ty_dom_job* job, int32_t channel, const ty_ordinates_def* def,
                                           absorbing_planes* planes, ty_dom_boundary_power* power) {
     ty_dom* light = job->light;
     const int32_t plane = light->planes == 3 ? channel : 0;
@@ -228,18 +249,9 @@ static ty_result solve_without_scattering(ty_dom_job* job, int32_t channel, ty_o
             moments_given ? ty_grid_medium_forward(job->coarse, light->bands) : powf(g[i], (float)light->bands);
         planes->extinction[i] = sigma[i] - forward * scattering[i];
     }
-    planes->source[0] = planes->zeros;
     for (int32_t t = 0; t < light->output_bands * light->output_bands; ++t)
         planes->moments[t] = light->wall_moments[channel] + light->cells * (size_t)t;
-    def->extinction = planes->extinction;
-    def->scattering = def->g = planes->zeros;
-    def->source = planes->source;
-    def->source_terms = 1;
-    def->start = NULL;
-    def->walls = ordinates_walls_of(job, channel, job->wall_radiance[channel]);
-    def->boundary_radiance = ty_dom_boundary_radiance(job, job->incident_radiance[channel]);
-    if (def->boundary_radiance.across[0] != NULL) def->final_set = NULL;
-    const ty_result result = ty_ordinates_solve_jointly(job->context, def, planes->moments, &stats);
+    const ty_result result = carry_light(job, channel, def, planes, job->wall_radiance[channel], &stats);
     if (result != TY_OK) return result;
     const double scattered = add_first_collisions(job, channel, planes->moments);
     *power = (ty_dom_boundary_power){.emitted = stats.walls_emitted + stats.entering - scattered,
@@ -252,6 +264,69 @@ static ty_result solve_without_scattering(ty_dom_job* job, int32_t channel, ty_o
     return TY_OK;
 }
 
+/* Adds sign times the irradiance that the light of `planes` makes to wall_forward. */
+static void add_to_forward(const ty_dom_job* job, const absorbing_planes* planes, float sign, float* forward) {
+    const ty_boundary_faces* faces = job->boundary;
+    for (int64_t row = 0; row < (int64_t)faces->size[1] * faces->size[2]; ++row)
+        for (int32_t i = faces->first[row]; i < faces->first[row + 1]; ++i) {
+            const size_t cell = (size_t)row * (size_t)faces->size[0] + (size_t)faces->x[i];
+            forward[i] += sign * ty_dom_side_irradiance(job->light, &faces->sides[i], planes->irradiance[i],
+                                                        planes->moments[0], FORWARD_BANDS, cell);
+        }
+}
+
+/* The light of surfaces without what scattered nearly straight on, in place of that of `planes`. */
+static ty_result solve_unscattered(ty_dom_job* job, int32_t channel, const ty_ordinates_def* def,
+                                   absorbing_planes* planes, ty_dom_boundary_power* power) {
+    const ty_dom* light = job->light;
+    ty_ordinates_def loose = *def;
+    ty_ordinates_stats stats;
+    loose.tolerance = fmax(def->tolerance, forward_tolerance);
+    loose.bands = 1;
+    loose.output_order = FORWARD_BANDS;
+    for (int32_t i = 0; i < job->boundary->count; ++i) {
+        const ty_boundary_side* side = &job->boundary->sides[i];
+        const float reflected = side->albedo[channel] * (1 / TY_PI) * light->wall_forward[channel][i];
+        float effective, emission_factor;
+        ty_staircase_albedo(side, side->albedo[channel], &effective, &emission_factor);
+        planes->radiance[i] = ty_maxf(0, job->wall_radiance[channel][i] - emission_factor * reflected);
+    }
+    memcpy(planes->extinction, job->coarse->extinction[light->planes == 3 ? channel : 0], light->cells * sizeof(float));
+    for (size_t t = 0; t < FORWARD_BANDS * FORWARD_BANDS; ++t)
+        planes->moments[t] = planes->unscattered + light->cells * t;
+    const ty_result result = carry_light(job, channel, &loose, planes, planes->radiance, &stats);
+    if (result != TY_OK) return result;
+    power->sweeps += stats.sweeps;
+    power->sweep_seconds += stats.sweep_seconds;
+    return TY_OK;
+}
+
+/* Adds to wall_forward what reaches sides from other sides and has scattered nearly straight on: the light through
+ * sigma*, less that through sigma_t, which is all that the paths' picture of surfaces has. */
+static ty_result find_forward(ty_dom_job* job, int32_t channel, const ty_ordinates_def* def, absorbing_planes* planes,
+                              ty_dom_boundary_power* power) {
+    ty_context* context = job->context;
+    const size_t sides = (size_t)job->boundary->count, cells = job->light->cells;
+    const size_t bytes = sizeof(float) * FORWARD_BANDS * FORWARD_BANDS;
+    float* forward = ty_alloc_array(context, sides, sizeof(float), true);
+    planes->unscattered = ty_alloc_array(context, cells, bytes, true);
+    planes->radiance = ty_alloc_array(context, sides, sizeof(float), false);
+    ty_result result =
+        planes->unscattered != NULL && planes->radiance != NULL && forward != NULL ? TY_OK : TY_ERROR_MEMORY;
+    if (result == TY_OK) {
+        add_to_forward(job, planes, 1, forward);
+        result = solve_unscattered(job, channel, def, planes, power);
+    }
+    if (result == TY_OK) {
+        add_to_forward(job, planes, -1, forward);
+        for (size_t i = 0; i < sides; ++i) job->light->wall_forward[channel][i] += ty_maxf(0, forward[i]);
+    }
+    ty_free_array(context, forward, sides, sizeof(float));
+    ty_free_array(context, planes->unscattered, cells, bytes);
+    ty_free_array(context, planes->radiance, sides, sizeof(float));
+    return result;
+}
+
 ty_result ty_dom_solve_boundary_light(ty_dom_job* job, int32_t channel, const ty_ordinates_def* def,
                                       ty_dom_boundary_power* power) {
     ty_dom* light = job->light;
@@ -261,10 +336,15 @@ ty_result ty_dom_solve_boundary_light(ty_dom_job* job, int32_t channel, const ty
     absorbing_planes planes = {.extinction = ty_alloc_array(job->context, cells, sizeof(float), false),
                                .zeros = ty_alloc_array(job->context, cells, sizeof(float), true)};
     light->wall_moments[channel] = ty_alloc_array(job->context, cells, terms * sizeof(float), true);
-    ty_ordinates_def unscattered = *def;
+    const size_t sides = job->boundary != NULL ? (size_t)job->boundary->count : 0;
+    const bool tells_forward = job->is_narrow && sides > 0 && light->wall_forward[channel] != NULL;
     ty_result result = TY_ERROR_MEMORY;
-    if (planes.extinction != NULL && planes.zeros != NULL && light->wall_moments[channel] != NULL)
-        result = solve_without_scattering(job, channel, &unscattered, &planes, power);
+    if (tells_forward) planes.irradiance = ty_alloc_array(job->context, sides, sizeof(float), true);
+    if (planes.extinction != NULL && planes.zeros != NULL && light->wall_moments[channel] != NULL &&
+        (!tells_forward || planes.irradiance != NULL))
+        result = solve_without_scattering(job, channel, def, &planes, power);
+    if (result == TY_OK && tells_forward) result = find_forward(job, channel, def, &planes, power);
+    ty_free_array(job->context, planes.irradiance, sides, sizeof(float));
     ty_free_array(job->context, planes.extinction, cells, sizeof(float));
     ty_free_array(job->context, planes.zeros, cells, sizeof(float));
     return result;
