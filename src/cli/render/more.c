@@ -31,7 +31,7 @@ static int choose_method(more* m, const ty_scene* scene) {
     m->method = cli_find_method("render", m->options.method != NULL ? m->options.method : settings.method);
     if (m->method == NULL) return CLI_USAGE;
     if (m->method == &cli_method_auto)
-        return cli_usage_error("render", "--more: which method? Method auto may choose another for each image");
+        return cli_fail(CLI_USAGE, "--more: which method? Method auto may choose another for each image");
     m->options.method = m->method->name;
     return CLI_GO;
 }

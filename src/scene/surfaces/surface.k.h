@@ -231,9 +231,10 @@ TY_FN void ty_surface_evaluate_color(TY_GLOBAL const ty_surface* surface, const 
     const bool emits = front || surface->two_sided != 0;
     if (surface->indices == NULL) {
         out->light = surface->first_light >= 0 && emits ? surface->first_light + hit->primitive_id : -1;
-        const float falloff = surface->cone.exists != 0 ? ty_cone_falloff(surface->cone.cos_outer, surface->cone.cos_inner,
-                                                                          -ty_dot(surface->cone.axis, direction))
-                                                        : 1.0f;
+        const float falloff = surface->cone.exists != 0
+                                  ? ty_cone_falloff(surface->cone.cos_outer, surface->cone.cos_inner,
+                                                    -ty_dot(surface->cone.axis, direction))
+                                  : 1.0f;
         for (int c = 0; c < 3 && out->light >= 0; ++c) out->emission[c] = surface->emission[c] * falloff;
         if (surface->faces == NULL || !ty_texture_exists(&surface->albedo_texture)) return;
         ty_surface_hit_texture(surface, &surface->albedo_texture, 0, surface->albedo_map, hit, rgba);
