@@ -98,13 +98,12 @@ def lamps(folder, tyndall):
 
 
 def soft(folder, tyndall):
-    """A point light and a spot of some radius, which throw soft shadows, in thin mist."""
+    """A point light and a spot of some radius, above the view, which throw soft shadows."""
     start((0, -7, 4.5), (0, 0, 0.4))
     shape("plane", "Floor", diffuse("Grey", 0.6, 0.6, 0.6), scale=(8, 8, 1))
     shape("cube", "Block", diffuse("Red", 0.7, 0.2, 0.1), (0.8, 0.4, 0.5), (0, 0, 0.5), (0.5, 0.5, 0.5))
     shape("cube", "Post", diffuse("Blue", 0.2, 0.3, 0.7), (-1, 0.5, 0.6), scale=(0.15, 0.15, 0.6))
-    shape("cube", "Mist", material("Mist", "ShaderNodeVolumeScatter", "Volume", Density=0.05), (0, 0, 1.5), scale=(3, 3, 1.45))
-    light("POINT", "Bulb", 250, (-2.2, -0.5, 2.6), color=(1, 0.8, 0.5), shadow_soft_size=0.3)
+    light("POINT", "Bulb", 250, (-2.2, -0.5, 3.6), color=(1, 0.8, 0.5), shadow_soft_size=0.3)
     light("SPOT", "Spot", 400, (2, -2, 4.2), (0.35, 0.25, 0), spot_size=0.6, spot_blend=0.4, shadow_soft_size=0.35)
 
 

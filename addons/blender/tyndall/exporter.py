@@ -28,13 +28,17 @@ class Export:
         self.materials = materials.Materials(self.writer, self.report)
         self.files = 0
 
+    def _setting(self, name, default):
+        """One of the panel, where the add-on is registered."""
+        return getattr(getattr(self.scene, "tyndall", None), name, default)
+
     # ---- objects ----
 
     def _visit(self, instance):
         target = instance.object
         if target.type == "LIGHT":
             self.points.append(tuple(instance.matrix_world.translation))
-            self.lights += lights_of(instance, self.report)
+            self.lights += lights_of(instance, self.report, self._setting("soft_lamps", True))
         elif target.type == "VOLUME":
             self._extend(target, instance.matrix_world)
             self.media += volumes.media_of_volume(target, instance.matrix_world, self.program, self.report)
@@ -137,7 +141,7 @@ class Export:
         self.report.approximate(name, f"a medium without end: a box whose faces are {margin:.4g} m from the scene")
         if self.scene.camera is not None and self.scene.camera.data.type == "ORTHO":
             self.report.lose(name, "parallel rays within it: the camera sees it from too far away")
-        if getattr(getattr(self.scene, "tyndall", None), "distant_light", False):
+        if self._setting("distant_light", False):
             self.report.approximate(name, "light of the sun and the world comes in through that box, which it does not in Cycles")
             return
         arriving = world.arriving(self.lights, air)

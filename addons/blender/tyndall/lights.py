@@ -14,8 +14,8 @@ from .report import owner
 SPOT_HAS_COSINE = bpy.app.version < (3, 5, 0)
 
 
-def lights_of(instance, report):
-    """Entries of "lights" for an instance of a light of a depsgraph."""
+def lights_of(instance, report, soft=True):
+    """Entries of "lights" for an instance of a light of a depsgraph. soft: with the radius of point lights and spots."""
     light, matrix = instance.object.data, instance.matrix_world.copy()
     name = owner("light", light)
     colour, strength = _emission_of(light, report, name)
@@ -31,7 +31,7 @@ def lights_of(instance, report):
     out = {"type": "point", "position": list(matrix.translation), "intensity": [p / (4 * math.pi) for p in power]}
     if light.type == "SPOT":
         _spot(out, light, matrix, report, name)
-    _soften(out, light, report, name)
+    _soften(out, light, report, name, soft)
     return [out]
 
 
@@ -53,11 +53,14 @@ def _emission_of(light, report, name):
     return colour, strength * 2 ** exposure
 
 
-def _soften(out, light, report, name):
+def _soften(out, light, report, name, soft):
     """The radius of a point light or spot: Cycles' is a disc that faces each point, or a ball from Blender 4.0 on without
     soft falloff."""
     radius = light.shadow_soft_size
     if radius <= 0:
+        return
+    if not soft:
+        report.approximate(name, f"its radius of {radius:.3g} m: the light is a point")
         return
     out["radius"] = radius
     report.approximate(name, f"its radius of {radius:.3g} m: a ball that is seen by the camera, and casts shadows")
