@@ -226,7 +226,7 @@ def starts_frames_from_the_light_of_the_one_before(scene):
         render_to("cold.exr")
     finally:
         engine.TyndallEngine._show = show
-    sweeps = [sum(s["sweeps"]) for s in stats]
+    sweeps = [sum(s["dom"]["sweeps"]) for s in stats]
     assert len({s["process"] for s in stats[:3]}) == 1 and stats[3]["process"] != stats[0]["process"], stats
     assert sweeps[2] < sweeps[3] and sweeps[1] < sweeps[0], sweeps
     # Both are within dom's tolerance of the solution.

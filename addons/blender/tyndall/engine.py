@@ -80,6 +80,7 @@ class TyndallEngine(bpy.types.RenderEngine):
                                            poses=instant.poses, program=program, instants=instant.count)
                 if len(report) and instant.number == 0:
                     self.report({"INFO"}, f"Tyndall: {report.summary()}")
+                if instant.number == 0:
                     later(lambda kept=report: show_in_text_block(bpy.data, kept))
                 going = self._run(depsgraph, program, path, folder, instant, mean)
 
