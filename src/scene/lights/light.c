@@ -130,8 +130,8 @@ bool ty_light_triangle_view(const ty_surface* surface, int32_t triangle, ty_ligh
 }
 
 bool ty_light_is_surface(const ty_light_def* def) {
-    const bool lamp = def->kind == TY_LIGHT_POINT || def->kind == TY_LIGHT_SPOT;
-    return def->kind == TY_LIGHT_AREA || (lamp && def->radius > 0);
+    const bool local_light = def->kind == TY_LIGHT_POINT || def->kind == TY_LIGHT_SPOT;
+    return def->kind == TY_LIGHT_AREA || (local_light && def->radius > 0);
 }
 
 ty_shape_def ty_light_shape(const ty_light_def* def) {
