@@ -226,7 +226,8 @@ static void reduced_extinction(void** state) {
     ty_grid_release(grid);
 }
 
-/* Beams of an environment carry 4 pi radiance, points of surfaces pi radiance area. */
+/* Beams of an environment carry 4 pi radiance, points of surfaces pi radiance area, and those of a spot with a radius
+ * its intensity, from a disc that it does not hide. */
 static void sources_carry_all_the_light(void** state) {
     ty_scene* scene = make_scene(*state);
     ty_light_def sky = ty_default_light_def(), area = sky;
@@ -241,7 +242,12 @@ static void sources_carry_all_the_light(void** state) {
     set3(ball.origin, 5, 0, 0);
     set3f(ball.emission, 1, 1, 1);
     check_result(*state, ty_scene_add_light(scene, &sky));
+    ty_light_def spot = sky;
+    spot.kind = TY_LIGHT_SPOT;
+    spot.radius = 0.2;
+    set3(spot.position, 0, 5, 0);
     check_result(*state, ty_scene_add_light(scene, &area));
+    check_result(*state, ty_scene_add_light(scene, &spot));
     check_result(*state, ty_scene_add_shape(scene, &ball));
     check_result(*state, ty_scene_commit(scene));
     ty_discretize_def def = ty_default_discretize_def();
@@ -252,12 +258,14 @@ static void sources_carry_all_the_light(void** state) {
     for (int32_t i = 0; i < sources.count; ++i) {
         sums[sources.items[i].kind] += (double)sources.items[i].color[2];
         ++kinds[sources.items[i].kind];
+        if (sources.items[i].profile == TY_PROFILE_SPOT)
+            assert_true(sources.items[i].position.y < 4.8f && fabsf(sources.items[i].position.x) <= 0.2f);
         assert_close(ty_dot(sources.items[i].direction, sources.items[i].direction), 1, 1e-5);
     }
     assert_int_equal(kinds[TY_DISCRETE_DIRECTIONAL], def.environment);
-    assert_int_equal(kinds[TY_DISCRETE_POINT], 2 * def.surface);
+    assert_int_equal(kinds[TY_DISCRETE_POINT], 3 * def.surface);
     assert_close(sums[TY_DISCRETE_DIRECTIONAL], 2 * 12.566370614359172, 1e-3);
-    assert_close(sums[TY_DISCRETE_POINT], 6 + 3.14159265358979, 1e-3);
+    assert_close(sums[TY_DISCRETE_POINT], 6 + 3.14159265358979 + 2, 1e-3);
     ty_discrete_light_set_destroy(*state, &sources);
     ty_scene_destroy(scene);
 }

@@ -161,7 +161,8 @@ static void wrong_lights_are_refused(void** state) {
         LIGHT(direction[1], FIELD_DOUBLE, 0, "light.direction"),
         LIGHT(direction[0], FIELD_DOUBLE, INFINITY, "light.direction"),
     };
-    static const bad_field point[] = {LIGHT(position[2], FIELD_DOUBLE, NAN, "light.position[2]")};
+    static const bad_field point[] = {LIGHT(position[2], FIELD_DOUBLE, NAN, "light.position[2]"),
+                                      LIGHT(radius, FIELD_DOUBLE, -1, "light.radius: -1 is outside [0,")};
     static const bad_field spot[] = {
         LIGHT(position[0], FIELD_DOUBLE, INFINITY, "light.position[0]"),
         LIGHT(direction[1], FIELD_DOUBLE, 0, "light.direction"),

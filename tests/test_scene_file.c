@@ -234,7 +234,7 @@ static void lights_are_read(void** state) {
         context,
         "{\"tyndall\":1,\"lights\":["
         "{\"type\":\"directional\",\"direction\":[0,-2,0],\"irradiance\":[1,2,3]},"
-        "{\"type\":\"point\",\"position\":[1,2,3],\"intensity\":4},"
+        "{\"type\":\"point\",\"position\":[1,2,3],\"intensity\":4,\"radius\":0.5},"
         "{\"type\":\"spot\",\"position\":[1,2,3],\"direction\":[1,0,0],\"intensity\":5,\"cone\":60,\"penumbra\":0.5},"
         "{\"type\":\"area\",\"origin\":[1,2,3],\"u\":[1,0,0],\"v\":[0,2,0],\"radiance\":6},"
         "{\"type\":\"environment\",\"radiance\":7,\"scale\":2},"
@@ -252,6 +252,8 @@ static void lights_are_read(void** state) {
     expect_rgb(lights[0].color, 1, 2, 3);
     expect_vector(lights[1].position, 1, 2, 3);
     expect_rgb(lights[1].color, 4, 4, 4);
+    assert_float_equal(lights[1].radius, 0.5, 0);
+    assert_float_equal(lights[2].radius, 0, 0);
     assert_float_equal(lights[2].cone, 60, 0);
     assert_float_equal(lights[2].penumbra, 0.5, 0);
     expect_vector(lights[3].position, 1, 2, 3);

@@ -74,6 +74,58 @@ static void spot_lights_are_right(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* Irradiance of the board at (x, 0, z) from a sphere of unit radiance that shines in the cone of a spot, by quadrature
+ * over the directions to it. */
+static double sphere_irradiance(const ty_light_def* light, double x, double z) {
+    enum { RINGS = 200, SECTORS = 200 };
+    double to[3] = {light->position[0] - x, light->position[1], light->position[2] - z}, sum = 0;
+    const double distance = sqrt(dot3(to, to)), cap = 1 - sqrt(1 - pow(light->radius / distance, 2));
+    const double half = light->cone * pi / 360, outer = cos(half), inner = cos(half * (1 - light->penumbra));
+    double beside[3], other[3];
+    normalize3(to);
+    cross3(to, fabs(to[0]) < 0.5 ? (double[]){1, 0, 0} : (double[]){0, 0, 1}, beside);
+    normalize3(beside);
+    cross3(to, beside, other);
+    for (int i = 0; i < RINGS; ++i)
+        for (int j = 0; j < SECTORS; ++j) {
+            const double mu = 1 - cap * (i + 0.5) / RINGS, side = sqrt(1 - mu * mu), turn = 2 * pi * j / SECTORS;
+            double wi[3];
+            for (int a = 0; a < 3; ++a) wi[a] = mu * to[a] + side * (cos(turn) * beside[a] + sin(turn) * other[a]);
+            const double s = fmin(fmax((-dot3(wi, light->direction) - outer) / (inner - outer), 0), 1);
+            sum += s * s * (3 - 2 * s) * wi[1];
+        }
+    return 2 * pi * cap * sum / (RINGS * SECTORS);
+}
+
+/* A sphere that is wholly above the board lights it as a point in its middle would; that of a spot has its cone. */
+static void lamps_with_a_radius_are_right(void** state) {
+    ty_scene* scene = board_scene(*state);
+    ty_light_def light = light_of(TY_LIGHT_POINT, 5);
+    set3(light.position, 1, 2, 0);
+    light.radius = 0.6;
+    add_light(scene, &light);
+    commit(scene);
+    assert_int_equal(ty_scene_get_info(scene).lights, 1);
+    check("ball", scene, 0.3, 0.4, 5 * 2 / pow(0.49 + 4 + 0.16, 1.5));
+    ty_scene_destroy(scene);
+    scene = board_scene(*state);
+    light = light_of(TY_LIGHT_SPOT, 5);
+    set3(light.position, 0.3, 2, 0.4);
+    set3(light.direction, 0, -1, 0);
+    light.radius = 0.25;
+    light.cone = 40;
+    light.penumbra = 0.5;
+    add_light(scene, &light);
+    commit(scene);
+    const double per_radiance = 5 / (pi * 0.25 * 0.25);
+    for (int i = 0; i < 4; ++i)
+        check("ball of a spot", scene, 0.3 + 0.3 * i, 0.4,
+              per_radiance * sphere_irradiance(&light, 0.3 + 0.3 * i, 0.4));
+    const estimate outside = irradiance_at(scene, 0.3, 0.4 - 2 * tan(pi / 5));
+    assert_true(outside.mean == 0);
+    ty_scene_destroy(scene);
+}
+
 /* Lambert's rule for the irradiance from a polygon of unit radiance: half the sum over its edges of the angle an edge
  * is seen under times the cosine between the board's normal and that of the plane through the edge and (x, 0, z). */
 static double polygon_irradiance(const double corner[3], const double u[3], const double v[3], double x, double z) {
@@ -265,11 +317,17 @@ static void lights_are_right_through_fog(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(directional_light_is_right),   cmocka_unit_test(point_lights_are_right),
-        cmocka_unit_test(spot_lights_are_right),        cmocka_unit_test(area_lights_are_right),
-        cmocka_unit_test(emissive_panels_are_right),    cmocka_unit_test(emissive_balls_are_right),
-        cmocka_unit_test(emissive_boxes_are_right),     cmocka_unit_test(constant_environments_are_right),
-        cmocka_unit_test(a_bright_texel_is_sampled),    cmocka_unit_test(many_lights_add_up),
+        cmocka_unit_test(directional_light_is_right),
+        cmocka_unit_test(point_lights_are_right),
+        cmocka_unit_test(spot_lights_are_right),
+        cmocka_unit_test(lamps_with_a_radius_are_right),
+        cmocka_unit_test(area_lights_are_right),
+        cmocka_unit_test(emissive_panels_are_right),
+        cmocka_unit_test(emissive_balls_are_right),
+        cmocka_unit_test(emissive_boxes_are_right),
+        cmocka_unit_test(constant_environments_are_right),
+        cmocka_unit_test(a_bright_texel_is_sampled),
+        cmocka_unit_test(many_lights_add_up),
         cmocka_unit_test(lights_are_right_through_fog),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);

@@ -7,7 +7,8 @@
     has the unscattered light of one lamp or sun, fogLight: a point, m (w = 1), or the direction of the sun's light (w = 0). It is
     scattered by the phase function of Henyey and Greenstein. fogDirections has blocks of slices, fogBlocks of them: of all other
     light the axis of the lobe in which the part w is scattered (w is its length) with the lobe's mean cosine x, and then terms of
-    spherical harmonics. FOG_BANDS is 5, or 3 to read three of the seven blocks, or 1 for the lobe alone. An engine whose own
+    spherical harmonics; the last block has factors of the channels. FOG_BANDS is 5, or 3 to read three of the seven blocks before it,
+    or 1 for the lobe alone. An engine whose own
     lamps light its fog defines FOG_DIRECTIONS instead of FOG_LIGHT, which leaves their light out. */
 export const fogChunk = /* glsl */ `
 precision highp sampler3D;
@@ -20,7 +21,7 @@ uniform int fogSteps;
 #define FOG_BANDS 5
 #endif
 uniform sampler3D fogDirections;
-const int fogBlocks = 7;
+const int fogBlocks = 8;
 
 // 4 pi times Henyey and Greenstein's phase function of mean cosine x.
 float fogPhase(float cosine, float x) {
@@ -35,7 +36,7 @@ vec4 fogBlock(vec3 at, int block) {
 }
 
 // The factor of the light that is scattered along a direction w of travel.
-float fogAlongDirection(vec3 at, vec3 w) {
+vec3 fogAlongDirection(vec3 at, vec3 w) {
     vec4 lobe = fogBlock(at, 0);
     float part = max(length(lobe.xyz), 1e-6), x = w.x, y = w.y, z = w.z, x2 = x * x, y2 = y * y, z2 = z * z;
     float factor = 1.0 + part * (fogPhase(dot(lobe.xyz, w) / part, lobe.w) - 1.0);
@@ -53,7 +54,7 @@ float fogAlongDirection(vec3 at, vec3 w) {
     factor += dot(fogBlock(at, 6), vec4(0.669046544 * x * z * (7.0 * z2 - 3.0), 0.473087348 * (x2 - y2) * (7.0 * z2 - 1.0),
                                         1.770130769 * x * z * (x2 - 3.0 * y2), 0.625835735 * (x2 * x2 - 6.0 * x2 * y2 + y2 * y2)));
 #endif
-    return max(factor, 0.0);
+    return max(1.0 + (factor - 1.0) * fogBlock(at, 7).rgb, 0.0);
 }
 #endif
 

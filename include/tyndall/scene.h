@@ -204,6 +204,8 @@ typedef struct ty_light_def {
     float scale;           ///< Environment: factor of the image or color, >= 0; default 1.
     double rotation; ///< Environment: rotation about the up axis, degrees, counter-clockwise seen from above; default
                      ///< 0.
+    double radius;   ///< Point, spot: radius of the black sphere that shines in its place, whose radiance times pi
+                     ///< radius^2 is the intensity, m, >= 0; default 0: a point.
 } ty_light_def;
 
 /// The kind of a shape.

@@ -26,6 +26,7 @@ typedef struct ty_cell_moments {
     double* unscattered; /* fluence of directional, point and spot lights that has not scattered, W m^-2: 3 a cell */
     double* rest;        /* fluence of all other light, W m^-2: 3 a cell */
     float* moments; /* of its luminance, phi_lm: the integrals of radiance times Y_lm, W m^-2: TY_CELL_TERMS a cell */
+    float* cosines; /* of its channels: mean cosines with the flux of its luminance: 3 a cell */
 } ty_cell_moments;
 
 /* The light of a solution on cells. Errors: TY_ERROR_ARGUMENT. */

@@ -47,30 +47,17 @@ static void drop_surfaces(ty_context* context, ty_committed_surfaces* surfaces) 
     *surfaces = (ty_committed_surfaces){.shapes = NULL};
 }
 
-/* The black surface of an area light. */
-static ty_shape_def area_light_shape(const ty_light_def* light) {
-    ty_shape_def shape = ty_default_shape_def();
-    for (int a = 0; a < 3; ++a) {
-        shape.origin[a] = light->position[a];
-        shape.u[a] = light->u[a];
-        shape.v[a] = light->v[a];
-        shape.albedo[a] = 0;
-        shape.emission[a] = light->color[a];
-    }
-    return shape;
-}
-
-/* The scene's shapes in order of addition, then the area lights of `lit`. */
+/* The scene's shapes in order of addition, then the lights of `lit` that are surfaces. */
 static ty_result list_shapes(const ty_scene* scene, const ty_scene* lit, ty_committed_surfaces* out) {
     size_t count = scene->shape_count;
-    for (size_t i = 0; i < lit->light_count; ++i) count += lit->lights[i].kind == TY_LIGHT_AREA;
+    for (size_t i = 0; i < lit->light_count; ++i) count += ty_light_is_surface(&lit->lights[i]);
     out->shapes = ty_alloc_array(scene->context, count, sizeof *out->shapes, false);
     if (out->shapes == NULL) return TY_ERROR_MEMORY;
     out->shape_count = count;
     for (size_t i = 0; i < scene->shape_count; ++i) out->shapes[i] = scene->shapes[i];
     size_t at = scene->shape_count;
     for (size_t i = 0; i < lit->light_count; ++i)
-        if (lit->lights[i].kind == TY_LIGHT_AREA) out->shapes[at++] = area_light_shape(&lit->lights[i]);
+        if (ty_light_is_surface(&lit->lights[i])) out->shapes[at++] = ty_light_shape(&lit->lights[i]);
     return TY_OK;
 }
 
@@ -194,7 +181,7 @@ static size_t shape_light_count(const ty_shape_def* shape) {
 /* Lights that are not surfaces. */
 static size_t count_explicit(const ty_scene* lit) {
     size_t count = 0;
-    for (size_t i = 0; i < lit->light_count; ++i) count += lit->lights[i].kind != TY_LIGHT_AREA;
+    for (size_t i = 0; i < lit->light_count; ++i) count += !ty_light_is_surface(&lit->lights[i]);
     return count;
 }
 
@@ -214,6 +201,16 @@ static void add_shape_lights(const ty_shape_def* shape, ty_light_view* views, si
     for (int32_t q = 0; q < ty_shape_quad_count(shape); ++q) {
         ty_shape_quad(shape, q, origin, u, v);
         views[(*at)++] = ty_light_quad_view(origin, u, v, shape->emission);
+    }
+}
+
+/* shapes: of the lights that are surfaces. */
+static void add_surface_lights(const ty_scene* lit, const ty_shape_def* shapes, ty_light_view* views, size_t* at) {
+    for (size_t i = 0; i < lit->light_count; ++i) {
+        if (!ty_light_is_surface(&lit->lights[i])) continue;
+        const size_t first = *at;
+        add_shape_lights(shapes++, views, at);
+        if (*at > first && lit->lights[i].kind == TY_LIGHT_SPOT) ty_light_set_cone(&lit->lights[i], &views[first]);
     }
 }
 
@@ -268,9 +265,10 @@ static ty_result commit_lights(const ty_scene* scene, const ty_scene* lit, ty_co
     out->capacity = capacity;
     size_t at = 0;
     for (size_t i = 0; i < lit->light_count; ++i)
-        if (lit->lights[i].kind != TY_LIGHT_AREA)
+        if (!ty_light_is_surface(&lit->lights[i]))
             out->views[at++] = ty_light_get_view(&lit->lights[i], lit->environments[i], lit->up);
-    for (size_t i = 0; i < surfaces->shape_count; ++i) add_shape_lights(&surfaces->shapes[i], out->views, &at);
+    for (size_t i = 0; i < scene->shape_count; ++i) add_shape_lights(&surfaces->shapes[i], out->views, &at);
+    add_surface_lights(lit, surfaces->shapes + scene->shape_count, out->views, &at);
     if (before == NULL) {
         add_mesh_lights(scene, surfaces, out->views, &at);
     } else if (surfaces->mesh_light_count > 0) {
@@ -281,12 +279,17 @@ static ty_result commit_lights(const ty_scene* scene, const ty_scene* lit, ty_co
     return sort_lights(lit, at, out);
 }
 
-/* Numbers of the lights in surfaces, after `explicit` others. */
-static void number_lights(ty_committed_surfaces* surfaces, size_t explicit) {
+static ty_cone cone_of(const ty_light_view* light) {
+    return (ty_cone){light->cone, light->direction, light->cos_outer, light->cos_inner};
+}
+
+/* Numbers of the lights in surfaces, after `explicit` others, and the cones of spots. */
+static void number_lights(const ty_committed_lights* lights, ty_committed_surfaces* surfaces, size_t explicit) {
     int32_t at = (int32_t) explicit;
     for (size_t i = 0; i < surfaces->shape_count; ++i) {
         const int32_t count = (int32_t)shape_light_count(&surfaces->shapes[i]);
         surfaces->surfaces[i].first_light = count > 0 ? at : -1;
+        surfaces->surfaces[i].cone = count > 0 ? cone_of(&lights->views[at]) : (ty_cone){.exists = false};
         at += count;
     }
     const int32_t shift = at - surfaces->first_mesh_light;
@@ -349,7 +352,7 @@ ty_result ty_scene_commit(ty_scene* scene) {
         ty_scene_drop_commit(scene);
         return result;
     }
-    number_lights(&scene->surfaces, count_explicit(scene));
+    number_lights(&scene->committed_lights, &scene->surfaces, count_explicit(scene));
     weigh_lights(scene, &scene->committed_lights);
     set_view(scene);
     return TY_OK;
@@ -399,7 +402,7 @@ static void take_lights(ty_scene* scene, ty_scene* other, replacement* new) {
     EXCHANGE(size_t, scene->light_count, other->light_count);
     EXCHANGE(size_t, scene->light_capacity, other->light_capacity);
     EXCHANGE(size_t, scene->environment_capacity, other->environment_capacity);
-    number_lights(&scene->surfaces, count_explicit(scene));
+    number_lights(&scene->committed_lights, &scene->surfaces, count_explicit(scene));
 }
 
 static void take_media(ty_scene* scene, ty_scene* other, replacement* new) {

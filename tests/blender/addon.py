@@ -113,6 +113,26 @@ def moves_the_camera_while_the_shutter_is_open(scene):
     assert abs(moved[0] - 0.25) < 1e-3, moved  # half of the shutter's time lies before the first key
 
 
+def blurs_objects_that_move(scene):
+    scenes.moving(folder, tyndall)
+    scene = bpy.context.scene
+    scene.render.engine, scene.tyndall.method, scene.tyndall.samples = "TYNDALL", "path", 4
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    places = []
+    for steps in (1, 4):
+        scene.tyndall.motion_steps, scene.tyndall.folder = steps, os.path.join(folder, f"steps_{steps}")
+        render_to(f"moving_{steps}.exr")
+        with open(os.path.join(scene.tyndall.folder, "scene.json"), encoding="utf-8") as file:
+            document = json.load(file)
+        places.append(document["lights"][0]["position"][0])
+        assert document["render"]["spp"] == 4 // steps, document["render"]
+        assert scene.frame_current == 1 and scene.frame_subframe == 0
+    # The lamp moves from 0 to 0.5 in two frames, and the last of four steps is at 3/8 of one frame after the middle.
+    assert abs(places[0] - 0.25) < 1e-4 and abs(places[1] - 0.25 - 0.25 * 3 / 8) < 1e-4, places
+    sharp, blurred = pixels_of("moving_1.exr"), pixels_of("moving_4.exr")
+    assert abs(sharp - blurred).max() > 0.05
+
+
 def keeps_what_there_is_on_escape(scene):
     from tyndall import engine, process
     scene.tyndall.samples = 1 << 24
@@ -185,6 +205,48 @@ def reports_what_it_cannot_say(scene):
         assert file.read() == text
 
 
+def starts_frames_from_the_light_of_the_one_before(scene):
+    from tyndall import engine
+    stats, show, lamp = [], engine.TyndallEngine._show, scene.objects["Lamp"]
+    scene.frame_end, scene.tyndall.method, scene.tyndall.animate_seed = 3, "dom", False
+    scene.tyndall.folder = os.path.join(folder, "warm")
+    lamp.keyframe_insert("location", frame=1)
+    lamp.location.x += 0.1
+    lamp.keyframe_insert("location", frame=3)
+
+    def keep(self, result, *rest):
+        with open(os.path.join(scene.tyndall.folder, "stats.json"), encoding="utf-8") as file:
+            stats.append({**json.load(file), "process": rest[-1].process.pid})
+        show(self, result, *rest)
+
+    engine.TyndallEngine._show = keep
+    try:
+        render_to("warm_####", animation=True)
+        scene.frame_set(3)
+        render_to("cold.exr")
+    finally:
+        engine.TyndallEngine._show = show
+    sweeps = [sum(s["dom"]["sweeps"]) for s in stats]
+    assert len({s["process"] for s in stats[:3]}) == 1 and stats[3]["process"] != stats[0]["process"], stats
+    # Both are within dom's tolerance of the solution.
+    warm, cold = pixels_of("warm_0003.exr")[..., :3], pixels_of("cold.exr")[..., :3]
+    assert abs(warm - cold).max() < 2e-3 * cold.max(), (abs(warm - cold).max(), cold.max())
+    print("warm starts:", sweeps, float(abs(warm - cold).max() / cold.max()))
+
+
+def leaves_out_light_that_does_not_arrive(scene):
+    from tyndall import operators
+    scenes.air(folder, tyndall)
+    kinds = {}
+    for distant in (False, True):
+        bpy.context.scene.tyndall.distant_light = distant
+        path, report = operators.export_to(bpy.context, os.path.join(folder, "air"))
+        with open(path, encoding="utf-8") as file:
+            kinds[distant] = sorted(light["type"] for light in json.load(file)["lights"])
+        assert any("medium without end" in line for line in report.lines()), report.lines()
+    assert kinds == {False: ["point"], True: ["directional", "environment", "point"]}, kinds
+
+
 def expects_an_error_and_a_time(scene):
     scene.tyndall.method = "auto"
     assert bpy.ops.tyndall.predict() == {"FINISHED"}
@@ -224,8 +286,9 @@ def shows_a_scene_that_changes(scene):
 
 is_installed_from_its_zip()
 for function in (renders_an_image, depth_is_planar, renders_a_region, renders_an_animation,
-                 moves_the_camera_while_the_shutter_is_open, keeps_what_there_is_on_escape, tells_that_the_program_is_missing,
-                 takes_odd_names, reports_what_it_cannot_say, expects_an_error_and_a_time, is_compared_with_path,
-                 shows_a_scene_that_changes):
+                 moves_the_camera_while_the_shutter_is_open, blurs_objects_that_move, keeps_what_there_is_on_escape,
+                 tells_that_the_program_is_missing, takes_odd_names, reports_what_it_cannot_say,
+                 starts_frames_from_the_light_of_the_one_before, leaves_out_light_that_does_not_arrive, expects_an_error_and_a_time,
+                 is_compared_with_path, shows_a_scene_that_changes):
     test(function)
 print("RESULT " + json.dumps(done))

@@ -97,6 +97,29 @@ def lamps(folder, tyndall):
     light("AREA", "Panel", 90, (-1, 3, 6), (-0.5, 0, 0.3), shape="RECTANGLE", size=1.2, size_y=0.6)
 
 
+def soft(folder, tyndall):
+    """A point light and a spot of some radius, above the view, which throw soft shadows."""
+    start((0, -7, 4.5), (0, 0, 0.4))
+    shape("plane", "Floor", diffuse("Grey", 0.6, 0.6, 0.6), scale=(8, 8, 1))
+    shape("cube", "Block", diffuse("Red", 0.7, 0.2, 0.1), (0.8, 0.4, 0.5), (0, 0, 0.5), (0.5, 0.5, 0.5))
+    shape("cube", "Post", diffuse("Blue", 0.2, 0.3, 0.7), (-1, 0.5, 0.6), scale=(0.15, 0.15, 0.6))
+    light("POINT", "Bulb", 250, (-2.2, -0.5, 3.6), color=(1, 0.8, 0.5), shadow_soft_size=0.3)
+    light("SPOT", "Spot", 400, (2, -2, 4.2), (0.35, 0.25, 0), spot_size=0.6, spot_blend=0.4, shadow_soft_size=0.35)
+
+
+def air(folder, tyndall):
+    """Fog of the world, through which no light of the sky and of the sun arrives, around a lamp."""
+    scene = start((0, -6, 1.8), (0, 0, 0.5))
+    background(1, 1, 1)
+    shape("plane", "Floor", diffuse("Grey", 0.5, 0.5, 0.5), scale=(5, 5, 1))
+    light("POINT", "Lamp", 100, (1, -1, 2))
+    light("SUN", "Sun", 1, (0, 0, 5), (0.5, 0.3, 0))
+    tree = scene.world.node_tree
+    scatter = tree.nodes.new("ShaderNodeVolumeScatter")
+    scatter.inputs["Density"].default_value = 0.05
+    tree.links.new(scatter.outputs[0], next(n for n in tree.nodes if n.type == "OUTPUT_WORLD").inputs["Volume"])
+
+
 def fog(folder, tyndall):
     """A box of forward-scattering fog with absorption, over a floor, under a lamp and a sky."""
     start((0.3, -5.5, 1.6), (0, 0, 0.8))
@@ -259,4 +282,23 @@ def motion(folder, tyndall):
     scene.frame_set(1)
 
 
-SCENES = {f.__name__: f for f in (lamps, fog, ball, cloud, smoke, surfaces, glass, motion)}
+def moving(folder, tyndall):
+    """A block and a lamp that move, and one that turns, while the shutter is open."""
+    scene = start((0, -6, 1.8), (0, 0, 0.7))
+    background(0.3, 0.4, 0.5)
+    shape("plane", "Floor", diffuse("Grey", 0.5, 0.5, 0.5), scale=(5, 5, 1))
+    block = shape("cube", "Block", diffuse("Red", 0.8, 0.2, 0.2), (-1.4, 0, 0.7), scale=(0.4, 0.4, 0.7))
+    turning = shape("cube", "Turning", diffuse("Blue", 0.2, 0.3, 0.8), (1.2, 0.5, 0.8), scale=(0.9, 0.3, 0.6))
+    lamp = light("POINT", "Lamp", 200, (0, -2, 3))
+    for target, path, change in ((block, "location", (1.2, 0, 0)), (turning, "rotation_euler", (0, 0, 0.8)), (lamp, "location", (0.5, 0, 0))):
+        target.keyframe_insert(path, frame=0)
+        setattr(target, path, [v + c for v, c in zip(getattr(target, path), change)])
+        target.keyframe_insert(path, frame=2)
+        for curve in target.animation_data.action.fcurves:
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
+    scene.frame_set(1)
+
+
+SCENES = {f.__name__: f for f in (lamps, soft, air, fog, ball, cloud, smoke, surfaces, glass, motion, moving)}

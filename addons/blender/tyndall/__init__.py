@@ -12,8 +12,8 @@ bl_info = {
 
 
 def _modules():
-    from . import engine, operators, panels, settings
-    return settings, engine, operators, panels
+    from . import chain, engine, operators, panels, settings
+    return settings, chain, engine, operators, panels
 
 
 def register():

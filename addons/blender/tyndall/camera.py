@@ -109,12 +109,19 @@ def poses_of(scene, set_frame, matrix_of):
     times = shutter_of(scene)
     if times is None or scene.camera is None:
         return None
-    frame, found = scene.frame_current, []
+    frame = scene.frame_current
+    found = poses_between(scene, frame, times, set_frame, matrix_of)
+    set_frame(frame, 0.0)
+    return found
+
+
+def poses_between(scene, frame, times, set_frame, matrix_of):
+    """World matrices of the camera at times in frames from `frame`, at the last of which the scene stays."""
+    found = []
     for moment in times:
         exact = frame + moment
         set_frame(int(exact // 1), exact % 1)
         found.append(matrix_of(scene.camera).copy())
-    set_frame(frame, 0.0)
     return found
 
 

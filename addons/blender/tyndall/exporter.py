@@ -28,13 +28,17 @@ class Export:
         self.materials = materials.Materials(self.writer, self.report)
         self.files = 0
 
+    def _setting(self, name, default):
+        """One of the panel, where the add-on is registered."""
+        return getattr(getattr(self.scene, "tyndall", None), name, default)
+
     # ---- objects ----
 
     def _visit(self, instance):
         target = instance.object
         if target.type == "LIGHT":
             self.points.append(tuple(instance.matrix_world.translation))
-            self.lights += lights_of(instance, self.report)
+            self.lights += lights_of(instance, self.report, self._setting("soft_lamps", True))
         elif target.type == "VOLUME":
             self._extend(target, instance.matrix_world)
             self.media += volumes.media_of_volume(target, instance.matrix_world, self.program, self.report)
@@ -86,7 +90,7 @@ class Export:
         if fluid is not None:
             self.files += 1
             stem = os.path.join(self.folder, f"{self.prefix}gas_{self.files}")
-            frame = self.scene.frame_current
+            frame = round(self.scene.frame_current + self.scene.frame_subframe)
             self.media += volumes.media_of_fluid(target, matrix, fluid, components, frame, stem, self.report)
             return
         solid = _surface_of(material)
@@ -132,11 +136,18 @@ class Export:
         name = owner("world", self.scene.world)
         components = media.components_of(place, self.report, name)
         box, margin = world.box_of_air(self.points or [(0, 0, 0)])
-        self.media += media.media_of(components, "world", media.Domain(box, extent=2 * margin), self.report, name)
-        self.report.approximate(name, f"a medium without end: a box whose faces are {margin:.4g} m from the scene, "
-                                      "through which light of the sun and the world comes in")
+        air = media.media_of(components, "world", media.Domain(box, extent=2 * margin), self.report, name)
+        self.media += air
+        self.report.approximate(name, f"a medium without end: a box whose faces are {margin:.4g} m from the scene")
         if self.scene.camera is not None and self.scene.camera.data.type == "ORTHO":
             self.report.lose(name, "parallel rays within it: the camera sees it from too far away")
+        if self._setting("distant_light", False):
+            self.report.approximate(name, "light of the sun and the world comes in through that box, which it does not in Cycles")
+            return
+        arriving = world.arriving(self.lights, air)
+        if arriving != self.lights:
+            self.lights = arriving
+            self.report.lose(name, "light of the sun and the world, which does not arrive through a medium without end, as in Cycles")
 
     # ---- the file ----
 
@@ -172,15 +183,19 @@ def _surface_of(material):
     return output_of(material.node_tree, "OUTPUT_MATERIAL", "Surface")
 
 
-def write_scene(depsgraph, folder, name="scene.json", settings=None, poses=None, size=None, program=None):
+def write_scene(depsgraph, folder, name="scene.json", settings=None, poses=None, size=None, program=None, instants=1):
     """Writes folder/scene.json and report.txt. settings: the "render" of the scene file; poses: world matrices of the
-    camera as the shutter opens and closes. Returns the path of the scene file and the Report."""
+    camera as the shutter opens and closes; instants: of the shutter's time, of which this is one. Returns the path of the scene
+    file and the Report."""
     os.makedirs(folder, exist_ok=True)
     export = Export(depsgraph, folder, program, size)
     document = export.document()
     if poses is not None and "camera" in document:
         add_motion(document["camera"], *poses)
-        export.report.lose("scene", "motion blur of all but the camera")
+        if instants == 1:
+            export.report.lose("scene", "motion blur of all but the camera")
+    if instants > 1:
+        export.report.approximate("scene", f"motion of objects: {instants} instants")
     if settings:
         document["render"] = settings
     if len(export.report):

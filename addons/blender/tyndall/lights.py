@@ -1,6 +1,6 @@
 """Lights in the units of scene files. Blender's watts are, by Cycles and as tests/test_blender.py measures:
 
-point, spot: intensity = P / (4 pi), W sr^-1;  area: radiance = P / (4 A), W m^-2 sr^-1;  sun: irradiance = strength, W m^-2.
+point, spot: intensity = P / (4 pi), W sr^-1, with a radius r the radiance P / (4 pi^2 r^2);  area: radiance = P / (4 A), W m^-2 sr^-1;  sun: irradiance = strength, W m^-2.
 A spot falls off by a smoothstep of the cosine from that of its cone to cos + (1 - cos) blend, and before Blender 3.5 by the
 cosine besides, which the mean over the cone stands for.
 """
@@ -14,8 +14,8 @@ from .report import owner
 SPOT_HAS_COSINE = bpy.app.version < (3, 5, 0)
 
 
-def lights_of(instance, report):
-    """Entries of "lights" for an instance of a light of a depsgraph."""
+def lights_of(instance, report, soft=True):
+    """Entries of "lights" for an instance of a light of a depsgraph. soft: with the radius of point lights and spots."""
     light, matrix = instance.object.data, instance.matrix_world.copy()
     name = owner("light", light)
     colour, strength = _emission_of(light, report, name)
@@ -28,11 +28,10 @@ def lights_of(instance, report):
         return [{"type": "directional", "direction": _axis(matrix), "irradiance": power}]
     if light.type == "AREA":
         return [_area(light, matrix, power, report, name)]
-    if light.shadow_soft_size > 0:
-        report.approximate(name, f"the radius of {light.shadow_soft_size:.3g} m: the light is a point")
     out = {"type": "point", "position": list(matrix.translation), "intensity": [p / (4 * math.pi) for p in power]}
     if light.type == "SPOT":
         _spot(out, light, matrix, report, name)
+    _soften(out, light, report, name, soft)
     return [out]
 
 
@@ -52,6 +51,21 @@ def _emission_of(light, report, name):
     if getattr(light, "use_temperature", False):
         colour = [c * t for c, t in zip(colour, light.temperature_color)]
     return colour, strength * 2 ** exposure
+
+
+def _soften(out, light, report, name, soft):
+    """The radius of a point light or spot: Cycles' is a disc that faces each point, or a ball from Blender 4.0 on without
+    soft falloff."""
+    radius = light.shadow_soft_size
+    if radius <= 0:
+        return
+    if not soft:
+        report.approximate(name, f"its radius of {radius:.3g} m: the light is a point")
+        return
+    out["radius"] = radius
+    report.approximate(name, f"its radius of {radius:.3g} m: a ball that is seen by the camera, and casts shadows")
+    if getattr(light, "use_soft_falloff", True):
+        report.approximate(name, "its soft falloff: within five radii it is up to 4 % brighter on what faces it")
 
 
 def _axis(matrix):

@@ -34,6 +34,9 @@ class TYNDALL_PT_render(_Panel, bpy.types.Panel):
         layout.prop(settings, "seed")
         layout.prop(settings, "animate_seed")
         layout.prop(settings, "threads")
+        layout.prop(settings, "soft_lamps")
+        layout.prop(settings, "motion_steps")
+        layout.prop(settings, "distant_light")
         layout.prop(settings, "folder")
 
 

@@ -50,9 +50,25 @@ def set_combined(layer, image):
     set_rect(layer.passes["Combined"], np.concatenate([image, np.ones((*image.shape[:2], 1), np.float32)], axis=-1))
 
 
-def read_into(layer, path, entries, denoised, camera, crop):
-    """Sets the passes of a layer from an image of Tyndall. Returns its metadata."""
-    planes, metadata = exr.read(path)
+class Mean:
+    """The mean of the images of several instants, by channel; the variance is that of the mean."""
+
+    def __init__(self):
+        self.count, self.sums, self.metadata = 0, {}, {}
+
+    def add(self, path):
+        planes, self.metadata = exr.read(path)
+        self.count += 1
+        for name, plane in planes.items():
+            self.sums[name] = self.sums.get(name, 0) + plane
+
+    def planes(self):
+        return {name: total / self.count ** (2 if name.startswith("variance.") else 1) for name, total in self.sums.items()}
+
+
+def show(layer, mean, entries, denoised, camera, crop):
+    """Sets the passes of a layer from a Mean."""
+    planes = mean.planes()
     image = exr.stack(planes, [f"denoised.{c}" for c in RGB]) if denoised else None
     set_combined(layer, image if image is not None else exr.stack(planes, RGB))
     for name, _, _, _, channels in entries:
@@ -60,4 +76,3 @@ def read_into(layer, path, entries, denoised, camera, crop):
         if values is None or name not in layer.passes:
             continue
         set_rect(layer.passes[name], planar(values[..., 0], camera, crop)[..., None] if name == "Depth" else values)
-    return metadata

@@ -34,7 +34,7 @@ _started = weakref.WeakSet()
 
 def start(command, **options):
     """A process that ends with Blender at the latest."""
-    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, **options, **_options())
+    process = subprocess.Popen(command, **{"stdin": subprocess.DEVNULL, **options}, **_options())
     _started.add(process)
     return process
 
@@ -67,21 +67,56 @@ def maximum_of_grid(program, file, grid):
 
 class Run:
     """A run of the program with `--progress json`. fraction, stage and remaining are the newest progress; lines what else it
-    said on stderr, of which the last is the reason of a failure."""
+    said on stderr, of which the last is the reason of a failure. One that stays (`--more`) answers each image on stdout, and
+    is running until then."""
 
-    def __init__(self, program, arguments, folder=None):
+    def __init__(self, program, arguments, folder=None, stays=False):
         self.fraction, self.stage, self.remaining, self.lines = 0.0, "", None, []
-        self.cancelled = False
-        self.process = start([program, *arguments, "--progress", "json"], cwd=folder, stdout=subprocess.DEVNULL,
+        self.cancelled, self.stays, self.answered = False, stays, threading.Event()
+        pipe = subprocess.PIPE if stays else subprocess.DEVNULL
+        self.process = start([program, *arguments, "--progress", "json"], cwd=folder, stdin=pipe, stdout=pipe,
                              stderr=subprocess.PIPE)
-        self.reader = threading.Thread(target=self._read, daemon=True)
-        self.reader.start()
+        self.answer = ""
+        self.readers = [threading.Thread(target=read, daemon=True) for read in (self._read, self._read_answers)[:1 + stays]]
+        for reader in self.readers:
+            reader.start()
+
+    def ask(self, scene, image, stats):
+        """Begins another image."""
+        self.fraction, self.stage, self.remaining, self.lines, self.answer = 0.0, "", None, [], ""
+        self.answered.clear()
+        try:
+            self.process.stdin.write(f"{scene}\t{image}\t{stats}\n".encode())
+            self.process.stdin.flush()
+        except OSError:
+            self.answered.set()
+
+    def stays_on(self):
+        """True if it can be asked for another image."""
+        return self.stays and not self.cancelled and self.process.poll() is None
+
+    def close(self):
+        """Ends it."""
+        if self.stays:
+            try:
+                self.process.stdin.close()
+            except OSError:
+                pass
+            self.stays = False
+            self.finish(5)
+        self.__exit__()
+
+    def _read_answers(self):
+        for raw in self.process.stdout:
+            self.answer = raw.decode(errors="replace").strip()
+            self.answered.set()
+        self.answered.set()
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        if self.is_running():
+        if self.process.poll() is None:
             self.process.kill()
             self.process.wait()
 
@@ -103,7 +138,7 @@ class Run:
         self.remaining = progress.get("remaining", self.remaining)
 
     def is_running(self):
-        return self.process.poll() is None
+        return self.process.poll() is None and not (self.stays and self.answered.is_set())
 
     def cancel(self):
         """Asks the program to write what it has and to end."""
@@ -112,17 +147,22 @@ class Run:
             self.process.send_signal(signal.CTRL_BREAK_EVENT if WINDOWS else signal.SIGINT)
 
     def finish(self, seconds=120):
-        """Waits for the end; a program that does not end is killed. Returns the exit status."""
+        """Waits for the end; a program that does not end is killed. Returns the exit status, of one that stays 0 for an image
+        that is done."""
+        if self.stays and not self.cancelled and self.answered.wait(seconds) and self.process.poll() is None:
+            return 0 if self.answer == "done" else 1
         try:
             self.process.wait(seconds)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
-        self.reader.join(5)
+        self.readers[0].join(5)
         return self.process.returncode
 
     def reason(self):
         """Why the run failed, in one sentence."""
+        if self.answer.startswith("failed "):
+            return self.answer[len("failed "):]
         own = [line for line in self.lines if line.startswith("tyndall:")]
         return (own or self.lines or [f"the program ended with status {self.process.returncode}"])[-1]
 
@@ -134,7 +174,7 @@ def predict(program, scene_file, size):
     found = None
     while found is None and run.is_running():
         found = next((line for line in run.lines if line.startswith("method: ")), None)
-        run.reader.join(0.02)
+        run.readers[0].join(0.02)
     run.cancel()
     run.finish()
     found = found or next((line for line in run.lines if line.startswith("method: ")), None)

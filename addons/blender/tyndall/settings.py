@@ -29,6 +29,15 @@ class TyndallSettings(bpy.types.PropertyGroup):
     variance: bpy.props.BoolProperty(name="Variance", description="Variance of the pixels (path)", default=False)
     folder: bpy.props.StringProperty(
         name="Folder", description="Where the scene file and its meshes are kept; empty: a temporary folder", subtype="DIR_PATH")
+    soft_lamps: bpy.props.BoolProperty(
+        name="Soft Lamps", description="Point lights and spots with their radius: soft shadows, and balls that the camera sees; "
+        "otherwise points", default=True)
+    motion_steps: bpy.props.IntProperty(
+        name="Motion Steps", description="Instants of the shutter's time at which objects that move are rendered, where motion blur "
+        "is on; 1: sharp", default=8, min=1, max=256)
+    distant_light: bpy.props.BoolProperty(
+        name="Sun in World Volume", description="Let light of the sun and the world into the world's volume through the sides of "
+        "a box, which in Cycles does not arrive", default=False)
     expected: bpy.props.StringProperty(name="Expected", description="Expected error and time of method auto")
     compared: bpy.props.StringProperty(name="Compared", description="The last comparison with path")
 

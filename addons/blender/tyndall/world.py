@@ -1,4 +1,4 @@
-"""The world: environment lights, and its volume as a box around everything."""
+"""The world: environment lights, its volume as a box around everything, and what that does to distant light."""
 import math
 import os
 
@@ -89,6 +89,20 @@ def file_of_image(image, folder):
     finally:
         bpy.data.images.remove(duplicate)
     return copy
+
+
+def arriving(lights, media):
+    """Lights without the channels of sun and world that media without end keep away: exp(-s t) is 0 there, as in Cycles."""
+    bodies = [m for m in media if "emission" not in m and m.get("scale", 1) > 0]
+    passes = [all(m.get("sigma_s", (0, 0, 0))[c] + m.get("sigma_a", (0, 0, 0))[c] <= 0 for m in bodies) for c in range(3)]
+    out = []
+    for light in lights:
+        key = {"directional": "irradiance", "environment": "radiance"}.get(light["type"])
+        if key is None or all(passes):
+            out.append(light)
+        elif key in light and any(passes):
+            out.append({**light, key: [v if p else 0 for v, p in zip(light[key], passes)]})
+    return out
 
 
 def box_of_air(points):

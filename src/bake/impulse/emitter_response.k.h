@@ -197,7 +197,7 @@ TY_FN void ty_gather_build_emitter_cdf(const ty_gather* g, float* cdf) {
 TY_FN float ty_virtual_emitter_falloff(const ty_gather* g, const ty_virtual_emitter* virtual_emitter, ty_vec wi) {
     if (virtual_emitter->light < 0) return 1.0f;
     const ty_light_view* light = &g->request->path.scene->lights.lights[virtual_emitter->light];
-    return light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(wi, light->direction)) : 1.0f;
+    return ty_light_falloff(light, wi);
 }
 
 /* True if distant light from direction wi reaches the receiver or, from behind, the point off its surface. */

@@ -32,7 +32,7 @@ typedef struct fluence_options {
  * CLI_FOG_PHASE, for which the first is all but the second; else NULL. */
 typedef struct fluence_cells {
     double* values[PARTS];
-    float* moments;
+    float *moments, *cosines;
     size_t cells;
 } fluence_cells;
 
@@ -134,7 +134,7 @@ static int complete_options(const ty_scene* scene, fluence_options* options) {
     }
 
 static ty_result split_light(const ty_dom* light, const fluence_options* options, fluence_cells* out) {
-    ty_cell_moments split = {out->values[UNCOLLIDED], out->values[FLUENCE], out->moments};
+    ty_cell_moments split = {out->values[UNCOLLIDED], out->values[FLUENCE], out->moments, out->cosines};
     if (out->moments != NULL) return ty_dom_cell_moments(light, options->lower, options->upper, options->size, &split);
     return ty_dom_fluence(light, options->lower, options->upper, options->size, out->values[FLUENCE],
                           out->values[UNCOLLIDED]);
@@ -213,14 +213,15 @@ static ty_result write_light(ty_context* context, const ty_scene* scene, const f
     if (!is_texture(options->output)) return write_cells(context, options, cells);
     for (size_t i = 0; options->scattered && i < 3 * cells->cells; ++i)
         cells->values[FLUENCE][i] = fmax(cells->values[FLUENCE][i] - cells->values[UNCOLLIDED][i], 0);
-    const cli_fog_texture fog = {.quantity = (cli_fog_quantity)options->quantity,
-                                 .lower = options->lower,
-                                 .upper = options->upper,
-                                 .size = options->size,
-                                 .scattered = options->scattered,
-                                 .fluence = cells->values[FLUENCE],
-                                 .split = {cells->values[UNCOLLIDED], cells->values[FLUENCE], cells->moments},
-                                 .zstd = ty_has_zstd() && !options->plain ? ZSTD_LEVEL : 0};
+    const cli_fog_texture fog = {
+        .quantity = (cli_fog_quantity)options->quantity,
+        .lower = options->lower,
+        .upper = options->upper,
+        .size = options->size,
+        .scattered = options->scattered,
+        .fluence = cells->values[FLUENCE],
+        .split = {cells->values[UNCOLLIDED], cells->values[FLUENCE], cells->moments, cells->cosines},
+        .zstd = ty_has_zstd() && !options->plain ? ZSTD_LEVEL : 0};
     return cli_write_fog_texture(context, scene, &fog, options->output);
 }
 
@@ -239,7 +240,8 @@ static int run(cli_session* session, const char* scene_path, fluence_options* op
     }
     if (status == CLI_GO && options->quantity == CLI_FOG_PHASE) {
         cells.moments = ty_alloc_array(context, TY_CELL_TERMS * cells.cells, sizeof(float), true);
-        if (cells.moments == NULL) status = cli_fail_running(session, TY_ERROR_MEMORY);
+        cells.cosines = ty_alloc_array(context, 3 * cells.cells, sizeof(float), true);
+        if (cells.moments == NULL || cells.cosines == NULL) status = cli_fail_running(session, TY_ERROR_MEMORY);
     }
     if (status == CLI_GO) {
         result = find_light(session, scene, options, &cells);
@@ -250,6 +252,7 @@ static int run(cli_session* session, const char* scene_path, fluence_options* op
     for (int part = 0; part < PARTS; ++part)
         ty_free_array(context, cells.values[part], 3 * cells.cells, sizeof(double));
     ty_free_array(context, cells.moments, TY_CELL_TERMS * cells.cells, sizeof(float));
+    ty_free_array(context, cells.cosines, 3 * cells.cells, sizeof(float));
     ty_scene_destroy(scene);
     if (status == CLI_DONE && !session->common.quiet)
         printf("wrote %s: %d x %d x %d cells by %s\n", options->output, options->size[0], options->size[1],

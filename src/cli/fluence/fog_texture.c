@@ -53,13 +53,15 @@ static void find_uncollided(const ty_grid_medium* medium, const cli_fog_texture*
  *
  * p being Henyey and Greenstein's phase function. A lobe has the axis a, the mean cosine x and the part w of the light.
  * Light of the Legendre moments 1, m1 and m2 about its flux has b = m2 / m1 and w = m1 / b, and scattering makes x = g
- * b of b. The terms c_t are what the moments have besides; the lobe continues them in higher bands. */
+ * b of b. The terms c_t are what the moments have besides; the lobe continues them in higher bands. All of
+ * these are of luminance; a channel departs from 1 by as much more or less as its mean cosine is larger or smaller. */
 typedef struct directions {
     double axis[3], part, cosine;
     double terms[TY_CELL_TERMS];
+    double channels[3]; /* factors of all that departs from 1, of red, green and blue */
 } directions;
 
-static const double min_lobe_cosine = 0.05;
+static const double min_lobe_cosine = 0.05, max_channel = 4;
 
 /* phi_lm over phi_00 of even light, 1 / sqrt(4 pi). */
 static void relate_moments(const float* moments, double out[TY_CELL_TERMS]) {
@@ -85,6 +87,11 @@ static directions find_directions(const ty_grid_medium* medium, const cli_fog_te
     ty_harmonics_at(d.axis, TY_CELL_BANDS, y);
     for (int t = 4; t < 9; ++t) second += 4 * TY_PI_F64 / 5 * moments[t] * y[t]; /* addition theorem */
     const double first = fmin(sqrt(4 * TY_PI_F64 / 3) * length, 1), b = fmin(fmax(second / first, min_lobe_cosine), 1);
+    for (int c = 0; c < 3; ++c) {
+        const double part_c = scattered[c] > 0 ? scattered[c] / (scattered[c] + emitted[c]) : 0;
+        d.channels[c] = fmin(
+            fmax(part_c * (double)fog->split.cosines[3 * cell + (size_t)c] / (scattered_part * first), 0), max_channel);
+    }
     d.part = scattered_part * first / b;
     d.cosine = g * b;
     for (int l = 1, t = 1; l < TY_CELL_BANDS; ++l)
@@ -93,11 +100,13 @@ static directions find_directions(const ty_grid_medium* medium, const cli_fog_te
     return d;
 }
 
-/* Slices of the texture of directions: the axis times the part, and the mean cosine; then four terms each. */
-enum { DIRECTION_BLOCKS = 1 + (TY_CELL_TERMS - 1) / 4 };
+/* Slices of the texture of directions: the axis times the part, and the mean cosine; then four terms each; then the
+ * factors of the channels. */
+enum { CHANNEL_BLOCK = 1 + (TY_CELL_TERMS - 1) / 4, DIRECTION_BLOCKS };
 
 static void find_direction_block(const directions* d, int block, double texel[4]) {
-    for (int k = 0; k < 4; ++k)
+    for (int k = 0; k < 4 && block == CHANNEL_BLOCK; ++k) texel[k] = k < 3 ? d->channels[k] : 0;
+    for (int k = 0; k < 4 && block < CHANNEL_BLOCK; ++k)
         texel[k] = block > 0 ? d->terms[4 * (block - 1) + k + 1] : k < 3 ? d->part * d->axis[k] : d->cosine;
 }
 
@@ -161,7 +170,7 @@ static void print_notes(json_writer* json, const sidecar* s) {
         json_text(json, NULL, "approximated: phase function: light is scattered evenly");
     if (quantity == CLI_FOG_PHASE) {
         json_text(json, NULL, "approximated: phase function: that of Henyey and Greenstein of the same mean cosine");
-        json_text(json, NULL, "approximated: directions: those of luminance, for all channels");
+        json_text(json, NULL, "approximated: directions: those of luminance, with a factor for each channel");
     }
     if (s->colored) json_text(json, NULL, "approximated: extinction: the mean of its channels");
     json_close_array(json);
@@ -208,8 +217,8 @@ static ty_result print_sidecar(ty_context* context, FILE* file, const void* user
         print_texture(
             &json, s, PART_DIRECTIONS,
             "axis of the lobe, whose length is its part of the light; in the slices of further blocks terms of "
-            "harmonics",
-            "mean cosine of the lobe; in further blocks the same as rgb");
+            "harmonics, and in those of the last one the factors of the channels",
+            "mean cosine of the lobe; in blocks of terms the same as rgb");
         json_close_object(&json);
     }
     json_close_object(&json);

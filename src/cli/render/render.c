@@ -136,7 +136,7 @@ static int write_result(cli_session* session, render_options* options, cli_repor
     if (result == TY_OK && options->denoise && options->denoised_png != NULL)
         result = cli_write_denoised_png(session, *image, exposure, options->denoised_png);
     if (result != TY_OK) return cli_fail_running(session, result);
-    if (!session->common.quiet && options->key == NULL) print_closing_lines(options, report);
+    if (!session->common.quiet && options->key == NULL && !options->more) print_closing_lines(options, report);
     return report->complete ? CLI_DONE : CLI_INTERRUPTED;
 }
 
@@ -195,7 +195,7 @@ int render_scene(cli_session* session, const ty_scene* scene, render_options* op
     return status;
 }
 
-static void report_stats(json_writer* json, const void* user) {
+void render_report_stats(json_writer* json, const void* user) {
     const cli_report* report = user;
     cli_report_stats(json, report);
     if (report->denoised.cookie != 0) cli_denoised_json(json, &report->denoised);
@@ -217,7 +217,7 @@ static int load_and_render(cli_session* session, const char* path, render_option
     }
     if (status == CLI_GO) {
         report.load_seconds = cli_wall_seconds() - session->started;
-        session->stats = report_stats;
+        session->stats = render_report_stats;
         session->stats_user = &report;
         status = render_scene(session, scene, options, &checkpoint, &tev, &report);
     }
@@ -236,6 +236,7 @@ static int check_options(render_options* options) {
     if (options->png != NULL && !cli_has_extension(options->png, ".png"))
         return cli_usage_error("render", "%s: the extension is not .png", options->png);
     int status = options->frames_text != NULL || options->chain_given ? render_check_sequence(options) : CLI_GO;
+    if (status == CLI_GO && options->more) status = render_check_more(options);
     if (status == CLI_GO && options->part_text != NULL)
         status = cli_parse_part("render", options->part_text, options->part);
     if (status != CLI_GO) return status;
@@ -309,6 +310,8 @@ int cli_render(int count, char** arguments) {
          0, NULL},
         {"chain", 0, CLI_INT, "N", "with --frames: frames that follow one another as one task (default 8)",
          &options.chain, 1, 1 << 20, &options.chain_given},
+        {"more", 0, CLI_FLAG, NULL, "then render the scenes that the lines of stdin name (see above)", &options.more, 0,
+         0, NULL},
         {"part", 0, CLI_TEXT, "I/N", "only part I of N: a band of rows, or of --frames every Nth chain",
          &options.part_text, 0, 0, NULL},
         {"checkpoint", 0, CLI_REAL, "SECONDS", "time between two states of --resume (default: 2, see above)",
@@ -335,6 +338,11 @@ int cli_render(int count, char** arguments) {
         "own;\n"
         "--resume then leaves those that the same command finished before. dom starts from the light of the frame\n"
         "before in the chain. Under mpirun the ranks divide a frame's paths, or frames: docs/farm.md.\n"
+        "--more is for programs whose scenes come one after another: each line of stdin is SCENE, a tab and OUT, and "
+        "may\n"
+        "have another tab and a file for --stats. The light of the image before is the start of dom's, as in a chain. "
+        "After\n"
+        "each image, that of the command first, stdout has a line 'done' or 'failed' with the reason.\n"
         "--part is for machines without MPI: 'tyndall merge' puts bands together to the same image, bit for bit.\n\n"
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
         "media\n"
@@ -354,6 +362,7 @@ int cli_render(int count, char** arguments) {
     if (status == CLI_GO) status = cli_session_open(&session, "render", &given.common);
     if (status == CLI_GO) status = cli_ranks_open(&session);
     if (status != CLI_GO) return status;
+    if (options.more) return render_more(&session, given.positional[0], &options);
     if (options.frames_text != NULL) return render_sequence(&session, given.positional[0], &options);
     return cli_ranks_helps(&session) ? cli_help_paths(&session, given.positional[0], &options.overrides, false)
                                      : load_and_render(&session, given.positional[0], &options);

@@ -13,6 +13,7 @@ enum { RENDER_SPP_MAX = 1 << 24 };
 
 typedef struct render_options {
     const char *output, *png, *denoised_png, *aov, *method, *tev, *frames_text, *part_text;
+    bool more; /* further scenes come on stdin */
     uint32_t aovs;
     int32_t spp, size[2], crop[4];
     double time, error, exposure, checkpoint;
@@ -28,6 +29,17 @@ typedef struct render_options {
 /* Renders and writes the scene; returns the exit status. tev may be NULL. */
 int render_scene(cli_session* session, const ty_scene* scene, render_options* options, cli_checkpoint* checkpoint,
                  cli_tev* tev, cli_report* report);
+
+/* For the session's stats; user is the cli_report. */
+void render_report_stats(json_writer* json, const void* user);
+
+/* ---- more.c ---- */
+
+/* Takes --more: CLI_GO, or CLI_USAGE after a message. */
+int render_check_more(const render_options* options);
+/* Renders the scene at path, and then those that the lines of stdin name, and closes the session. Returns the exit
+ * status. */
+int render_more(cli_session* session, const char* path, render_options* options);
 
 /* ---- sequence.c ---- */
 

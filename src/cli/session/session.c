@@ -86,13 +86,15 @@ static ty_result print_stats(ty_context* context, FILE* file, const void* user) 
     return TY_OK;
 }
 
+int cli_session_write_stats(cli_session* session, const char* path, int status) {
+    const ty_result result = cli_write_text_file(session->context, path, print_stats, session);
+    return result == TY_OK ? status : cli_fail_running(session, result);
+}
+
 int cli_session_close(cli_session* session, int status) {
     cli_progress_clear(&session->progress);
-    if (session->common.stats != NULL && session->context != NULL &&
-        (status == CLI_DONE || status == CLI_INTERRUPTED)) {
-        const ty_result result = cli_write_text_file(session->context, session->common.stats, print_stats, session);
-        if (result != TY_OK) status = cli_fail_running(session, result);
-    }
+    if (session->common.stats != NULL && session->context != NULL && (status == CLI_DONE || status == CLI_INTERRUPTED))
+        status = cli_session_write_stats(session, session->common.stats, status);
     cli_ranks_close(session, status == CLI_INTERRUPTED ? cli_interrupt_status() : status);
     ty_context_destroy(session->context);
     return status;

@@ -25,6 +25,8 @@ typedef struct cli_session {
 int cli_session_open(cli_session* session, const char* command, const cli_common* common);
 /* Writes --stats unless status is an error, frees the context, returns the exit status. */
 int cli_session_close(cli_session* session, int status);
+/* Writes the stats of a command that goes on; returns status, or that of a failure. */
+int cli_session_write_stats(cli_session* session, const char* path, int status);
 
 /* Ends a program: a write error of stdout becomes a failure, but for a reader that is gone, which gives the status 141
  * that a shell shows for SIGPIPE. Interruptions become the status of their signal. Returns the exit status. */

@@ -72,6 +72,18 @@ static void add_environment(sampling* s, int32_t index) {
     }
 }
 
+/* A point of the disc before a spot's sphere, across its axis: it has the sphere's light along the axis, and the sphere
+ * does not hide it. */
+static void add_cone_point(const ty_light_view* light, float u, float v, ty_discrete_light* sample) {
+    const float cosine = sqrtf(1 - u); /* the disc of radius sqrt(u), as a direction */
+    const ty_vec on_disc = ty_direction_about(light->direction, cosine, v);
+    const ty_vec off = ty_mad(on_disc, light->direction, 1.001f - cosine);
+    sample->profile = TY_PROFILE_SPOT;
+    sample->direction = light->direction;
+    sample->position = ty_mad(light->position, off, light->radius);
+    for (int c = 0; c < 3; ++c) sample->color[c] *= 0.25f; /* pi r^2 of 4 pi r^2 */
+}
+
 /* A point of an area light, sphere or triangle that stands for `area` of it, m^2. */
 static void add_surface_point(sampling* s, int32_t index, uint32_t number, float area) {
     const ty_light_view* light = &s->lights->lights[index];
@@ -83,6 +95,10 @@ static void add_surface_point(sampling* s, int32_t index, uint32_t number, float
     sample->profile = triangle && light->two_sided != 0 ? TY_PROFILE_TWO_SIDED : TY_PROFILE_COSINE;
     for (int c = 0; c < 3; ++c) sample->color[c] = light->color[c] * area;
     if (light->kind == TY_KIND_SPHERE) {
+        if (light->cone != 0) {
+            add_cone_point(light, u, v, sample);
+            return;
+        }
         sample->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1 - 2 * u, v);
         sample->position = ty_mad(light->position, sample->direction, light->radius);
         return;

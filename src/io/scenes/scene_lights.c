@@ -112,6 +112,8 @@ static ty_result read_light(ty_scene_reader* reader, const json_t* light, const 
     ty_read_vector(light, "position", reader->unit, def.position);
     ty_read_number(light, "cone", &def.cone);
     ty_read_number(light, "penumbra", &def.penumbra);
+    ty_read_number(light, "radius", &def.radius);
+    def.radius *= reader->unit;
     const ty_result result = def.kind == TY_LIGHT_AREA
                                  ? ty_read_edges(reader, light, path, def.position, def.u, def.v)
                                  : ty_read_direction(reader, light, path, "direction", def.direction);

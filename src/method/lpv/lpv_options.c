@@ -2,6 +2,7 @@
 #include "base/context.h"
 #include "image/march/march.h"
 #include "method/lpv/job.h"
+#include "scene/lights/light.h"
 
 static const char* const modes[] = {"links", "published", NULL};
 static const char* const places[] = {"scene", "camera", NULL};
@@ -99,11 +100,11 @@ ty_result ty_lpv_check_maps(const ty_scene* scene, const ty_lpv_def* def) {
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "lpv.maps: %d maps for %zu lights", def->map_count,
                        scene->light_count);
     for (int32_t i = 0, committed = 0; i < def->map_count; ++i) {
-        const ty_light_kind kind = scene->lights[i].kind;
-        if (kind == TY_LIGHT_AREA) continue; /* committed after all others */
+        if (ty_light_is_surface(&scene->lights[i])) continue; /* committed after all others */
         const ty_light_view* light = &scene->view.lights.lights[committed++];
-        const ty_result result =
-            kind == TY_LIGHT_ENVIRONMENT ? TY_OK : ty_rsm_check(scene->context, light, &def->maps[i], i);
+        const ty_result result = scene->lights[i].kind == TY_LIGHT_ENVIRONMENT
+                                     ? TY_OK
+                                     : ty_rsm_check(scene->context, light, &def->maps[i], i);
         if (result != TY_OK) return result;
     }
     return TY_OK;

@@ -24,9 +24,12 @@ ty_result ty_light_check(ty_context* context, const ty_light_def** given, ty_lig
     if (result != TY_OK) return result;
     switch (def->kind) {
     case TY_LIGHT_DIRECTIONAL: return ty_check_direction(context, "light.direction", def->direction);
-    case TY_LIGHT_POINT: return ty_check_point(context, "light.position", def->position);
+    case TY_LIGHT_POINT:
+        result = ty_check_point(context, "light.position", def->position);
+        return result == TY_OK ? ty_check_number(context, "light.radius", def->radius, 0, 1e9) : result;
     case TY_LIGHT_SPOT:
         result = ty_check_point(context, "light.position", def->position);
+        if (result == TY_OK) result = ty_check_number(context, "light.radius", def->radius, 0, 1e9);
         if (result == TY_OK) result = ty_check_direction(context, "light.direction", def->direction);
         if (result == TY_OK && !(def->cone > 0 && def->cone <= 180))
             result = ty_fail(context, TY_ERROR_ARGUMENT, "light.cone: %g is outside (0, 180]", def->cone);
@@ -126,19 +129,45 @@ bool ty_light_triangle_view(const ty_surface* surface, int32_t triangle, ty_ligh
     return out->color[0] > 0 || out->color[1] > 0 || out->color[2] > 0;
 }
 
+bool ty_light_is_surface(const ty_light_def* def) {
+    const bool local_light = def->kind == TY_LIGHT_POINT || def->kind == TY_LIGHT_SPOT;
+    return def->kind == TY_LIGHT_AREA || (local_light && def->radius > 0);
+}
+
+ty_shape_def ty_light_shape(const ty_light_def* def) {
+    ty_shape_def shape = ty_default_shape_def();
+    double radiance_per_color = 1;
+    if (def->kind != TY_LIGHT_AREA) {
+        shape.kind = TY_SHAPE_SPHERE;
+        shape.radius = def->radius;
+        radiance_per_color = 1 / (TY_PI_F64 * def->radius * def->radius); /* L = I / (pi r^2) */
+    }
+    for (int a = 0; a < 3; ++a) {
+        shape.origin[a] = def->position[a];
+        shape.u[a] = def->u[a];
+        shape.v[a] = def->v[a];
+        shape.albedo[a] = 0;
+        shape.emission[a] = (float)fmin((double)def->color[a] * radiance_per_color, TY_COLOR_MAX);
+    }
+    return shape;
+}
+
+void ty_light_set_cone(const ty_light_def* def, ty_light_view* view) {
+    const double half = def->cone * (TY_PI_F64 / 360);
+    view->cone = true;
+    view->direction = normalized(def->direction);
+    view->cos_outer = (float)cos(half);
+    view->cos_inner = (float)cos(half * (1 - def->penumbra));
+}
+
 ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* environment, ty_axis up) {
-    if (def->kind == TY_LIGHT_AREA) return ty_light_quad_view(def->position, def->u, def->v, def->color);
     ty_light_view view;
     memset(&view, 0, sizeof view);
     view.kind = (int32_t)def->kind;
     memcpy(view.color, def->color, sizeof view.color);
     view.position = to_vec(def->position);
-    if (def->kind == TY_LIGHT_DIRECTIONAL || def->kind == TY_LIGHT_SPOT) view.direction = normalized(def->direction);
-    if (def->kind == TY_LIGHT_SPOT) {
-        const double half = def->cone * (TY_PI_F64 / 360);
-        view.cos_outer = (float)cos(half);
-        view.cos_inner = (float)cos(half * (1 - def->penumbra));
-    }
+    if (def->kind == TY_LIGHT_DIRECTIONAL) view.direction = normalized(def->direction);
+    if (def->kind == TY_LIGHT_SPOT) ty_light_set_cone(def, &view);
     if (def->kind == TY_LIGHT_ENVIRONMENT) {
         view.environment = ty_environment_get_view(environment, up);
         memcpy(view.color, environment->mean, sizeof view.color);

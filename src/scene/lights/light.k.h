@@ -20,7 +20,7 @@ typedef struct ty_light_view {
     int32_t kind;
     float color[3];    /* irradiance, intensity or radiance; the mean if textured */
     ty_vec position;   /* point, spot; area, triangle: corner; sphere: center */
-    ty_vec direction;  /* directional, spot: direction of propagation; area, triangle: unit normal of the front */
+    ty_vec direction;  /* directional, cone: direction of propagation; area, triangle: unit normal of the front */
     ty_vec u, v;       /* area, triangle: edges */
     float area;        /* area, triangle: m^2 */
     int32_t two_sided; /* triangle: emits on both sides, otherwise on its front */
@@ -28,7 +28,8 @@ typedef struct ty_light_view {
     TY_GLOBAL const ty_surface* textured;
     int32_t primitive_id;       /* triangle: index in the mesh */
     float radius;               /* sphere */
-    float cos_outer, cos_inner; /* spot: smooth falloff from inner to outer */
+    int32_t cone;               /* sphere: nonzero for that of a spot */
+    float cos_outer, cos_inner; /* of a cone: smooth falloff from inner to outer */
     float typical;    /* unshadowed fluence at a typical distance, W m^-2; 0 for lights better hit than sampled */
     float reach2;     /* m^2; within this squared distance of a local light, media are bright */
     float chosen;     /* distant lights: probability of selection */
@@ -54,12 +55,15 @@ typedef struct ty_light_sample {
     float pdf;         /* 1/sr, given the light's selection; 0 for delta lights */
 } ty_light_sample;
 
-/* Radiance of a spot at cosine mu from its axis, relative to the axis: smoothstep in the cosine. */
+/* Light of a lamp at cosine mu from its axis, relative to the axis. */
 TY_FN float ty_spot_falloff(TY_GLOBAL const ty_light_view* light, float mu) {
-    if (mu <= light->cos_outer) return 0.0f;
-    if (mu >= light->cos_inner) return 1.0f;
-    const float x = (mu - light->cos_outer) / (light->cos_inner - light->cos_outer);
-    return x * x * (3.0f - 2.0f * x);
+    return ty_cone_falloff(light->cos_outer, light->cos_inner, mu);
+}
+
+/* The same of a lamp that may shine in all directions, seen along wi. */
+TY_FN float ty_light_falloff(TY_GLOBAL const ty_light_view* light, ty_vec wi) {
+    const bool cone = light->kind == TY_KIND_SPOT || light->cone != 0;
+    return cone ? ty_spot_falloff(light, -ty_dot(wi, light->direction)) : 1.0f;
 }
 
 /* Cosine of the half angle subtended by a sphere from outside, at squared distance d2. */
@@ -122,7 +126,7 @@ TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec fro
         const float off2 = d2 * (1.0f - mu) * (1.0f + mu);
         out->distance = d * mu - sqrtf(ty_maxf(0.0f, light->radius * light->radius - off2));
         out->pdf = 1.0f / (2.0f * TY_PI * cap);
-        return ty_light_set_rgb(out->radiance, light->color, 1.0f / out->pdf);
+        return ty_light_set_rgb(out->radiance, light->color, ty_light_falloff(light, out->wi) / out->pdf);
     }
     out->distance = sqrtf(d2);
     out->wi = ty_scale(to, 1.0f / out->distance);
@@ -135,9 +139,7 @@ TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec fro
         ty_surface_mean_emission(light->textured, light->primitive_id, b1, b2, emission);
         return ty_light_set_rgb(out->radiance, emission, 1.0f / out->pdf);
     }
-    const float falloff =
-        light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(out->wi, light->direction)) : 1.0f;
-    return ty_light_set_rgb(out->radiance, light->color, falloff / d2);
+    return ty_light_set_rgb(out->radiance, light->color, ty_light_falloff(light, out->wi) / d2);
 }
 
 /* Density of ty_light_sample_from, 1/sr, for the direction of a ray from `from` that hit a surface light (area,

@@ -22,6 +22,14 @@ static void bound_point(ty_light_bounds* bounds, ty_vec point) {
                                 ty_maxf(bounds->upper.z, point.z));
 }
 
+static void bound_cone(const ty_light_view* light, ty_light_bounds* out) {
+    out->axis = light->direction;
+    out->cos_o = light->cos_inner;
+    /* Cosine of outer - inner, the angle of the falloff. */
+    out->cos_e =
+        light->cos_inner * light->cos_outer + ty_light_sin_of(light->cos_inner) * ty_light_sin_of(light->cos_outer);
+}
+
 bool ty_light_get_bounds(const ty_light_view* light, ty_light_bounds* out) {
     *out = (ty_light_bounds){.lower = light->position,
                              .upper = light->position,
@@ -32,17 +40,12 @@ bool ty_light_get_bounds(const ty_light_view* light, ty_light_bounds* out) {
     const ty_vec radius = ty_vec_make(light->radius, light->radius, light->radius);
     switch (light->kind) {
     case TY_KIND_POINT: break;
-    case TY_KIND_SPOT:
-        out->axis = light->direction;
-        out->cos_o = light->cos_inner;
-        /* Cosine of outer - inner, the angle of the falloff. */
-        out->cos_e =
-            light->cos_inner * light->cos_outer + ty_light_sin_of(light->cos_inner) * ty_light_sin_of(light->cos_outer);
-        break;
+    case TY_KIND_SPOT: bound_cone(light, out); break;
     case TY_KIND_SPHERE:
         out->lower = ty_sub(light->position, radius);
         out->upper = ty_add(light->position, radius);
         out->power *= TY_PI * light->radius * light->radius;
+        if (light->cone != 0) bound_cone(light, out);
         break;
     case TY_KIND_AREA:
     case TY_KIND_TRIANGLE:

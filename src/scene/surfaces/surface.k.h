@@ -50,6 +50,21 @@ typedef struct ty_shape_face {
     float u[4], v[4], tangent[4];
 } ty_shape_face;
 
+/* The directions of a spot. */
+typedef struct ty_cone {
+    int32_t exists; /* 0: all directions */
+    ty_vec axis;    /* unit, the way the light travels */
+    float cos_outer, cos_inner;
+} ty_cone;
+
+/* Radiance of a spot at cosine mu from its axis, relative to the axis: smoothstep in the cosine. */
+TY_FN float ty_cone_falloff(float cos_outer, float cos_inner, float mu) {
+    if (mu <= cos_outer) return 0.0f;
+    if (mu >= cos_inner) return 1.0f;
+    const float x = (mu - cos_outer) / (cos_inner - cos_outer);
+    return x * x * (3.0f - 2.0f * x);
+}
+
 /* A shape, area light or mesh. */
 typedef struct ty_surface {
     float albedo[3];
@@ -73,6 +88,7 @@ typedef struct ty_surface {
     int32_t round;                           /* nonzero: the face is that of a sphere */
     TY_GLOBAL const ty_surface_gloss* gloss; /* NULL: Lambertian */
     float curvature;                         /* shapes: 1 / radius of a sphere, 1/m; else 0 */
+    ty_cone cone;                            /* shapes of lamps: of the emission */
 } ty_surface;
 
 /* Colour, emission and normals at a hit, as in ty_surface_point. */
@@ -215,7 +231,11 @@ TY_FN void ty_surface_evaluate_color(TY_GLOBAL const ty_surface* surface, const 
     const bool emits = front || surface->two_sided != 0;
     if (surface->indices == NULL) {
         out->light = surface->first_light >= 0 && emits ? surface->first_light + hit->primitive_id : -1;
-        for (int c = 0; c < 3 && out->light >= 0; ++c) out->emission[c] = surface->emission[c];
+        const float falloff = surface->cone.exists != 0
+                                  ? ty_cone_falloff(surface->cone.cos_outer, surface->cone.cos_inner,
+                                                    -ty_dot(surface->cone.axis, direction))
+                                  : 1.0f;
+        for (int c = 0; c < 3 && out->light >= 0; ++c) out->emission[c] = surface->emission[c] * falloff;
         if (surface->faces == NULL || !ty_texture_exists(&surface->albedo_texture)) return;
         ty_surface_hit_texture(surface, &surface->albedo_texture, 0, surface->albedo_map, hit, rgba);
         for (int c = 0; c < 3; ++c) out->albedo[c] = ty_minf(out->albedo[c] * rgba[c], 1.0f);

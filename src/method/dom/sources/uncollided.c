@@ -62,7 +62,7 @@ static void extend(const ty_dom_job* job, ty_light_fluence* uncollided) {
     const ty_light_view* light = &ty_scene_get_view(job->scene)->lights.lights[uncollided->sample.light];
     if (!job->is_narrow || uncollided->kind != TY_FLUENCE_POINT) return;
     if (light->kind == TY_KIND_AREA) uncollided->extent = light->area;
-    if (light->kind != TY_KIND_SPHERE) return;
+    if (light->kind != TY_KIND_SPHERE || light->cone != 0) return;
     uncollided->extent = TY_PI * light->radius * light->radius;
     uncollided->anchor = uncollided->sample.position = light->position;
     uncollided->sample.profile = TY_PROFILE_ISOTROPIC;

@@ -24,6 +24,7 @@ typedef struct moments_cell {
     double center[3];
     double unscattered[3], rest[3];
     double moments[TERMS]; /* of the luminance of `rest`, phi_lm */
+    double flux[3][3];     /* of the channels of `rest` */
 } moments_cell;
 
 static double mean_of(const ty_light_fluence* light, const float* const planes[3], int c, const ty_grid_box* box,
@@ -68,6 +69,10 @@ static void add_lamp(const moments_job* job, const ty_light_fluence* light, mome
     const double luminance = ty_luminance_f64(lobe);
     if (!(luminance > 0)) return;
     for (int a = 0; a < 3; ++a) along[a] = light->kind == TY_FLUENCE_POINT ? cell->center[a] - anchor[a] : anchor[a];
+    const double length = sqrt(along[0] * along[0] + along[1] * along[1] + along[2] * along[2]);
+    for (int c = 0; c < 3 && length > 0; ++c)
+        for (int a = 0; a < 3; ++a)
+            cell->flux[c][a] += (light->lobe_order > 0 ? lobe[c] : fmin(next[c], lobe[c])) * along[a] / length;
     add_lobe(cell, luminance, along, light->lobe_order + 1, fmin(ty_luminance_f64(next) / luminance, 1), 0);
 }
 
@@ -82,7 +87,10 @@ static void add_aggregate(const moments_job* job, const ty_light_fluence* light,
     if (!(luminance > 0)) return;
     for (int a = 0; a < 3; ++a) {
         const float* const planes[3] = {light->flux[0][a], light->flux[1][a], light->flux[2][a]};
-        for (int c = 0; c < 3; ++c) rgb[c] = mean_of(light, planes, c, &job->light->fine_box, cell->fine);
+        for (int c = 0; c < 3; ++c) {
+            rgb[c] = mean_of(light, planes, c, &job->light->fine_box, cell->fine);
+            cell->flux[c][a] += rgb[c];
+        }
         flux[a] = ty_luminance_f64(rgb);
     }
     const double cosine = fmin(sqrt(flux[0] * flux[0] + flux[1] * flux[1] + flux[2] * flux[2]) / luminance, 1);
@@ -92,6 +100,7 @@ static void add_aggregate(const moments_job* job, const ty_light_fluence* light,
 /* Collided light, or light from surfaces. Bands that were not kept are powers of the mean cosine. */
 static void add_moments(const ty_dom* light, float* const moments[3], moments_cell* cell) {
     const int32_t bands = light->output_bands < BANDS ? light->output_bands : BANDS;
+    static const int band_1[3] = {3, 1, 2}; /* x, y, z */
     double sums[3][TERMS] = {{0}}, found[TERMS];
     if (moments[0] == NULL) return;
     for (int c = 0; c < 3; ++c) {
@@ -99,6 +108,7 @@ static void add_moments(const ty_dom* light, float* const moments[3], moments_ce
         for (int32_t t = 0; t < bands * bands; ++t) planes[t] = ty_dom_plane(light, moments[light->shared ? 0 : c], t);
         ty_coverage_add(&light->box, cell->coarse, planes, bands * bands, (double)light->color[c], sums[c]);
         cell->rest[c] += TY_SQRT_4PI_F64 * sums[c][0];
+        for (int a = 0; a < 3; ++a) cell->flux[c][a] += TY_SQRT_4PI_F64 / sqrt(3) * sums[c][band_1[a]];
     }
     for (int32_t t = 0; t < bands * bands; ++t) {
         const double rgb[3] = {sums[0][t], sums[1][t], sums[2][t]};
@@ -109,6 +119,17 @@ static void add_moments(const ty_dom* light, float* const moments[3], moments_ce
     const double along[3] = {found[3], found[1], found[2]};
     const double flux = sqrt(along[0] * along[0] + along[1] * along[1] + along[2] * along[2]) / sqrt(3);
     add_lobe(cell, TY_SQRT_4PI_F64 * found[0], along, 1, fmin(flux / found[0], 1), bands);
+}
+
+/* Mean cosines of the channels with the flux of their luminance, which bands of index 1 have. */
+static void find_cosines(const moments_cell* cell, float out[3]) {
+    const double along[3] = {cell->moments[3], cell->moments[1], cell->moments[2]};
+    const double length = sqrt(along[0] * along[0] + along[1] * along[1] + along[2] * along[2]);
+    for (int c = 0; c < 3; ++c) {
+        double flux = 0;
+        for (int a = 0; a < 3; ++a) flux += cell->flux[c][a] * along[a];
+        out[c] = length > 0 && cell->rest[c] > 0 ? (float)(flux / (length * cell->rest[c])) : 0;
+    }
 }
 
 static void fill_row(void* user, int64_t row, int32_t worker) {
@@ -132,6 +153,7 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
             job->out->unscattered[3 * index + c] = cell.unscattered[c];
             job->out->rest[3 * index + c] = cell.rest[c];
         }
+        find_cosines(&cell, &job->out->cosines[3 * index]);
         for (size_t t = 0; t < TERMS; ++t) job->out->moments[TERMS * index + t] = (float)cell.moments[t];
     }
 }

@@ -1,6 +1,7 @@
 /* The lights' reflective shadow maps, traced or a caller's. */
 #include "base/context.h"
 #include "method/lpv/inject/inject.h"
+#include "scene/lights/light.h"
 
 /* Traces the map of one light over the coarsest cascade. */
 static ty_result trace(ty_lpv_job* job, int32_t index, int32_t side, bool reflective, ty_rsm** out) {
@@ -14,8 +15,8 @@ static int32_t side_of(const ty_light_view* light, int32_t side) {
     return light->kind == TY_KIND_POINT ? side * 2 / 5 + 1 : side;
 }
 
-static bool has_map(ty_light_kind kind) {
-    return kind == TY_LIGHT_DIRECTIONAL || kind == TY_LIGHT_POINT || kind == TY_LIGHT_SPOT;
+static bool has_map(const ty_light_def* light) {
+    return !ty_light_is_surface(light) && light->kind != TY_LIGHT_ENVIRONMENT;
 }
 
 /* index: of the light among the committed ones; map: the caller's, or NULL. */
@@ -51,13 +52,12 @@ ty_result ty_lpv_find_maps(ty_lpv_job* job) {
     light->source_capacity = count;
     if (light->sources == NULL) return TY_ERROR_MEMORY;
     ty_result result = TY_OK;
-    int32_t committed = 0; /* area lights are committed after all others */
+    int32_t committed = 0; /* lights that are surfaces are committed after all others */
     for (size_t i = 0; i < count && result == TY_OK; ++i) {
-        const ty_light_kind kind = scene->lights[i].kind;
-        if (has_map(kind))
+        if (has_map(&scene->lights[i]))
             result = find_map(job, committed, job->def->maps != NULL ? &job->def->maps[i] : NULL,
                               &light->sources[light->source_count++]);
-        committed += kind != TY_LIGHT_AREA;
+        committed += !ty_light_is_surface(&scene->lights[i]);
     }
     return result;
 }

@@ -21,7 +21,9 @@ static ty_vec center_of(const ty_light_view* light) {
 static float intensity_towards(const ty_light_view* light, ty_vec off) {
     const float color = light->color[0] + light->color[1] + light->color[2];
     if (light->kind == TY_KIND_ENVIRONMENT) return 3.0f * light->typical;
-    if (light->kind == TY_KIND_SPHERE) return color * TY_PI * light->radius * light->radius;
+    if (light->kind == TY_KIND_SPHERE)
+        return color * TY_PI * light->radius * light->radius *
+               ty_light_falloff(light, ty_scale(ty_normalize(off), -1.0f));
     if (light->kind != TY_KIND_AREA) return color;
     return color * light->area * ty_maxf(0.0f, ty_dot(ty_normalize(off), light->direction));
 }

@@ -57,7 +57,7 @@ static float cosine_of_area(const ordinate_list* list, ty_vec position, float ar
 static void add_surface_point(ordinate_list* list, const ty_discrete_light* source, float side) {
     ty_discrete_light* ordinate = append(list, source);
     const float offset = 1e-4f * list->longest_edge;
-    ordinate->profile = TY_PROFILE_COSINE;
+    if (source->profile != TY_PROFILE_SPOT) ordinate->profile = TY_PROFILE_COSINE;
     ordinate->direction = ty_scale(source->direction, side);
     ordinate->position = ty_mad(source->position, ordinate->direction, offset);
     ordinate->min_distance = ty_maxf(sqrtf(source->area / TY_PI), 1e-3f * list->longest_edge);
