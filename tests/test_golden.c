@@ -197,11 +197,11 @@ typedef struct golden {
 static const golden table[] = {
     {"path", hash_path, {0x3501547bd5d0ac53, 0xd1da618d25197ecd, 0xd1da618d25197ecd}},
     {"screen", hash_screen, {0x8f6b85b66741a6dd, 0x4762fb6f13246ca6, 0x3bb1bdcb3ddf4f6c}},
-    {"fld", hash_fld, {0x94cff3808bdb591b, 0xdfe27303cc362cf0, 0xdfe27303cc362cf0}},
-    {"pop", hash_pop, {0x53fd09d2d48193e9, 0x25f1aa39df9da148, 0x25f1aa39df9da148}},
-    {"dom", hash_dom, {0x709631c965010961, 0x574bc9bb90a336c1, 0x667dae5bff132f45}},
-    {"octaves", hash_octaves, {0x5e077b56d501c87d, 0xdacea00d1de44ce2, 0xdacea00d1de44ce2}},
-    {"lpv", hash_lpv, {0xbbb75dd7927c2694, 0xd25f1c38fc2f9ba2, 0xd25f1c38fc2f9ba2}},
+    {"fld", hash_fld, {0x4b44b8f42e90c67e, 0x95e29f350653b6d3, 0x95e29f350653b6d3}},
+    {"pop", hash_pop, {0x6e62bad9a2177e4a, 0xb47f6037b8c399f6, 0xb47f6037b8c399f6}},
+    {"dom", hash_dom, {0xc4053a5b9ba16f68, 0x30e1be7a54b8f305, 0xf0af78e77eadaf34}},
+    {"octaves", hash_octaves, {0x091b156b140d26b7, 0x8fbe43713367fea8, 0x8fbe43713367fea8}},
+    {"lpv", hash_lpv, {0x618843f82242a5c5, 0x27562524636cbac2, 0x27562524636cbac2}},
     {"bake", hash_bake, {0xe9c6909a97e6b588, 0xec255e4d04eb780a, 0xec255e4d04eb780a}},
 };
 

@@ -5,12 +5,14 @@
 
 static void read_all(ty_context* context, const char* path) {
     ty_volume_notes notes = {0};
+    const ty_volume_def def = ty_default_volume_def();
+    const ty_grid_plan plan = ty_volume_plan(&def);
     int32_t components = 0;
     ty_tiff_describe(context, path, &notes);
     if (ty_tiff_components(context, path, &components) != TY_OK) return;
     for (int32_t component = 0; component < components && component < 4; ++component) {
         ty_grid* grid = NULL;
-        if (ty_tiff_read(context, path, component, &grid) == TY_OK) ty_grid_release(grid);
+        if (ty_tiff_read(context, path, component, &plan, &grid) == TY_OK) ty_grid_release(grid);
     }
 }
 

@@ -240,7 +240,9 @@ static ty_result measure_screen(const bench_session* bench, const bench_contexts
 static const struct {
     const char* name;
     ty_result (*measure)(const bench_session* bench, const bench_contexts* all, bench_measurement* m);
-} others[] = {{"screen_scatter", measure_screen}, {"lpv_propagation", bench_measure_propagation}, {"dom_solve_64", bench_measure_ordinates}};
+} others[] = {{"screen_scatter", measure_screen},
+              {"lpv_propagation", bench_measure_propagation},
+              {"dom_solve_64", bench_measure_ordinates}};
 enum { OTHERS = sizeof others / sizeof *others };
 
 ty_result bench_device_programs(const bench_session* bench, const bench_contexts* all, int64_t* unlike) {
