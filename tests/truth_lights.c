@@ -118,7 +118,7 @@ static void lamps_with_a_radius_are_right(void** state) {
     add_light(scene, &light);
     commit(scene);
     const double per_radiance = 5 / (pi * 0.25 * 0.25);
-    for (int i = 0; i < 4; ++i)
+    for (int i = 0; i < (in_full() ? 4 : 3); ++i) /* the last one lies in the penumbra, and takes more samples */
         check("ball of a spot", scene, 0.3 + 0.3 * i, 0.4,
               per_radiance * sphere_irradiance(&light, 0.3 + 0.3 * i, 0.4));
     const estimate outside = irradiance_at(scene, 0.3, 0.4 - 2 * tan(pi / 5));
