@@ -46,12 +46,12 @@ def main():
         archive = os.path.join(folder, "tyndall_blender.zip")
         subprocess.run(["bash", os.path.join(source, "scripts", "blender_addon.sh"), archive], check=True, stdout=subprocess.DEVNULL)
         arguments = [os.path.join(source, "addons", "blender"), tyndall, folder]
+        result = run_blender(blender, os.path.join(scripts, "addon.py"), [archive, tyndall, folder], folder)
+        print("\n".join(f"ok {name}" for name in result))
         if "--full" in sys.argv:
             for row in run_blender(blender, os.path.join(scripts, "compare.py"), [*arguments, "256"], folder):
                 check_scene(row)
             return 0
-        result = run_blender(blender, os.path.join(scripts, "addon.py"), [archive, tyndall, folder], folder)
-        print("\n".join(f"ok {name}" for name in result))
         for row in run_blender(blender, os.path.join(scripts, "compare.py"), [*arguments, "16", "lamps", "fog", "cloud"], folder):
             check_scene(row)
     return 0

@@ -100,7 +100,7 @@ static void check(ty_context* context, double thickness, double g, double tolera
 }
 
 static void strongly_forward_fog_is_met(void** state) {
-    check(*state, 1, 0.97, 0.01, 15);
+    if (in_full()) check(*state, 1, 0.97, 0.01, 15);
     if (in_full()) check(*state, 2, 0.97, 0.02, 8);
     check(*state, 4, 0.97, 0.03, 4);
 }
@@ -109,7 +109,7 @@ static void strongly_forward_fog_is_met(void** state) {
 static void forward_fog_is_met_while_thin(void** state) {
     check(*state, 1, 0.9, 0.025, 4);
     if (in_full()) check(*state, 2, 0.9, 0.04, 2.5);
-    check(*state, 4, 0.9, 0.1, 0.5);
+    if (in_full()) check(*state, 4, 0.9, 0.1, 0.5);
 }
 
 int main(void) {

@@ -52,7 +52,7 @@ static void fluence_is_that_of_transport(void** state) {
     const double farthest = in_full() ? 6 : 2;
     for (size_t i = 0; i < sizeof source_cases / sizeof *source_cases; ++i) {
         const source_case* c = &source_cases[i];
-        if (c->tau > farthest) continue;
+        if (c->tau > farthest || (!in_full() && i % 2 == 1)) continue;
         char name[64];
         snprintf(name, sizeof name, "point source, albedo %g, tau %g", c->albedo, c->tau);
         assert_close(name, measure_source(*state, c->albedo, c->tau, 256, in_full() ? 2 * c->spp : c->spp / 2),

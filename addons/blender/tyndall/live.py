@@ -210,7 +210,7 @@ class Renders:
         size = [max(s // divisor, 1) for s in self.size]
         run = process.Run(self.program, ["render", path, "-o", out, "--method", self.method, "--size", f"{size[0]}x{size[1]}"], folder)
         while run.is_running():
-            run.reader.join(0.05)
+            run.readers[0].join(0.05)
             if self.closed or wanted != self.wanted:
                 run.process.kill()
         if run.finish() != 0:
