@@ -156,11 +156,8 @@ static ty_result show_twice(ty_context* context, void* user) {
 static void memory_may_run_out(void** state) {
     (void)state;
     strict_memory memory = {.limit = 1 << 28, .until_refusal = -1};
-    ty_context* context = strict_device_context(&memory, "host");
-    ty_device* device = NULL;
-    ty_scene* scene = NULL;
-    assert_int_equal(ty_context_device(context, &device), TY_OK);
-    assert_int_equal(ty_scene_load(context, "builtin:cube_g0", NULL, 0, &scene), TY_OK);
+    ty_scene* scene = strict_scene_on_host(&memory, "builtin:cube_g0");
+    ty_context* context = ty_scene_context(scene);
     show_twice(context, scene); /* the list of pieces stays */
     assert_true(check_short_memory(context, &memory, show_twice, scene) > 10);
     ty_scene_destroy(scene);

@@ -6,6 +6,7 @@
  * arbitrary: an odd axis ends with a coarse cell of one child. Axes with long cells are coarsened later than those with
  * short ones (semicoarsening). */
 #include "solve/diffusion/divided/divided.h"
+#include "solve/diffusion/images.h"
 
 #include <string.h>
 
@@ -191,7 +192,7 @@ void ty_multigrid_coarsen(ty_diffusion_job* job, int32_t first) {
             ty_divided_gather(job, (float*[]){coarse->d, coarse->g[0], coarse->g[1], coarse->g[2]}, 4, true);
         else
             ty_divided_exchange(job, &coarse->box, &coarse->g[1], 2);
-        ty_divided_couple_images(job, coarse);
+        ty_diffusion_couple_images(job, coarse);
         ty_solve_count(job, &p.fine->box, 1);
     }
 }

@@ -5,6 +5,7 @@
 #include "comm/regroup.h"
 #include "solve/diffusion/cells.k.h"
 #include "solve/diffusion/divided/divided.h"
+#include "solve/diffusion/images.h"
 
 #include <math.h>
 #include <string.h>
@@ -242,7 +243,7 @@ static void set_up_operator(ty_dsa* dsa) {
     for (int64_t row = 0, side = 0; side < dsa->walls->count; ++row)
         for (; side < dsa->walls->first[row + 1]; ++side) close_face(dsa, (int32_t)side, row);
     job->levels[0].diffusivity = NULL;
-    ty_divided_couple_images(job, &job->levels[0]);
+    ty_diffusion_couple_images(job, &job->levels[0]);
     if (dsa->domain != NULL)
         set_up_whole(dsa);
     else

@@ -1,5 +1,7 @@
 #include "solve/diffusion/divided/divided.h"
 
+#include "solve/diffusion/images.h"
+
 #include <string.h>
 
 /* A level of at most so many cells is whole on every rank: there messages would take longer than the cells. */
@@ -151,44 +153,9 @@ static ty_halo halo_of(const ty_box* box, void* origin, size_t item) {
     return (ty_halo){origin, item, {1, box->row, box->plane}};
 }
 
-/* Copies the cells at the opposite faces to the ghosts along one axis of a grid that repeats. */
-static void wrap_axis(const ty_box* box, int axis, char* origin, size_t item) {
-    const ptrdiff_t steps[3] = {1, box->row, box->plane}, across = steps[axis] * box->size[axis];
-    const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-    const ptrdiff_t bytes = (ptrdiff_t)item;
-    for (int32_t j = 0; j < box->size[v]; ++j)
-        for (int32_t i = 0; i < box->size[u]; ++i) {
-            char* first = origin + bytes * (steps[u] * i + steps[v] * j);
-            memcpy(first - bytes * steps[axis], first + bytes * (across - steps[axis]), item);
-            memcpy(first + bytes * across, first, item);
-        }
-}
-
-static void wrap(const ty_diffusion_job* job, const ty_box* box, void* origin, size_t item) {
-    for (int a = 0; a < 3; ++a)
-        if ((job->def->periodic >> a & 1) != 0) wrap_axis(box, a, origin, item);
-}
-
-void ty_divided_couple_images(const ty_diffusion_job* job, const ty_level* level) {
-    const ty_box* box = &level->box;
-    const ptrdiff_t steps[3] = {1, box->row, box->plane};
-    for (int axis = 0; axis < 3; ++axis) {
-        if ((job->def->periodic >> axis & 1) == 0) continue;
-        const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-        const ptrdiff_t across = steps[axis] * box->size[axis];
-        for (int32_t j = 0; j < box->size[v]; ++j)
-            for (int32_t i = 0; i < box->size[u]; ++i) {
-                float* first = level->g[axis] + steps[u] * i + steps[v] * j;
-                if (box->size[axis] == 1) *first = 0;
-                first[across] = *first;
-            }
-    }
-}
-
 void ty_divided_exchange(const ty_diffusion_job* job, const ty_box* box, float* const* arrays, int32_t count) {
-    for (int32_t i = 0; i < count && job->def->periodic != 0; ++i) wrap(job, box, arrays[i], sizeof(float));
-    if (job->domain == NULL) return;
-    if (box->cut == 0) return;
+    for (int32_t i = 0; i < count; ++i) ty_diffusion_wrap(job, box, arrays[i], sizeof(float));
+    if (job->domain == NULL || box->cut == 0) return;
     ty_halo halos[TY_GATHERED_MAX];
     for (int32_t i = 0; i < count; ++i) halos[i] = halo_of(box, arrays[i], sizeof(float));
     ty_domain_exchange(job->domain, box->size, halos, count);
@@ -196,10 +163,9 @@ void ty_divided_exchange(const ty_diffusion_job* job, const ty_box* box, float* 
 
 void ty_divided_exchange_fluence(const ty_diffusion_job* job, const ty_box* box, void* phi, float* diffusivity) {
     const size_t item = job->def->solver == TY_DIFFUSION_SOR_FLOAT ? sizeof(float) : sizeof(double);
-    if (job->def->periodic != 0) wrap(job, box, phi, item);
-    if (job->def->periodic != 0 && diffusivity != NULL) wrap(job, box, diffusivity, sizeof(float));
-    if (job->domain == NULL) return;
-    if (box->cut == 0) return;
+    ty_diffusion_wrap(job, box, phi, item);
+    if (diffusivity != NULL) ty_diffusion_wrap(job, box, diffusivity, sizeof(float));
+    if (job->domain == NULL || box->cut == 0) return;
     const ty_halo halos[2] = {halo_of(box, phi, item), halo_of(box, diffusivity, sizeof(float))};
     ty_domain_exchange(job->domain, box->size, halos, diffusivity != NULL ? 2 : 1);
 }

@@ -1,6 +1,7 @@
 /* A grid divided among ranks (comm/domain.h): each has a box of the finest levels, with a layer of its neighbours'
  * cells, and all have the coarser ones whole. Rows along x are not cut, so that loops over them are those of one rank;
- * what a cell gets does not depend on the cuts. Without a domain all calls do nothing. */
+ * what a cell gets does not depend on the cuts. Without a domain calls do nothing, but that exchanges fill in the
+ * images of a grid that repeats (solve/diffusion/images.h). */
 #ifndef TY_SOLVE_DIFFUSION_DIVIDED_DIVIDED_H
 #define TY_SOLVE_DIFFUSION_DIVIDED_DIVIDED_H
 
@@ -25,9 +26,6 @@ bool ty_divided_gathers(const ty_diffusion_job* job, int32_t i);
 void ty_divided_exchange(const ty_diffusion_job* job, const ty_box* box, float* const* arrays, int32_t count);
 /* The same of the fluence, of the solver's type, and of D, unless it is NULL. */
 void ty_divided_exchange_fluence(const ty_diffusion_job* job, const ty_box* box, void* phi, float* diffusivity);
-/* The coupling across the faces where a grid repeats, from that through the lower ones; none to itself of a cell that
- * is alone along an axis. */
-void ty_divided_couple_images(const ty_diffusion_job* job, const ty_level* level);
 /* Brings the parts of the first whole level together, with or without ghosts: at most TY_GATHERED_MAX arrays. */
 enum { TY_GATHERED_MAX = 4 };
 void ty_divided_gather(const ty_diffusion_job* job, float* const* arrays, int32_t count, bool with_ghosts);
